@@ -1,0 +1,1 @@
+"""cyclemap: the push-then-drag-back data-collection loop of a robot as a map of the circle."""

@@ -1,0 +1,17 @@
+"""The errors cyclemap raises: one base, and the few kinds a caller may want to tell apart."""
+
+
+class CycleMapError(Exception):
+    """Base of every error that cyclemap raises on purpose."""
+
+
+class InvalidInput(CycleMapError, ValueError):
+    """A value that cannot be used: the message names the value and says what to do about it."""
+
+
+class DataFileError(InvalidInput):
+    """A file that cannot be read as what it should be: the message names the file, the place and the mend."""
+
+
+class ConvergenceError(CycleMapError, ArithmeticError):
+    """A computation that could not reach its stated tolerance: the message carries the residual."""

@@ -1,0 +1,117 @@
+"""The equations of a pushed or dragged slider, as CasADi functions: residual, Newton step, contact force, tangent.
+
+All are quasi-static balances of the contact force with the footprint's friction, grad D(V) = W, in the slider's frame,
+about its origin, for a rod that moves by unit length (Lynch, Maekawa & Tanie 1992; Ma & Rodriguez 2018):
+
+- stick: the contact point moves with the rod, v_c = u, and a free spin omega minimises D (no torque about the contact).
+- slide: the contact force lies on the friction cone's edge, f ~ -n + smu t, and v_c = -n + tau t for a unit approach;
+  omega and tau are unknown. As D is homogeneous the true twist is that one times the approach speed -n.u, so that the
+  equations stay well-conditioned up to the moment when the rod leaves.
+
+n is the outward normal at angle `normal`, t = z x n; smu is the signed pusher friction: positive when the rod slides
+along +t over the slider.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+
+from cyclemap.mechanics.footprint import Footprint
+from cyclemap.mechanics.patch_integrals import PatchExpressions, patch_expressions
+
+# The order of the equations' arguments; lengths in footprint extents, angles in rad.
+ARGUMENTS = ("theta", "rod_direction", "x", "y", "normal", "smu", "mu_a", "mu_b", "m0", "n0", "phi")
+
+
+@dataclass(frozen=True)
+class ContactFunctions:
+    """Functions (unknowns, arguments) of one footprint in one regime (near or far centre of rotation).
+
+    `stick`: omega -> (residual, step, f_n, f_t, far); `slide`: (omega, tau) -> (two residuals, two steps, f_n, f_t,
+    far); f_n, f_t: compression and tangential force on the slider per unit load. `stick_tangent` (1, 11) and
+    `slide_tangent` (2, 11): derivatives of the solution by the arguments.
+    """
+
+    stick: ca.Function
+    slide: ca.Function
+    stick_tangent: ca.Function
+    slide_tangent: ca.Function
+
+
+@dataclass(frozen=True)
+class _Balance:
+    """Symbols and residuals of one set of equations."""
+
+    unknowns: ca.SX
+    arguments: ca.SX
+    patch: PatchExpressions
+    residual: ca.SX
+    jacobian: ca.SX
+    normal_force: ca.SX
+    tangential_force: ca.SX
+
+
+@lru_cache(maxsize=64)
+def contact_functions(footprint: Footprint, near: bool) -> ContactFunctions:
+    """Build the functions of a normalised footprint (extent one)."""
+    stick, slide = _stick_balance(footprint, near), _slide_balance(footprint, near)
+    return ContactFunctions(_solver(stick), _solver(slide), _tangent(stick), _tangent(slide))
+
+
+def _stick_balance(footprint: Footprint, near: bool) -> _Balance:
+    omega, q = ca.SX.sym("omega"), ca.SX.sym("arguments", len(ARGUMENTS))
+    theta, direction, x, y, normal = (q[i] for i in range(5))
+    rod = ca.vertcat(ca.cos(direction - theta), ca.sin(direction - theta))
+    patch = _patch(footprint, rod, omega, q, near)
+    # Spin about the contact: V(omega) = (u - omega z x c, omega).
+    spin = ca.vertcat(y, -x, 1)
+    gradient = ca.vertcat(patch.force, patch.torque)
+    return _balance(omega, q, patch, ca.dot(spin, gradient), spin.T @ patch.hessian @ spin, normal)
+
+
+def _slide_balance(footprint: Footprint, near: bool) -> _Balance:
+    z, q = ca.SX.sym("unknowns", 2), ca.SX.sym("arguments", len(ARGUMENTS))
+    x, y, normal, smu = q[2], q[3], q[4], q[5]
+    n, t = ca.vertcat(ca.cos(normal), ca.sin(normal)), ca.vertcat(-ca.sin(normal), ca.cos(normal))
+    patch = _patch(footprint, -n + z[1] * t, z[0], q, near)
+    spin, slip = ca.vertcat(y, -x, 1), ca.vertcat(t, 0)
+    # Perpendicular to the cone's edge -n + smu t.
+    across = ca.vertcat(t + smu * n, 0)
+    gradient = ca.vertcat(patch.force, patch.torque)
+    rows = ca.horzcat(spin, across).T
+    return _balance(z, q, patch, rows @ gradient, rows @ patch.hessian @ ca.horzcat(spin, slip), normal)
+
+
+def _patch(footprint: Footprint, contact_velocity: ca.SX, omega: ca.SX, q: ca.SX, near: bool) -> PatchExpressions:
+    x, y = q[2], q[3]
+    velocity = contact_velocity + omega * ca.vertcat(y, -x)
+    return patch_expressions(footprint, ca.vertcat(velocity, omega), q[6:11], q[0], near)
+
+
+def _balance(
+    unknowns: ca.SX, q: ca.SX, patch: PatchExpressions, residual: ca.SX, jacobian: ca.SX, normal: ca.SX
+) -> _Balance:
+    fx, fy = patch.force[0], patch.force[1]
+    c, s = ca.cos(normal), ca.sin(normal)
+    return _Balance(unknowns, q, patch, residual, jacobian, -(c * fx + s * fy), c * fy - s * fx)
+
+
+def _solver(balance: _Balance) -> ca.Function:
+    if balance.unknowns.shape[0] == 1:
+        step = -balance.residual / balance.jacobian
+    else:
+        (a, b), (c, d) = ((balance.jacobian[i, j] for j in (0, 1)) for i in (0, 1))
+        r, s = balance.residual[0], balance.residual[1]
+        step = -ca.vertcat(d * r - b * s, a * s - c * r) / (a * d - b * c)
+    outputs = ca.vertcat(
+        balance.residual, step, balance.normal_force, balance.tangential_force, balance.patch.far
+    )
+    return ca.Function("balance", [balance.unknowns, balance.arguments], [balance.patch.substituted(outputs)])
+
+
+def _tangent(balance: _Balance) -> ca.Function:
+    """Implicit function theorem: d unknowns / d arguments = -(d residual / d unknowns)^-1 d residual / d arguments."""
+    by_arguments = ca.jacobian(balance.residual, balance.arguments)
+    tangent = -ca.solve(balance.jacobian, by_arguments)
+    return ca.Function("tangent", [balance.unknowns, balance.arguments], [balance.patch.substituted(tangent)])

@@ -1,0 +1,225 @@
+"""Footprints: how the slider's weight is spread over its underside."""
+
+import csv
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cyclemap.checks import finite_array, point
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
+
+# Gauss points a direction where the centre of rotation is far: exact to rounding there (tests/mechanics).
+_FAR_ORDER = 6
+
+
+@dataclass(frozen=True)
+class PatchFootprint:
+    """Pressure over the whole area of an outline, exact, without a grid: even, or a plane that leans.
+
+    The pressure is proportional to 1 + gradient . (r - centroid). A rigid object on even ground whose centre of mass
+    is not its centroid leans just so that the centre of pressure lies under it (`under`).
+
+    Parameters
+    ----------
+    outline : what touches the ground.
+    gradient : 1/m; the pressure must not be negative anywhere (InvalidInput).
+    """
+
+    outline: Outline
+    gradient: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "gradient", point("pressure gradient", self.gradient))
+        rim = self.outline.points(720) - self.outline.centroid
+        least = 1.0 + float((rim @ self.gradient).min())
+        if least < 0.0:
+            raise InvalidInput(
+                f"the pressure gradient {self.gradient} 1/m lifts the outline off the ground (pressure {least:.3g} of "
+                "the mean at the rim): bring the centre of mass nearer to the centroid, or give support points"
+            )
+
+    @classmethod
+    def under(cls, outline: Outline, centre_of_mass: tuple[float, float]) -> "PatchFootprint":
+        """Return the footprint whose centre of pressure is the given centre of mass (m)."""
+        lever = np.subtract(centre_of_mass, outline.centroid)
+        if np.hypot(*lever) <= 1e-12 * outline.extent:
+            return cls(outline)
+        gx, gy = np.linalg.solve(cls(outline).second_moments, lever)
+        return cls(outline, (float(gx), float(gy)))
+
+    @cached_property
+    def second_moments(self) -> NDArray[np.float64]:
+        """Mean of (r - centroid)(r - centroid)^T over the area, (2, 2), m^2."""
+        points, weights = _area_quadrature(self.outline)
+        lever = points - self.outline.centroid
+        return np.asarray(np.einsum("k,ki,kj->ij", weights, lever, lever))
+
+    @cached_property
+    def centre(self) -> tuple[float, float]:
+        """Centre of pressure, m."""
+        x, y = self.outline.centroid + self.second_moments @ self.gradient
+        return float(x), float(y)
+
+    @property
+    def extent(self) -> float:
+        """Largest distance of the outline from its centroid, m."""
+        return self.outline.extent
+
+    @cached_property
+    def quadrature(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Points (k, 2), m, and shares of the load (k,), exact for polynomials up to degree 10."""
+        points, weights = _area_quadrature(self.outline)
+        return points, weights * (1.0 + (points - self.outline.centroid) @ np.array(self.gradient))
+
+
+@dataclass(frozen=True)
+class PointFootprint:
+    """Weight carried by points: positions (k, 2), m, and their shares of the load, positive, scaled to sum one.
+
+    >>> PointFootprint(((0.0, 0.0), (2.0, 0.0)), (1.0, 3.0)).centre
+    (1.5, 0.0)
+    """
+
+    positions: tuple[tuple[float, float], ...]
+    weights: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        positions = finite_array("support points", self.positions, last=2)
+        weights = finite_array("support weights", self.weights)
+        if positions.ndim != 2 or weights.shape != positions.shape[:1]:
+            raise InvalidInput(f"support points (k, 2) and weights (k,) do not match: {positions.shape}, {weights.shape}")
+        if np.any(weights < 0.0) or not weights.sum() > 0.0:
+            raise InvalidInput(f"support weights must not be negative and not all zero: the least is {weights.min()}")
+        loaded = weights > 0.0
+        positions, weights = positions[loaded], weights[loaded]
+        if np.ptp(positions, axis=0).max() == 0.0:
+            raise InvalidInput("a footprint needs two support points apart: one point alone resists no turning")
+        object.__setattr__(self, "positions", tuple(map(tuple, positions.tolist())))
+        object.__setattr__(self, "weights", tuple((weights / weights.sum()).tolist()))
+
+    @cached_property
+    def quadrature(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Points (k, 2), m, and weights (k,) that sum to one."""
+        return np.array(self.positions), np.array(self.weights)
+
+    @cached_property
+    def centre(self) -> tuple[float, float]:
+        """Centre of pressure, m."""
+        points, weights = self.quadrature
+        x, y = weights @ points
+        return float(x), float(y)
+
+    @cached_property
+    def extent(self) -> float:
+        """Largest distance of loaded points from the centre of pressure, m."""
+        return float(np.hypot(*(self.quadrature[0] - self.centre).T).max())
+
+
+Footprint = PatchFootprint | PointFootprint
+
+
+def grid_footprint(outline: Outline, count: int) -> PointFootprint:
+    """Return the paper's footprint: the centres of `count` x `count` cells of the bounding box, where inside, alike.
+
+    Ma & Rodriguez (2018) use count = 8.
+
+    >>> len(grid_footprint(Ellipse(1.0, 1.0), 4).positions)
+    12
+    """
+    if isinstance(count, bool) or not isinstance(count, int) or count < 2:
+        raise InvalidInput(f"a grid footprint needs at least 2 points a side, not {count!r}")
+    corners = outline.points(4)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    share = (np.arange(count) + 0.5) / count
+    x, y = np.meshgrid(low[0] + share * (high[0] - low[0]), low[1] + share * (high[1] - low[1]), indexing="ij")
+    cells = np.stack([x.ravel(), y.ravel()], axis=-1)
+    inside = cells[outline.contains(cells)]
+    if len(inside) < 2:
+        raise InvalidInput(f"a {count} x {count} grid has {len(inside)} points inside the outline: make it finer")
+    return PointFootprint(tuple(map(tuple, inside.tolist())), (1.0,) * len(inside))
+
+
+def corner_footprint(outline: Polygon) -> PointFootprint:
+    """Return the footprint of an object that stands on its corners, the same load on each."""
+    return PointFootprint(outline.vertices, (1.0,) * outline.sides)
+
+
+def load_footprint(path: str | Path) -> PointFootprint:
+    """Read support points from a CSV file with the columns x_mm, y_mm, weight (object frame).
+
+    Raises DataFileError, naming file and line, for a missing file or column, or a row that is not three numbers.
+    """
+    rows = []
+    try:
+        with Path(path).open(newline="", encoding="utf-8") as file:
+            reader = csv.DictReader(file)
+            if not {"x_mm", "y_mm", "weight"} <= set(reader.fieldnames or ()):
+                raise DataFileError(f"{path}: a footprint needs the columns x_mm, y_mm, weight, not {reader.fieldnames}")
+            for row in reader:
+                rows.append(_footprint_row(row, f"{path}: line {reader.line_num}"))
+    except (OSError, UnicodeDecodeError, csv.Error) as cause:
+        raise DataFileError(f"{path}: not a readable CSV file: {cause}") from cause
+    table = np.array(rows).reshape(-1, 3)
+    try:
+        return PointFootprint(tuple(map(tuple, (table[:, :2] * 1e-3).tolist())), tuple(table[:, 2].tolist()))
+    except InvalidInput as cause:
+        raise DataFileError(f"{path}: {cause}") from cause
+
+
+def _footprint_row(row: dict[str, str], where: str) -> tuple[float, float, float]:
+    try:
+        x, y, weight = (float(row[key]) for key in ("x_mm", "y_mm", "weight"))
+    except (TypeError, ValueError) as cause:
+        raise DataFileError(f"{where}: a footprint row must hold three numbers, not {row}") from cause
+    return x, y, weight
+
+
+def parse_footprint(text: str, outline: Outline) -> Footprint:
+    """Return the footprint that a word names: `exact`, `grid:N`, `corners`, or the path of a CSV file.
+
+    >>> parse_footprint("grid:8", Polygon(((0, 0), (1, 0), (1, 1)))).positions[0]
+    (0.1875, 0.0625)
+    """
+    if text == "exact":
+        return PatchFootprint(outline)
+    if text == "corners" and isinstance(outline, Polygon):
+        return corner_footprint(outline)
+    if text.startswith("grid:") and text[5:].isdecimal():
+        return grid_footprint(outline, int(text[5:]))
+    if text.endswith(".csv"):
+        return load_footprint(text)
+    raise InvalidInput(f"footprint {text!r} is none of: exact, grid:N, corners (polygons), FILE.csv")
+
+
+def _area_quadrature(outline: Outline) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    return _ellipse_quadrature(outline) if isinstance(outline, Ellipse) else _polygon_quadrature(outline)
+
+
+def _polygon_quadrature(polygon: Polygon) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Collapsed Gauss rules on the signed fan of triangles from vertex 0 (two weights may differ in sign)."""
+    node, weight = np.polynomial.legendre.leggauss(_FAR_ORDER)
+    s, t = np.meshgrid((node + 1.0) / 2.0, (node + 1.0) / 2.0, indexing="ij")
+    share = np.outer(weight, weight) / 4.0 * s
+    apex, points, weights = polygon.array[0], [], []
+    for a, b in zip(polygon.array[1:-1], polygon.array[2:], strict=True):
+        e, f = a - apex, b - apex
+        points.append(apex + s[..., None] * e + (s * t)[..., None] * (f - e))
+        weights.append(share * (e[0] * f[1] - e[1] * f[0]) / polygon.area)
+    return np.concatenate([p.reshape(-1, 2) for p in points]), np.concatenate([w.ravel() for w in weights])
+
+
+def _ellipse_quadrature(ellipse: Ellipse) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Gauss rule in the squared radius, equal angles around."""
+    count = 2 * _FAR_ORDER + 4
+    node, weight = np.polynomial.legendre.leggauss(_FAR_ORDER + 2)
+    radius, angle = np.meshgrid(
+        np.sqrt((node + 1.0) / 2.0), np.arange(count) * 2.0 * math.pi / count, indexing="ij"
+    )
+    points = np.stack([ellipse.semi_x * radius * np.cos(angle), ellipse.semi_y * radius * np.sin(angle)], axis=-1)
+    weights = np.repeat(weight / 2.0 / count, count)
+    return points.reshape(-1, 2), weights

@@ -1,0 +1,181 @@
+"""Dissipation of a footprint as CasADi expressions: its value, force, torque and second derivatives.
+
+A footprint that moves with the twist (v, omega) in its own frame dissipates, per unit load, the mean of
+h(M (v + omega z x r)) over its pressure. With w(r) = M (v + omega z x r) the centred part is the mean of |w|, and w
+maps the patch to a patch of the velocity plane, where the divergence theorem leaves integrals around the rim:
+
+    int |w|          = 1/3 rim |w| (w.n)            int w_i |w|        = 1/4 rim w_i |w| (w.n)
+    int grad |w|     = rim |w| n                    int w_i grad |w|   = rim w_i |w| n - e_i int |w|
+    int hess |w|     = rim (w/|w|) n^T              int w_i hess |w|   = rim w_i (w/|w|) n^T - int (w/|w|) e_i^T
+
+(the second column where the pressure leans). The rest of gradient and Hessian follows from homogeneity:
+D = V . grad D and hess D . V = 0. Along straight sides the rim integrals are closed; around an ellipse they are Gauss
+sums, graded towards the centre of rotation. All of this cancels when the centre of rotation is far away (omega -> 0);
+there a plain quadrature of the area is exact to rounding.
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from cyclemap.mechanics.footprint import Footprint, PatchFootprint
+from cyclemap.mechanics.outline import Polygon
+from cyclemap.mechanics.rim import Rim, ellipse_rim, polygon_rim
+
+# Distance of the centre of rotation over the patch's extent, both in the velocity plane, beyond which the area
+# quadrature has more digits than the rim integrals (tests/mechanics/test_patch_integrals.py measures both).
+FAR_RATIO = 8.0
+
+# Keeps quotients finite where a support point is the centre of rotation.
+_TINY = 1e-150
+
+
+@dataclass(frozen=True)
+class PatchExpressions:
+    """Expressions of one footprint in its own frame, about the frame's origin, per unit load.
+
+    `dissipation`; `force` (2, 1) and `torque`, its derivatives by v and omega; `hessian` (3, 3) by (vx, vy, omega);
+    `far`: distance of the centre of rotation over the patch's extent, in the velocity plane (inf in translation).
+    `frozen`: pairs (symbol, expression) of quadrature nodes, to be substituted after any differentiation, since the
+    integrals do not depend on where their nodes are.
+    """
+
+    dissipation: ca.SX
+    force: ca.SX
+    torque: ca.SX
+    hessian: ca.SX
+    far: ca.SX
+    frozen: tuple[tuple[ca.SX, ca.SX], ...] = ()
+
+    def substituted(self, expression: ca.SX) -> ca.SX:
+        """Return an expression with the frozen symbols replaced by what they stand for."""
+        for symbol, value in self.frozen:
+            expression = ca.substitute(expression, symbol, value)
+        return expression
+
+
+@dataclass(frozen=True)
+class _Means:
+    """Means over the pressure: |w|, its gradient and its Hessian in the velocity plane."""
+
+    speed: ca.SX
+    direction: ca.SX
+    curvature: ca.SX
+
+
+def traction_matrix(mu_a: ca.SX, mu_b: ca.SX, angle: ca.SX) -> ca.SX:
+    """Return M with s = |M v|, for a material whose first axis stands at `angle` in the frame of v."""
+    c, s = ca.cos(angle), ca.sin(angle)
+    return ca.blockcat([[mu_a * c, mu_a * s], [-mu_b * s, mu_b * c]])
+
+
+def patch_expressions(footprint: Footprint, twist: ca.SX, friction: ca.SX, frame: ca.SX, near: bool) -> PatchExpressions:
+    """Return a footprint's dissipation and its derivatives at a `twist` (vx, vy, omega) of its own frame.
+
+    Parameters
+    ----------
+    footprint : its lengths in the unit of length that the twist uses.
+    friction : the expressions (mu_a, mu_b, m0, n0, phi); `frame`: the angle of the footprint's frame, rad.
+    near : rim integrals, for centres of rotation within FAR_RATIO; False: area quadrature, for those beyond.
+        Point footprints are summed either way.
+    """
+    mu_a, mu_b, m0, n0, phi = ca.vertsplit(friction)
+    matrix = traction_matrix(mu_a, mu_b, phi - frame)
+    velocity, omega = twist[:2], twist[2]
+    centre = ca.DM(footprint.centre)
+    at_centre = velocity + omega * _quarter_turn(centre)
+    frozen: tuple[tuple[ca.SX, ca.SX], ...] = ()
+    if near and isinstance(footprint, PatchFootprint):
+        rim, frozen = _rim(footprint, velocity, omega, matrix)
+        centred = _from_rim(footprint, rim, velocity, omega, matrix, mu_a * mu_b)
+    else:
+        centred = _from_points(footprint, velocity, omega, matrix)
+    # The ellipse's centre (m0, n0) acts as one constant force at the centre of pressure.
+    c, s = ca.cos(phi - frame), ca.sin(phi - frame)
+    constant = ca.vertcat(c * m0 - s * n0, s * m0 + c * n0)
+    dissipation, force, torque, hessian = centred
+    return PatchExpressions(
+        dissipation + ca.dot(constant, at_centre),
+        force + constant,
+        torque + ca.dot(constant, _quarter_turn(centre)),
+        hessian,
+        _norm(matrix @ at_centre) / (ca.fabs(omega) * ca.fmax(mu_a, mu_b) * footprint.extent),
+        frozen,
+    )
+
+
+def _quarter_turn(vector: ca.SX) -> ca.SX:
+    return ca.vertcat(-vector[1], vector[0])
+
+
+def _norm(vector: ca.SX) -> ca.SX:
+    return ca.sqrt(vector[0] ** 2 + vector[1] ** 2)
+
+
+_Centred = tuple[ca.SX, ca.SX, ca.SX, ca.SX]
+
+
+def _from_points(footprint: Footprint, velocity: ca.SX, omega: ca.SX, matrix: ca.SX) -> _Centred:
+    """Dissipation, force, torque and Hessian as sums over points."""
+    points, weights = footprint.quadrature
+    x, y, share = ca.DM(points[:, 0]), ca.DM(points[:, 1]), ca.DM(weights)
+    vx, vy = velocity[0] - omega * y, velocity[1] + omega * x
+    wx, wy = matrix[0, 0] * vx + matrix[0, 1] * vy, matrix[1, 0] * vx + matrix[1, 1] * vy
+    speed = ca.sqrt(wx * wx + wy * wy + _TINY**2)
+    # Each point's force, and the direction in which |w| curves: B = (d w / d twist)^T w_perp / |w|.
+    along_x, along_y = wx / speed, wy / speed
+    fx = matrix[0, 0] * along_x + matrix[1, 0] * along_y
+    fy = matrix[0, 1] * along_x + matrix[1, 1] * along_y
+    bx = matrix[1, 0] * along_x - matrix[0, 0] * along_y
+    by = matrix[1, 1] * along_x - matrix[0, 1] * along_y
+    across = ca.horzcat(bx, by, x * by - y * bx)
+    hessian = across.T @ (ca.repmat(share / speed, 1, 3) * across)
+    return ca.dot(share, speed), ca.vertcat(ca.dot(share, fx), ca.dot(share, fy)), ca.dot(share, x * fy - y * fx), hessian
+
+
+def _rim(
+    footprint: PatchFootprint, velocity: ca.SX, omega: ca.SX, matrix: ca.SX
+) -> tuple[Rim, tuple[tuple[ca.SX, ca.SX], ...]]:
+    """Image of the footprint's rim in the velocity plane."""
+    if isinstance(footprint.outline, Polygon):
+        corners = ca.DM(footprint.outline.array)
+        vx, vy = velocity[0] - omega * corners[:, 1], velocity[1] + omega * corners[:, 0]
+        return polygon_rim(matrix[0, 0] * vx + matrix[0, 1] * vy, matrix[1, 0] * vx + matrix[1, 1] * vy), ()
+    semi_x, semi_y = footprint.outline.semi_x, footprint.outline.semi_y
+    cosine = omega * semi_x * matrix @ ca.DM([0.0, 1.0])
+    sine = omega * semi_y * matrix @ ca.DM([-1.0, 0.0])
+    return ellipse_rim(matrix @ velocity, cosine, sine)
+
+
+def _from_rim(
+    footprint: PatchFootprint, rim: Rim, velocity: ca.SX, omega: ca.SX, matrix: ca.SX, determinant: ca.SX
+) -> _Centred:
+    """Dissipation, force, torque and Hessian from the rim's integrals and homogeneity."""
+    means = _even_means(rim) if footprint.gradient == (0.0, 0.0) else _leaning_means(footprint, rim, velocity, omega, matrix)
+    area = omega**2 * determinant * footprint.outline.area
+    dissipation, force = means.speed / area, matrix.T @ means.direction / area
+    torque = (dissipation - ca.dot(velocity, force)) / omega
+    block = matrix.T @ means.curvature @ matrix / area
+    mixed = -block @ velocity / omega
+    hessian = ca.blockcat([[block, mixed], [mixed.T, -ca.dot(mixed, velocity) / omega]])
+    return dissipation, force, torque, hessian
+
+
+def _even_means(rim: Rim) -> _Means:
+    speed = ca.dot(rim.distance, rim.length) / 3
+    return _Means(speed, rim.normal.T @ rim.length, rim.unit.T @ rim.normal)
+
+
+def _leaning_means(footprint: PatchFootprint, rim: Rim, velocity: ca.SX, omega: ca.SX, matrix: ca.SX) -> _Means:
+    """The same, weighted by the pressure, which is p0 + q . w in the velocity plane."""
+    gradient = ca.DM(footprint.gradient)
+    q = ca.solve(matrix.T, _quarter_turn(gradient)) / omega
+    p0 = 1 - ca.dot(gradient, ca.DM(footprint.outline.centroid)) - ca.dot(_quarter_turn(gradient), velocity) / omega
+    even = _even_means(rim)
+    weighted_length = rim.first @ q
+    speed = p0 * even.speed + ca.dot(rim.distance, weighted_length) / 4
+    direction = p0 * even.direction + rim.normal.T @ weighted_length - q * even.speed
+    second = ca.horzcat(rim.second[:, :2] @ q, rim.second[:, 1:] @ q)
+    curvature = p0 * even.curvature + second.T @ rim.normal - even.direction @ q.T
+    return _Means(speed, direction, curvature)
+

@@ -1,0 +1,159 @@
+"""Integrals of |w| around the image of a footprint's rim in the velocity plane, as CasADi expressions."""
+
+import math
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+# Keeps asinh(t / |d|) finite where the centre of rotation lies on a side's line; d^2 asinh is then zero to rounding.
+_TINY = 1e-60
+
+# Gauss points on each of an ellipse's two arcs, and the least half-width of the strip (rad) that they resolve.
+_ARC_ORDER = 72
+_NARROWEST = 1e-10
+
+
+@dataclass(frozen=True)
+class Rim:
+    """Pieces of a rim, one a row; n the outward normal, d the distance of the origin from the piece's line.
+
+    `normal` (k, 2): n; `distance` (k, 1): d = w . n, constant on a piece; then integrals along the piece: `length`
+    (k, 1) of |w|, `unit` (k, 2) of w/|w|, `first` (k, 2) of w |w|, `second` (k, 3) of (x x, x y, y y)/|w|, w = (x, y).
+    A piece may also be a quadrature node, with its weight in the normal.
+    """
+
+    normal: ca.SX
+    distance: ca.SX
+    length: ca.SX
+    unit: ca.SX
+    first: ca.SX
+    second: ca.SX
+
+
+def polygon_rim(x: ca.SX, y: ca.SX) -> Rim:
+    """Return the rim of a counter-clockwise polygon with corners (x, y), columns, in closed form."""
+    k = x.shape[0]
+    following = [*range(1, k), 0]
+    ex, ey = x[following] - x, y[following] - y
+    size = ca.sqrt(ex * ex + ey * ey)
+    tx, ty = ex / size, ey / size
+    nx, ny = ty, -tx
+    d = x * nx + y * ny
+    start, end = x * tx + y * ty, x[following] * tx + y[following] * ty
+    radius = ca.sqrt(x * x + y * y)
+    s0, s1 = radius, radius[following]
+    away = 1 / ca.sqrt(d * d + _TINY)
+    angle = ca.asinh(end * away) - ca.asinh(start * away)
+    # Integrals along the side: of t^2/s, of s, of t s, with s = sqrt(d^2 + t^2).
+    ts = end * s1 - start * s0
+    length, moment = (ts + d * d * angle) / 2, (ts - d * d * angle) / 2
+    rise, cube = s1 - s0, (s1**3 - s0**3) / 3
+    da = d * angle
+    unit = ca.horzcat(da * nx + rise * tx, da * ny + rise * ty)
+    first = ca.horzcat(d * length * nx + cube * tx, d * length * ny + cube * ty)
+    dda, dr = d * da, d * rise
+    second = ca.horzcat(
+        dda * nx * nx + 2 * dr * nx * tx + moment * tx * tx,
+        dda * nx * ny + dr * (nx * ty + tx * ny) + moment * tx * ty,
+        dda * ny * ny + 2 * dr * ny * ty + moment * ty * ty,
+    )
+    return Rim(ca.horzcat(nx, ny), d, length, unit, first, second)
+
+
+def ellipse_rim(centre: ca.SX, cosine: ca.SX, sine: ca.SX) -> tuple[Rim, tuple[tuple[ca.SX, ca.SX], ...]]:
+    """Return the rim w = centre + cosine cos(tau) + sine sin(tau), as nodes graded towards the origin.
+
+    |w| is singular at the two complex tau where w, as a complex number, vanishes: z = exp(i tau) solves
+    p z^2 + c z + q = 0. Each half of the circle is integrated by Gauss's rule in x, tau = alpha + delta sinh(x), with
+    alpha the real part of its own singularity and delta the imaginary one (the sinh transformation of Johnston &
+    Elliott 2005). The four numbers are returned as frozen symbols with their expressions.
+    """
+    symbols = ca.SX.sym("singularity", 4)
+    singularities = _ellipse_singularities(centre, cosine, sine)
+    tau, weight = _graded_nodes(symbols)
+    c, s = ca.cos(tau), ca.sin(tau)
+    x, y = centre[0] + cosine[0] * c + sine[0] * s, centre[1] + cosine[1] * c + sine[1] * s
+    nx, ny = weight * (sine[1] * c - cosine[1] * s), -weight * (sine[0] * c - cosine[0] * s)
+    length = ca.sqrt(x * x + y * y + _TINY)
+    rim = Rim(
+        ca.horzcat(nx, ny),
+        x * nx + y * ny,
+        length,
+        ca.horzcat(x / length, y / length),
+        ca.horzcat(x * length, y * length),
+        ca.horzcat(x * x / length, x * y / length, y * y / length),
+    )
+    return rim, ((symbols, singularities),)
+
+
+def _graded_nodes(singularity: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Nodes tau and weights of both halves; `singularity` holds (alpha, delta) of each, alpha_2 within pi of alpha_1."""
+    first, second = singularity[0], singularity[2]
+    half = (second - first) / 2
+    taus, weights = [], []
+    # Each half runs from one midpoint between the singularities to the other.
+    for alpha, delta, before, after in (
+        (first, singularity[1], half - math.pi, half),
+        (second, singularity[3], -half, math.pi - half),
+    ):
+        tau, weight = _graded_arc(alpha, delta, before, after)
+        taus.append(tau)
+        weights.append(weight)
+    return ca.vertcat(*taus), ca.vertcat(*weights)
+
+
+def _graded_arc(alpha: ca.SX, delta: ca.SX, before: ca.SX, after: ca.SX) -> tuple[ca.SX, ca.SX]:
+    node, weight = np.polynomial.legendre.leggauss(_ARC_ORDER)
+    low, high = ca.asinh(before / delta), ca.asinh(after / delta)
+    x = (low + high) / 2 + (high - low) / 2 * ca.DM(node)
+    return alpha + delta * ca.sinh(x), (high - low) / 2 * ca.DM(weight) * delta * ca.cosh(x)
+
+
+def _ellipse_singularities(centre: ca.SX, cosine: ca.SX, sine: ca.SX) -> ca.SX:
+    """Return (alpha_1, delta_1, alpha_2, delta_2): angle and distance from the unit circle of both complex roots."""
+    p = _Complex((cosine[0] + sine[1]) / 2, (cosine[1] - sine[0]) / 2)
+    q = _Complex((cosine[0] - sine[1]) / 2, (cosine[1] + sine[0]) / 2)
+    c = _Complex(centre[0], centre[1])
+    root = (c * c - p * q * 4).sqrt()
+    # The sign that does not cancel: Re(conj(c) root) >= 0.
+    sign = ca.if_else(c.x * root.x + c.y * root.y >= 0, 1, -1)
+    both = _Complex(-(c.x + sign * root.x) / 2, -(c.y + sign * root.y) / 2)
+    alpha_1, delta_1 = (both / p).strip()
+    alpha_2, delta_2 = (q / both).strip()
+    # A root far from the circle needs no grading: its half is then centred opposite to the other one.
+    alpha_2 = ca.if_else(delta_2 > 3, alpha_1 + math.pi, alpha_2)
+    alpha_1 = ca.if_else(delta_1 > 3, alpha_2 + math.pi, alpha_1)
+    gap = alpha_2 - alpha_1
+    gap = gap - 2 * math.pi * ca.floor(gap / (2 * math.pi))
+    return ca.vertcat(alpha_1, delta_1, alpha_1 + gap, delta_2)
+
+
+@dataclass(frozen=True)
+class _Complex:
+    """A complex number of two real expressions."""
+
+    x: ca.SX
+    y: ca.SX
+
+    def __mul__(self, other: "_Complex | int") -> "_Complex":
+        if isinstance(other, int):
+            return _Complex(self.x * other, self.y * other)
+        return _Complex(self.x * other.x - self.y * other.y, self.x * other.y + self.y * other.x)
+
+    def __sub__(self, other: "_Complex") -> "_Complex":
+        return _Complex(self.x - other.x, self.y - other.y)
+
+    def __truediv__(self, other: "_Complex") -> "_Complex":
+        size = other.x**2 + other.y**2 + _TINY
+        return _Complex((self.x * other.x + self.y * other.y) / size, (self.y * other.x - self.x * other.y) / size)
+
+    def sqrt(self) -> "_Complex":
+        size = ca.sqrt(ca.sqrt(self.x**2 + self.y**2))
+        angle = ca.atan2(self.y, self.x) / 2
+        return _Complex(size * ca.cos(angle), size * ca.sin(angle))
+
+    def strip(self) -> tuple[ca.SX, ca.SX]:
+        """Return angle and |log modulus|, the latter kept between the narrowest strip and one wide enough."""
+        modulus = ca.sqrt(self.x**2 + self.y**2 + _TINY)
+        return ca.atan2(self.y, self.x), ca.fmin(ca.fmax(ca.fabs(ca.log(modulus)), _NARROWEST), 4.0)

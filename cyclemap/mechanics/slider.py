@@ -1,0 +1,94 @@
+"""Sliders: the object that is pushed, and the shapes of the MIT push dataset by name."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cyclemap.checks import point, positive_number
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
+from cyclemap.suggestions import unknown_name
+
+# A ring 15 mm from the centre, towards the corner between sides 0 and 1 of rect1.
+MIT_HITCH = (-0.010607, 0.010607)
+
+
+def _rectangle(width: float, height: float) -> Polygon:
+    x, y = width / 2.0, height / 2.0
+    return Polygon(((x, y), (-x, y), (-x, -y), (x, -y)))
+
+
+def _right_triangle(leg_x: float, leg_y: float) -> Polygon:
+    corner = 0.045
+    return Polygon(((corner, corner), (corner - leg_x, corner), (corner, corner - leg_y)))
+
+
+def _hexagon(radius: float) -> Polygon:
+    return Polygon(tuple((radius * math.cos(k * math.pi / 3), radius * math.sin(k * math.pi / 3)) for k in range(6)))
+
+
+# Outline, mass (kg) and moment of inertia about the centre of mass (kg m^2): Yu et al. 2016, dataset documentation.
+_MIT_SHAPES: dict[str, tuple[Outline, float, float]] = {
+    "rect1": (_rectangle(0.09, 0.09), 0.8374, 0.001131),
+    "rect2": (_rectangle(0.08991, 0.11258), 1.045, 0.001808),
+    "rect3": (_rectangle(0.13501, 0.08994), 1.2508, 0.002744),
+    "tri1": (_right_triangle(0.12590, 0.12587), 0.8028, 0.001414),
+    "tri2": (_right_triangle(0.15100, 0.12587), 0.9826, 0.002108),
+    "tri3": (_right_triangle(0.17650, 0.12561), 1.1326, 0.002957),
+    "hex": (_hexagon(0.0605), 0.9827, 0.001497),
+    "ellip1": (Ellipse(0.0525, 0.0525), 0.8937, 0.001231),
+    "ellip2": (Ellipse(0.0525, 0.065445), 1.1104, 0.001953),
+    "ellip3": (Ellipse(0.0525, 0.0785), 1.3338, 0.002973),
+}
+
+MIT_SHAPE_NAMES = tuple(_MIT_SHAPES)
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A rigid flat object on the surface, in its own frame.
+
+    Parameters
+    ----------
+    outline : `Polygon` or `Ellipse`, m; sides are numbered counter-clockwise from vertex 0.
+    mass : kg; it scales the contact forces and nothing else, since the motion is quasi-static.
+    centre_of_mass : (x, y), m; None: the outline's centroid.
+    hitch : (x, y), m: the ring in which the rod drags it back; anywhere, also outside the outline.
+    inertia : moment of inertia about the centre of mass, kg m^2; None: a uniform plate's is not assumed, it is unknown.
+
+    >>> Slider.mit("rect1").outline.sides
+    4
+    """
+
+    outline: Outline
+    mass: float = 1.0
+    centre_of_mass: tuple[float, float] | None = None
+    hitch: tuple[float, float] = MIT_HITCH
+    inertia: float | None = None
+    name: str = "slider"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.outline, (Polygon, Ellipse)):
+            raise InvalidInput(f"a slider's outline must be a Polygon or an Ellipse, not {self.outline!r}")
+        positive_number("slider mass", self.mass)
+        if self.inertia is not None:
+            positive_number("slider inertia", self.inertia)
+        centre = self.outline.centroid if self.centre_of_mass is None else self.centre_of_mass
+        centre = point("centre of mass", centre)
+        if not self.outline.contains(np.asarray(centre)):
+            raise InvalidInput(f"the centre of mass {centre} m lies outside the outline: the object would tip")
+        object.__setattr__(self, "centre_of_mass", centre)
+        object.__setattr__(self, "hitch", point("hitch", self.hitch))
+
+    @classmethod
+    def mit(cls, name: str, hitch: tuple[float, float] = MIT_HITCH) -> "Slider":
+        """Return a shape of the MIT push dataset: rect1-3, tri1-3, hex, ellip1-3 (Yu et al. 2016)."""
+        if name not in _MIT_SHAPES:
+            raise unknown_name("slider shape", name, MIT_SHAPE_NAMES)
+        outline, mass, inertia = _MIT_SHAPES[name]
+        return cls(outline, mass, hitch=hitch, inertia=inertia, name=name)
+
+    def outline_points(self, count: int = 181) -> np.ndarray:
+        """Return the closed outline as a polyline (m, 2) in the object frame, m; curves are cut in `count` pieces."""
+        return self.outline.points(count)
