@@ -1,0 +1,49 @@
+"""Quasi-static pushing and dragging under anisotropic friction; knows no circle map."""
+
+from cyclemap.mechanics.footprint import (
+    Footprint,
+    PatchFootprint,
+    PointFootprint,
+    corner_footprint,
+    grid_footprint,
+    load_footprint,
+    parse_footprint,
+)
+from cyclemap.mechanics.friction import EllipseFriction
+from cyclemap.mechanics.limit_surface import LimitSurface
+from cyclemap.mechanics.material import Material, load_material, material_names
+from cyclemap.mechanics.outline import Ellipse, Polygon
+from cyclemap.mechanics.protocol import DragBack, Pose, SidePush, WorldPush
+from cyclemap.mechanics.pusher import Pusher
+from cyclemap.mechanics.quasi_static import DragResult, PushResult, QuasiStaticModel
+from cyclemap.mechanics.slider import MIT_HITCH, MIT_SHAPE_NAMES, Slider
+from cyclemap.mechanics.trajectory import Trajectory
+
+__all__ = [
+    "MIT_HITCH",
+    "MIT_SHAPE_NAMES",
+    "DragBack",
+    "DragResult",
+    "Ellipse",
+    "EllipseFriction",
+    "Footprint",
+    "LimitSurface",
+    "Material",
+    "PatchFootprint",
+    "PointFootprint",
+    "Polygon",
+    "Pose",
+    "PushResult",
+    "Pusher",
+    "QuasiStaticModel",
+    "SidePush",
+    "Slider",
+    "Trajectory",
+    "WorldPush",
+    "corner_footprint",
+    "grid_footprint",
+    "load_footprint",
+    "load_material",
+    "material_names",
+    "parse_footprint",
+]

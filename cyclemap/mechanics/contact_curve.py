@@ -5,32 +5,19 @@ has a coordinate of its own in which contact point and normal are smooth, and wh
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import ClassVar, NamedTuple
 
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 
 
-@dataclass(frozen=True)
-class Contact:
-    """One contact in the slider's frame: point (x, y), angle of the outward normal, and `metric`: how far the rod's
-    centre moves along its curve per unit of the piece's coordinate."""
+class Contact(NamedTuple):
+    """One contact in the slider's frame: its point and the angle of the outward normal."""
 
     x: float
     y: float
     normal: float
-    metric: float
-
-
-@dataclass(frozen=True)
-class ContactSlope:
-    """Derivatives of a contact by the piece's coordinate, and of its metric by the rod's radius."""
-
-    x: float
-    y: float
-    normal: float
-    metric: float
-    metric_by_radius: float
 
 
 @dataclass(frozen=True)
@@ -40,18 +27,28 @@ class SidePiece:
     side: int
     start: tuple[float, float]
     direction: tuple[float, float]
+    normal: float
     low: float
     high: float
-    normal: float
+    kind: ClassVar[str] = "side"
 
-    def contact(self, coordinate: float, radius: float) -> Contact:
-        """Return the contact at a coordinate."""
+    @property
+    def geometry(self) -> tuple[float, ...]:
+        """Numbers that place the piece, as the motion's functions take them."""
+        return (*self.start, *self.direction, self.normal)
+
+    def moved(self, geometry: tuple[float, ...]) -> "SidePiece":
+        """Return the piece with other numbers in `geometry`, padded to five."""
+        return replace(self, start=geometry[:2], direction=geometry[2:4], normal=geometry[4])
+
+    def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
+        """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
         x, y = self.start
-        return Contact(x + coordinate * self.direction[0], y + coordinate * self.direction[1], self.normal, 1.0)
+        return Contact(x + coordinate * self.direction[0], y + coordinate * self.direction[1], self.normal), 1.0
 
-    def slope(self, coordinate: float, radius: float) -> ContactSlope:
-        """Return its derivatives."""
-        return ContactSlope(*self.direction, 0.0, 0.0, 0.0)
+    def normal_slope(self, coordinate: float) -> float:
+        """Return the derivative of the normal's angle by the coordinate."""
+        return 0.0
 
 
 @dataclass(frozen=True)
@@ -61,14 +58,24 @@ class CornerPiece:
     corner: tuple[float, float]
     low: float
     high: float
+    kind: ClassVar[str] = "corner"
 
-    def contact(self, coordinate: float, radius: float) -> Contact:
-        """Return the contact at a coordinate."""
-        return Contact(*self.corner, coordinate, radius)
+    @property
+    def geometry(self) -> tuple[float, ...]:
+        """Numbers that place the piece, as the motion's functions take them."""
+        return self.corner
 
-    def slope(self, coordinate: float, radius: float) -> ContactSlope:
-        """Return its derivatives."""
-        return ContactSlope(0.0, 0.0, 1.0, 0.0, 1.0)
+    def moved(self, geometry: tuple[float, ...]) -> "CornerPiece":
+        """Return the piece with other numbers in `geometry`, padded to five."""
+        return replace(self, corner=geometry[:2])
+
+    def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
+        """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
+        return Contact(*self.corner, coordinate), radius
+
+    def normal_slope(self, coordinate: float) -> float:
+        """Return the derivative of the normal's angle by the coordinate."""
+        return 1.0
 
 
 @dataclass(frozen=True)
@@ -79,29 +86,58 @@ class EllipsePiece:
     semi_y: float
     low: float = -math.inf
     high: float = math.inf
+    kind: ClassVar[str] = "ellipse"
 
-    def contact(self, coordinate: float, radius: float) -> Contact:
-        """Return the contact at a coordinate."""
+    @property
+    def geometry(self) -> tuple[float, ...]:
+        """Numbers that place the piece, as the motion's functions take them."""
+        return self.semi_x, self.semi_y
+
+    def moved(self, geometry: tuple[float, ...]) -> "EllipsePiece":
+        """Return the piece with other numbers in `geometry`, padded to five."""
+        return replace(self, semi_x=geometry[0], semi_y=geometry[1])
+
+    def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
+        """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
         c, s = math.cos(coordinate), math.sin(coordinate)
         speed = math.hypot(self.semi_x * s, self.semi_y * c)
-        turning = self.semi_x * self.semi_y / speed**2
         normal = math.atan2(self.semi_x * s, self.semi_y * c)
-        return Contact(self.semi_x * c, self.semi_y * s, normal, speed + radius * turning)
+        return Contact(self.semi_x * c, self.semi_y * s, normal), speed + radius * self.semi_x * self.semi_y / speed**2
 
-    def slope(self, coordinate: float, radius: float) -> ContactSlope:
-        """Return its derivatives."""
+    def normal_slope(self, coordinate: float) -> float:
+        """Return the derivative of the normal's angle by the coordinate."""
         c, s = math.cos(coordinate), math.sin(coordinate)
-        speed = math.hypot(self.semi_x * s, self.semi_y * c)
-        turning = self.semi_x * self.semi_y / speed**2
-        speed_slope = (self.semi_x**2 - self.semi_y**2) * s * c / speed
-        metric = speed_slope * (1.0 - 2.0 * radius * turning / speed)
-        return ContactSlope(-self.semi_x * s, self.semi_y * c, turning, metric, turning)
+        return self.semi_x * self.semi_y / ((self.semi_x * s) ** 2 + (self.semi_y * c) ** 2)
 
 
-Piece = SidePiece | CornerPiece | EllipsePiece
+@dataclass(frozen=True)
+class RingPiece:
+    """Rod in the ring: a contact that stays at one point of the slider."""
+
+    hitch: tuple[float, float]
+    low: float = -math.inf
+    high: float = math.inf
+    kind: ClassVar[str] = "ring"
+
+    @property
+    def geometry(self) -> tuple[float, ...]:
+        """Numbers that place the piece, as the motion's functions take them."""
+        return self.hitch
+
+    def moved(self, geometry: tuple[float, ...]) -> "RingPiece":
+        """Return the piece with other numbers in `geometry`, padded to five."""
+        return replace(self, hitch=geometry[:2])
+
+    def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
+        """Return the contact; its normal means nothing."""
+        return Contact(*self.hitch, 0.0), 1.0
 
 
-def contact_curve(outline: Outline, radius: float) -> tuple[Piece, ...]:
+OutlinePiece = SidePiece | CornerPiece | EllipsePiece
+Piece = OutlinePiece | RingPiece
+
+
+def contact_curve(outline: Outline, radius: float) -> tuple[OutlinePiece, ...]:
     """Return the curve's pieces counter-clockwise, starting with side 0; lengths as in the outline and the radius.
 
     In a concave corner the rod touches both sides before it reaches the vertex; the sides end there. A side too short
@@ -110,7 +146,7 @@ def contact_curve(outline: Outline, radius: float) -> tuple[Piece, ...]:
     if isinstance(outline, Ellipse):
         return (EllipsePiece(outline.semi_x, outline.semi_y),)
     sides = [_side_piece(outline, side, radius) for side in range(outline.sides)]
-    pieces: list[Piece] = []
+    pieces: list[OutlinePiece] = []
     for side, following in zip(sides, [*sides[1:], sides[0]], strict=True):
         pieces.append(side)
         turn = _turn(side, following)
@@ -150,7 +186,7 @@ def _side_piece(outline: Polygon, side: int, radius: float) -> SidePiece:
     low = radius * _concave_reach(before, edge)
     high = length - radius * _concave_reach(edge, after)
     normal = math.atan2(-edge[0], edge[1])
-    return SidePiece(side, (float(a[0]), float(a[1])), (edge[0] / length, edge[1] / length), low, high, normal)
+    return SidePiece(side, (float(a[0]), float(a[1])), (edge[0] / length, edge[1] / length), normal, low, high)
 
 
 def _concave_reach(edge: tuple[float, float], following: tuple[float, float]) -> float:

@@ -101,7 +101,7 @@ def _solver(balance: _Balance) -> ca.Function:
     if balance.unknowns.shape[0] == 1:
         step = -balance.residual / balance.jacobian
     else:
-        (a, b), (c, d) = ((balance.jacobian[i, j] for j in (0, 1)) for i in (0, 1))
+        a, c, b, d = ca.vertsplit(ca.vec(balance.jacobian))
         r, s = balance.residual[0], balance.residual[1]
         step = -ca.vertcat(d * r - b * s, a * s - c * r) / (a * d - b * c)
     outputs = ca.vertcat(

@@ -11,7 +11,7 @@ from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 from cyclemap.suggestions import unknown_name
 
 # A ring 15 mm from the centre, towards the corner between sides 0 and 1 of rect1.
-MIT_HITCH = (-0.010607, 0.010607)
+MIT_HITCH = (-0.015 / math.sqrt(2.0), 0.015 / math.sqrt(2.0))
 
 
 def _rectangle(width: float, height: float) -> Polygon:

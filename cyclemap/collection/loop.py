@@ -1,0 +1,206 @@
+"""The data-collection loop: one push and one drag back, as a map of the object's orientation."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cyclemap.checks import finite_array, finite_number
+from cyclemap.collection.adaptive_map import sample_circle_map
+from cyclemap.collection.settings import apply_settings
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import CircleMap
+from cyclemap.mechanics import (
+    DragBack,
+    DragResult,
+    Footprint,
+    Material,
+    Pose,
+    Pusher,
+    PushResult,
+    QuasiStaticModel,
+    SidePush,
+    Slider,
+    Trajectory,
+    load_material,
+)
+from cyclemap.mechanics.cycle_variation import CYCLE_OUTPUTS, PARAMETER_NAMES, cycle_jacobian
+
+# Samples of a drawn push, and of each leg of a drawn drag.
+_DRAWN = 60
+
+
+@dataclass(frozen=True)
+class CycleTrajectory:
+    """The course of a cycle in the world, whose origin is the reset's target."""
+
+    push: Trajectory
+    drag: Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """One push and reset.
+
+    theta : orientation before, rad; theta_next : after, on the lift (theta + push_turn + drag_turn).
+    push_turn, drag_turn : rad. push_displacement : of the object's origin in its initial frame, (2,), m.
+    drag_length : path of the ring, m. ended : why the push ended, `distance` or `left`.
+    """
+
+    theta: float
+    push: PushResult
+    drag: DragResult
+    redrawn: Callable[[], CycleTrajectory]
+
+    @property
+    def push_turn(self) -> float:
+        """Turn during the push, rad."""
+        return self.push.turn
+
+    @property
+    def push_displacement(self) -> NDArray[np.float64]:
+        """Displacement of the object's origin during the push, in its initial frame, (2,), m."""
+        return self.push.displacement
+
+    @property
+    def drag_turn(self) -> float:
+        """Turn during the drag, rad."""
+        return self.drag.turn
+
+    @property
+    def drag_length(self) -> float:
+        """Path of the ring during the drag, m."""
+        return self.drag.length
+
+    @property
+    def theta_next(self) -> float:
+        """Orientation before the next push, rad, on the lift."""
+        return self.drag.end.theta
+
+    @property
+    def ended(self) -> str:
+        """Why the push ended: `distance`, or `left` where the rod lost the object."""
+        return self.push.ended
+
+    @cached_property
+    def trajectory(self) -> CycleTrajectory:
+        """The course of the cycle, sampled finely enough to be drawn."""
+        return self.redrawn()
+
+
+@dataclass(frozen=True, eq=False)
+class CycleSensitivity:
+    """Derivatives of one cycle.
+
+    theta_next : rad. by_theta : d theta_next / d theta, the multiplier. jacobian : (6, 14), derivatives of
+    `outputs` (push_turn, push_dx, push_dy, drag_turn, drag_length, theta_next) by `parameters`, SI units and radians.
+    """
+
+    theta: float
+    theta_next: float
+    jacobian: NDArray[np.float64]
+    outputs: tuple[str, ...] = CYCLE_OUTPUTS
+    parameters: tuple[str, ...] = PARAMETER_NAMES
+
+    @property
+    def by_theta(self) -> float:
+        """Derivative of theta_next by theta."""
+        return float(self.jacobian[-1, 0])
+
+    def by(self, parameter: str, output: str = "theta_next") -> float:
+        """Return the derivative of an output by a parameter, both by name."""
+        if parameter not in self.parameters or output not in self.outputs:
+            raise InvalidInput(f"no derivative of {output!r} by {parameter!r}: know {self.outputs} by {self.parameters}")
+        return float(self.jacobian[self.outputs.index(output), self.parameters.index(parameter)])
+
+
+@dataclass(frozen=True)
+class CollectionLoop:
+    """The protocol of a data collection: who is pushed where, on what, and how it is brought back.
+
+    Every cycle starts with the ring at the target, the world's origin: the state is the orientation theta alone.
+
+    >>> loop = CollectionLoop.mit(material="plywood")
+    >>> cycle = loop.cycle(0.0)
+    >>> round(math.degrees(cycle.push_turn), 3), round(math.degrees(cycle.drag_turn), 3)
+    (73.653, -63.688)
+    """
+
+    slider: Slider
+    material: Material
+    pusher: Pusher = Pusher()
+    push: SidePush = SidePush()
+    reset: DragBack = DragBack()
+    footprint: Footprint | None = None
+    accuracy: float = 1e-8
+
+    @classmethod
+    def mit(cls, material: str | Path | Material = "plywood", **changes: Any) -> "CollectionLoop":
+        """Return the MIT repeated-push experiment (Yu et al. 2016; Ma & Rodriguez 2018), with fields replaced.
+
+        `material`: a built-in name, a TOML file or a `Material`; `changes`: any field of the loop.
+        """
+        surface = material if isinstance(material, Material) else load_material(material)
+        return replace(cls(Slider.mit("rect1"), surface), **changes)
+
+    @classmethod
+    def from_settings(cls, settings: dict[str, object], base: "CollectionLoop | None" = None) -> "CollectionLoop":
+        """Return `base` (MIT's loop on plywood) with settings in degrees and millimetres, as on the command line."""
+        return apply_settings(base or cls.mit(), settings)
+
+    @cached_property
+    def model(self) -> QuasiStaticModel:
+        """The mechanics of the loop. Raises InvalidInput where the parts do not fit each other."""
+        return QuasiStaticModel(self.slider, self.material.friction, self.pusher, self.footprint, self.accuracy)
+
+    def start_pose(self, theta: float) -> Pose:
+        """Return the object's pose before the push, its ring at the target."""
+        x, y = self.model.ring_place(Pose(0.0, 0.0, theta))
+        return Pose(-x, -y, theta)
+
+    def cycle(self, theta: float) -> Cycle:
+        """Run one push and reset from orientation `theta` (rad, any number of turns)."""
+        theta = finite_number("theta", theta)
+        push, drag = self._run(theta, math.inf)
+
+        def redrawn() -> CycleTrajectory:
+            fine_push, fine_drag = self._run(theta, push.travel / _DRAWN)
+            return CycleTrajectory(fine_push.trajectory, fine_drag.trajectory)
+
+        return Cycle(theta, push, drag, redrawn)
+
+    def next_theta(self, theta: ArrayLike) -> NDArray[np.float64]:
+        """Return theta_next (...), rad on the lift, at orientations (...)."""
+        values = finite_array("theta", theta)
+        return np.array([self.cycle(t).theta_next for t in values.ravel().tolist()]).reshape(values.shape)
+
+    def sensitivity(self, theta: float) -> CycleSensitivity:
+        """Run one cycle and differentiate it by theta and by every parameter of material, pusher and protocol.
+
+        The derivatives are those of the integration itself, by the chain rule from the CasADi tangents of its stages.
+        """
+        cycle = self.cycle(theta)
+        jacobian = cycle_jacobian(self.model, cycle.push, cycle.drag)
+        return CycleSensitivity(cycle.theta, cycle.theta_next, jacobian)
+
+    def circle_map(self, tolerance: float = 1e-6, progress: Callable[[float], None] | None = None) -> CircleMap:
+        """Return the cycle map theta -> theta_next, its error within `tolerance` (rad) wherever it is not a jump.
+
+        `progress` is called with the fraction done. See `sample_circle_map` for how samples are placed and jumps kept.
+        """
+
+        def sample(theta: float) -> tuple[float, float]:
+            found = fine.sensitivity(theta)
+            return found.theta_next, found.by_theta
+
+        fine = replace(self, accuracy=min(self.accuracy, max(0.01 * tolerance, 1e-10)))
+        return sample_circle_map(sample, tolerance, progress)
+
+    def _run(self, theta: float, longest_step: float) -> tuple[PushResult, DragResult]:
+        push = self.model.push(self.start_pose(theta), self.push, longest_step)
+        return push, self.model.drag(push.end, (*self.reset.way_points, (0.0, 0.0)), longest_step)

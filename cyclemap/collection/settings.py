@@ -1,0 +1,127 @@
+"""Settings in degrees and millimetres, by name: what the command line and protocol files change of a loop."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from cyclemap.checks import finite_array, finite_number
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import (
+    DragBack,
+    Ellipse,
+    Material,
+    Polygon,
+    Pusher,
+    SidePush,
+    Slider,
+    parse_footprint,
+)
+from cyclemap.mechanics.outline import Outline
+from cyclemap.suggestions import unknown_name
+
+if TYPE_CHECKING:
+    from cyclemap.collection.loop import CollectionLoop
+
+Settings = dict[str, object]
+
+_FRICTION = {"mu_a": "mu_a", "mu_b": "mu_b", "m0": "m0", "n0": "n0", "phi_deg": "phi"}
+_PUSHER = {"pusher_mu": "friction", "pusher_radius_mm": "radius"}
+_PUSH = {"side": "side", "fraction": "fraction", "angle_deg": "angle", "push_mm": "distance"}
+_OUTLINE = ("shape", "vertices_mm", "semi_x_mm", "semi_y_mm")
+_OTHER = ("hitch_x_mm", "hitch_y_mm", "centre_x_mm", "centre_y_mm", "mass_kg", "way_points_mm", "footprint")
+
+SETTING_KEYS = (*_FRICTION, *_PUSHER, *_PUSH, *_OUTLINE, *_OTHER)
+
+
+def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoop":
+    """Return the loop with settings replaced; a key that is not in SETTING_KEYS raises InvalidInput, as a bad value does.
+
+    A new outline (`shape`: an MIT shape's name; `vertices_mm`: [[x, y], ...]; `semi_x_mm` with `semi_y_mm`) keeps the
+    ring unless `hitch_x_mm`, `hitch_y_mm` move it.
+    """
+    for key in settings:
+        if key not in SETTING_KEYS:
+            raise unknown_name("setting", key, SETTING_KEYS)
+    slider = _slider(loop.slider, settings)
+    friction = replace(loop.material.friction, **_numbers(settings, _FRICTION))
+    changed = friction != loop.material.friction
+    name = f"{loop.material.name} (changed)" if changed else loop.material.name
+    material = Material(name, friction, loop.material.provenance) if changed else loop.material
+    pusher = Pusher(**{"radius": loop.pusher.radius, "friction": loop.pusher.friction, **_numbers(settings, _PUSHER)})
+    push = _push(loop.push, settings)
+    reset = DragBack(_points(settings, "way_points_mm")) if "way_points_mm" in settings else loop.reset
+    footprint = parse_footprint(str(settings["footprint"]), slider.outline) if "footprint" in settings else loop.footprint
+    if footprint is loop.footprint and footprint is not None and slider.outline != loop.slider.outline:
+        footprint = None
+    return replace(
+        loop, slider=slider, material=material, pusher=pusher, push=push, reset=reset, footprint=footprint
+    )
+
+
+def _slider(slider: Slider, settings: Settings) -> Slider:
+    hitch = (
+        _number(settings, "hitch_x_mm", slider.hitch[0]),
+        _number(settings, "hitch_y_mm", slider.hitch[1]),
+    )
+    outline = _outline(settings)
+    if "shape" in settings:
+        slider = Slider.mit(str(settings["shape"]))
+    elif outline is not None:
+        slider = Slider(outline, slider.mass, name="own outline")
+    assert slider.centre_of_mass is not None
+    centre = (
+        _number(settings, "centre_x_mm", slider.centre_of_mass[0]),
+        _number(settings, "centre_y_mm", slider.centre_of_mass[1]),
+    )
+    return replace(slider, hitch=hitch, centre_of_mass=centre, mass=_number(settings, "mass_kg", slider.mass))
+
+
+def _outline(settings: Settings) -> Outline | None:
+    given = [key for key in ("shape", "vertices_mm", "semi_x_mm") if key in settings]
+    if len(given) > 1:
+        raise InvalidInput(f"{given[0]} and {given[1]} both name the outline: give one of them")
+    if ("semi_x_mm" in settings) != ("semi_y_mm" in settings):
+        raise InvalidInput("an ellipse needs both semi_x_mm and semi_y_mm")
+    if "vertices_mm" in settings:
+        return Polygon(_points(settings, "vertices_mm"))
+    if "semi_x_mm" in settings:
+        return Ellipse(_number(settings, "semi_x_mm", 0.0), _number(settings, "semi_y_mm", 0.0))
+    return None
+
+
+def _push(push: SidePush, settings: Settings) -> SidePush:
+    values: dict[str, float] = {
+        "side": push.side,
+        "fraction": push.fraction,
+        "angle": push.angle,
+        "distance": push.distance,
+        **_numbers(settings, _PUSH),
+    }
+    return SidePush(**values)  # type: ignore[arg-type]
+
+
+def _numbers(settings: Settings, fields: dict[str, str]) -> dict[str, float]:
+    return {field: _number(settings, key, 0.0) for key, field in fields.items() if key in settings}
+
+
+def _number(settings: Settings, key: str, default: float) -> float:
+    """Return a setting in SI units: keys tell theirs by their ending."""
+    if key not in settings:
+        return default
+    return _to_si(key)(finite_number(key, settings[key]))
+
+
+def _to_si(key: str) -> Callable[[float], float]:
+    if key.endswith("_deg"):
+        return math.radians
+    if key.endswith("_mm"):
+        return lambda value: value * 1e-3
+    return lambda value: value
+
+
+def _points(settings: Settings, key: str) -> tuple[tuple[float, float], ...]:
+    array = finite_array(key, settings[key], last=2)  # type: ignore[arg-type]
+    if array.ndim != 2:
+        raise InvalidInput(f"{key} must be a list of points [[x, y], ...], not shape {array.shape}")
+    return tuple(map(tuple, (array * 1e-3).tolist()))

@@ -1,0 +1,212 @@
+"""Solves the contact equations for one state: Newton's method, guarded so that it converges or raises."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import ConvergenceError
+from cyclemap.mechanics.contact_curve import Contact
+from cyclemap.mechanics.contact_equations import ARGUMENTS, contact_functions
+from cyclemap.mechanics.footprint import Footprint, PointFootprint
+from cyclemap.mechanics.friction import EllipseFriction
+from cyclemap.mechanics.patch_integrals import FAR_RATIO
+from cyclemap.mechanics.pinned_point import PinnedPoints
+
+# Residuals, relative to the mean friction coefficient, at which a solution counts as found, and above which one that
+# rounding keeps from getting there is refused.
+_FOUND = 2e-13
+_ACCEPTED = 1e-10
+
+Values = list[float]
+
+
+class Stick(NamedTuple):
+    """Sticking contact: spin (rad per extent of rod travel), forces per unit load, residual (relative)."""
+
+    omega: float
+    normal_force: float
+    tangential_force: float
+    residual: float
+
+
+class Slide(NamedTuple):
+    """Sliding contact for a unit approach: spin, tangential velocity of the contact point; forces, residual."""
+
+    omega: float
+    tau: float
+    normal_force: float
+    tangential_force: float
+    residual: float
+
+
+class ContactSolver:
+    """The contact equations of one footprint (extent one) on one material, ready to be solved many times.
+
+    It holds the CasADi functions' buffers and the regime of the last solution; a solver is not for two threads.
+    """
+
+    def __init__(self, footprint: Footprint, friction: EllipseFriction) -> None:
+        self.footprint, self.friction = footprint, friction
+        self.arguments = np.zeros(len(ARGUMENTS))
+        self.arguments[6:] = friction.mu_a, friction.mu_b, friction.m0, friction.n0, friction.phi
+        self._scale = math.sqrt(friction.mu_a * friction.mu_b)
+        near, far = contact_functions(footprint, True), contact_functions(footprint, False)
+        self._stick = _RegimeSwitch(near.stick, far.stick, 1, self.arguments)
+        self._slide = _RegimeSwitch(near.slide, far.slide, 2, self.arguments)
+        self._pinned = PinnedPoints(footprint, friction) if isinstance(footprint, PointFootprint) else None
+
+    def stick(self, theta: float, direction: float, contact: Contact, omega: float) -> Stick:
+        """Return the sticking solution for a rod moving at angle `direction`, from a guess of omega.
+
+        Raises ConvergenceError if the residual stays above 1e-10.
+        """
+        self.arguments[:5] = theta, direction, *contact
+        best = math.inf
+        for _ in range(12):
+            residual, step, normal_force, tangential_force, _far = self._stick.at(omega)
+            size = abs(residual) / self._scale
+            if size <= _FOUND:
+                return Stick(omega, normal_force, tangential_force, size)
+            if not size < 0.7 * best:
+                break
+            best = size
+            omega += step
+        return self._stick_bracketed(omega)
+
+    def slide(self, theta: float, contact: Contact, smu: float, guess: tuple[float, float]) -> Slide:
+        """Return the sliding solution for a unit approach, from a guess of (omega, tau).
+
+        Raises ConvergenceError if the residual stays above 1e-10, or where the cone's edge moves no contact inward.
+        """
+        self.arguments[:6] = theta, 0.0, *contact, smu
+        if self._pinned is not None:
+            pinned = self._pinned.remembered(self.arguments)
+            if pinned is not None:
+                return Slide(*pinned, 0.0)
+        omega, tau = guess
+        best = math.inf
+        for _ in range(12):
+            r0, r1, s0, s1, normal_force, tangential_force, _far = self._slide.at(omega, tau)
+            size = math.hypot(r0, r1) / self._scale
+            if size <= _FOUND:
+                return Slide(omega, tau, normal_force, tangential_force, size)
+            if not size < 0.7 * best:
+                break
+            best = size
+            omega, tau = omega + s0, tau + s1
+        return self._slide_bracketed((omega, tau) if math.isfinite(omega + tau) else guess)
+
+    def _stick_bracketed(self, omega: float) -> Stick:
+        """The torque about the contact grows with omega, so that a bracket always closes on the solution."""
+
+        def torque(spin: float) -> Values:
+            return self._stick.at(spin)
+
+        low, high = _bracket(torque, omega if math.isfinite(omega) else 0.0, "spin of the sticking contact")
+        solution, values = _close(torque, low, high, _FOUND * self._scale)
+        residual, _, normal_force, tangential_force, _ = values
+        return Stick(solution, normal_force, tangential_force, self._accepted(residual, "sticking"))
+
+    def _slide_bracketed(self, guess: tuple[float, float]) -> Slide:
+        """With omega solved for each tau, the force turns one way as tau grows: a bracket in tau closes too."""
+        if self._pinned is not None:
+            pinned = self._pinned.nearest(self.arguments, guess)
+            if pinned is not None:
+                return Slide(*pinned, 0.0)
+        theta, _, x, y, normal, smu = self.arguments[:6].tolist()
+        contact, state = Contact(x, y, normal), [guess[0]]
+
+        def excess(tau: float) -> Values:
+            speed, angle = math.hypot(1.0, tau), theta + normal + math.pi - math.atan(tau)
+            stick = self.stick(theta, angle, contact, state[0] / speed)
+            state[0] = stick.omega * speed
+            value = stick.tangential_force - smu * stick.normal_force
+            return [value, math.nan, stick.normal_force, stick.tangential_force, state[0]]
+
+        low, high = _bracket(excess, guess[1], "slip of the sliding contact")
+        tau, values = _close(excess, low, high, _FOUND * self._scale)
+        self.arguments[:6] = theta, 0.0, x, y, normal, smu
+        return Slide(values[4], tau, values[2], values[3], self._accepted(values[0], "sliding"))
+
+    def _accepted(self, residual: float, kind: str) -> float:
+        size = abs(residual) / self._scale
+        if not size <= _ACCEPTED:
+            state = dict(zip(ARGUMENTS, self.arguments.tolist(), strict=True))
+            raise ConvergenceError(f"the {kind} contact's residual stays at {size:.2e}, above {_ACCEPTED}, at {state}")
+        return size
+
+
+class _RegimeSwitch:
+    """One equation in both regimes: evaluates the one that is accurate where the centre of rotation lies."""
+
+    def __init__(self, near: ca.Function, far: ca.Function, unknowns: int, arguments: NDArray[np.float64]) -> None:
+        self._unknowns = np.zeros(unknowns)
+        self._result = np.zeros(near.size1_out(0))
+        self._calls = [self._buffer(f, arguments) for f in (near, far)]
+        self._is_far = 0
+
+    def _buffer(self, function: ca.Function, arguments: NDArray[np.float64]) -> tuple[object, Callable[[], None]]:
+        buffer, call = function.buffer()
+        buffer.set_arg(0, memoryview(self._unknowns))
+        buffer.set_arg(1, memoryview(arguments))
+        buffer.set_res(0, memoryview(self._result))
+        return buffer, call
+
+    def at(self, *unknowns: float) -> Values:
+        """Return the function's outputs; the last one tells the regime."""
+        self._unknowns[:] = unknowns
+        self._calls[self._is_far][1]()
+        values: Values = self._result.tolist()
+        is_far = 0 if values[-1] <= FAR_RATIO else 1
+        if is_far != self._is_far:
+            self._is_far = is_far
+            self._calls[is_far][1]()
+            values = self._result.tolist()
+        return values
+
+
+def _bracket(function: Callable[[float], Values], start: float, what: str) -> tuple[float, float]:
+    """Return (low, high) with function(low)[0] <= 0 <= function(high)[0], for a function that grows."""
+    step = 0.1 * (1.0 + abs(start))
+    value = function(start)[0]
+    if not math.isfinite(value):
+        raise ConvergenceError(f"the {what} cannot be evaluated at {start}: {value}")
+    sign = -1.0 if value > 0.0 else 1.0
+    inner = start
+    for _ in range(60):
+        outer = inner + sign * step
+        if function(outer)[0] * sign >= 0.0:
+            return (inner, outer) if sign > 0.0 else (outer, inner)
+        inner, step = outer, 2.0 * step
+    raise ConvergenceError(f"the {what} has no bracket within {inner:.3g} of {start:.3g}: no such motion exists")
+
+
+def _close(
+    function: Callable[[float], Values], low: float, high: float, tolerance: float
+) -> tuple[float, Values]:
+    """Close a bracket by bisection and secants; where the function jumps, mix both sides so that it vanishes.
+
+    The mixture is what the equations ask for: at a support point that does not slide, friction is any force between
+    those of the motions on either side.
+    """
+    at_low, at_high = function(low), function(high)
+    for iteration in range(200):
+        if high - low <= 4.0 * math.ulp(max(abs(low), abs(high), 1e-3)):
+            break
+        rise = at_high[0] - at_low[0]
+        middle = low - at_low[0] * (high - low) / rise if rise > 0.0 and iteration % 3 else (low + high) / 2.0
+        if not low < middle < high:
+            middle = (low + high) / 2.0
+        values = function(middle)
+        if abs(values[0]) <= tolerance:
+            return middle, values
+        if values[0] < 0.0:
+            low, at_low = middle, values
+        else:
+            high, at_high = middle, values
+    share = at_low[0] / (at_low[0] - at_high[0]) if at_high[0] != at_low[0] else 0.5
+    return (low + high) / 2.0, [(1.0 - share) * a + share * b for a, b in zip(at_low, at_high, strict=True)]

@@ -1,0 +1,128 @@
+"""Integrates a motion while its margins stay positive, and lands on the place where the first one vanishes."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import ConvergenceError
+from cyclemap.mechanics.motion import Motion
+from cyclemap.mechanics.runge_kutta import MARGIN, STATE, UNKNOWN, C, Step, next_length
+
+# A margin this little below zero still counts as kept, and a place where one is within it of zero as landed on:
+# rates are continuous from one law to the next, so that what is wrong is of its square.
+_SLACK = 1e-8
+# A margin that dips this far below zero at a stage, though not at the step's end, calls for a shorter step.
+_DIP = 1e-6
+# A step this short is taken even if a margin is broken on it.
+_LEAST_ADVANCE = 1e-9
+# Steps above this share of the length are made in one call or not at all: shorter ones are cheaper than certainty.
+_SHORT = 0.01
+_MOST_STEPS = 20_000
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A stretch under one law: its steps, the margin that ended it (None: the length was reached), next step size."""
+
+    steps: tuple[Step, ...]
+    broken: int | None
+    next_h: float
+
+    @property
+    def length(self) -> float:
+        """Rod travel over the stretch."""
+        return math.fsum(taken.h for taken in self.steps)
+
+
+def integrate(
+    motion: Motion,
+    state: NDArray[np.float64],
+    length: float,
+    tolerance: float,
+    first_h: float,
+    longest_h: float = math.inf,
+) -> Phase:
+    """Integrate a motion over `length`, or until a margin falls below zero.
+
+    `tolerance` bounds the error estimate of each step (maximum norm). Where a margin breaks, the last step is
+    shortened until it is zero within 1e-8. Raises ConvergenceError when the steps needed are too many or too short.
+    """
+    steps: list[Step] = []
+    done, h = 0.0, first_h
+    while done < length:
+        if len(steps) > _MOST_STEPS or h < 1e-15 * length:
+            raise ConvergenceError(f"the motion needs steps below {h:.2e} at {done:.6g} of {length:.6g}: state {state}")
+        tried = min(h, length - done, longest_h)
+        advance = motion.fast_step if tried > _SHORT * length else motion.step
+        taken = advance(state, tried, tolerance)
+        if taken is None or not taken.error <= tolerance:
+            h = 0.5 * tried if taken is None else next_length(tried, taken.error, tolerance)
+            continue
+        least = taken.stages[:, MARGIN].min(axis=1)
+        broken = _broken(taken)
+        if broken is None and least.min() < -_DIP and tried > 1e-4 * length:
+            h = 0.4 * tried
+            continue
+        if broken is not None and tried > _LEAST_ADVANCE:
+            taken, broken = _land(motion, state, taken, tolerance)
+        steps.append(taken)
+        motion.unknowns = taken.stages[-1, UNKNOWN].tolist()
+        done, state = done + taken.h, taken.end
+        # A last short step says nothing about the size that the next phase can take.
+        h = next_length(tried, taken.error, tolerance) if taken.h == h else h
+        if broken is not None:
+            return Phase(tuple(steps), broken, h)
+        if length - done <= 1e-14 * length:
+            break
+    return Phase(tuple(steps), None, h)
+
+
+def _broken(taken: Step) -> int | None:
+    """Index of the margin that is most below zero at a step's end, or None."""
+    margins = taken.stages[-1, MARGIN]
+    worst = int(np.argmin(margins))
+    return worst if margins[worst] < -_SLACK else None
+
+
+def _land(motion: Motion, state: NDArray[np.float64], taken: Step, tolerance: float) -> tuple[Step, int]:
+    """Shorten a step until the first margin to break is zero: secants on the step's length inside a bracket."""
+    unknowns = list(motion.unknowns)
+    low, high = 0.0, taken.h
+    broken, h, slope = _first_crossing(taken)
+    before = (math.nan, math.nan)
+    for _ in range(100):
+        h = max(h, _LEAST_ADVANCE)
+        motion.unknowns = list(unknowns)
+        taken = motion.step(state, h, tolerance)
+        margins = taken.stages[-1, MARGIN].tolist()
+        if margins[broken] > _SLACK and min(margins) < -_SLACK:
+            broken, slope, before = margins.index(min(margins)), math.nan, (math.nan, math.nan)
+        margin = margins[broken]
+        if abs(margin) <= _SLACK or h <= _LEAST_ADVANCE or high - low <= 1e-13:
+            return taken, broken
+        low, high = (low, h) if margin < 0.0 else (h, high)
+        if h != before[0]:
+            secant = (margin - before[1]) / (h - before[0])
+            slope = slope if math.isnan(secant) else secant
+        before = (h, margin)
+        h = h - margin / slope if slope < 0.0 else math.nan
+        if not low < h < high:
+            h = 0.5 * (low + high)
+    raise ConvergenceError(f"the place where margin {broken} of a contact mode ends could not be located: {margins}")
+
+
+def _first_crossing(taken: Step) -> tuple[int, float, float]:
+    """Return the margin that breaks first, where, and its slope there, as the step's stages tell roughly."""
+    places = np.append(C, 1.0) * taken.h
+    order = np.argsort(places, kind="stable")
+    places, margins = places[order], taken.stages[order][:, MARGIN]
+    crossings = []
+    for index in np.flatnonzero(margins[-1] < -_SLACK).tolist():
+        after = max(int(np.argmax(margins[:, index] < -_SLACK)), 1)
+        a, b = max(margins[after - 1, index], 0.0), margins[after, index]
+        width = max(places[after] - places[after - 1], 1e-300)
+        crossings.append((float(places[after - 1] + width * a / (a - b)), index, float((b - a) / width)))
+    place, index, slope = min(crossings)
+    return index, place, slope

@@ -1,0 +1,111 @@
+"""Where a rod that moves straight first touches an outline."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq, minimize_scalar
+
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics.contact_curve import CornerPiece, EllipsePiece, OutlinePiece, SidePiece
+
+Touch = tuple[float, int, float]
+
+
+def first_touch(
+    pieces: tuple[OutlinePiece, ...], radius: float, start: NDArray[np.float64], direction: float
+) -> Touch:
+    """Return (travel, piece, coordinate) of the first touch; everything in the slider's frame.
+
+    Raises InvalidInput if the rod starts inside the object or never touches it.
+    """
+    toward = np.array((math.cos(direction), math.sin(direction)))
+    touches: list[Touch] = []
+    for index, piece in enumerate(pieces):
+        for travel, coordinate in _meetings(piece, radius, start, toward):
+            contact, _ = piece.contact(coordinate, radius)
+            enters = math.cos(contact.normal - direction) < 0.0
+            if piece.low <= coordinate <= piece.high and enters:
+                touches.append((travel, index, coordinate))
+    if not touches:
+        raise InvalidInput(f"the rod never touches the object: it starts at {start.tolist()} in direction {direction:.6g} rad")
+    travel, index, coordinate = min(touches)
+    if travel < -1e-9:
+        raise InvalidInput("the rod starts inside the object: move its start back along the push direction")
+    return max(travel, 0.0), index, coordinate
+
+
+def _meetings(
+    piece: OutlinePiece, radius: float, start: NDArray[np.float64], toward: NDArray[np.float64]
+) -> list[tuple[float, float]]:
+    """(travel, coordinate) of the places where the rod's path meets a piece of the contact curve, or its extension."""
+    if isinstance(piece, SidePiece):
+        return _meet_side(piece, radius, start, toward)
+    if isinstance(piece, CornerPiece):
+        return _meet_corner(piece, radius, start, toward)
+    return _meet_ellipse(piece, radius, start, toward)
+
+
+def _meet_side(
+    piece: SidePiece, radius: float, start: NDArray[np.float64], toward: NDArray[np.float64]
+) -> list[tuple[float, float]]:
+    normal = np.array((math.cos(piece.normal), math.sin(piece.normal)))
+    closing = float(normal @ toward)
+    if closing >= 0.0:
+        return []
+    travel = float(normal @ (np.asarray(piece.start) - start) + radius) / closing
+    return [(travel, float((start + travel * toward - piece.start) @ np.asarray(piece.direction)))]
+
+
+def _meet_corner(
+    piece: CornerPiece, radius: float, start: NDArray[np.float64], toward: NDArray[np.float64]
+) -> list[tuple[float, float]]:
+    lever = start - np.asarray(piece.corner)
+    along = float(lever @ toward)
+    under = along**2 - float(lever @ lever) + radius**2
+    if under < 0.0:
+        return []
+    travel = -along - math.sqrt(under)
+    x, y = lever + travel * toward
+    angle = math.atan2(y, x)
+    # The piece's angles may lie a turn away from atan2's.
+    return [(travel, angle + 2.0 * math.pi * turn) for turn in (-1, 0, 1)]
+
+
+def _meet_ellipse(
+    piece: EllipsePiece, radius: float, start: NDArray[np.float64], toward: NDArray[np.float64]
+) -> list[tuple[float, float]]:
+    """The distance to a convex outline is convex along the path: its minimum splits the two places where it is r."""
+
+    def gap(travel: float) -> float:
+        return _distance_from_ellipse(piece, start + travel * toward)[0] - radius
+
+    reach = float(np.hypot(*start)) + piece.semi_x + piece.semi_y + radius
+    nearest = minimize_scalar(gap, bounds=(-2.0 * reach, 2.0 * reach), method="bounded", options={"xatol": 1e-9}).x
+    if gap(nearest) >= 0.0:
+        return []
+    travel = float(brentq(gap, nearest - 4.0 * reach, nearest, xtol=1e-15, rtol=1e-14))
+    return [(travel, _distance_from_ellipse(piece, start + travel * toward)[1])]
+
+
+def _distance_from_ellipse(piece: EllipsePiece, place: NDArray[np.float64]) -> tuple[float, float]:
+    """Return signed distance (negative inside) and eccentric angle of the nearest point of an ellipse."""
+    x, y = place.tolist()
+
+    def slope(angle: float) -> float:
+        c, s = math.cos(angle), math.sin(angle)
+        return (piece.semi_x * c - x) * -piece.semi_x * s + (piece.semi_y * s - y) * piece.semi_y * c
+
+    # The nearest point lies in the place's own quadrant, where the slope changes sign once.
+    quadrant = math.floor(math.atan2(y, x) / (math.pi / 2.0)) * math.pi / 2.0
+    low, high = quadrant, quadrant + math.pi / 2.0
+    if slope(low) * slope(high) < 0.0:
+        angle = float(brentq(slope, low, high, xtol=1e-15, rtol=1e-14))
+    else:
+        angle = low if _square(piece, low, x, y) < _square(piece, high, x, y) else high
+    inside = math.hypot(x / piece.semi_x, y / piece.semi_y) < 1.0
+    return (-1.0 if inside else 1.0) * math.sqrt(_square(piece, angle, x, y)), angle
+
+
+def _square(piece: EllipsePiece, angle: float, x: float, y: float) -> float:
+    return (piece.semi_x * math.cos(angle) - x) ** 2 + (piece.semi_y * math.sin(angle) - y) ** 2

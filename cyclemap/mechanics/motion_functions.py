@@ -1,0 +1,173 @@
+"""One Runge-Kutta step of a pushed or dragged slider as a single CasADi function, with its contact solved inside.
+
+The state is (theta, coordinate): orientation, and place of the rod on its contact curve. All of a step's stages are
+solved by a fixed number of Newton iterations from a linear predictor; the last correction tells whether they converged.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from cyclemap.mechanics.contact_equations import ContactFunctions, contact_functions
+from cyclemap.mechanics.footprint import Footprint, PointFootprint
+from cyclemap.mechanics.runge_kutta import ERROR_3, ERROR_5, STAGES, A, B, C
+
+# Parameters of a motion, in order. geometry: side (x, y, tx, ty, normal), corner (x, y), ellipse (semi_x, semi_y),
+# ring (x, y), padded with zeros; smu: pusher friction, negative when the rod slides clockwise over the slider.
+PARAMETERS = (
+    *("direction", "radius", "smu", "mu_a", "mu_b", "m0", "n0", "phi"),
+    *("geometry_0", "geometry_1", "geometry_2", "geometry_3", "geometry_4", "low", "high"),
+)
+KINDS = ("side", "corner", "ellipse", "ring")
+MODES = ("stick", "slide", "ring")
+MARGINS = ("approach", "after_low", "before_high", "mode_first", "mode_second")
+
+# Newton iterations a stage, for patches and for support points, whose friction is less smooth.
+_ITERATIONS_PATCH, _ITERATIONS_POINTS = 2, 3
+# Functions up to this many operations a Newton iteration are unrolled into scalars, larger ones are called.
+_UNROLLED = 1_000
+
+
+@dataclass(frozen=True)
+class MotionFunctions:
+    """CasADi functions of one footprint, kind of contact, mode and regime.
+
+    `step`: (state 2, unknowns u, h, parameters) -> (error, last Newton correction, least far, greatest far) followed,
+    for each of the 12 stages and the end, by state 2, slope 2, margins 5, unknowns u.
+    `variation`: (state, unknowns, parameters) -> the slope's derivatives by (state, parameters), 2 x 17 by columns, the
+    unknowns being solved for; and far.
+    """
+
+    step: ca.Function
+    variation: ca.Function
+
+
+@lru_cache(maxsize=256)
+def motion_functions(footprint: Footprint, kind: str, mode: str, near: bool) -> MotionFunctions:
+    """Build (once) the functions of a normalised footprint."""
+    contact = contact_functions(footprint, near)
+    arguments, rate = _arguments(kind), _rate(kind, mode)
+    solver = contact.slide if mode == "slide" else contact.stick
+    iterations = _ITERATIONS_POINTS if isinstance(footprint, PointFootprint) else _ITERATIONS_PATCH
+    return MotionFunctions(
+        _step(contact, solver, arguments, rate, mode, iterations),
+        _variation(contact, arguments, rate, mode),
+    )
+
+
+def _contact(kind: str, coordinate: ca.SX, geometry: ca.SX, radius: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+    """Contact point, angle of the normal, and travel of the rod's centre along its curve per unit of coordinate."""
+    g = [geometry[i] for i in range(5)]
+    if kind == "side":
+        return g[0] + coordinate * g[2], g[1] + coordinate * g[3], g[4], ca.SX(1)
+    if kind == "corner":
+        return g[0], g[1], coordinate, radius
+    if kind == "ring":
+        return g[0], g[1], ca.SX(0), ca.SX(1)
+    c, s = ca.cos(coordinate), ca.sin(coordinate)
+    speed = ca.sqrt((g[0] * s) ** 2 + (g[1] * c) ** 2)
+    turning = g[0] * g[1] / speed**2
+    return g[0] * c, g[1] * s, ca.atan2(g[0] * s, g[1] * c), speed + radius * turning
+
+
+@lru_cache(maxsize=16)
+def _arguments(kind: str) -> ca.Function:
+    """(state, parameters) -> the contact equations' arguments."""
+    state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
+    x, y, normal, _ = _contact(kind, state[1], p[8:13], p[1])
+    return ca.Function("arguments", [state, p], [ca.vertcat(state[0], p[0], x, y, normal, p[2:8])])
+
+
+@lru_cache(maxsize=16)
+def _rate(kind: str, mode: str) -> ca.Function:
+    """(state, unknowns, forces, parameters) -> (slope, margins); forces: compression and tangential, per unit load."""
+    unknowns = 2 if mode == "slide" else 1
+    state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
+    z, forces = ca.SX.sym("unknowns", unknowns), ca.SX.sym("forces", 2)
+    _, _, normal, metric = _contact(kind, state[1], p[8:13], p[1])
+    off = normal + state[0] - p[0]
+    approach, along = -ca.cos(off), -ca.sin(off)
+    room = (state[1] - p[13], p[14] - state[1])
+    if mode == "ring":
+        slope, margins = ca.vertcat(z[0], 0), ca.SX.ones(5)
+    elif mode == "stick":
+        slope = ca.vertcat(z[0], -z[0] * p[1] / metric)
+        margins = ca.vertcat(approach, *room, p[2] * forces[0] - forces[1], p[2] * forces[0] + forces[1])
+    else:
+        omega, slip = approach * z[0], along - approach * z[1]
+        slope = ca.vertcat(omega, (slip - omega * p[1]) / metric)
+        margins = ca.vertcat(approach, *room, ca.sign(p[2]) * slip, 1)
+    return ca.Function("rate", [state, z, forces, p], [slope, margins])
+
+
+def _step(
+    contact: ContactFunctions, solver: ca.Function, arguments: ca.Function, rate: ca.Function, mode: str, iterations: int
+) -> ca.Function:
+    count = solver.size1_in(0)
+    state, h, p = ca.MX.sym("state", 2), ca.MX.sym("h"), ca.MX.sym("parameters", len(PARAMETERS))
+    guess = ca.MX.sym("unknowns", count)
+    slope_of_unknowns = _by_state(contact, arguments, mode)(state, guess, p)
+    states, unknowns, slopes, stages, corrections, ratios = [], [], [], [], [], []
+
+    def solve(at: ca.MX, nearby: int | None) -> None:
+        q = arguments(at, p)
+        z = guess if nearby is None else unknowns[nearby] + slope_of_unknowns @ (at - states[nearby])
+        for _ in range(iterations):
+            found = solver(z, q)
+            correction = found[count : 2 * count]
+            z = z + correction
+        slope, margins = rate(at, z, found[-3:-1], p)
+        states.append(at)
+        unknowns.append(z)
+        slopes.append(slope)
+        stages.append(ca.vertcat(at, slope, margins, z))
+        corrections.append(correction)
+        ratios.append(found[-1])
+
+    solve(state, None)
+    for i in range(1, STAGES + 1):
+        weights, place = (A[i, :i], C[i]) if i < STAGES else (B, 1.0)
+        # Newton starts at the solved stage that lies nearest, moved along the solution's slope.
+        nearby = int(np.argmin(np.abs(C[:i] - place)))
+        solve(state + h * sum(float(a) * k for a, k in zip(weights, slopes, strict=True) if a), nearby)
+    corrections, ratios = ca.vertcat(*corrections), ca.vertcat(*ratios)
+    certificate = ca.vertcat(h * _error(slopes), ca.mmax(ca.fabs(corrections)), ca.mmin(ratios), ca.mmax(ratios))
+    outputs = ca.vertcat(certificate, *stages)
+    function = ca.Function("step", [state, guess, h, p], [outputs])
+    return function.expand() if solver.n_instructions() <= _UNROLLED else function
+
+
+def _error(slopes: list[ca.MX]) -> ca.MX:
+    """Error per unit length: the estimator of order 5, held down by that of order 3 (Hairer et al. 1993, II.10)."""
+    error_5 = ca.fabs(sum(float(e) * k for e, k in zip(ERROR_5, slopes, strict=True) if e))
+    error_3 = ca.fabs(sum(float(e) * k for e, k in zip(ERROR_3, slopes, strict=True) if e))
+    return ca.mmax(error_5**2 / ca.sqrt(error_5**2 + 0.01 * error_3**2 + 1e-200))
+
+
+def _by_state(contact: ContactFunctions, arguments: ca.Function, mode: str) -> ca.Function:
+    """(state, unknowns, parameters) -> derivatives of the solved unknowns by the state."""
+    return _solution_slope(contact, arguments, mode, parameters=False)
+
+
+def _solution_slope(contact: ContactFunctions, arguments: ca.Function, mode: str, parameters: bool) -> ca.Function:
+    tangent = contact.slide_tangent if mode == "slide" else contact.stick_tangent
+    state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
+    by = ca.vertcat(state, p) if parameters else state
+    chain = ca.Function("chain", [state, p], [ca.jacobian(arguments(state, p), by)])
+    s, z, q = ca.MX.sym("state", 2), ca.MX.sym("unknowns", tangent.size1_in(0)), ca.MX.sym("p", len(PARAMETERS))
+    return ca.Function("slope", [s, z, q], [tangent(z, arguments(s, q)) @ chain(s, q)])
+
+
+def _variation(contact: ContactFunctions, arguments: ca.Function, rate: ca.Function, mode: str) -> ca.Function:
+    count = rate.size1_in(1)
+    state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
+    z = ca.SX.sym("unknowns", count)
+    slope = rate(state, z, ca.SX.zeros(2), p)[0]
+    direct = ca.Function("direct", [state, z, p], [ca.jacobian(slope, ca.vertcat(state, p)), ca.jacobian(slope, z)])
+    s, u, q = ca.MX.sym("state", 2), ca.MX.sym("unknowns", count), ca.MX.sym("p", len(PARAMETERS))
+    by_all, by_unknowns = direct(s, u, q)
+    solution = _solution_slope(contact, arguments, mode, parameters=True)(s, u, q)
+    far = (contact.slide if mode == "slide" else contact.stick)(u, arguments(s, q))[-1]
+    return ca.Function("variation", [s, u, q], [ca.vertcat(ca.vec(by_all + by_unknowns @ solution), far)])

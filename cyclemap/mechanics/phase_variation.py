@@ -1,0 +1,83 @@
+"""How the end of a phase varies with its start and its parameters: the tangent of the integration itself."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.mechanics.footprint import PointFootprint
+from cyclemap.mechanics.motion import Motion
+from cyclemap.mechanics.motion_functions import PARAMETERS, motion_functions
+from cyclemap.mechanics.patch_integrals import FAR_RATIO
+from cyclemap.mechanics.push_run import RunPhase
+from cyclemap.mechanics.runge_kutta import STAGES, STATE, UNKNOWN, A, B
+
+Array = NDArray[np.float64]
+
+# A support point slower than this (unit rod travel) has a kink beneath it: tangents are then taken by differences.
+_STILL = 1e-7
+_DIFFERENCE = 1e-6
+
+
+def vary_phase(run_phase: RunPhase, start: Array, parameters: Array) -> Array:
+    """Return the variation (2, k) of the state at the end of a phase.
+
+    `start` (2, k): variation of its start; `parameters` (15, k): variation of the motion's PARAMETERS. The phase's
+    steps keep their lengths: rates are continuous across its end, so that where it lies does not matter to first order.
+    """
+    steps = run_phase.phase.steps
+    stages = np.concatenate([taken.stages[:STAGES] for taken in steps])
+    by_all = _slope_jacobians(run_phase.motion, stages).reshape(len(steps), STAGES, 2, 2 + len(PARAMETERS))
+    varied = start
+    for taken, jacobian in zip(steps, by_all, strict=True):
+        forcing = jacobian[:, :, 2:] @ parameters
+        slopes = np.zeros_like(forcing)
+        for i in range(STAGES):
+            state = varied + taken.h * np.tensordot(A[i, :i], slopes[:i], axes=1)
+            slopes[i] = jacobian[i, :, :2] @ state + forcing[i]
+        varied = varied + taken.h * np.tensordot(B, slopes, axes=1)
+    return varied
+
+
+def _slope_jacobians(motion: Motion, stages: Array) -> Array:
+    """Derivatives (n, 2, 17) of the slope by (state, parameters) at solved stages (n, ...)."""
+    count = len(motion.unknowns)
+    states, unknowns = stages[:, STATE].T, stages[:, UNKNOWN].T
+    values = np.empty((2 * (2 + len(PARAMETERS)) + 1, len(stages)))
+    values[-1] = 0.0
+    for near in (True, False):
+        chosen = np.ones(len(stages), bool) if near else ~(values[-1] <= FAR_RATIO)
+        if chosen.any():
+            function = motion_functions(motion.solver.footprint, motion.piece.kind, motion.family, near).variation
+            found = function(states[:, chosen], unknowns[:count, chosen], motion.parameters)
+            values[:, chosen] = np.array(found).reshape(values.shape[0], -1)
+    jacobians = values[:-1].reshape(2 + len(PARAMETERS), 2, -1).transpose(2, 1, 0)
+    for index in _kinked(motion, stages):
+        jacobians[index] = _by_differences(motion, stages[index])
+    return jacobians
+
+
+def _kinked(motion: Motion, stages: Array) -> list[int]:
+    """Stages at which a support point hardly moves."""
+    footprint = motion.solver.footprint
+    if not isinstance(footprint, PointFootprint):
+        return []
+    points, _ = footprint.quadrature
+    still = []
+    for index, stage in enumerate(stages):
+        contact, _ = motion.piece.contact(float(stage[1]), motion.rod.radius)
+        if np.hypot(*motion.velocities(stage, contact, points).T).min() < _STILL:
+            still.append(index)
+    return still
+
+
+def _by_differences(motion: Motion, stage: Array) -> Array:
+    """Central differences of the solved slope by state and parameters, (2, 17)."""
+    base = np.concatenate([stage[STATE], motion.parameters])
+    columns = []
+    for index in range(base.size):
+        sides = []
+        for sign in (1.0, -1.0):
+            moved = base.copy()
+            moved[index] += sign * _DIFFERENCE
+            sides.append(motion.with_parameters(moved[2:], stage[UNKNOWN].tolist()).evaluate(moved[:2])[2:4])
+        columns.append((sides[0] - sides[1]) / (2.0 * _DIFFERENCE))
+    return np.array(columns).T

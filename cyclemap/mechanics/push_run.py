@@ -1,0 +1,144 @@
+"""A straight push in normalised units: phases of sticking and sliding on sides and around corners, joined."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
+from cyclemap.mechanics.contact_curve import OutlinePiece, SidePiece
+from cyclemap.mechanics.contact_solver import ContactSolver
+from cyclemap.mechanics.event_integration import Phase, integrate
+from cyclemap.mechanics.motion import SLIDE_FREE, SLIDE_LEFT, SLIDE_RIGHT, STICK, Motion, Rod
+from cyclemap.mechanics.motion_functions import MARGINS
+from cyclemap.mechanics.runge_kutta import MARGIN
+
+_APPROACH, _AFTER_LOW, _BEFORE_HIGH, _FIRST, _SECOND = range(len(MARGINS))
+_MOST_PHASES = 10_000
+
+
+@dataclass(frozen=True)
+class RunPhase:
+    """A stretch of a run under one motion, and the state it started from."""
+
+    motion: Motion
+    start: NDArray[np.float64]
+    phase: Phase
+
+
+@dataclass(frozen=True)
+class PushRun:
+    """The phases of a push, its end state (theta, coordinate of the last piece) and why it ended: distance or left."""
+
+    phases: tuple[RunPhase, ...]
+    end: NDArray[np.float64]
+    ended: str
+
+
+@dataclass(frozen=True)
+class PushStart:
+    """Where a push starts: piece of the contact curve, coordinate on it, orientation (rad)."""
+
+    piece: int
+    coordinate: float
+    theta: float
+
+
+def run_push(
+    solver: ContactSolver,
+    pieces: tuple[OutlinePiece, ...],
+    start: PushStart,
+    rod: Rod,
+    length: float,
+    tolerance: float,
+    longest_step: float = math.inf,
+) -> PushRun:
+    """Push over `length` (extents of rod travel), or until the rod leaves, with a step error of `tolerance`.
+
+    Raises InvalidInput if the rod moves away from the outline at the start, UnsupportedContact where it would touch
+    two sides at once, ConvergenceError where the contact cannot be solved.
+    """
+    index, left, h = start.piece, length, 0.1
+    state = np.array((start.theta, start.coordinate))
+    motion = _first_motion(solver, pieces[index], rod, state)
+    phases: list[RunPhase] = []
+    for _ in range(_MOST_PHASES):
+        phase = integrate(motion, state, left, tolerance, h, longest_step)
+        phases.append(RunPhase(motion, state, phase))
+        state, h, left = phase.steps[-1].end, phase.next_h, left - phase.length
+        if phase.broken is None or phase.broken == _APPROACH or left <= 1e-14 * length:
+            return PushRun(tuple(phases), state, "left" if phase.broken == _APPROACH else "distance")
+        if phase.broken in (_AFTER_LOW, _BEFORE_HIGH):
+            forward = phase.broken == _BEFORE_HIGH
+            neighbour = (index + (1 if forward else -1)) % len(pieces)
+            state = _across(pieces[index], pieces[neighbour], forward, state, rod)
+            index, motion = neighbour, _same_mode(motion, pieces[neighbour], state)
+        else:
+            motion = _other_mode(motion, state, phase.broken)
+    raise ConvergenceError(f"the contact changes its mode more than {_MOST_PHASES} times: it chatters at {state}")
+
+
+def _first_motion(solver: ContactSolver, piece: OutlinePiece, rod: Rod, state: NDArray[np.float64]) -> Motion:
+    """Stick if the force that sticking needs lies in the friction cone, else slide the way it points."""
+    stick = Motion(solver, piece, STICK, rod)
+    margins = stick.evaluate(state)[MARGIN]
+    if margins[_APPROACH] <= 0.0:
+        raise InvalidInput(
+            "the push points away from the object: its direction must have a component into the side that it touches"
+        )
+    if margins[_FIRST] >= 0.0 and margins[_SECOND] >= 0.0 and rod.friction > 0.0:
+        return stick
+    slide = _other_mode(stick, state, _FIRST if margins[_FIRST] < margins[_SECOND] else _SECOND)
+    slide.evaluate(state)
+    return slide
+
+
+def _other_mode(motion: Motion, state: NDArray[np.float64], broken: int) -> Motion:
+    """Return the motion on the other side of a broken margin, its unknowns those of the same twist."""
+    contact, _ = motion.piece.contact(float(state[1]), motion.rod.radius)
+    off = contact.normal + float(state[0]) - motion.rod.direction
+    approach, along = -math.cos(off), -math.sin(off)
+    if motion.slides:
+        stick = Motion(motion.solver, motion.piece, STICK, motion.rod)
+        stick.unknowns = [approach * motion.unknowns[0]]
+        return stick
+    mode = SLIDE_FREE if motion.rod.friction == 0.0 else SLIDE_LEFT if broken == _FIRST else SLIDE_RIGHT
+    slide = Motion(motion.solver, motion.piece, mode, motion.rod)
+    slide.unknowns = [motion.unknowns[0] / max(approach, 1e-6), along / max(approach, 1e-6)]
+    return slide
+
+
+def _same_mode(motion: Motion, piece: OutlinePiece, state: NDArray[np.float64]) -> Motion:
+    """Return the same mode on the next piece; a point that passes a corner starts afresh, its normal having jumped."""
+    following = Motion(motion.solver, piece, motion.mode, motion.rod)
+    following.unknowns = list(motion.unknowns)
+    if motion.rod.radius == 0.0:
+        contact, _ = piece.contact(float(state[1]), 0.0)
+        if math.cos(contact.normal + float(state[0]) - motion.rod.direction) >= 0.0:
+            return following
+        return _first_motion(motion.solver, piece, motion.rod, state)
+    return following
+
+
+def _across(
+    old: OutlinePiece, new: OutlinePiece, forward: bool, state: NDArray[np.float64], rod: Rod
+) -> NDArray[np.float64]:
+    """Return the state on the next piece; what the last step overshot is carried over at the same speed."""
+    _refuse_concave(old, new, forward)
+    edge_old, edge_new = (old.high, new.low) if forward else (old.low, new.high)
+    _, metric_old = old.contact(edge_old, rod.radius)
+    _, metric_new = new.contact(edge_new, rod.radius)
+    return np.array((state[0], edge_new + (state[1] - edge_old) * metric_old / metric_new))
+
+
+def _refuse_concave(old: OutlinePiece, new: OutlinePiece, forward: bool) -> None:
+    """Two sides that follow each other without a corner piece meet in a concave corner, unless the rod is a point."""
+    if not (isinstance(old, SidePiece) and isinstance(new, SidePiece)):
+        return
+    before, after = (old, new) if forward else (new, old)
+    if math.sin(after.normal - before.normal) < 0.0:
+        raise UnsupportedContact(
+            f"the rod reaches the concave corner between sides {before.side} and {after.side} and touches both: "
+            "two-point contact is outside this model; push less far, or elsewhere"
+        )

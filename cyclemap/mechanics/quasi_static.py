@@ -1,0 +1,287 @@
+"""The quasi-static model of one slider on one surface with one rod: pushes it, and drags it back in its ring."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.constants import g as GRAVITY
+
+from cyclemap.checks import finite_number, positive_number
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics.contact_curve import OutlinePiece, RingPiece, contact_curve, side_coordinate
+from cyclemap.mechanics.contact_solver import ContactSolver
+from cyclemap.mechanics.event_integration import integrate
+from cyclemap.mechanics.first_touch import first_touch
+from cyclemap.mechanics.footprint import Footprint, PatchFootprint
+from cyclemap.mechanics.friction import EllipseFriction
+from cyclemap.mechanics.limit_surface import normalised
+from cyclemap.mechanics.motion import RING, Motion, Rod
+from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
+from cyclemap.mechanics.protocol import Pose, SidePush, WorldPush
+from cyclemap.mechanics.push_run import PushRun, PushStart, RunPhase, run_push
+from cyclemap.mechanics.pusher import Pusher
+from cyclemap.mechanics.slider import Slider
+from cyclemap.mechanics.trajectory import Frame, Trajectory, trajectory_of
+
+# What a step may be off by, as a share of the accuracy asked of the whole motion; measured in tests/mechanics.
+_STEP_SHARE = 0.1
+
+
+@dataclass(frozen=True)
+class PushResult:
+    """A push: poses before and after, the rod's travel in contact (m), why it ended (`distance`, `left`, `missed`).
+
+    `run` holds the computed phases in normalised units, `frame` how they lie in the world.
+    """
+
+    start: Pose
+    end: Pose
+    ended: str
+    run: PushRun
+    frame: Frame
+
+    @property
+    def turn(self) -> float:
+        """Turn of the object, rad."""
+        return self.end.theta - self.start.theta
+
+    @property
+    def travel(self) -> float:
+        """Rod travel in contact, m."""
+        return self.frame.unit * math.fsum(p.phase.length for p in self.run.phases)
+
+    @property
+    def displacement(self) -> NDArray[np.float64]:
+        """Displacement of the object's origin in its initial frame, (2,), m."""
+        dx, dy = self.end.x - self.start.x, self.end.y - self.start.y
+        c, s = math.cos(self.start.theta), math.sin(self.start.theta)
+        return np.array((c * dx + s * dy, -s * dx + c * dy))
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The course of the push in the world."""
+        return trajectory_of(self.run.phases, self.frame)
+
+
+@dataclass(frozen=True)
+class DragLeg:
+    """One straight leg of a drag: its phase in normalised units, and how it lies in the world."""
+
+    phase: RunPhase
+    frame: Frame
+
+
+@dataclass(frozen=True)
+class DragResult:
+    """A drag: poses before and after, and its legs (none where the ring was already there)."""
+
+    start: Pose
+    end: Pose
+    legs: tuple[DragLeg, ...]
+
+    @property
+    def turn(self) -> float:
+        """Turn of the object, rad."""
+        return self.end.theta - self.start.theta
+
+    @property
+    def length(self) -> float:
+        """Path of the ring, m."""
+        return math.fsum(leg.frame.unit * leg.phase.phase.length for leg in self.legs)
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The course of the drag in the world."""
+        parts = [trajectory_of((leg.phase,), leg.frame) for leg in self.legs]
+        if not parts:
+            raise InvalidInput("this drag has no length, so that it has no trajectory")
+        starts = np.cumsum([0.0, *(part.path[-1] for part in parts)])
+        path = np.concatenate([part.path + start for part, start in zip(parts, starts, strict=False)])
+        arrays = (
+            np.concatenate([getattr(part, name) for part in parts])
+            for name in ("pose", "pusher", "contact_point", "contact_force", "mode")
+        )
+        return Trajectory(path, *arrays, max(part.residual for part in parts))
+
+
+@dataclass(frozen=True)
+class QuasiStaticModel:
+    """A slider on a surface, and the rod that moves it.
+
+    Parameters
+    ----------
+    slider, friction, pusher : the object, the surface under it, the rod.
+    footprint : how the weight is spread; None: evenly over the outline, leaning where the centre of mass is not the
+        centroid.
+    accuracy : error (rad; extents of the footprint) aimed at for a whole push or drag, where its outcome depends on
+        its course smoothly; between 1e-11 and 1e-2.
+
+    >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
+    >>> push = model.push(Pose(), SidePush(side=0, fraction=0.7))
+    >>> round(math.degrees(push.turn), 4), push.ended
+    (74.5204, 'distance')
+    """
+
+    slider: Slider
+    friction: EllipseFriction
+    pusher: Pusher = Pusher()
+    footprint: Footprint | None = None
+    accuracy: float = 1e-8
+
+    def __post_init__(self) -> None:
+        accuracy = positive_number("accuracy", self.accuracy)
+        if not 1e-11 <= accuracy <= 1e-2:
+            raise InvalidInput(f"accuracy {accuracy} is out of reach: choose one from 1e-11 to 1e-2 rad")
+
+    @cached_property
+    def pressure(self) -> Footprint:
+        """The footprint in use."""
+        if self.footprint is not None:
+            return self.footprint
+        assert self.slider.centre_of_mass is not None
+        return PatchFootprint.under(self.slider.outline, self.slider.centre_of_mass)
+
+    @cached_property
+    def unit(self) -> float:
+        """Unit of length of the normalised motion: the footprint's extent, m."""
+        return self.pressure.extent
+
+    @cached_property
+    def solver(self) -> ContactSolver:
+        """The contact equations, ready to be solved."""
+        return ContactSolver(normalised(self.pressure), self.friction)
+
+    @cached_property
+    def pieces(self) -> tuple[OutlinePiece, ...]:
+        """The contact curve, in units of `unit`."""
+        return contact_curve(self._outline, self.radius)
+
+    @property
+    def radius(self) -> float:
+        """The rod's radius in units of `unit`."""
+        return self.pusher.radius / self.unit
+
+    @cached_property
+    def _outline(self) -> Outline:
+        outline = self.slider.outline
+        if isinstance(outline, Ellipse):
+            return Ellipse(outline.semi_x / self.unit, outline.semi_y / self.unit)
+        return Polygon(tuple(map(tuple, (outline.array / self.unit).tolist())))
+
+    @property
+    def weight(self) -> float:
+        """The slider's weight, N."""
+        return self.slider.mass * GRAVITY
+
+    def push(self, pose: Pose, push: SidePush | WorldPush, longest_step: float = math.inf) -> PushResult:
+        """Push the slider from a pose.
+
+        `longest_step` (m) bounds the spacing of the trajectory's samples. Raises InvalidInput for a contact that does
+        not exist or a push that points away, UnsupportedContact and ConvergenceError as `run_push` tells.
+        """
+        start, direction, rod_start, length = self._start(pose, push)
+        rod = Rod(self.radius, self.pusher.friction, direction)
+        tolerance, longest = _STEP_SHARE * self.accuracy, longest_step / self.unit
+        run = run_push(self.solver, self.pieces, start, rod, length, tolerance, longest)
+        self._refuse_overlap(run)
+        frame = Frame(self.unit, rod_start, self.weight)
+        return PushResult(pose, self._end_pose(run, frame), run.ended, run, frame)
+
+    def drag(
+        self, pose: Pose, way_points: tuple[tuple[float, float], ...], longest_step: float = math.inf
+    ) -> DragResult:
+        """Drag the slider by its ring, straight through way-points (m, world frame), from a pose."""
+        legs, now = [], pose
+        for goal in way_points:
+            ring = self.ring_place(now)
+            leg = self._drag_leg(now, ring, goal, longest_step)
+            if leg is None:
+                continue
+            legs.append(leg)
+            now = _pose_from_ring(goal, float(leg.phase.phase.steps[-1].end[0]), self.slider.hitch)
+        return DragResult(pose, now, tuple(legs))
+
+    def ring_place(self, pose: Pose) -> tuple[float, float]:
+        """Return where the ring is in the world at a pose, m."""
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        x, y = self.slider.hitch
+        return pose.x + c * x - s * y, pose.y + s * x + c * y
+
+    def _drag_leg(
+        self, pose: Pose, ring: tuple[float, float], goal: tuple[float, float], longest_step: float
+    ) -> DragLeg | None:
+        dx, dy = finite_number("way-point x", goal[0]) - ring[0], finite_number("way-point y", goal[1]) - ring[1]
+        length = math.hypot(dx, dy) / self.unit
+        if length <= 1e-12:
+            return None
+        piece = RingPiece((self.slider.hitch[0] / self.unit, self.slider.hitch[1] / self.unit))
+        motion = Motion(self.solver, piece, RING, Rod(0.0, 0.0, math.atan2(dy, dx)))
+        state = np.array((pose.theta, 0.0))
+        motion.evaluate(state)
+        tolerance, longest = _STEP_SHARE * self.accuracy, longest_step / self.unit
+        phase = integrate(motion, state, length, tolerance, 0.3, longest)
+        return DragLeg(RunPhase(motion, state, phase), Frame(self.unit, ring, self.weight))
+
+    def _start(
+        self, pose: Pose, push: SidePush | WorldPush
+    ) -> tuple[PushStart, float, tuple[float, float], float]:
+        """Return start state, direction (world), the rod's place at first touch (m) and the travel left (units)."""
+        if isinstance(push, SidePush):
+            index, coordinate = side_coordinate(self._outline, push.side, push.fraction, self.radius)
+            contact, _ = self.pieces[index].contact(coordinate, self.radius)
+            direction = pose.theta + contact.normal + math.pi + push.angle
+            length = push.distance / self.unit
+        else:
+            direction = push.direction
+            travel, index, coordinate = self._touch(pose, push)
+            length = push.distance / self.unit - travel
+            if length <= 0.0:
+                raise InvalidInput(
+                    f"the rod stops {-length * self.unit * 1e3:.3g} mm short of the object: lengthen the push"
+                )
+        place = self.rod_place(pose, index, coordinate)
+        return PushStart(index, coordinate, pose.theta), direction, place, length
+
+    def _touch(self, pose: Pose, push: WorldPush) -> tuple[float, int, float]:
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        dx, dy = push.start[0] - pose.x, push.start[1] - pose.y
+        start = np.array((c * dx + s * dy, -s * dx + c * dy)) / self.unit
+        if bool(self._outline.contains(start)):
+            raise InvalidInput(f"the rod starts inside the object, at {push.start} m: move its start outside")
+        return first_touch(self.pieces, self.radius, start, push.direction - pose.theta)
+
+    def rod_place(self, pose: Pose, piece: int, coordinate: float) -> tuple[float, float]:
+        """Return where the rod's centre is in the world (m) when it touches at a place of the contact curve."""
+        contact, _ = self.pieces[piece].contact(coordinate, self.radius)
+        x = self.unit * (contact.x + self.radius * math.cos(contact.normal))
+        y = self.unit * (contact.y + self.radius * math.sin(contact.normal))
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        return pose.x + c * x - s * y, pose.y + s * x + c * y
+
+    def _end_pose(self, run: PushRun, frame: Frame) -> Pose:
+        last = run.phases[-1].motion
+        travel = frame.unit * math.fsum(p.phase.length for p in run.phases)
+        rod_x = frame.rod_start[0] + travel * math.cos(last.rod.direction)
+        rod_y = frame.rod_start[1] + travel * math.sin(last.rod.direction)
+        theta = float(run.end[0])
+        x, y = self.rod_place(Pose(0.0, 0.0, theta), self.pieces.index(last.piece), float(run.end[1]))
+        return Pose(rod_x - x, rod_y - y, theta)
+
+    def _refuse_overlap(self, run: PushRun) -> None:
+        """A rod that rolls along a concave outline may run into another side."""
+        if isinstance(self._outline, Ellipse) or self._outline.is_convex:
+            return
+        for phase in run.phases:
+            for taken in phase.phase.steps:
+                contact, _ = phase.motion.piece.contact(float(taken.end[1]), self.radius)
+                x, y = contact.x + self.radius * math.cos(contact.normal), contact.y + self.radius * math.sin(contact.normal)
+                if self._outline.distance((x, y)) < self.radius - 1e-7:
+                    raise InvalidInput("the rod runs into another side of this concave outline: use a thinner rod")
+
+
+def _pose_from_ring(ring: tuple[float, float], theta: float, hitch: tuple[float, float]) -> Pose:
+    """Return the pose at orientation theta whose ring is at a place."""
+    c, s = math.cos(theta), math.sin(theta)
+    return Pose(ring[0] - c * hitch[0] + s * hitch[1], ring[1] - s * hitch[0] - c * hitch[1], theta)

@@ -1,0 +1,61 @@
+"""An explicit Runge-Kutta method of order 8: its coefficients, its steps and their lengths."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import DOP853
+
+# Dormand & Prince's method of order 8 with error estimators of order 5 and 3 (Hairer, Norsett & Wanner 1993, II.10).
+STAGES: int = DOP853.n_stages
+A: NDArray[np.float64] = DOP853.A
+B: NDArray[np.float64] = DOP853.B
+C: NDArray[np.float64] = DOP853.C
+# Weights (13,) of the slopes, the end's last, in the estimators.
+ERROR_5: NDArray[np.float64] = DOP853.E5
+ERROR_3: NDArray[np.float64] = DOP853.E3
+
+# Exponent, safety and bounds of the step-size controller.
+_ORDER = 8
+_SAFETY, _SHRINK, _GROW = 0.9, 0.2, 3.0
+
+# One evaluation of a motion: state 2, slope 2, margins 5, the contact's unknowns.
+STATE, SLOPE, MARGIN, UNKNOWN = slice(0, 2), slice(2, 4), slice(4, 9), slice(9, None)
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of length h: its 12 stages and its end, (13, 9 + unknowns), and the error estimate (maximum norm)."""
+
+    h: float
+    stages: NDArray[np.float64]
+    error: float
+
+    @property
+    def end(self) -> NDArray[np.float64]:
+        """State at the end."""
+        return self.stages[-1, STATE]
+
+
+def step(evaluate: Callable[[NDArray[np.float64]], NDArray[np.float64]], state: NDArray[np.float64], h: float) -> Step:
+    """Return the step of length h from `state` (2,), evaluating stage by stage."""
+    stages = [evaluate(state)]
+    slopes = np.empty((STAGES + 1, 2))
+    slopes[0] = stages[0][SLOPE]
+    for i in range(1, STAGES + 1):
+        weights = A[i, :i] if i < STAGES else B
+        stages.append(evaluate(state + h * (weights @ slopes[:i])))
+        slopes[i] = stages[-1][SLOPE]
+    by_5, by_3 = np.abs(ERROR_5 @ slopes), np.abs(ERROR_3 @ slopes)
+    error = np.max(by_5**2 / np.sqrt(by_5**2 + 0.01 * by_3**2 + 1e-200))
+    return Step(h, np.array(stages), abs(h) * float(error))
+
+
+def next_length(h: float, error: float, tolerance: float) -> float:
+    """Return the length at which the error should just meet the tolerance, within the controller's bounds."""
+    if not math.isfinite(error):
+        return h * _SHRINK
+    factor = _SAFETY * (tolerance / max(error, 1e-300)) ** (1.0 / _ORDER)
+    return h * min(_GROW, max(_SHRINK, factor))
