@@ -7,19 +7,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.errors import ConvergenceError
-from cyclemap.mechanics.motion import Motion
+from cyclemap.mechanics.motion import STICK, Motion
 from cyclemap.mechanics.runge_kutta import MARGIN, STATE, UNKNOWN, C, Step, next_length
 
-# A margin this little below zero still counts as kept, and a place where one is within it of zero as landed on:
-# rates are continuous from one law to the next, so that what is wrong is of its square.
-_SLACK = 1e-8
-# A margin that dips this far below zero at a stage, though not at the step's end, calls for a shorter step.
-_DIP = 1e-6
+# A margin this share of the tolerance's root below zero still counts as kept, and a place where one is that near to
+# zero as landed on: rates are continuous from one law to the next, so that what is wrong is of its square ...
+_SLACK_SHARE = 0.03
+# ... but for a rod that leaves while it sticks: there the slack is this share of the tolerance itself.
+_STRICT_SHARE = 0.1
+# A margin that dips this many slacks below zero at a stage, though not at the step's end, calls for a shorter step.
+_DIP = 30.0
 # A step this short is taken even if a margin is broken on it.
 _LEAST_ADVANCE = 1e-9
 # Steps above this share of the length are made in one call or not at all: shorter ones are cheaper than certainty.
 _SHORT = 0.01
 _MOST_STEPS = 20_000
+
+# The stages in the order of their places along a step; the end, last, in place of the stage beside it.
+_STAGE_ORDER = np.array([i for i in np.argsort(C, kind="stable").tolist() if C[i] < 1.0] + [len(C)])
+_STAGE_PLACES = np.append(C, 1.0)[_STAGE_ORDER]
 
 
 @dataclass(frozen=True)
@@ -47,10 +53,10 @@ def integrate(
     """Integrate a motion over `length`, or until a margin falls below zero.
 
     `tolerance` bounds the error estimate of each step (maximum norm). Where a margin breaks, the last step is
-    shortened until it is zero within 1e-8. Raises ConvergenceError when the steps needed are too many or too short.
+    shortened until it is zero to within what changes the state by less than that. Raises ConvergenceError when the steps needed are too many or too short.
     """
     steps: list[Step] = []
-    done, h = 0.0, first_h
+    done, h, slack = 0.0, first_h, _slack(motion, tolerance)
     while done < length:
         if len(steps) > _MOST_STEPS or h < 1e-15 * length:
             raise ConvergenceError(f"the motion needs steps below {h:.2e} at {done:.6g} of {length:.6g}: state {state}")
@@ -60,13 +66,13 @@ def integrate(
         if taken is None or not taken.error <= tolerance:
             h = 0.5 * tried if taken is None else next_length(tried, taken.error, tolerance)
             continue
-        least = taken.stages[:, MARGIN].min(axis=1)
-        broken = _broken(taken)
-        if broken is None and least.min() < -_DIP and tried > 1e-4 * length:
+        relative = taken.stages[:, MARGIN] / slack
+        broken = int(relative[-1].argmin()) if relative[-1].min() < -1.0 else None
+        if broken is None and relative.min() < -_DIP and tried > 1e-4 * length:
             h = 0.4 * tried
             continue
         if broken is not None and tried > _LEAST_ADVANCE:
-            taken, broken = _land(motion, state, taken, tolerance)
+            taken, broken = _land(motion, state, taken, tolerance, slack)
         steps.append(taken)
         motion.unknowns = taken.stages[-1, UNKNOWN].tolist()
         done, state = done + taken.h, taken.end
@@ -79,28 +85,31 @@ def integrate(
     return Phase(tuple(steps), None, h)
 
 
-def _broken(taken: Step) -> int | None:
-    """Index of the margin that is most below zero at a step's end, or None."""
-    margins = taken.stages[-1, MARGIN]
-    worst = int(np.argmin(margins))
-    return worst if margins[worst] < -_SLACK else None
+def _slack(motion: Motion, tolerance: float) -> NDArray[np.float64]:
+    """How far below zero each margin may go, the approach (the first) less where the motion stops short there."""
+    slack = np.full(MARGIN.stop - MARGIN.start, _SLACK_SHARE * math.sqrt(tolerance))
+    if motion.mode == STICK:
+        slack[0] = _STRICT_SHARE * tolerance
+    return slack
 
 
-def _land(motion: Motion, state: NDArray[np.float64], taken: Step, tolerance: float) -> tuple[Step, int]:
+def _land(
+    motion: Motion, state: NDArray[np.float64], taken: Step, tolerance: float, slack: NDArray[np.float64]
+) -> tuple[Step, int]:
     """Shorten a step until the first margin to break is zero: secants on the step's length inside a bracket."""
     unknowns = list(motion.unknowns)
     low, high = 0.0, taken.h
-    broken, h, slope = _first_crossing(taken)
+    broken, h, slope = _first_crossing(taken, slack)
     before = (math.nan, math.nan)
     for _ in range(100):
         h = max(h, _LEAST_ADVANCE)
         motion.unknowns = list(unknowns)
         taken = motion.step(state, h, tolerance)
-        margins = taken.stages[-1, MARGIN].tolist()
-        if margins[broken] > _SLACK and min(margins) < -_SLACK:
-            broken, slope, before = margins.index(min(margins)), math.nan, (math.nan, math.nan)
-        margin = margins[broken]
-        if abs(margin) <= _SLACK or h <= _LEAST_ADVANCE or high - low <= 1e-13:
+        relative = taken.stages[-1, MARGIN] / slack
+        if relative[broken] > 1.0 and relative.min() < -1.0:
+            broken, slope, before = int(relative.argmin()), math.nan, (math.nan, math.nan)
+        margin = float(relative[broken])
+        if abs(margin) <= 1.0 or h <= _LEAST_ADVANCE or high - low <= 1e-13:
             return taken, broken
         low, high = (low, h) if margin < 0.0 else (h, high)
         if h != before[0]:
@@ -110,19 +119,25 @@ def _land(motion: Motion, state: NDArray[np.float64], taken: Step, tolerance: fl
         h = h - margin / slope if slope < 0.0 else math.nan
         if not low < h < high:
             h = 0.5 * (low + high)
-    raise ConvergenceError(f"the place where margin {broken} of a contact mode ends could not be located: {margins}")
+    raise ConvergenceError(f"the place where margin {broken} of a contact mode ends could not be located: {margin}")
 
 
-def _first_crossing(taken: Step) -> tuple[int, float, float]:
-    """Return the margin that breaks first, where, and its slope there, as the step's stages tell roughly."""
-    places = np.append(C, 1.0) * taken.h
-    order = np.argsort(places, kind="stable")
-    places, margins = places[order], taken.stages[order][:, MARGIN]
+def _first_crossing(taken: Step, slack: NDArray[np.float64]) -> tuple[int, float, float]:
+    """Return the margin that breaks first, where, and its slope (in slacks) there, as the stages tell roughly."""
+    order = _STAGE_ORDER
+    places, margins = _STAGE_PLACES * taken.h, taken.stages[order][:, MARGIN] / slack
     crossings = []
-    for index in np.flatnonzero(margins[-1] < -_SLACK).tolist():
-        after = max(int(np.argmax(margins[:, index] < -_SLACK)), 1)
+    for index in np.flatnonzero(margins[-1] < -1.0).tolist():
+        after = max(int(np.argmax(margins[:, index] < -1.0)), 1)
         a, b = max(margins[after - 1, index], 0.0), margins[after, index]
-        width = max(places[after] - places[after - 1], 1e-300)
-        crossings.append((float(places[after - 1] + width * a / (a - b)), index, float((b - a) / width)))
+        width = places[after] - places[after - 1]
+        place = places[after - 1] + width * _inverse_interpolation(margins[:, index], after)
+        crossings.append((float(place), index, float((b - a) / width)))
     place, index, slope = min(crossings)
     return index, place, slope
+
+
+def _inverse_interpolation(margins: NDArray[np.float64], after: int) -> float:
+    """Where between two places a margin vanishes, as a share of their distance."""
+    a, b = max(margins[after - 1], 0.0), margins[after]
+    return float(a / (a - b))

@@ -161,8 +161,8 @@ class _StepCall:
         trigger()
         error, correction, least, greatest = result[:4].tolist()
         self.in_regime = not self._exact or (greatest <= _NEAR_LIMIT if self._near else least >= _FAR_LIMIT)
-        left = correction**2 if self._exact else correction
-        if not (left <= _LEFT * tolerance and self.in_regime and math.isfinite(error)):
+        allowed = math.sqrt(_LEFT * tolerance) if self._exact else _LEFT * tolerance
+        if not (correction <= allowed and self.in_regime and math.isfinite(error)):
             return None
         stages = result[4:].reshape(STAGES + 1, -1).copy()
         return Step(h, stages, error)

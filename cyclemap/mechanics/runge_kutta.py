@@ -18,8 +18,8 @@ ERROR_5: NDArray[np.float64] = DOP853.E5
 ERROR_3: NDArray[np.float64] = DOP853.E3
 
 # Exponent, safety and bounds of the step-size controller.
-_ORDER = 8
-_SAFETY, _SHRINK, _GROW = 0.9, 0.2, 3.0
+_ORDER = 6
+_SAFETY, _SHRINK, _GROW = 0.9, 0.2, 2.0
 
 # One evaluation of a motion: state 2, slope 2, margins 5, the contact's unknowns.
 STATE, SLOPE, MARGIN, UNKNOWN = slice(0, 2), slice(2, 4), slice(4, 9), slice(9, None)

@@ -1,0 +1,180 @@
+"""CircleMap: lifts, breaks, one-sided limits, differences, samples."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import CircleMap
+
+TWO_PI = 2 * np.pi
+GRID = np.linspace(-15.0, 15.0, 3001)
+TEXTBOOK = {
+    "rigid": CircleMap.rigid(0.3),
+    "arnold": CircleMap.arnold(0.2, 0.7),
+    "folded": CircleMap.arnold(0.2, 2.5),
+    "moebius": CircleMap.moebius(0.6, 0.2),
+}
+
+
+def wavy(x):
+    return x + 0.4 + 0.3 * np.sin(x) - 0.1 * np.cos(2 * x)
+
+
+def wavy_slope(x):
+    return 1 + 0.3 * np.cos(x) + 0.2 * np.sin(2 * x)
+
+
+def sampled(count=300, start=0.0, slopes=True):
+    x = start + np.linspace(0, TWO_PI, count, endpoint=False)
+    return CircleMap.from_samples(x, wavy(x), wavy_slope(x) if slopes else None)
+
+
+@pytest.mark.parametrize("name", TEXTBOOK)
+def test_a_lift_climbs_by_one_turn_a_turn(name):
+    lift = TEXTBOOK[name]
+    np.testing.assert_allclose(lift(GRID + TWO_PI) - lift(GRID), TWO_PI, rtol=1e-13)
+    np.testing.assert_allclose(lift.turn(GRID), lift(GRID) - GRID, rtol=0, atol=0)
+
+
+@pytest.mark.parametrize("name", TEXTBOOK)
+def test_differences_agree_with_the_analytic_derivative(name):
+    exact = TEXTBOOK[name]
+    differenced = CircleMap(exact)
+    x = GRID[np.abs(GRID) < TWO_PI]
+    np.testing.assert_allclose(differenced.derivative(x), exact.derivative(x), rtol=0, atol=2e-10)
+
+
+@pytest.mark.parametrize("name", TEXTBOOK)
+def test_the_scalar_form_is_the_same_function(name):
+    one = TEXTBOOK[name].scalar()
+    np.testing.assert_allclose([one(x) for x in GRID[::50]], TEXTBOOK[name](GRID[::50]), rtol=0, atol=1e-14)
+
+
+def test_moebius_is_the_moebius_map_of_the_circle():
+    a, omega = 0.6, 0.2
+    z = np.exp(1j * GRID)
+    image = np.exp(2j * np.pi * omega) * (z - a) / (1 - a * z)
+    np.testing.assert_allclose(np.exp(1j * TEXTBOOK["moebius"](GRID)), image, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("start", [0.0, 1.3, -9.0, TWO_PI])
+def test_hermite_samples_converge_at_fourth_order_wherever_they_start(start):
+    errors = [np.max(np.abs(sampled(n, start)(GRID) - wavy(GRID))) for n in (50, 100, 200)]
+    assert errors[2] < 2e-8
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(orders > 3.8)
+
+
+def test_slopes_left_out_still_interpolate_and_keep_monotone_data_monotone():
+    made = sampled(200, slopes=False)
+    assert np.max(np.abs(made(GRID) - wavy(GRID))) < 2e-5
+    assert made.breaks.size == 0
+    x = np.array([0.0, 1.0, 1.5, 2.0, 4.0, 6.0])
+    steps = CircleMap.from_samples(x, np.array([0.0, 0.1, 2.5, 2.6, 2.61, 6.0]))
+    assert np.all(np.diff(steps(np.linspace(0, TWO_PI, 4001))) >= -1e-15)
+
+
+def test_a_repeated_angle_is_a_jump_kept_on_both_sides():
+    x = np.array([0.0, 1.0, 2.0, 2.0, 3.0, 5.0])
+    y = np.array([0.5, 1.2, 1.8, 2.6, 3.4, 5.2])
+    made = CircleMap.from_samples(x, y, np.full(6, 0.7))
+    at, left, right = made.jumps()
+    np.testing.assert_allclose(at, [2.0])
+    np.testing.assert_allclose([left[0], right[0], made(2.0)], [1.8, 2.6, 2.6], atol=1e-13)
+    np.testing.assert_allclose(made.left(2.0 - 2 * TWO_PI), 1.8 - 2 * TWO_PI, atol=1e-13)
+    assert made.samples == 6
+
+
+def test_a_repeated_angle_with_equal_values_is_a_kink():
+    x = np.array([0.0, 2.0, 2.0, 4.0])
+    made = CircleMap.from_samples(x, x, [1.0, 0.5, 1.5, 1.0])
+    assert made.breaks.tolist() == [2.0]
+    assert made.jumps()[0].size == 0
+    np.testing.assert_allclose(
+        [made.left_derivative(2.0), made.right_derivative(2.0)], [0.5, 1.5], atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("start", [0.0, 0.7])
+def test_an_end_point_that_does_not_close_makes_a_break_at_the_start(start):
+    x = start + np.linspace(0, TWO_PI, 20)
+    made = CircleMap.from_samples(x, 0.5 * x + 1, np.full(20, 0.5))
+    np.testing.assert_allclose(made.breaks, [start])
+    np.testing.assert_allclose(made.right(start) - made.left(start), 0.5 * TWO_PI, atol=1e-12)
+    repeated = np.append(x[0], x[:-1])
+    values = np.append(0.5 * (start + TWO_PI) + 1 - TWO_PI, 0.5 * x[:-1] + 1)
+    same = CircleMap.from_samples(repeated, values, np.full(20, 0.5))
+    np.testing.assert_allclose(same(GRID), made(GRID), atol=1e-12)
+
+
+def test_an_end_point_that_closes_makes_none():
+    x = np.linspace(0, TWO_PI, 80)
+    made = CircleMap.from_samples(x, wavy(x), wavy_slope(x))
+    assert made.breaks.size == 0
+    assert np.max(np.abs(made(GRID) - wavy(GRID))) < 2e-6
+
+
+def test_shape_preserving_branches_run_through_the_end_point():
+    x = np.concatenate([np.linspace(0.2, 3.0, 60), np.linspace(3.0, 0.1 + TWO_PI, 60)])
+    y = np.where(np.arange(120) < 60, wavy(x), wavy(x) + 0.5 * (x - 0.2 - TWO_PI) * (x < 0.2 + TWO_PI))
+    made = CircleMap.from_samples(x, y)
+    assert made.breaks.tolist() == [3.0]
+    step = 1e-7
+    both = made.derivative(np.array([0.2 - step, 0.2 + step]))
+    assert abs(both[1] - both[0]) < 1e-4
+
+
+def test_differences_never_reach_across_a_break():
+    def kinked(x):
+        base = np.mod(x, TWO_PI)
+        return (
+            x - base + np.where(base < 2.0, 0.5 * base, 1.0 + (base - 2.0) * (TWO_PI - 1.0) / (TWO_PI - 2.0))
+        )
+
+    made = CircleMap(kinked, breaks=[0.0, 2.0])
+    x = np.array([0.0, 1e-9, 1e-4, 1.0, 2.0 - 1e-4, 2.0 - 1e-9, 2.0, 2.0 + 1e-4, 6.0])
+    upper = (TWO_PI - 1.0) / (TWO_PI - 2.0)
+    np.testing.assert_allclose(made.derivative(x), [0.5] * 6 + [upper] * 3, atol=1e-9)
+
+
+def test_maps_of_other_degrees():
+    doubling = CircleMap(lambda x: 2 * x, degree=2)
+    np.testing.assert_allclose(doubling(GRID + TWO_PI) - doubling(GRID), 2 * TWO_PI, atol=1e-12)
+    x = np.linspace(0, TWO_PI, 40, endpoint=False)
+    reversed_map = CircleMap.from_samples(x, -x + 0.2 * np.sin(x), -1 + 0.2 * np.cos(x), degree=-1)
+    np.testing.assert_allclose(reversed_map(GRID), -GRID + 0.2 * np.sin(GRID), atol=2e-6)
+
+
+REFUSED = {
+    "wrapped": lambda: CircleMap(lambda x: np.mod(x + 1, TWO_PI)),
+    "wrong degree": lambda: CircleMap(lambda x: x, degree=2),
+    "NaN": lambda: CircleMap(lambda x: x * np.nan),
+    "not vectorised": lambda: CircleMap(lambda x: 1.0),
+    "no callable": lambda: CircleMap(3.0),
+    "NaN break": lambda: CircleMap(lambda x: x, breaks=[np.nan]),
+    "degree not whole": lambda: CircleMap(lambda x: x, degree=1.0),
+    "negative error": lambda: CircleMap(lambda x: x, max_error=-1.0),
+    "a of one": lambda: CircleMap.moebius(1.0, 0.1),
+    "omega NaN": lambda: CircleMap.arnold(np.nan, 0.1),
+    "NaN sample": lambda: CircleMap.from_samples([0, 1, np.nan], [0, 1, 2]),
+    "falling theta": lambda: CircleMap.from_samples([0, 2, 1], [0, 1, 2]),
+    "too long": lambda: CircleMap.from_samples([0, 3, 7], [0, 3, 7]),
+    "thrice": lambda: CircleMap.from_samples([0, 1, 1, 1, 2], [0, 1, 1, 1, 2]),
+    "shapes": lambda: CircleMap.from_samples([0, 1, 2], [0, 1]),
+    "too few": lambda: CircleMap.from_samples([0, 1], [0, 1]),
+    "two axes": lambda: CircleMap.from_samples([[0, 1, 2]], [[0, 1, 2]]),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_no_lift_is_refused(case):
+    with pytest.raises(InvalidInput):
+        REFUSED[case]()
+
+
+def test_a_map_never_changes():
+    made = sampled()
+    with pytest.raises(AttributeError):
+        made.degree = 2
+    with pytest.raises(ValueError, match="read-only"):
+        made.pieces.knots[0] = 1.0

@@ -1,0 +1,213 @@
+"""Fixed points and periodic orbits: counts, multipliers, tangencies, kinks and jumps."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps import CircleMap, crossings_by_jump, fixed_points, periodic_orbits
+
+TWO_PI = 2 * np.pi
+
+
+def solutions(circle_map, n):
+    """How many θ solve Fⁿ(θ) = θ + 2πw, for each w."""
+    count = {}
+    for period in (d for d in range(1, n + 1) if n % d == 0):
+        for orbit in periodic_orbits(circle_map, period):
+            w = orbit.winding * (n // period)
+            count[w] = count.get(w, 0) + period
+    return count
+
+
+def rotated(circle_map, angle):
+    return CircleMap(
+        lambda x: circle_map(x - angle) + angle,
+        lambda x: circle_map.derivative(x - angle),
+        circle_map.breaks + angle,
+        circle_map.degree,
+    )
+
+
+def test_moebius_multipliers():
+    stable, unstable = sorted(fixed_points(CircleMap.moebius(0.5, 0.1)), key=lambda orbit: orbit.multiplier)
+    assert abs(stable.multiplier - 0.4151234716857828708617918935) < 1e-14
+    assert abs(stable.multiplier * unstable.multiplier - 1) < 1e-13
+    assert (stable.kind, unstable.kind, stable.stable, unstable.stable) == ("stable", "unstable", True, False)
+
+
+def test_sine_map_counts_are_the_known_ones():
+    assert solutions(CircleMap.arnold(0.5, 2.0), 8) == {4: 64}
+    assert solutions(CircleMap.arnold(0.3, 3.0), 6) == {0: 4, 1: 12, 2: 36, 3: 16}
+
+
+def test_the_doubling_map_has_two_to_the_n_less_one_points_of_period_dividing_n():
+    doubling = CircleMap(lambda x: 2 * x, lambda x: np.full_like(x, 2.0), degree=2)
+    orbits = periodic_orbits(doubling, 12)
+    assert len(orbits) == 335
+    assert sum(solutions(doubling, 12).values()) == 2**12 - 1
+    for orbit in orbits[::20]:
+        point = orbit.points[0] / TWO_PI * 4095
+        assert abs(point - round(point)) < 1e-9
+        assert orbit.multiplier == 4096
+
+
+def test_tripling_with_reversal_counts():
+    reversed_map = CircleMap(lambda x: -3 * x, lambda x: np.full_like(x, -3.0), degree=-3)
+    assert sum(solutions(reversed_map, 4).values()) == 3**4 - 1
+
+
+def test_points_lie_on_their_orbit_in_order_of_visit():
+    checked = 0
+    for orbit in periodic_orbits(CircleMap.arnold(0.3, 3.0), 6):
+        images = CircleMap.arnold(0.3, 3.0)(orbit.points)
+        following = np.roll(orbit.points, -1)
+        gap = np.mod(images - following + np.pi, TWO_PI) - np.pi
+        assert np.max(np.abs(gap)) < 1e-11
+        assert orbit.points[0] == np.min(orbit.points)
+        assert len(np.unique(np.round(orbit.points, 9))) == 6
+        checked += 1
+    assert checked == (4 + 12 + 36 + 16 - solutions_below(6)) // 6
+
+
+def solutions_below(n):
+    lower = [d for d in range(1, n) if n % d == 0]
+    return sum(d * len(periodic_orbits(CircleMap.arnold(0.3, 3.0), d)) for d in lower)
+
+
+def test_multiplier_is_the_derivative_of_the_iterate():
+    sine = CircleMap.arnold(0.5, 0.9)
+    orbits = periodic_orbits(sine, 2)
+    assert len(orbits) == 2
+    for orbit in orbits:
+        step = 1e-5
+        around = orbit.points[0] + np.array([-step, step])
+        image = sine(sine(around))
+        assert abs((image[1] - image[0]) / (2 * step) - orbit.multiplier) < 1e-8
+
+
+EDGES = [
+    (1, 0.9 / TWO_PI, 0.9),
+    (2, 0.46301722338218515819112389, 1.0),
+    (2, 0.46966533712136485155447001, 0.9),
+    (3, 0.33666500673073392496899187, 1.0),
+    (3, 0.3672244987508916119875371, 1.0),
+]
+
+
+@pytest.mark.parametrize(("period", "omega", "strength"), EDGES)
+def test_at_a_tongue_edge_there_is_one_saddle_node(period, omega, strength):
+    found = periodic_orbits(CircleMap.arnold(omega, strength), period)
+    assert [orbit.kind for orbit in found] == ["saddle-node"]
+    assert not found[0].stable
+    assert abs(found[0].multiplier - 1) < 1e-6
+
+
+@pytest.mark.parametrize("distance", [1e-11, 1e-9, 1e-6])
+@pytest.mark.parametrize(("period", "omega", "strength"), EDGES)
+def test_beside_a_tongue_edge_there_are_two_orbits_or_none(period, omega, strength, distance):
+    counts = {
+        len(periodic_orbits(CircleMap.arnold(omega + side * distance, strength), period)) for side in (-1, 1)
+    }
+    assert counts == {0, 2}
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(st.floats(0.0, 6.28), st.floats(0.05, 0.95), st.floats(0.3, 2.9))
+def test_conjugation_by_a_rotation_moves_the_orbits_and_nothing_else(angle, omega, strength):
+    sine = CircleMap.arnold(omega, strength)
+    for period in (1, 2):
+        plain, moved = periodic_orbits(sine, period), periodic_orbits(rotated(sine, angle), period)
+        assert len(plain) == len(moved)
+        expected = sorted(orbit.multiplier for orbit in plain)
+        np.testing.assert_allclose(
+            sorted(orbit.multiplier for orbit in moved), expected, rtol=1e-6, atol=1e-6
+        )
+
+
+def test_stable_and_unstable_points_of_a_sampled_map_alternate_and_match():
+    sine = CircleMap.arnold(0.1, 0.9)
+    x = np.linspace(0, TWO_PI, 300, endpoint=False)
+    plain = fixed_points(sine)
+    sampled = fixed_points(CircleMap.from_samples(x, sine(x), sine.derivative(x)))
+    assert [p.kind for p in sampled] == ["stable", "unstable"] == [p.kind for p in plain]
+    for one, other in zip(plain, sampled, strict=True):
+        assert abs(one.points[0] - other.points[0]) < 1e-9
+        assert abs(one.multiplier - other.multiplier) < 1e-6
+
+
+def test_windings_shift_with_the_lift():
+    for turns in (-2, 0, 3):
+        found = fixed_points(CircleMap.arnold(0.1 + turns, 0.9))
+        assert [orbit.winding for orbit in found] == [turns, turns]
+    many = fixed_points(CircleMap.arnold(0.0, 7.0))
+    assert sorted({orbit.winding for orbit in many}) == [-1, 0, 1]
+    assert len(many) == 6
+    assert [o.winding for o in periodic_orbits(CircleMap.arnold(0.0, 7.0), 1, winding=1)] == [1, 1]
+
+
+def test_a_fixed_point_on_a_kink_has_two_multipliers():
+    kink = CircleMap.from_samples(
+        [0, 1, 1, 3, 5, 6], [0.5, 1, 1, 2.6, 4.5, 6.4], [0.5, 0.5, 0.8, 0.8, 0.9, 1.0]
+    )
+    on_kink = fixed_points(kink)[0]
+    assert abs(on_kink.points[0] - 1) < 1e-12
+    np.testing.assert_allclose([on_kink.left_multiplier, on_kink.multiplier], [0.5, 0.8], atol=1e-12)
+    assert on_kink.stable
+    assert crossings_by_jump(kink) == []
+
+
+def test_a_touch_at_a_kink_is_one_saddle_node():
+    x = np.linspace(0, TWO_PI, 21)
+    turn = 0.3 * np.abs(np.mod(x - np.pi + np.pi, TWO_PI) - np.pi)
+    at = np.insert(x, 10, x[10])
+    lifted, slopes = at + np.insert(turn, 10, turn[10]), np.where(np.arange(22) <= 10, 0.7, 1.3)
+    roof = CircleMap.from_samples(at, lifted, slopes)
+    assert [p.kind for p in fixed_points(roof)] == ["saddle-node"]
+
+
+def test_a_jump_across_the_diagonal_is_a_crossing_and_no_fixed_point():
+    def contraction(x):
+        turns = np.floor(x / TWO_PI)
+        return 0.6 * (x - TWO_PI * turns) + 1.1 * TWO_PI + TWO_PI * turns
+
+    gap = CircleMap(contraction, lambda x: np.full_like(x, 0.6), [0.0])
+    (stable,) = fixed_points(gap)
+    np.testing.assert_allclose(stable.points, [0.25 * TWO_PI])
+    assert (stable.winding, stable.kind) == (1, "stable")
+    (crossing,) = crossings_by_jump(gap)
+    assert (crossing.theta, crossing.winding, crossing.attracting) == (0.0, 1, False)
+    np.testing.assert_allclose([crossing.left_turn, crossing.right_turn], [-0.3 * TWO_PI, 0.1 * TWO_PI])
+    down = CircleMap.from_samples([0, 2, 2, 4, 6], [1, 2.5, 1.5, 4.2, 6.9], [1.0] * 5)
+    crossing = next(jump for jump in crossings_by_jump(down) if jump.attracting)
+    np.testing.assert_allclose([crossing.left_turn, crossing.right_turn], [0.5, -0.5], atol=1e-11)
+
+
+def test_orbits_of_a_map_with_jumps_avoid_false_crossings():
+    def doubling_mod_one(x):
+        turns = np.floor(x / TWO_PI)
+        return 2 * (x - TWO_PI * turns) - TWO_PI * (x - TWO_PI * turns >= np.pi) + TWO_PI * turns
+
+    # The doubling map written with degree 1 has jumps where the other lift is smooth.
+    jumping = CircleMap(doubling_mod_one, lambda x: np.full_like(x, 2.0), [0.0, np.pi])
+    points = sum(orbit.period for d in (1, 2, 4) for orbit in periodic_orbits(jumping, d))
+    assert points == 2**4 - 1
+
+
+def test_where_every_point_is_periodic_the_error_says_so():
+    for turns, period in ((0.0, 1), (2.0, 1), (0.25, 4)):
+        with pytest.raises(InvalidInput, match="every point"):
+            periodic_orbits(CircleMap.rigid(turns), period)
+    assert fixed_points(CircleMap.rigid(0.25)) == []
+
+
+def test_bad_requests_are_refused():
+    sine = CircleMap.arnold(0.1, 0.5)
+    for bad in (0, -1, 1.5, True):
+        with pytest.raises(InvalidInput):
+            periodic_orbits(sine, bad)
+    with pytest.raises(InvalidInput):
+        fixed_points(sine, tangency=0.0)
+    with pytest.raises(ConvergenceError, match="shorter period"):
+        periodic_orbits(CircleMap(lambda x: 9 * x, degree=9), 9)

@@ -1,0 +1,132 @@
+"""Staircases and what theory predicts of them."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import (
+    CircleMap,
+    WrappedNormal,
+    mean_passage_time,
+    predict_staircase,
+    sample_staircase,
+    transfer_operator,
+)
+
+TWO_PI = 2 * np.pi
+STICKY = CircleMap.arnold(0.1, 0.9)
+
+
+def sampled(circle_map, count=300):
+    x = np.linspace(0, TWO_PI, count, endpoint=False)
+    return CircleMap.from_samples(x, circle_map(x), circle_map.derivative(x))
+
+
+def test_a_path_without_noise_is_the_orbit():
+    for circle_map in (STICKY, sampled(STICKY), CircleMap(STICKY)):
+        path = sample_staircase(circle_map, None, 50, start=-20.0)
+        assert path.theta.shape == (51,)
+        assert path.cycles == 50
+        np.testing.assert_allclose(path.theta[1:], circle_map(path.theta[:-1]), rtol=0, atol=1e-12)
+
+
+def test_the_same_seed_gives_the_same_path_and_its_kicks_follow_the_noise():
+    noise = WrappedNormal(0.2)
+    path = sample_staircase(STICKY, noise, 100_000, start=1.0, seed=7)
+    again = sample_staircase(STICKY, noise, 100_000, start=1.0, seed=7)
+    other = sample_staircase(STICKY, noise, 100_000, start=1.0, seed=8)
+    assert np.array_equal(path.theta, again.theta)
+    assert not np.array_equal(path.theta, other.theta)
+    kicks = path.theta[1:] - STICKY(path.theta[:-1])
+    assert abs(kicks.mean()) < 5 * 0.2 / np.sqrt(kicks.size)
+    assert abs(kicks.std() - 0.2) < 5 * 0.2 / np.sqrt(2 * kicks.size)
+
+
+def test_the_mean_turn_is_the_operators():
+    sine, noise = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.1)
+    path = sample_staircase(sine, noise, 300_000, seed=3)
+    blocks = np.diff(path.theta).reshape(100, -1).mean(axis=1)
+    predicted = predict_staircase(sine, noise).mean_turn
+    assert abs(blocks.mean() - predicted) < 5 * blocks.std() / 10
+    assert abs(path.mean_turn - blocks.mean()) < 1e-12
+
+
+def test_a_stable_point_makes_steps_of_one_turn_and_its_escape_time():
+    noise = WrappedNormal(0.45)
+    found = predict_staircase(STICKY, noise, transfer_operator(STICKY, noise))
+    (zone,) = found.zones
+    assert (zone.kind, found.step) == ("stable", TWO_PI)
+    assert abs(zone.arc[1] - zone.arc[0] - TWO_PI) < 1e-9
+    rng = np.random.default_rng(6)
+    theta, lives = np.full(4000, zone.centre), np.zeros(4000)
+    alive = np.ones(4000, dtype=bool)
+    while np.any(alive):
+        lives[alive] += 1
+        theta[alive] = STICKY(theta[alive]) + noise.sample(rng, int(alive.sum()))
+        alive &= (theta >= zone.arc[0]) & (theta <= zone.arc[1])
+    assert abs(found.mean_residence_cycles - lives.mean()) < 5 * lives.std() / np.sqrt(lives.size)
+
+
+def test_two_stable_points_make_steps_of_half_a_turn():
+    twin = CircleMap(lambda x: x + 0.1 - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
+    found = predict_staircase(twin, WrappedNormal(0.3))
+    assert [zone.kind for zone in found.zones] == ["stable", "stable"]
+    assert abs(found.step - np.pi) < 1e-15
+    one, other = found.zones
+    assert abs(one.residence_cycles / other.residence_cycles - 1) < 1e-9
+    assert abs(other.centre - one.centre - np.pi) < 1e-9
+
+
+def test_a_ghost_holds_the_path_for_the_saddle_node_time():
+    """θ' = θ + ε + a(θ - θ₀)² passes its bottleneck in about π/√(aε) cycles."""
+    strength, gap = 0.6, 1e-4
+    sine = CircleMap.arnold((strength + gap) / TWO_PI, strength)
+    found = predict_staircase(sine, WrappedNormal(0.007))
+    (zone,) = found.zones
+    assert (zone.kind, found.step) == ("ghost", TWO_PI)
+    assert abs(zone.centre - np.pi / 2) < 2e-3
+    theory = np.pi / np.sqrt(0.5 * strength * gap)
+    assert 0.4 * theory < found.mean_residence_cycles < 1.1 * theory
+
+
+def test_the_ghosts_zone_is_where_the_turn_is_below_half_its_mean():
+    sine = CircleMap.arnold(0.2, 0.9)
+    (zone,) = predict_staircase(sine, WrappedNormal(0.05)).zones
+    np.testing.assert_allclose(sine.turn(np.array(zone.arc)), 0.5 * TWO_PI * 0.2, atol=1e-5)
+    assert zone.residence_cycles == mean_passage_time(sine, WrappedNormal(0.05), zone.arc[0], zone.arc)
+
+
+def test_whole_turns_added_to_the_map_change_only_the_mean_turn():
+    plain = predict_staircase(STICKY, WrappedNormal(0.3))
+    faster = predict_staircase(CircleMap.arnold(1.1, 0.9), WrappedNormal(0.3))
+    assert abs(faster.mean_turn - plain.mean_turn - TWO_PI) < 1e-12
+    assert abs(faster.mean_residence_cycles / plain.mean_residence_cycles - 1) < 1e-9
+
+
+def test_an_attracting_jump_is_a_slow_zone():
+    turn = np.array([0.6, 0.4, -0.4, -0.3, 0.5])
+    x = np.array([0.5, 2.0, 2.0, 4.0, 5.5])
+    down = CircleMap.from_samples(x, x + turn)
+    found = predict_staircase(down, WrappedNormal(0.3))
+    assert [zone.kind for zone in found.zones] == ["jump"]
+    assert found.zones[0].centre == 2.0
+
+
+def test_a_rotation_has_no_steps():
+    found = predict_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1))
+    assert (found.mean_residence_cycles, found.step, found.zones) == (None, None, ())
+    assert abs(found.mean_turn - 0.2 * np.pi) < 1e-14
+
+
+def test_bad_requests_are_refused():
+    for bad in (0, 2.5, -3):
+        with pytest.raises(InvalidInput):
+            sample_staircase(STICKY, None, bad)
+    with pytest.raises(InvalidInput):
+        sample_staircase(STICKY, 0.1, 10)
+    with pytest.raises(InvalidInput):
+        sample_staircase(STICKY, None, 10, start=np.nan)
+    with pytest.raises(InvalidInput):
+        sample_staircase(STICKY, None, 10, seed=-1)
+    with pytest.raises(InvalidInput):
+        predict_staircase(STICKY, None)
