@@ -15,3 +15,7 @@ class DataFileError(InvalidInput):
 
 class ConvergenceError(CycleMapError, ArithmeticError):
     """A computation that could not reach its stated tolerance: the message carries the residual."""
+
+
+class UnsupportedContact(CycleMapError):
+    """A motion that leads out of what the model describes, such as a rod that touches two sides at once."""

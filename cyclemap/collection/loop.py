@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.checks import finite_array, finite_number
+from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
 from cyclemap.collection.settings import apply_settings
 from cyclemap.errors import InvalidInput
@@ -97,7 +97,7 @@ class Cycle:
 class CycleSensitivity:
     """Derivatives of one cycle.
 
-    theta_next : rad. by_theta : d theta_next / d theta, the multiplier. jacobian : (6, 14), derivatives of
+    theta_next : rad. by_theta : d theta_next / d theta, the multiplier. jacobian : (6, 13), derivatives of
     `outputs` (push_turn, push_dx, push_dy, drag_turn, drag_length, theta_next) by `parameters`, SI units and radians.
     """
 
@@ -198,8 +198,9 @@ class CollectionLoop:
             found = fine.sensitivity(theta)
             return found.theta_next, found.by_theta
 
-        fine = replace(self, accuracy=min(self.accuracy, max(0.01 * tolerance, 1e-10)))
-        return sample_circle_map(sample, tolerance, progress)
+        sample_error = max(0.1 * positive_number("tolerance", tolerance), 1e-10)
+        fine = replace(self, accuracy=min(sample_error, 1e-6))
+        return sample_circle_map(sample, 0.9 * tolerance, progress, sample_error)
 
     def _run(self, theta: float, longest_step: float) -> tuple[PushResult, DragResult]:
         push = self.model.push(self.start_pose(theta), self.push, longest_step)

@@ -12,13 +12,18 @@ n is the outward normal at angle `normal`, t = z x n; smu is the signed pusher f
 along +t over the slider.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
 import casadi as ca
 
-from cyclemap.mechanics.footprint import Footprint
+from cyclemap.mechanics.footprint import Footprint, PatchFootprint
+from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.patch_integrals import PatchExpressions, patch_expressions
+
+Expression = ca.SX | ca.MX
+Symbol = Callable[..., Expression]
 
 # The order of the equations' arguments; lengths in footprint extents, angles in rad.
 ARGUMENTS = ("theta", "rod_direction", "x", "y", "normal", "smu", "mu_a", "mu_b", "m0", "n0", "phi")
@@ -43,24 +48,27 @@ class ContactFunctions:
 class _Balance:
     """Symbols and residuals of one set of equations."""
 
-    unknowns: ca.SX
-    arguments: ca.SX
+    unknowns: Expression
+    arguments: Expression
     patch: PatchExpressions
-    residual: ca.SX
-    jacobian: ca.SX
-    normal_force: ca.SX
-    tangential_force: ca.SX
+    residual: Expression
+    jacobian: Expression
+    normal_force: Expression
+    tangential_force: Expression
 
 
 @lru_cache(maxsize=64)
 def contact_functions(footprint: Footprint, near: bool) -> ContactFunctions:
     """Build the functions of a normalised footprint (extent one)."""
-    stick, slide = _stick_balance(footprint, near), _slide_balance(footprint, near)
+    # Sums over many points are faster as vector operations, closed forms as scalars.
+    closed = near and isinstance(footprint, PatchFootprint) and isinstance(footprint.outline, Polygon)
+    symbol = ca.SX.sym if closed else ca.MX.sym
+    stick, slide = _stick_balance(footprint, near, symbol), _slide_balance(footprint, near, symbol)
     return ContactFunctions(_solver(stick), _solver(slide), _tangent(stick), _tangent(slide))
 
 
-def _stick_balance(footprint: Footprint, near: bool) -> _Balance:
-    omega, q = ca.SX.sym("omega"), ca.SX.sym("arguments", len(ARGUMENTS))
+def _stick_balance(footprint: Footprint, near: bool, symbol: Symbol) -> _Balance:
+    omega, q = symbol("omega"), symbol("arguments", len(ARGUMENTS))
     theta, direction, x, y, normal = (q[i] for i in range(5))
     rod = ca.vertcat(ca.cos(direction - theta), ca.sin(direction - theta))
     patch = _patch(footprint, rod, omega, q, near)
@@ -70,8 +78,8 @@ def _stick_balance(footprint: Footprint, near: bool) -> _Balance:
     return _balance(omega, q, patch, ca.dot(spin, gradient), spin.T @ patch.hessian @ spin, normal)
 
 
-def _slide_balance(footprint: Footprint, near: bool) -> _Balance:
-    z, q = ca.SX.sym("unknowns", 2), ca.SX.sym("arguments", len(ARGUMENTS))
+def _slide_balance(footprint: Footprint, near: bool, symbol: Symbol) -> _Balance:
+    z, q = symbol("unknowns", 2), symbol("arguments", len(ARGUMENTS))
     x, y, normal, smu = q[2], q[3], q[4], q[5]
     n, t = ca.vertcat(ca.cos(normal), ca.sin(normal)), ca.vertcat(-ca.sin(normal), ca.cos(normal))
     patch = _patch(footprint, -n + z[1] * t, z[0], q, near)
@@ -83,14 +91,14 @@ def _slide_balance(footprint: Footprint, near: bool) -> _Balance:
     return _balance(z, q, patch, rows @ gradient, rows @ patch.hessian @ ca.horzcat(spin, slip), normal)
 
 
-def _patch(footprint: Footprint, contact_velocity: ca.SX, omega: ca.SX, q: ca.SX, near: bool) -> PatchExpressions:
+def _patch(footprint: Footprint, contact_velocity: Expression, omega: Expression, q: Expression, near: bool) -> PatchExpressions:
     x, y = q[2], q[3]
     velocity = contact_velocity + omega * ca.vertcat(y, -x)
     return patch_expressions(footprint, ca.vertcat(velocity, omega), q[6:11], q[0], near)
 
 
 def _balance(
-    unknowns: ca.SX, q: ca.SX, patch: PatchExpressions, residual: ca.SX, jacobian: ca.SX, normal: ca.SX
+    unknowns: Expression, q: Expression, patch: PatchExpressions, residual: Expression, jacobian: Expression, normal: Expression
 ) -> _Balance:
     fx, fy = patch.force[0], patch.force[1]
     c, s = ca.cos(normal), ca.sin(normal)
@@ -98,12 +106,7 @@ def _balance(
 
 
 def _solver(balance: _Balance) -> ca.Function:
-    if balance.unknowns.shape[0] == 1:
-        step = -balance.residual / balance.jacobian
-    else:
-        a, c, b, d = ca.vertsplit(ca.vec(balance.jacobian))
-        r, s = balance.residual[0], balance.residual[1]
-        step = -ca.vertcat(d * r - b * s, a * s - c * r) / (a * d - b * c)
+    step = -_solved(balance.jacobian, balance.residual)
     outputs = ca.vertcat(
         balance.residual, step, balance.normal_force, balance.tangential_force, balance.patch.far
     )
@@ -113,5 +116,14 @@ def _solver(balance: _Balance) -> ca.Function:
 def _tangent(balance: _Balance) -> ca.Function:
     """Implicit function theorem: d unknowns / d arguments = -(d residual / d unknowns)^-1 d residual / d arguments."""
     by_arguments = ca.jacobian(balance.residual, balance.arguments)
-    tangent = -ca.solve(balance.jacobian, by_arguments)
+    tangent = -_solved(balance.jacobian, by_arguments)
     return ca.Function("tangent", [balance.unknowns, balance.arguments], [balance.patch.substituted(tangent)])
+
+
+def _solved(matrix: Expression, right: Expression) -> Expression:
+    """Return matrix^-1 right for a matrix of one or two rows, in scalars."""
+    if matrix.shape[0] == 1:
+        return right / matrix
+    a, c, b, d = (matrix[0, 0], matrix[1, 0], matrix[0, 1], matrix[1, 1])
+    adjugate = ca.blockcat([[d, -b], [-c, a]])
+    return adjugate @ right / (a * d - b * c)

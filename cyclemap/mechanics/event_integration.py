@@ -61,8 +61,7 @@ def integrate(
         if len(steps) > _MOST_STEPS or h < 1e-15 * length:
             raise ConvergenceError(f"the motion needs steps below {h:.2e} at {done:.6g} of {length:.6g}: state {state}")
         tried = min(h, length - done, longest_h)
-        advance = motion.fast_step if tried > _SHORT * length else motion.step
-        taken = advance(state, tried, tolerance)
+        taken = _attempt(motion, state, tried, tolerance, fast=tried > _SHORT * length)
         if taken is None or not taken.error <= tolerance:
             h = 0.5 * tried if taken is None else next_length(tried, taken.error, tolerance)
             continue
@@ -85,6 +84,18 @@ def integrate(
     return Phase(tuple(steps), None, h)
 
 
+def _attempt(motion: Motion, state: NDArray[np.float64], h: float, tolerance: float, fast: bool = False) -> Step | None:
+    """Return a step, or None where a stage cannot be solved: a mode's equations may end just beyond the mode itself."""
+    unknowns = list(motion.unknowns)
+    try:
+        return motion.fast_step(state, h, tolerance) if fast else motion.step(state, h, tolerance)
+    except ConvergenceError:
+        if h <= _LEAST_ADVANCE:
+            raise
+        motion.unknowns = unknowns
+        return None
+
+
 def _slack(motion: Motion, tolerance: float) -> NDArray[np.float64]:
     """How far below zero each margin may go, the approach (the first) less where the motion stops short there."""
     slack = np.full(MARGIN.stop - MARGIN.start, _SLACK_SHARE * math.sqrt(tolerance))
@@ -104,7 +115,11 @@ def _land(
     for _ in range(100):
         h = max(h, _LEAST_ADVANCE)
         motion.unknowns = list(unknowns)
-        taken = motion.step(state, h, tolerance)
+        attempt = _attempt(motion, state, h, tolerance)
+        if attempt is None:
+            high, h, before = h, 0.5 * (low + h), (math.nan, math.nan)
+            continue
+        taken = attempt
         relative = taken.stages[-1, MARGIN] / slack
         if relative[broken] > 1.0 and relative.min() < -1.0:
             broken, slope, before = int(relative.argmin()), math.nan, (math.nan, math.nan)

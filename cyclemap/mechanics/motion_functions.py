@@ -136,7 +136,7 @@ def _step(
     certificate = ca.vertcat(h * _error(slopes), ca.mmax(ca.fabs(corrections)), ca.mmin(ratios), ca.mmax(ratios))
     outputs = ca.vertcat(certificate, *stages)
     function = ca.Function("step", [state, guess, h, p], [outputs])
-    return function.expand() if solver.n_instructions() <= _UNROLLED else function
+    return _unrolled(function, solver)
 
 
 def _error(slopes: list[ca.MX]) -> ca.MX:
@@ -170,4 +170,12 @@ def _variation(contact: ContactFunctions, arguments: ca.Function, rate: ca.Funct
     by_all, by_unknowns = direct(s, u, q)
     solution = _solution_slope(contact, arguments, mode, parameters=True)(s, u, q)
     far = (contact.slide if mode == "slide" else contact.stick)(u, arguments(s, q))[-1]
-    return ca.Function("variation", [s, u, q], [ca.vertcat(ca.vec(by_all + by_unknowns @ solution), far)])
+    solver = contact.slide if mode == "slide" else contact.stick
+    function = ca.Function("variation", [s, u, q], [ca.vertcat(ca.vec(by_all + by_unknowns @ solution), far)])
+    return _unrolled(function, solver)
+
+
+def _unrolled(function: ca.Function, solver: ca.Function) -> ca.Function:
+    """Return the function in scalars, where the contact's equations are small enough for that."""
+    small = solver.is_a("SXFunction") and solver.n_instructions() <= _UNROLLED
+    return function.expand() if small else function

@@ -25,16 +25,24 @@ def vary_phase(run_phase: RunPhase, start: Array, parameters: Array) -> Array:
     """
     steps = run_phase.phase.steps
     stages = np.concatenate([taken.stages[:STAGES] for taken in steps])
-    by_all = _slope_jacobians(run_phase.motion, stages).reshape(len(steps), STAGES, 2, 2 + len(PARAMETERS))
+    jacobians = _slope_jacobians(run_phase.motion, stages).reshape(len(steps), STAGES, 2, 2 + len(PARAMETERS))
     varied = start
-    for taken, jacobian in zip(steps, by_all, strict=True):
-        forcing = jacobian[:, :, 2:] @ parameters
-        slopes = np.zeros_like(forcing)
-        for i in range(STAGES):
-            state = varied + taken.h * np.tensordot(A[i, :i], slopes[:i], axes=1)
-            slopes[i] = jacobian[i, :, :2] @ state + forcing[i]
-        varied = varied + taken.h * np.tensordot(B, slopes, axes=1)
+    for tangent in _step_tangents(jacobians, np.array([taken.h for taken in steps])):
+        varied = tangent[:, :2] @ varied + tangent[:, 2:] @ parameters
     return varied
+
+
+def _step_tangents(jacobians: Array, lengths: Array) -> Array:
+    """Derivatives (n, 2, 17) of the ends of steps by (start, parameters), from those of their stages' slopes."""
+    start = np.zeros((len(lengths), 2, jacobians.shape[-1]))
+    start[:, 0, 0] = start[:, 1, 1] = 1.0
+    h = lengths[:, None, None]
+    slopes = np.zeros((STAGES, *start.shape))
+    for i in range(STAGES):
+        state = start + h * np.einsum("s,snij->nij", A[i, :i], slopes[:i])
+        slopes[i] = jacobians[:, i, :, :2] @ state
+        slopes[i, :, :, 2:] += jacobians[:, i, :, 2:]
+    return np.asarray(start + h * np.einsum("s,snij->nij", B, slopes))
 
 
 def _slope_jacobians(motion: Motion, stages: Array) -> Array:

@@ -69,7 +69,7 @@ def ellipse_rim(centre: ca.SX, cosine: ca.SX, sine: ca.SX) -> tuple[Rim, tuple[t
     alpha the real part of its own singularity and delta the imaginary one (the sinh transformation of Johnston &
     Elliott 2005). The four numbers are returned as frozen symbols with their expressions.
     """
-    symbols = ca.SX.sym("singularity", 4)
+    symbols = type(centre).sym("singularity", 4)
     singularities = _ellipse_singularities(centre, cosine, sine)
     tau, weight = _graded_nodes(symbols)
     c, s = ca.cos(tau), ca.sin(tau)

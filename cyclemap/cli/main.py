@@ -1,0 +1,74 @@
+"""The entry point: the commands, and what every failure looks like from outside.
+
+Exit codes: 0 done, 1 the computation or the disk failed, 2 bad use, 130 interrupted, 141 the reader of the
+output went away.
+"""
+
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+import click
+
+from cyclemap.cli.commands import cycle_command, portrait_command
+from cyclemap.errors import CycleMapError, InvalidInput
+
+DONE, FAILED, BAD_USE, INTERRUPTED, NO_READER = 0, 1, 2, 130, 141
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="cyclemap")
+def cli() -> None:
+    """What a robot that pushes an object and drags it back will record, predicted from friction."""
+
+
+cli.add_command(cycle_command)
+cli.add_command(portrait_command)
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run the command line with `arguments` (those of the process by default), and exit."""
+    sys.exit(run(sys.argv[1:] if arguments is None else arguments))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the command line and return the exit code; every failure is one line on stderr."""
+    try:
+        _invoke(arguments)
+        sys.stdout.flush()
+    except click.exceptions.Exit as end:
+        return end.exit_code
+    except click.exceptions.NoArgsIsHelpError as empty:
+        click.echo(empty.format_message(), err=True)
+        return BAD_USE
+    except click.ClickException as error:
+        return _complain(error.format_message(), BAD_USE)
+    except InvalidInput as error:
+        return _complain(str(error), BAD_USE)
+    except BrokenPipeError:
+        return _drop_output()
+    except (CycleMapError, OSError) as error:
+        return _complain(str(error), FAILED)
+    except (KeyboardInterrupt, click.Abort):
+        return INTERRUPTED
+    return DONE
+
+
+def _invoke(arguments: Sequence[str]) -> None:
+    # A terminal that cannot show θ gets a replacement sign, not a traceback.
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(errors="replace")
+    with cli.make_context("cyclemap", list(arguments)) as context:
+        cli.invoke(context)
+
+
+def _complain(message: str, code: int) -> int:
+    click.echo(f"error: {' '.join(message.split())}", err=True)
+    return code
+
+
+def _drop_output() -> int:
+    """Point stdout nowhere, so that the interpreter's last flush finds no closed pipe."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return NO_READER

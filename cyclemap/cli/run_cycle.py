@@ -1,0 +1,67 @@
+"""`cyclemap cycle`: single cycles, as a table or as JSON."""
+
+import math
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from cyclemap.cli.commands import LoopOptions
+from cyclemap.cli.json_report import cycles_report
+from cyclemap.cli.output import file_stem, publish_json, write_json
+from cyclemap.cli.settings import chosen_loop
+from cyclemap.collection.loop import Cycle
+from cyclemap.errors import InvalidInput
+
+COLUMNS = ("θ0 (°)", "push turn (°)", "dx (mm)", "dy (mm)", "drag turn (°)", "drag (mm)", "next θ0 (°)")
+
+
+def run_cycle(options: LoopOptions, theta0_deg: str, out: Path | None, json_target: str | None) -> None:
+    """Run the cycles that start at the angles listed in `theta0_deg`, and print or write them."""
+    starts = parse_angles(theta0_deg)
+    loop, _ = chosen_loop(options)
+    cycles = [loop.cycle(math.radians(start)) for start in starts]
+    report = cycles_report(starts, cycles)
+    if out is not None:
+        write_json(out / f"cycles_{file_stem(loop.material.name)}.json", report)
+    if not publish_json(report, json_target):
+        _print_table(loop.material.name, cycles)
+
+
+def parse_angles(text: str) -> list[float]:
+    """The finite numbers of a list with commas; InvalidInput names what is not one.
+
+    >>> parse_angles("0, -30,60.5")
+    [0.0, -30.0, 60.5]
+    """
+    return [_finite(part.strip()) for part in text.split(",")]
+
+
+def _finite(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InvalidInput(f"--theta0-deg has {text!r}; give finite numbers with commas, such as 0,30,60")
+    return value
+
+
+def _print_table(material: str, cycles: list[Cycle]) -> None:
+    table = Table(title=f"One push and drag back on {material}", title_justify="left")
+    for column in COLUMNS:
+        table.add_column(column, justify="right")
+    for cycle in cycles:
+        dx, dy = (1000 * component for component in cycle.push_displacement)
+        turn, drag = math.degrees(cycle.push_turn), math.degrees(cycle.drag_turn)
+        row = (
+            math.degrees(cycle.theta),
+            turn,
+            dx,
+            dy,
+            drag,
+            1000 * cycle.drag_length,
+            math.degrees(cycle.theta_next),
+        )
+        table.add_row(*(f"{value:.3f}" for value in row))
+    Console().print(table)

@@ -1,0 +1,90 @@
+"""`cyclemap portrait`: the portrait of a material in sentences, as JSON, and as a picture."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from cyclemap.cli.commands import LoopOptions
+from cyclemap.cli.json_report import portrait_report
+from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json, write_whole
+from cyclemap.cli.settings import chosen_loop
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA, Portrait, portrait
+from cyclemap.collection.portrait_curves import portrait_curves
+from cyclemap.evidence import MeasuredOverlay, Theta0Pairs, measured_overlay, read_theta0_pairs
+from cyclemap.views import sentences
+from cyclemap.views.portrait_page import portrait_page
+from cyclemap.views.style import render
+
+
+@dataclass(frozen=True)
+class PortraitRequest:
+    """What is asked of one portrait, beside the loop."""
+
+    data: Path | None
+    cycles: int | None
+    seed: int
+    out: Path
+    picture_format: str
+
+
+def run_portrait(options: LoopOptions, request: PortraitRequest, json_target: str | None) -> None:
+    """Compute the portrait, draw it, and print it for people or as JSON."""
+    loop, sigma = chosen_loop(options)
+    pairs = None if request.data is None else read_theta0_pairs(request.data)
+    drawn = _compute(loop, DEFAULT_SIGMA if sigma is None else sigma, request, pairs)
+    measured = None if pairs is None else measured_overlay(pairs, drawn.map.turn)
+    report = portrait_report(drawn, measured)
+    stem = request.out / f"portrait_{file_stem(loop.material.name)}"
+    write_json(stem.with_name(f"{stem.name}.json"), report)
+    picture = stem.with_name(f"{stem.name}.{request.picture_format}")
+    write_whole(
+        picture, render(portrait_page(drawn, portrait_curves(drawn), measured), request.picture_format)
+    )
+    if not publish_json(report, json_target):
+        _print_for_people(drawn, measured, picture)
+
+
+def _compute(
+    loop: CollectionLoop, sigma: float, request: PortraitRequest, pairs: Theta0Pairs | None
+) -> Portrait:
+    """The portrait; its staircase starts where the data start and is as long, unless told otherwise."""
+    path = None if pairs is None else pairs.path
+    length = DEFAULT_CYCLES if path is None else len(path) - 1
+    start = 0.0 if path is None else float(path[0])
+    with progress_bar(f"cycle map of {loop.material.name}") as report:
+        return portrait(
+            loop,
+            sigma=sigma,
+            cycles=request.cycles or length,
+            start=start,
+            seed=request.seed,
+            progress=report,
+        )
+
+
+def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture: Path) -> None:
+    console = Console(highlight=False, soft_wrap=True)
+    console.print(sentences.headline(drawn), style="bold")
+    for sentence in (sentences.lock_sentence(drawn), sentences.noise_sentence(drawn)):
+        console.print(sentence)
+    console.print(sentences.staircase_sentence(drawn))
+    if measured is not None:
+        console.print(sentences.agreement_sentence(measured.agreement))
+    if drawn.fixed_points:
+        console.print(_fixed_point_table(drawn))
+    console.print(f"{sentences.accuracy_line(drawn)}; {sentences.parameters_line(drawn)}", style="dim")
+    console.print(f"picture: {picture}", markup=False)
+
+
+def _fixed_point_table(drawn: Portrait) -> Table:
+    table = Table(title="Fixed points of the cycle map", title_justify="left")
+    for column in ("θ0 (°)", "multiplier", ""):
+        table.add_column(column, justify="right")
+    for orbit in drawn.fixed_points:
+        place = math.degrees(orbit.points[0])
+        table.add_row(f"{place:.3f}", f"{orbit.multiplier:.4f}", orbit.kind)
+    return table

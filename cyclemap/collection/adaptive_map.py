@@ -1,0 +1,205 @@
+"""Samples a circle map with its slope until cubic pieces reproduce it, and finds its kinks and jumps."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cyclemap.checks import positive_number
+from cyclemap.maps import CircleMap
+
+Sample = Callable[[float], tuple[float, float]]
+
+_FULL_TURN = 2.0 * math.pi
+_FIRST_INTERVALS = 24
+# Halving an interval divides the error of a cubic by 16 where the map is smooth. None of that is counted on when a half
+# is accepted, since a single sample may flatter; an error that does not fall by this much is suspect.
+_HALVING = 4.0
+# An interval this short (rad) whose error does not fall as it should may hold a kink or a jump.
+_SUSPECT = 0.04
+# A jump is located this closely (rad); no interval is cut shorter.
+_NARROWEST = 1e-10
+# A sample belongs to one side of a break if it lies this near to that side's tangent, as a share of the gap.
+_SIDE_SHARE = 0.2
+# Intervals that are tried at one more place at the end, the least certain first.
+_CHECKED = 24
+
+
+@dataclass(frozen=True)
+class _Node:
+    """A sample: place, value, slope."""
+
+    theta: float
+    value: float
+    slope: float
+
+    def along_tangent(self, theta: float) -> float:
+        return self.value + self.slope * (theta - self.theta)
+
+
+@dataclass(frozen=True)
+class _Interval:
+    """Neighbouring nodes and the error (rad) that a cubic between them is believed to have."""
+
+    low: _Node
+    high: _Node
+    error: float
+
+    @property
+    def width(self) -> float:
+        return self.high.theta - self.low.theta
+
+
+@dataclass
+class _Sampler:
+    """Work in progress: counts and reports samples, keeps what is finished."""
+
+    sample: Sample
+    tolerance: float
+    progress: Callable[[float], None]
+    finished: list[_Interval] = field(default_factory=list)
+    covered: float = 0.0
+
+    def node(self, theta: float) -> _Node:
+        value, slope = self.sample(theta)
+        return _Node(theta, value, slope)
+
+    def finish(self, *intervals: _Interval) -> None:
+        self.finished.extend(intervals)
+        self.covered += sum(interval.width for interval in intervals)
+        self.progress(min(self.covered / _FULL_TURN, 1.0))
+
+
+def sample_circle_map(
+    sample: Sample,
+    tolerance: float,
+    progress: Callable[[float], None] | None = None,
+    sample_error: float = 0.0,
+) -> CircleMap:
+    """Return the circle map of degree one that `sample` (theta -> lifted value, slope) gives.
+
+    Intervals are halved until the cubic Hermite interpolant, which uses the slopes, agrees with the next samples to
+    `tolerance` (rad). Where the error does not fall with the width as it does for a smooth map, a kink or a jump is
+    looked for by bisection, to 1e-10 rad for jumps, and kept as a break with a value and a slope on either side.
+
+    The map's `max_error` is the largest error estimate, checked at further places, plus `sample_error`; it exceeds the
+    tolerance where that could not be reached, as on stretches so steep that they cannot be told from a jump.
+
+    >>> circle = sample_circle_map(lambda t: (t + 0.5 + 0.1 * math.sin(t), 1.0 + 0.1 * math.cos(t)), 1e-6)
+    >>> bool(abs(circle(1.0) - (1.5 + 0.1 * math.sin(1.0))) < 1e-6), len(circle.breaks)
+    (True, 0)
+    """
+    sampler = _Sampler(sample, positive_number("tolerance", tolerance), progress or (lambda fraction: None))
+    nodes = [sampler.node(_FULL_TURN * k / _FIRST_INTERVALS) for k in range(_FIRST_INTERVALS)]
+    nodes.append(_Node(_FULL_TURN, nodes[0].value + _FULL_TURN, nodes[0].slope))
+    for low, high in zip(nodes[:-1], nodes[1:], strict=True):
+        _resolve(sampler, _Interval(low, high, math.inf))
+    _check(sampler)
+    intervals = sorted(sampler.finished, key=lambda interval: interval.low.theta)
+    return _assemble(intervals, max(interval.error for interval in intervals) + sample_error)
+
+
+def _resolve(sampler: _Sampler, first: _Interval) -> None:
+    """Halve an interval until all of its parts are good enough, splitting it at breaks."""
+    waiting = [first]
+    while waiting:
+        interval = waiting.pop()
+        if interval.width <= 2.0 * _NARROWEST:
+            sampler.finish(interval)
+            continue
+        middle = sampler.node(0.5 * (interval.low.theta + interval.high.theta))
+        error = _interpolation_error(interval, middle)
+        halves = (
+            _Interval(interval.low, middle, error),
+            _Interval(middle, interval.high, error),
+        )
+        if error <= sampler.tolerance:
+            sampler.finish(*halves)
+            continue
+        suspect = interval.width <= _SUSPECT and error > interval.error / _HALVING
+        sides = _split_at_break(sampler, interval) if suspect else None
+        waiting.extend(sides or reversed(halves))
+
+
+def _interpolation_error(interval: _Interval, node: _Node) -> float:
+    """Difference at a node from the cubic, in value and, as far as it reaches within a half, in slope."""
+    value, slope = _cubic(interval, node.theta)
+    return max(abs(value - node.value), abs(slope - node.slope) * interval.width / 8.0)
+
+
+def _cubic(interval: _Interval, theta: float) -> tuple[float, float]:
+    """Value and slope of the cubic Hermite interpolant."""
+    low, high, h = interval.low, interval.high, interval.width
+    t = (theta - low.theta) / h
+    secant = (high.value - low.value) / h
+    bend, twist = secant - low.slope, low.slope + high.slope - 2.0 * secant
+    value = low.value + h * t * (low.slope + t * (bend + (t - 1.0) * twist))
+    slope = low.slope + 2.0 * t * bend + (3.0 * t - 2.0) * t * twist
+    return value, slope
+
+
+def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, ...] | None:
+    """Bisect to a kink or a jump; return the parts on either side, or None if the map is only steep or curved."""
+    low, high = interval.low, interval.high
+    while high.theta - low.theta > _NARROWEST:
+        gap = abs(high.value - low.value - 0.5 * (low.slope + high.slope) * (high.theta - low.theta))
+        is_jump = gap > 10.0 * sampler.tolerance
+        if not is_jump and abs(high.slope - low.slope) * (high.theta - low.theta) < 0.01 * sampler.tolerance:
+            break
+        middle = sampler.node(0.5 * (low.theta + high.theta))
+        side = _side(low, middle, high, gap if is_jump else 0.0)
+        if side == 0:
+            return None
+        low, high = (middle, high) if side < 0 else (low, middle)
+    place = 0.5 * (low.theta + high.theta)
+    left = _Node(place, low.along_tangent(place), low.slope)
+    right = _Node(place, high.along_tangent(place), high.slope)
+    return _Interval(right, interval.high, math.inf), _Interval(interval.low, left, math.inf)
+
+
+def _side(low: _Node, middle: _Node, high: _Node, gap: float) -> int:
+    """Tell whether a node belongs to the low (-1) or the high (+1) side of a break, or to neither (0).
+
+    By value where the sides are apart by `gap`, by slope where they only meet at an angle.
+    """
+    if gap > 0.0:
+        from_low = abs(middle.value - low.along_tangent(middle.theta))
+        from_high = abs(middle.value - high.along_tangent(middle.theta))
+    else:
+        gap = abs(high.slope - low.slope)
+        from_low, from_high = abs(middle.slope - low.slope), abs(middle.slope - high.slope)
+    if min(from_low, from_high) > _SIDE_SHARE * gap:
+        return 0
+    return -1 if from_low < from_high else 1
+
+
+def _check(sampler: _Sampler) -> None:
+    """Try the least certain intervals, and some spread over the circle, off their middle; resolve those that fail."""
+    by_error = sorted(sampler.finished, key=lambda interval: interval.error, reverse=True)
+    spread = sampler.finished[:: max(1, len(sampler.finished) // _CHECKED)]
+    chosen = {id(interval): interval for interval in [*by_error[:_CHECKED], *spread]}
+    for key, interval in chosen.items():
+        if interval.width <= 2.0 * _NARROWEST:
+            continue
+        node = sampler.node(interval.low.theta + 0.3 * interval.width)
+        error = abs(_cubic(interval, node.theta)[0] - node.value)
+        sampler.finished = [other for other in sampler.finished if id(other) != key]
+        if error <= sampler.tolerance:
+            sampler.finish(_Interval(interval.low, interval.high, max(error, interval.error)))
+        else:
+            _resolve(sampler, _Interval(interval.low, node, math.inf))
+            _resolve(sampler, _Interval(node, interval.high, math.inf))
+
+
+def _assemble(intervals: list[_Interval], max_error: float) -> CircleMap:
+    """Join the intervals; where neighbours do not share a node, a repeated place marks a break."""
+    nodes: list[_Node] = []
+    for interval in intervals:
+        if not nodes or nodes[-1] != interval.low:
+            nodes.append(interval.low)
+        nodes.append(interval.high)
+    theta = np.array([node.theta for node in nodes])
+    lifted = np.array([node.value for node in nodes])
+    slopes = np.array([node.slope for node in nodes])
+    return CircleMap.from_samples(theta, lifted, slopes, degree=1, max_error=max_error)

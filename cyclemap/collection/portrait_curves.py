@@ -1,0 +1,153 @@
+"""The curves of a portrait, ready to draw: every number that a picture of it shows is worked out here."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.collection.cycle_scene import CycleScene, cycle_scene
+from cyclemap.collection.portrait import FULL_TURN, Portrait
+from cyclemap.maps import CircleMap
+
+Array = NDArray[np.float64]
+
+CURVE_SAMPLES = 1440
+COBWEB_CYCLES = 400
+COBWEB_REVERSALS = 12
+SETTLED = np.deg2rad(0.02)
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A place where the map jumps: θ, and the turn just before and just after it (rad)."""
+
+    theta: float
+    before: float
+    after: float
+
+
+@dataclass(frozen=True, eq=False)
+class TurnCurve:
+    """The turn of a map over [0, 2π]: pieces (theta, turn), each (n,) rad, and the jumps between them."""
+
+    pieces: tuple[tuple[Array, Array], ...]
+    jumps: tuple[Jump, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Cobweb:
+    """A window on the graph of the map, and paths of the cobweb in it.
+
+    low, high : rad, the window on θ (lifted). pieces : (θ, f(θ)) of the map in the window, each (n,) rad.
+    paths : corners (m, 2) of each cobweb, rad, on the same lift.
+    """
+
+    low: float
+    high: float
+    pieces: tuple[tuple[Array, Array], ...]
+    paths: tuple[Array, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class PortraitCurves:
+    """All that is drawn of a portrait. density_theta, density : (n,) rad and (n,) per rad."""
+
+    turn: TurnCurve
+    cobweb: Cobweb
+    density_theta: Array
+    density: Array
+    scene: CycleScene
+
+
+def portrait_curves(portrait: Portrait) -> PortraitCurves:
+    """The curves of `portrait`."""
+    theta = np.linspace(0.0, FULL_TURN, CURVE_SAMPLES + 1)
+    return PortraitCurves(
+        turn=turn_curve(portrait.map),
+        cobweb=cobweb(portrait),
+        density_theta=theta,
+        density=portrait.operator.density(theta),
+        scene=cycle_scene(portrait.loop, portrait.cycle),
+    )
+
+
+def turn_curve(cycle_map: CircleMap) -> TurnCurve:
+    """The turn of `cycle_map` over one circle, cut where the map jumps."""
+    places, before, after = cycle_map.jumps()
+    turns = zip(places.tolist(), (before - places).tolist(), (after - places).tolist(), strict=True)
+    jumps = tuple(Jump(*values) for values in turns)
+    pieces = _pieces(0.0, FULL_TURN, places)
+    return TurnCurve(tuple((theta, cycle_map.turn(theta)) for theta in pieces), jumps)
+
+
+def cobweb(portrait: Portrait) -> Cobweb:
+    """The cobweb where it tells most: about a stable point, a gathering jump, or the slowest place.
+
+    The window is four times as wide as the largest turn to either side (at least 20 degrees, at most the
+    whole circle), so that single cycles can be told apart. Paths start at its ends, where the
+    map leads inward, and on both sides of every unstable point.
+    """
+    curve = turn_curve(portrait.map)
+    centre = _cobweb_centre(portrait, curve)
+    largest = max(abs(portrait.turns.minimum), abs(portrait.turns.maximum))
+    half = float(np.clip(4 * largest, np.deg2rad(20.0), np.pi))
+    low, high = centre - half, centre + half
+    jumps = np.array([jump.theta for jump in curve.jumps])
+    pieces = _pieces(low, high, _lifts_between(jumps, low, high))
+    starts = _cobweb_starts(portrait, low, high)
+    paths = tuple(_cobweb_path(portrait.map, start, low, high) for start in starts)
+    return Cobweb(low, high, tuple((theta, portrait.map(theta)) for theta in pieces), paths)
+
+
+def _cobweb_centre(portrait: Portrait, curve: TurnCurve) -> float:
+    if portrait.stable_points:
+        return float(portrait.stable_points[0].points[0])
+    if portrait.gathering_jumps:
+        return portrait.gathering_jumps[0]
+    theta = np.concatenate([piece[0] for piece in curve.pieces])
+    turn = np.concatenate([piece[1] for piece in curve.pieces])
+    return float(theta[np.argmin(np.abs(turn))])
+
+
+def _cobweb_starts(portrait: Portrait, low: float, high: float) -> list[float]:
+    beside = 0.01 * (high - low)
+    unstable = np.array([orbit.points[0] for orbit in portrait.fixed_points if not orbit.stable])
+    ends = [low + beside] * bool(portrait.map.turn(low) > 0) + [high - beside] * bool(
+        portrait.map.turn(high) < 0
+    )
+    return ends + [
+        theta + side for theta in _lifts_between(unstable, low, high) for side in (-beside, beside)
+    ]
+
+
+def _cobweb_path(cycle_map: CircleMap, start: float, low: float, high: float) -> Array:
+    """Corners (m, 2) of the cobweb from `start` until it leaves the window, settles or keeps turning back."""
+    visited = [start]
+    reversals = 0
+    while len(visited) <= COBWEB_CYCLES and reversals < COBWEB_REVERSALS:
+        visited.append(float(cycle_map(visited[-1])))
+        step = visited[-1] - visited[-2]
+        if not low <= visited[-1] <= high or abs(step) < SETTLED:
+            break
+        reversals += len(visited) > 2 and step * (visited[-2] - visited[-3]) < 0
+    corners = np.repeat(visited, 2)
+    return np.stack([corners[:-1], np.concatenate([corners[:1], corners[2:]])], axis=1)
+
+
+def _pieces(low: float, high: float, cuts: Array) -> tuple[Array, ...]:
+    """Sample points (n,) of [low, high], in pieces that end just short of each cut."""
+    hair = 1e-9 * FULL_TURN
+    edges = np.concatenate([[low], np.sort(cuts[(cuts > low + hair) & (cuts < high - hair)]), [high]])
+    spacing = FULL_TURN / CURVE_SAMPLES
+    sizes = np.maximum(np.ceil(np.diff(edges) / spacing).astype(int) + 1, 2)
+    return tuple(
+        np.linspace(left + hair, right - hair, size)
+        for left, right, size in zip(edges[:-1], edges[1:], sizes, strict=True)
+    )
+
+
+def _lifts_between(theta: Array, low: float, high: float) -> Array:
+    """Every lift of the angles `theta` (n,) that lies in [low, high]."""
+    turns = np.arange(np.floor(low / FULL_TURN) - 1, np.ceil(high / FULL_TURN) + 1)
+    lifts = np.add.outer(FULL_TURN * turns, theta).ravel()
+    return lifts[(lifts >= low) & (lifts <= high)]

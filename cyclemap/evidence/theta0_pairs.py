@@ -1,0 +1,137 @@
+"""Measured pairs (θ0, next θ0): where the object stood before a push, and where before the next one."""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.csv_table import CsvRow, CsvTable, read_csv_table, require_columns
+
+Array = NDArray[np.float64]
+
+STAIRCASE_COLUMNS = ("rep", "theta0_accum_deg", "theta0_mod360_deg", "dtheta_to_next_deg", "flag")
+PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
+ORDERED_COLUMN = "theta0_deg"
+LAYOUTS = f"{','.join(STAIRCASE_COLUMNS)} or {','.join(PAIR_COLUMNS)} or {ORDERED_COLUMN} alone"
+
+# Figures in a staircase file are rounded to 0.001 degrees, three of them enter each comparison.
+CONSISTENT_DEG = 0.005
+
+
+@dataclass(frozen=True, eq=False)
+class Theta0Pairs:
+    """Measured steps of the cycle map.
+
+    theta, theta_next : (n,) rad. `theta_next` is lifted: `theta_next - theta` is the turn of that cycle.
+    path : (m,) rad, the unwrapped θ0 of every push in order, flagged ones too; None where order is unknown.
+    dropped : how many pairs were left out, by reason.
+    """
+
+    theta: Array
+    theta_next: Array
+    path: Array | None = None
+    dropped: Mapping[str, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.theta.ndim != 1 or self.theta.shape != self.theta_next.shape or not self.theta.size:
+            shapes = f"{self.theta.shape} and {self.theta_next.shape}"
+            raise InvalidInput(f"theta and theta_next have shapes {shapes}; give two equally long lists")
+        if not (np.isfinite(self.theta).all() and np.isfinite(self.theta_next).all()):
+            raise InvalidInput("theta and theta_next hold a number that is not finite; remove those pairs")
+
+    @property
+    def turn(self) -> Array:
+        """(n,) rad, how far each cycle turned the object."""
+        return self.theta_next - self.theta
+
+    @property
+    def dropped_count(self) -> int:
+        """How many pairs were left out in all."""
+        return sum(self.dropped.values())
+
+
+def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
+    """Read measured pairs from a CSV file, in one of three layouts told apart by the header.
+
+    - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row with a flag makes
+      no pair and is counted in `dropped`; the last row has no next θ0.
+    - `theta0_deg,theta_next_deg`: pairs in any order; the turn is the shorter way round.
+    - `theta0_deg`: the pushes in order; the turn is the shorter way round.
+
+    DataFileError names the file, the line and the mend.
+    """
+    table = read_csv_table(path)
+    if "theta0_accum_deg" in table.header:
+        return _from_staircase(table)
+    if "theta_next_deg" in table.header:
+        return _from_pairs(table)
+    if ORDERED_COLUMN in table.header:
+        return _from_ordered(table)
+    raise table.error(1, f"the header is {','.join(table.header)}; it must be {LAYOUTS}")
+
+
+def _from_staircase(table: CsvTable) -> Theta0Pairs:
+    require_columns(table, STAIRCASE_COLUMNS)
+    path = np.array([table.number(row, "theta0_accum_deg") for row in table.rows])
+    turns = np.array([_staircase_turn(table, row) for row in table.rows])
+    _check_staircase(table, path, turns)
+    flags = np.array([table.text(row, "flag") for row in table.rows])
+    kept = (flags == "") & ~np.isnan(turns)
+    if not kept.any():
+        raise table.error(table.rows[-1].line, "no row without a flag has a next θ0; nothing to compare with")
+    theta = np.deg2rad(path[kept])
+    dropped = Counter(flag for flag in flags.tolist() if flag)
+    return Theta0Pairs(theta, theta + np.deg2rad(turns[kept]), np.deg2rad(path), MappingProxyType(dropped))
+
+
+def _staircase_turn(table: CsvTable, row: CsvRow) -> float:
+    """Degrees to the next θ0; NaN where the field is empty because there is no next one."""
+    return table.number(row, "dtheta_to_next_deg") if table.text(row, "dtheta_to_next_deg") else np.nan
+
+
+def _check_staircase(table: CsvTable, path: Array, turns: Array) -> None:
+    wrapped = np.array([table.number(row, "theta0_mod360_deg") for row in table.rows])
+    number = np.array([table.number(row, "rep") for row in table.rows])
+    off_circle = np.abs(_shorter_way(path - wrapped)) > CONSISTENT_DEG
+    off_next = (np.diff(number) == 1) & (np.abs(np.diff(path) - turns[:-1]) > CONSISTENT_DEG)
+    if not np.isnan(turns[-1]):
+        last = table.rows[-1].line
+        raise table.error(
+            last, "the last row has a next θ0: the file is cut off; restore it or empty that field"
+        )
+    for index in np.flatnonzero(off_circle)[:1]:
+        values = f"{path[index]:g} and {wrapped[index]:g}"
+        raise table.error(
+            table.rows[index].line, f"theta0_accum_deg and theta0_mod360_deg disagree ({values})"
+        )
+    for index in np.flatnonzero(off_next)[:1]:
+        values = f"{turns[index]:g}, the next row says {path[index + 1] - path[index]:g}"
+        raise table.error(
+            table.rows[index].line, f"dtheta_to_next_deg is {values}; a row is missing or cut off"
+        )
+
+
+def _from_pairs(table: CsvTable) -> Theta0Pairs:
+    require_columns(table, PAIR_COLUMNS)
+    theta = np.array([table.number(row, "theta0_deg") for row in table.rows])
+    theta_next = np.array([table.number(row, "theta_next_deg") for row in table.rows])
+    lifted = theta + _shorter_way(theta_next - theta)
+    return Theta0Pairs(np.deg2rad(theta), np.deg2rad(lifted))
+
+
+def _from_ordered(table: CsvTable) -> Theta0Pairs:
+    theta = np.array([table.number(row, ORDERED_COLUMN) for row in table.rows])
+    if theta.size < 2:
+        raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
+    path = np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(_shorter_way(np.diff(theta)))]))
+    return Theta0Pairs(path[:-1], path[1:], path)
+
+
+def _shorter_way(turn_deg: Array) -> Array:
+    """The same turns in degrees, taken the shorter way round: in [-180, 180)."""
+    return (turn_deg + 180.0) % 360.0 - 180.0

@@ -1,0 +1,112 @@
+"""The map itself: its turn over the circle, and its cobweb."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from cyclemap.collection.portrait_curves import Cobweb, TurnCurve
+from cyclemap.evidence import Theta0Pairs, TurnBins
+from cyclemap.maps import Orbit
+from cyclemap.views.style import (
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    QUIET,
+    UNSTABLE,
+    degree_axis,
+)
+
+
+def draw_turn(axes: Axes, curve: TurnCurve, fixed_points: tuple[Orbit, ...]) -> None:
+    """The turn of one cycle over θ0, with the fixed points on its zero line."""
+    axes.axhline(0.0, color=QUIET, linewidth=0.9)
+    for index, (theta, turn) in enumerate(curve.pieces):
+        label = "predicted" if index == 0 else None
+        axes.plot(np.degrees(theta), np.degrees(turn), color=PREDICTED, linewidth=2.0, label=label, zorder=3)
+    for jump in curve.jumps:
+        place, ends = np.degrees(jump.theta), np.degrees([jump.before, jump.after])
+        axes.plot([place, place], ends, color=PREDICTED, linewidth=1.0, linestyle=":", zorder=3)
+    _draw_fixed_points(axes, fixed_points)
+    degree_axis(axes, "θ0, orientation before the push (°)")
+    axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
+    axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 3, 5, 6, 10]))
+    axes.margins(y=0.12)
+
+
+def draw_measured_turns(axes: Axes, pairs: Theta0Pairs, bins: TurnBins) -> None:
+    """Measured pairs as light dots, and their medians by bin; the scale keeps to the medians."""
+    theta = np.degrees(np.mod(pairs.theta, 2 * np.pi))
+    axes.plot(
+        theta,
+        np.degrees(pairs.turn),
+        ".",
+        color=MEASURED,
+        markersize=3,
+        alpha=0.35,
+        label="measured",
+        zorder=1,
+    )
+    axes.plot(
+        np.degrees(bins.centre),
+        np.degrees(bins.median),
+        "s",
+        color=MEASURED,
+        markeredgecolor=MEASURED_EDGE,
+        markeredgewidth=0.7,
+        markersize=4.0,
+        label="5° medians",
+        zorder=2,
+    )
+
+
+def draw_cobweb(axes: Axes, cobweb: Cobweb, fixed_points: tuple[Orbit, ...]) -> None:
+    """The graph of the map about its most telling place, and paths walking up its stairs."""
+    window = np.degrees([cobweb.low, cobweb.high])
+    axes.plot(window, window, color=QUIET, linewidth=0.9)
+    for theta, image in cobweb.pieces:
+        axes.plot(np.degrees(theta), np.degrees(image), color=PREDICTED, linewidth=2.0)
+    for path in cobweb.paths:
+        axes.plot(*np.degrees(path).T, color=INK, linewidth=0.7)
+        axes.plot(*np.degrees(path[0]), marker="|", color=INK, markersize=7)
+    for orbit in fixed_points:
+        for lift in _lifts(float(np.degrees(orbit.points[0])), *window):
+            axes.plot(lift, lift, **_marker(orbit))
+    axes.set(xlim=window, ylim=window, aspect="equal", anchor="W", xlabel="θ0 (°)", ylabel="next θ0 (°)")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 3, 4.5, 6, 9, 10]))
+
+
+def _draw_fixed_points(axes: Axes, fixed_points: tuple[Orbit, ...]) -> None:
+    for orbit in fixed_points:
+        place = float(np.degrees(orbit.points[0]))
+        axes.plot(place, 0.0, **_marker(orbit))
+        axes.annotate(
+            f"{place:.1f}° {'stable' if orbit.stable else 'unstable'}",
+            (place, 0.0),
+            xytext=(7, 9 if orbit.stable else -16),
+            textcoords="offset points",
+            ha="left" if place < 290 else "right",
+            fontsize=8,
+            zorder=6,
+            bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
+        )
+
+
+def _marker(orbit: Orbit) -> dict[str, Any]:
+    face = PREDICTED if orbit.stable else UNSTABLE
+    return {
+        "marker": "o",
+        "markersize": 7.5,
+        "markerfacecolor": face,
+        "markeredgecolor": PREDICTED,
+        "markeredgewidth": 1.6,
+        "linestyle": "none",
+        "zorder": 5,
+    }
+
+
+def _lifts(place: float, low: float, high: float) -> list[float]:
+    return [place + turn for turn in (-720.0, -360.0, 0.0, 360.0, 720.0) if low <= place + turn <= high]

@@ -1,0 +1,113 @@
+"""The portrait of a collection loop on one landscape page."""
+
+from textwrap import fill
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+
+from cyclemap.collection.portrait import Portrait
+from cyclemap.collection.portrait_curves import PortraitCurves
+from cyclemap.evidence import MeasuredOverlay
+from cyclemap.views.cycle_drawing import cycle_key, draw_cycle
+from cyclemap.views.map_panels import draw_cobweb, draw_measured_turns, draw_turn
+from cyclemap.views.record_panels import draw_density, draw_measured_histogram, draw_staircase
+from cyclemap.views.sentences import (
+    accuracy_line,
+    agreement_sentence,
+    angle,
+    headline,
+    lock_sentence,
+    noise_sentence,
+    parameters_line,
+    staircase_sentence,
+)
+from cyclemap.views.style import QUIET, new_figure, picture_style
+
+PAGE_INCHES = (13.333, 7.5)
+LINE_LETTERS = 175
+
+
+def portrait_page(
+    portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None = None
+) -> Figure:
+    """Draw `portrait`, whose curves are `curves`, with `measured` over it where given."""
+    with picture_style():
+        figure = new_figure(*PAGE_INCHES)
+        grid = GridSpec(
+            2, 3, figure, width_ratios=(5.2, 2.75, 3.2), left=0.055, right=0.99, bottom=0.145, top=0.80,
+            wspace=0.24, hspace=0.42,
+        )  # fmt: skip
+        panels = [figure.add_subplot(grid[row, column]) for column in range(3) for row in range(2)]
+        turn, density, cobweb, staircase, push, drag = panels
+        _draw_turn_panel(turn, portrait, curves, measured)
+        _draw_density_panel(density, portrait, curves, measured)
+        _draw_cobweb_panel(cobweb, portrait, curves)
+        _draw_staircase_panel(staircase, portrait, measured)
+        _draw_cycle_panels(push, drag, portrait, curves)
+        _write_words(figure, portrait, curves, measured)
+    return figure
+
+
+def _draw_turn_panel(
+    axes: Axes, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None
+) -> None:
+    draw_turn(axes, curves.turn, portrait.fixed_points)
+    if measured is not None:
+        draw_measured_turns(axes, measured.pairs, measured.bins)
+    axes.set_title("Turn of one cycle")
+    _legend_above(axes)
+
+
+def _draw_density_panel(
+    axes: Axes, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None
+) -> None:
+    draw_density(axes, curves)
+    if measured is not None:
+        draw_measured_histogram(axes, measured.histogram)
+    axes.set_ylim(bottom=0.0)
+    axes.set_title("Directions recorded")
+    _legend_above(axes)
+
+
+def _draw_cobweb_panel(axes: Axes, portrait: Portrait, curves: PortraitCurves) -> None:
+    draw_cobweb(axes, curves.cobweb, portrait.fixed_points)
+    place = "the jump" if portrait.gathering_jumps else "the slowest direction"
+    place = "the stable direction" if portrait.stable_points else place
+    whole = curves.cobweb.high - curves.cobweb.low > 6.2
+    axes.set_title("Cobweb" if whole else f"Cobweb about {place}")
+
+
+def _draw_staircase_panel(axes: Axes, portrait: Portrait, measured: MeasuredOverlay | None) -> None:
+    path = None if measured is None else measured.pairs.path
+    draw_staircase(axes, portrait.staircase.theta, path)
+    axes.set_title("Staircase")
+    if path is not None:
+        axes.legend(loc="upper left")
+
+
+def _draw_cycle_panels(push: Axes, drag: Axes, portrait: Portrait, curves: PortraitCurves) -> None:
+    draw_cycle(push, drag, curves.scene)
+    cycle = portrait.cycle
+    push.set_title(f"Push from {angle(cycle.theta)}: turns {angle(cycle.push_turn)}")
+    drag.set_title(f"Drag by the ring: turns {angle(cycle.drag_turn)}")
+
+
+def _legend_above(axes: Axes) -> None:
+    """A legend of one row on the title's line, where it can cover nothing."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4)
+
+
+def _write_words(
+    figure: Figure, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None
+) -> None:
+    figure.text(0.015, 0.955, headline(portrait), fontsize=18, fontweight="bold", va="center")
+    told = f"{lock_sentence(portrait)} {noise_sentence(portrait)} {staircase_sentence(portrait)}"
+    figure.text(0.015, 0.928, fill(told, LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
+    foot = [parameters_line(portrait), accuracy_line(portrait)]
+    if measured is not None:
+        foot.append(agreement_sentence(measured.agreement))
+    figure.text(0.015, 0.06, "\n".join(foot), fontsize=8, color=QUIET, va="top", linespacing=1.35)
+    figure.text(
+        0.985, 0.06, cycle_key(curves.scene), fontsize=8, color=QUIET, va="top", ha="right", linespacing=1.35
+    )

@@ -1,0 +1,59 @@
+"""What the robot will record: the histogram of directions and the staircase."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator, MultipleLocator
+from numpy.typing import NDArray
+
+from cyclemap.collection.portrait_curves import PortraitCurves
+from cyclemap.evidence import AngleHistogram
+from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, degree_axis
+
+Array = NDArray[np.float64]
+PER_DEGREE = np.pi / 180
+LEAST_SPAN_DEG = 120.0
+
+
+def draw_density(axes: Axes, curves: PortraitCurves) -> None:
+    """The predicted stationary density of θ0."""
+    theta, density = np.degrees(curves.density_theta), PER_DEGREE * curves.density
+    axes.fill_between(theta, density, color=PREDICTED_FILL, linewidth=0, zorder=1)
+    axes.plot(theta, density, color=PREDICTED, linewidth=1.8, label="predicted", zorder=3)
+    degree_axis(axes, "θ0, orientation before the push (°)")
+    axes.set_ylabel("probability per degree")
+
+
+def draw_measured_histogram(axes: Axes, histogram: AngleHistogram) -> None:
+    """How often each direction was recorded."""
+    axes.stairs(
+        PER_DEGREE * histogram.density,
+        np.degrees(histogram.edges),
+        fill=True,
+        facecolor=MEASURED,
+        edgecolor=MEASURED_EDGE,
+        linewidth=0.6,
+        alpha=0.65,
+        label="measured",
+        zorder=2,
+    )
+
+
+def draw_staircase(axes: Axes, predicted: Array, measured: Array | None) -> None:
+    """θ0 over the cycles, unwrapped: one predicted noisy run, and the measured one where there is one."""
+    if measured is not None:
+        axes.plot(np.degrees(measured), color=MEASURED, linewidth=2.2, label="measured", zorder=2)
+    axes.plot(np.degrees(predicted), color=PREDICTED, linewidth=1.2, label="predicted", zorder=3)
+    axes.set(xlabel="cycle", ylabel="θ0, unwrapped (°)")
+    axes.set_xlim(0, max(len(predicted), 0 if measured is None else len(measured)) - 1)
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+    _scale_staircase(axes)
+
+
+def _scale_staircase(axes: Axes) -> None:
+    """Show a flat staircase as flat, and mark whole turns where it climbs several."""
+    low, high = axes.get_ylim()
+    slack = max(0.0, LEAST_SPAN_DEG - (high - low)) / 2
+    axes.set_ylim(low - slack, high + slack)
+    turns = (high - low) / 360.0
+    if turns >= 2:
+        axes.yaxis.set_major_locator(MultipleLocator(360.0 * max(1, round(turns / 7))))

@@ -1,0 +1,132 @@
+"""A portrait in sentences: which directions it locks into, how fast, and its staircase."""
+
+import math
+from decimal import Decimal
+
+from cyclemap.collection.portrait import Portrait
+from cyclemap.evidence import MapAgreement
+from cyclemap.maps import Orbit
+
+# A stay longer than this is beyond any experiment: only its order of magnitude is told.
+LONGEST_STAY = 1e5
+MOST_PEAKS = 3
+
+
+def headline(portrait: Portrait) -> str:
+    """The answer in a line: where this material locks in."""
+    name = portrait.loop.material.name
+    jumps = [angle(theta) for theta in portrait.gathering_jumps]
+    if portrait.stable_points:
+        return f"{name} locks into {_listed([angle(orbit.points[0]) for orbit in portrait.stable_points])}"
+    return f"{name} gathers about {_listed(jumps)}" if jumps else f"{name} locks into no direction"
+
+
+def lock_sentence(portrait: Portrait) -> str:
+    """Which directions the loop locks into, and how fast."""
+    jumps = [angle(theta) for theta in portrait.gathering_jumps]
+    sentences = [_stable_sentence(portrait.stable_points)] if portrait.stable_points else []
+    if jumps:
+        sentences.append(f"Orbits gather about the jump at {_listed(jumps)}.")
+    if sentences:
+        return " ".join(sentences)
+    turns = portrait.turns
+    value = portrait.rotation.value
+    pace = f"a full turn takes {cycles(1 / abs(value))}" if value else "over many cycles it gets nowhere"
+    return (
+        f"Without noise a cycle turns the object by {angle(turns.minimum)} to {angle(turns.maximum)}; {pace}."
+    )
+
+
+def noise_sentence(portrait: Portrait) -> str:
+    """What noise makes of it: the recorded directions and how soon the start is forgotten."""
+    operator, noise = portrait.operator, f"With {angle(portrait.noise.sigma)} of noise a cycle"
+    forgotten = cycles(operator.mixing_cycles)
+    if len(portrait.stable_points) > 1 and operator.mixing_cycles > LONGEST_STAY:
+        return f"{noise} the loop stays at the stable direction it falls into first, and moves on once in {forgotten}."
+    peaks = portrait.highest_peaks[:MOST_PEAKS]
+    where = f"peak at {_listed([angle(peak) for peak in peaks])}" if peaks else "have no peak"
+    return (
+        f"{noise} the recorded directions {where} ({operator.tv_from_uniform:.0%} away from uniform); "
+        f"the start is forgotten in {forgotten}."
+    )
+
+
+def staircase_sentence(portrait: Portrait) -> str:
+    """What the staircase of θ0 over the cycles looks like."""
+    expected = portrait.prediction
+    pace = f"on average θ0 moves {angle(expected.mean_turn, 2)} a cycle"
+    if expected.step is None or expected.mean_residence_cycles is None:
+        return f"The staircase has no flat steps: {pace}."
+    stay = cycles(expected.mean_residence_cycles)
+    if expected.mean_residence_cycles > LONGEST_STAY:
+        return f"The staircase is flat: noise carries it off a step once in {stay}."
+    return f"The staircase rests {stay} on a step, steps are {angle(expected.step, 0)} high, and {pace}."
+
+
+def agreement_sentence(agreement: MapAgreement) -> str:
+    """How far measured turns lie from the predicted map."""
+    return (
+        f"{agreement.pairs} measured cycles lie {angle(agreement.rms)} RMS from the predicted turn; "
+        f"the medians of {agreement.bins} directions {angle(agreement.bin_rms)}."
+    )
+
+
+def parameters_line(portrait: Portrait) -> str:
+    """The friction law, the rod and the ring, with units."""
+    loop, law = portrait.loop, portrait.loop.material.friction
+    ring_x, ring_y = (1000 * coordinate for coordinate in loop.slider.hitch)
+    friction = f"friction μa {law.mu_a:g}, μb {law.mu_b:g}, m0 {law.m0:g}, n0 {law.n0:g}, φ {angle(law.phi)}"
+    rod = f"rod ⌀ {2000 * loop.pusher.radius:g} mm, μ {loop.pusher.friction:g}"
+    return f"{friction}  ·  {rod}  ·  ring at ({ring_x:.1f}, {ring_y:.1f}) mm"
+
+
+def accuracy_line(portrait: Portrait) -> str:
+    """How the map was computed and how well."""
+    error = Decimal(f"{math.degrees(portrait.map.max_error):.1g}")
+    return f"cycle map from {portrait.map.samples} computed cycles, error below {error:f}°"
+
+
+def angle(radians: float, decimals: int = 1) -> str:
+    """An angle for people, in degrees.
+
+    >>> angle(math.pi / 3)
+    '60.0°'
+    """
+    # Adding zero turns a rounded -0.0 into 0.0.
+    return f"{round(math.degrees(radians), decimals) + 0.0:.{decimals}f}°".replace("-", "−")
+
+
+def number(value: float) -> str:
+    """A count for people: whole from ten on, a power of ten when it is beyond any experiment.
+
+    >>> number(1.234), number(12.345), number(3.2e9)
+    ('1.2', '12', '10^9')
+    """
+    if value >= 1e12:
+        return "more than 10^12"
+    if value >= LONGEST_STAY:
+        return f"10^{math.floor(math.log10(value))}"
+    return f"{value:.1f}" if value < 10 else f"{value:.0f}"
+
+
+def cycles(value: float | None) -> str:
+    """A number of cycles for people."""
+    return "an unknown number of cycles" if value is None else f"{number(value)} cycles"
+
+
+def _stable_sentence(orbits: tuple[Orbit, ...]) -> str:
+    places = _listed([angle(orbit.points[0]) for orbit in orbits])
+    multipliers = _listed([f"{orbit.multiplier:.3f}".replace("-", "−") for orbit in orbits])
+    speeds = _listed([_tenfold_cycles(abs(orbit.multiplier)) for orbit in orbits])
+    return f"Stable at {places}, multiplier {multipliers}: a tenth of an error is left after {speeds} cycles."
+
+
+def _tenfold_cycles(multiplier: float) -> str:
+    """How many cycles take an error to its tenth."""
+    if multiplier < 0.1:
+        return "less than 1"
+    return "ever more" if multiplier >= 1.0 else number(math.log(0.1) / math.log(multiplier))
+
+
+def _listed(words: list[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
