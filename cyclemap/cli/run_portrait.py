@@ -67,7 +67,7 @@ def _compute(
 
 
 def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture: Path) -> None:
-    console = Console(highlight=False, soft_wrap=True)
+    console = Console(highlight=False, markup=False, soft_wrap=True)
     console.print(sentences.headline(drawn), style="bold")
     for sentence in (sentences.lock_sentence(drawn), sentences.noise_sentence(drawn)):
         console.print(sentence)
@@ -77,7 +77,7 @@ def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture
     if drawn.fixed_points:
         console.print(_fixed_point_table(drawn))
     console.print(f"{sentences.accuracy_line(drawn)}; {sentences.parameters_line(drawn)}", style="dim")
-    console.print(f"picture: {picture}", markup=False)
+    console.print(f"picture: {picture}")
 
 
 def _fixed_point_table(drawn: Portrait) -> Table:

@@ -115,7 +115,9 @@ class CycleSensitivity:
     def by(self, parameter: str, output: str = "theta_next") -> float:
         """Return the derivative of an output by a parameter, both by name."""
         if parameter not in self.parameters or output not in self.outputs:
-            raise InvalidInput(f"no derivative of {output!r} by {parameter!r}: know {self.outputs} by {self.parameters}")
+            raise InvalidInput(
+                f"no derivative of {output!r} by {parameter!r}: know {self.outputs} by {self.parameters}"
+            )
         return float(self.jacobian[self.outputs.index(output), self.parameters.index(parameter)])
 
 
@@ -198,9 +200,12 @@ class CollectionLoop:
             found = fine.sensitivity(theta)
             return found.theta_next, found.by_theta
 
+        def value(theta: float) -> float:
+            return fine.cycle(theta).theta_next
+
         sample_error = max(0.1 * positive_number("tolerance", tolerance), 1e-10)
         fine = replace(self, accuracy=min(sample_error, 1e-6))
-        return sample_circle_map(sample, 0.9 * tolerance, progress, sample_error)
+        return sample_circle_map(sample, value, 0.9 * tolerance, progress, sample_error)
 
     def _run(self, theta: float, longest_step: float) -> tuple[PushResult, DragResult]:
         push = self.model.push(self.start_pose(theta), self.push, longest_step)

@@ -35,7 +35,7 @@ SETTING_KEYS = (*_FRICTION, *_PUSHER, *_PUSH, *_OUTLINE, *_OTHER)
 
 
 def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoop":
-    """Return the loop with settings replaced; a key that is not in SETTING_KEYS raises InvalidInput, as a bad value does.
+    """Return the loop with settings replaced; a key that is not in SETTING_KEYS, or a bad value, raises InvalidInput.
 
     A new outline (`shape`: an MIT shape's name; `vertices_mm`: [[x, y], ...]; `semi_x_mm` with `semi_y_mm`) keeps the
     ring unless `hitch_x_mm`, `hitch_y_mm` move it.
@@ -51,12 +51,12 @@ def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoo
     pusher = Pusher(**{"radius": loop.pusher.radius, "friction": loop.pusher.friction, **_numbers(settings, _PUSHER)})
     push = _push(loop.push, settings)
     reset = DragBack(_points(settings, "way_points_mm")) if "way_points_mm" in settings else loop.reset
-    footprint = parse_footprint(str(settings["footprint"]), slider.outline) if "footprint" in settings else loop.footprint
+    footprint = (
+        parse_footprint(str(settings["footprint"]), slider.outline) if "footprint" in settings else loop.footprint
+    )
     if footprint is loop.footprint and footprint is not None and slider.outline != loop.slider.outline:
         footprint = None
-    return replace(
-        loop, slider=slider, material=material, pusher=pusher, push=push, reset=reset, footprint=footprint
-    )
+    return replace(loop, slider=slider, material=material, pusher=pusher, push=push, reset=reset, footprint=footprint)
 
 
 def _slider(slider: Slider, settings: Settings) -> Slider:

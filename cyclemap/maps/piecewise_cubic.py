@@ -9,7 +9,6 @@ from math import floor
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.checks import TWO_PI, Array, finite_array, read_only
@@ -161,6 +160,9 @@ def _shape_preserving(samples: _Samples, degree: int) -> Array:
 def _pchip_slopes(x: Array, y: Array) -> Array:
     if x.size == 1:
         raise InvalidInput(f"theta has a break at {x[0]:g} with no sample beside it: add one on each side")
+    # Imported where it is needed: it takes longer to load than most maps take to build.
+    from scipy.interpolate import PchipInterpolator
+
     return np.asarray(PchipInterpolator(x, y).derivative()(x), dtype=np.float64)
 
 

@@ -11,6 +11,9 @@ from typing import ClassVar, NamedTuple
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 
+# Sides that turn by less than this (rad) go on as one: a vertex on a straight side is no corner.
+STRAIGHT = 1e-9
+
 
 class Contact(NamedTuple):
     """One contact in the slider's frame: its point and the angle of the outward normal."""
@@ -39,7 +42,9 @@ class SidePiece:
 
     def moved(self, geometry: tuple[float, ...]) -> "SidePiece":
         """Return the piece with other numbers in `geometry`, padded to five."""
-        return replace(self, start=geometry[:2], direction=geometry[2:4], normal=geometry[4])
+        return replace(
+            self, start=(geometry[0], geometry[1]), direction=(geometry[2], geometry[3]), normal=geometry[4]
+        )
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
@@ -67,7 +72,7 @@ class CornerPiece:
 
     def moved(self, geometry: tuple[float, ...]) -> "CornerPiece":
         """Return the piece with other numbers in `geometry`, padded to five."""
-        return replace(self, corner=geometry[:2])
+        return replace(self, corner=(geometry[0], geometry[1]))
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
@@ -126,7 +131,11 @@ class RingPiece:
 
     def moved(self, geometry: tuple[float, ...]) -> "RingPiece":
         """Return the piece with other numbers in `geometry`, padded to five."""
-        return replace(self, hitch=geometry[:2])
+        return replace(self, hitch=(geometry[0], geometry[1]))
+
+    def normal_slope(self, coordinate: float) -> float:
+        """Return zero: the normal means nothing."""
+        return 0.0
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact; its normal means nothing."""
@@ -150,7 +159,7 @@ def contact_curve(outline: Outline, radius: float) -> tuple[OutlinePiece, ...]:
     for side, following in zip(sides, [*sides[1:], sides[0]], strict=True):
         pieces.append(side)
         turn = _turn(side, following)
-        if radius > 0.0 and turn > 0.0:
+        if radius > 0.0 and turn > STRAIGHT:
             pieces.append(CornerPiece(following.start, side.normal, side.normal + turn))
     return tuple(pieces)
 

@@ -15,6 +15,7 @@ along +t over the slider.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TypeAlias
 
 import casadi as ca
 
@@ -22,8 +23,8 @@ from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.patch_integrals import PatchExpressions, patch_expressions
 
-Expression = ca.SX | ca.MX
-Symbol = Callable[..., Expression]
+Expression: TypeAlias = ca.SX | ca.MX
+Symbol: TypeAlias = Callable[..., Expression]
 
 # The order of the equations' arguments; lengths in footprint extents, angles in rad.
 ARGUMENTS = ("theta", "rod_direction", "x", "y", "normal", "smu", "mu_a", "mu_b", "m0", "n0", "phi")
@@ -91,14 +92,21 @@ def _slide_balance(footprint: Footprint, near: bool, symbol: Symbol) -> _Balance
     return _balance(z, q, patch, rows @ gradient, rows @ patch.hessian @ ca.horzcat(spin, slip), normal)
 
 
-def _patch(footprint: Footprint, contact_velocity: Expression, omega: Expression, q: Expression, near: bool) -> PatchExpressions:
+def _patch(
+    footprint: Footprint, contact_velocity: Expression, omega: Expression, q: Expression, near: bool
+) -> PatchExpressions:
     x, y = q[2], q[3]
     velocity = contact_velocity + omega * ca.vertcat(y, -x)
     return patch_expressions(footprint, ca.vertcat(velocity, omega), q[6:11], q[0], near)
 
 
 def _balance(
-    unknowns: Expression, q: Expression, patch: PatchExpressions, residual: Expression, jacobian: Expression, normal: Expression
+    unknowns: Expression,
+    q: Expression,
+    patch: PatchExpressions,
+    residual: Expression,
+    jacobian: Expression,
+    normal: Expression,
 ) -> _Balance:
     fx, fy = patch.force[0], patch.force[1]
     c, s = ca.cos(normal), ca.sin(normal)
@@ -107,9 +115,7 @@ def _balance(
 
 def _solver(balance: _Balance) -> ca.Function:
     step = -_solved(balance.jacobian, balance.residual)
-    outputs = ca.vertcat(
-        balance.residual, step, balance.normal_force, balance.tangential_force, balance.patch.far
-    )
+    outputs = ca.vertcat(balance.residual, step, balance.normal_force, balance.tangential_force, balance.patch.far)
     return ca.Function("balance", [balance.unknowns, balance.arguments], [balance.patch.substituted(outputs)])
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.errors import ConvergenceError
+from cyclemap.mechanics.buffered_function import BufferedFunction
 from cyclemap.mechanics.contact_curve import Contact
 from cyclemap.mechanics.contact_equations import ARGUMENTS, contact_functions
 from cyclemap.mechanics.footprint import Footprint, PointFootprint
@@ -145,27 +146,17 @@ class _RegimeSwitch:
 
     def __init__(self, near: ca.Function, far: ca.Function, unknowns: int, arguments: NDArray[np.float64]) -> None:
         self._unknowns = np.zeros(unknowns)
-        self._result = np.zeros(near.size1_out(0))
-        self._calls = [self._buffer(f, arguments) for f in (near, far)]
+        self._calls = [BufferedFunction(f, self._unknowns, arguments) for f in (near, far)]
         self._is_far = 0
-
-    def _buffer(self, function: ca.Function, arguments: NDArray[np.float64]) -> tuple[object, Callable[[], None]]:
-        buffer, call = function.buffer()
-        buffer.set_arg(0, memoryview(self._unknowns))
-        buffer.set_arg(1, memoryview(arguments))
-        buffer.set_res(0, memoryview(self._result))
-        return buffer, call
 
     def at(self, *unknowns: float) -> Values:
         """Return the function's outputs; the last one tells the regime."""
         self._unknowns[:] = unknowns
-        self._calls[self._is_far][1]()
-        values: Values = self._result.tolist()
+        values: Values = self._calls[self._is_far]().tolist()
         is_far = 0 if values[-1] <= FAR_RATIO else 1
         if is_far != self._is_far:
             self._is_far = is_far
-            self._calls[is_far][1]()
-            values = self._result.tolist()
+            values = self._calls[is_far]().tolist()
         return values
 
 
@@ -185,9 +176,7 @@ def _bracket(function: Callable[[float], Values], start: float, what: str) -> tu
     raise ConvergenceError(f"the {what} has no bracket within {inner:.3g} of {start:.3g}: no such motion exists")
 
 
-def _close(
-    function: Callable[[float], Values], low: float, high: float, tolerance: float
-) -> tuple[float, Values]:
+def _close(function: Callable[[float], Values], low: float, high: float, tolerance: float) -> tuple[float, Values]:
     """Close a bracket by bisection and secants; where the function jumps, mix both sides so that it vanishes.
 
     The mixture is what the equations ask for: at a support point that does not slide, friction is any force between

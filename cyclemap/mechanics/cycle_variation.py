@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cyclemap.mechanics.contact_curve import Piece
 from cyclemap.mechanics.motion import RING, SLIDE_RIGHT, Motion
-from cyclemap.mechanics.motion_functions import PARAMETERS
+from cyclemap.mechanics.motion_functions import MARGINS, PARAMETERS
 from cyclemap.mechanics.outline import Ellipse
 from cyclemap.mechanics.phase_variation import vary_phase
 from cyclemap.mechanics.push_run import PushRun, RunPhase
@@ -88,7 +88,7 @@ def _push_variation(model: "QuasiStaticModel", push: "PushResult") -> Array:
     end_slope = last.phase.steps[-1].stages[-1, SLOPE]
     by_travel = _one("distance") / model.unit
     if push.ended == "left":
-        by_travel = _leaving(last.motion, push.run.end, end_slope, state, by_direction)
+        by_travel = _leaving(last, push.run.end, end_slope, state, by_direction)
     state = state + np.outer(end_slope, by_travel)
     travel = math.fsum(p.phase.length for p in push.run.phases)
     toward = np.array((math.cos(motion.rod.direction), math.sin(motion.rod.direction)))
@@ -135,14 +135,19 @@ def _across_pieces(phase: RunPhase, following: RunPhase, state: Array) -> Array:
     ratio = np.array((1.0, metric_old / metric_new))
     slope_old, slope_new = end[SLOPE] * ratio, following.phase.steps[0].stages[0, SLOPE]
     later = -state[1] / end[SLOPE][1]
-    return state * ratio[:, None] + np.outer(slope_old - slope_new, later)
+    return np.asarray(state * ratio[:, None] + np.outer(slope_old - slope_new, later))
 
 
-def _leaving(motion: Motion, end: Array, slope: Array, state: Array, by_direction: Array) -> Array:
-    """Variation of the travel at which the rod leaves: where the angle from its direction to the normal is a right one."""
-    turning = motion.piece.normal_slope(float(end[1]))
+def _leaving(last: RunPhase, end: Array, slope: Array, state: Array, by_direction: Array) -> Array:
+    """Variation of the travel at which the rod leaves: where the angle from its direction to the normal is a right one.
+
+    A point leaves at the corner that it slides over.
+    """
+    if MARGINS[last.phase.broken or 0] != "approach":
+        return np.asarray(-state[1] / slope[1])
+    turning = last.motion.piece.normal_slope(float(end[1]))
     rate = slope[0] + turning * slope[1]
-    return -(state[0] + turning * state[1] - by_direction) / rate
+    return np.asarray(-(state[0] + turning * state[1] - by_direction) / rate)
 
 
 def _rod_shift(motion: Motion, at: Array, state: Array, by_radius: Array) -> Array:
@@ -173,4 +178,3 @@ def _drag_variation(model: "QuasiStaticModel", drag: "DragResult", theta: Array,
         theta = state[0] + spin * by_length / model.unit
         length, ring = length + by_length, np.zeros_like(ring)
     return theta, length
-

@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.mechanics.motion import STICK, Motion
-from cyclemap.mechanics.runge_kutta import MARGIN, STATE, UNKNOWN, C, Step, next_length
+from cyclemap.mechanics.motion_functions import MARGINS
+from cyclemap.mechanics.runge_kutta import MARGIN, UNKNOWN, C, Step, next_length
 
 # A margin this share of the tolerance's root below zero still counts as kept, and a place where one is that near to
 # zero as landed on: rates are continuous from one law to the next, so that what is wrong is of its square ...
 _SLACK_SHARE = 0.03
-# ... but for a rod that leaves while it sticks: there the slack is this share of the tolerance itself.
+# ... but for a rod that leaves while it sticks, and a point that passes a corner: rates jump there, and the slack is
+# this share of the tolerance itself.
 _STRICT_SHARE = 0.1
 # A margin that dips this many slacks below zero at a stage, though not at the step's end, calls for a shorter step.
 _DIP = 30.0
@@ -97,10 +99,12 @@ def _attempt(motion: Motion, state: NDArray[np.float64], h: float, tolerance: fl
 
 
 def _slack(motion: Motion, tolerance: float) -> NDArray[np.float64]:
-    """How far below zero each margin may go, the approach (the first) less where the motion stops short there."""
+    """How far below zero each margin may go, less for those where the motion changes at once."""
     slack = np.full(MARGIN.stop - MARGIN.start, _SLACK_SHARE * math.sqrt(tolerance))
     if motion.mode == STICK:
-        slack[0] = _STRICT_SHARE * tolerance
+        slack[MARGINS.index("approach")] = _STRICT_SHARE * tolerance
+    if motion.rod.radius == 0.0:
+        slack[[MARGINS.index("after_low"), MARGINS.index("before_high")]] = _STRICT_SHARE * tolerance
     return slack
 
 

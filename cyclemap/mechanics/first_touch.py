@@ -11,13 +11,16 @@ from cyclemap.mechanics.contact_curve import CornerPiece, EllipsePiece, OutlineP
 
 Touch = tuple[float, int, float]
 
+# Pieces reach this far over their ends, so that rounding leaves no gap where they meet.
+_SEAM = 1e-12
+
 
 def first_touch(
     pieces: tuple[OutlinePiece, ...], radius: float, start: NDArray[np.float64], direction: float
-) -> Touch:
-    """Return (travel, piece, coordinate) of the first touch; everything in the slider's frame.
+) -> Touch | None:
+    """Return (travel, piece, coordinate) of the first touch, None if there is none; everything in the slider's frame.
 
-    Raises InvalidInput if the rod starts inside the object or never touches it.
+    Raises InvalidInput if the rod starts inside the object.
     """
     toward = np.array((math.cos(direction), math.sin(direction)))
     touches: list[Touch] = []
@@ -25,10 +28,10 @@ def first_touch(
         for travel, coordinate in _meetings(piece, radius, start, toward):
             contact, _ = piece.contact(coordinate, radius)
             enters = math.cos(contact.normal - direction) < 0.0
-            if piece.low <= coordinate <= piece.high and enters:
-                touches.append((travel, index, coordinate))
+            if piece.low - _SEAM <= coordinate <= piece.high + _SEAM and enters:
+                touches.append((travel, index, min(max(coordinate, piece.low), piece.high)))
     if not touches:
-        raise InvalidInput(f"the rod never touches the object: it starts at {start.tolist()} in direction {direction:.6g} rad")
+        return None
     travel, index, coordinate = min(touches)
     if travel < -1e-9:
         raise InvalidInput("the rod starts inside the object: move its start back along the push direction")
@@ -94,7 +97,7 @@ def _distance_from_ellipse(piece: EllipsePiece, place: NDArray[np.float64]) -> t
 
     def slope(angle: float) -> float:
         c, s = math.cos(angle), math.sin(angle)
-        return (piece.semi_x * c - x) * -piece.semi_x * s + (piece.semi_y * s - y) * piece.semi_y * c
+        return float((piece.semi_x * c - x) * -piece.semi_x * s + (piece.semi_y * s - y) * piece.semi_y * c)
 
     # The nearest point lies in the place's own quadrant, where the slope changes sign once.
     quadrant = math.floor(math.atan2(y, x) / (math.pi / 2.0)) * math.pi / 2.0

@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from cyclemap.checks import finite_array, point
 from cyclemap.errors import DataFileError, InvalidInput
@@ -92,7 +92,9 @@ class PointFootprint:
         positions = finite_array("support points", self.positions, last=2)
         weights = finite_array("support weights", self.weights)
         if positions.ndim != 2 or weights.shape != positions.shape[:1]:
-            raise InvalidInput(f"support points (k, 2) and weights (k,) do not match: {positions.shape}, {weights.shape}")
+            raise InvalidInput(
+                f"support points (k, 2) and weights (k,) do not match: {positions.shape}, {weights.shape}"
+            )
         if np.any(weights < 0.0) or not weights.sum() > 0.0:
             raise InvalidInput(f"support weights must not be negative and not all zero: the least is {weights.min()}")
         loaded = weights > 0.0
@@ -159,7 +161,9 @@ def load_footprint(path: str | Path) -> PointFootprint:
         with Path(path).open(newline="", encoding="utf-8") as file:
             reader = csv.DictReader(file)
             if not {"x_mm", "y_mm", "weight"} <= set(reader.fieldnames or ()):
-                raise DataFileError(f"{path}: a footprint needs the columns x_mm, y_mm, weight, not {reader.fieldnames}")
+                raise DataFileError(
+                    f"{path}: a footprint needs the columns x_mm, y_mm, weight, not {reader.fieldnames}"
+                )
             for row in reader:
                 rows.append(_footprint_row(row, f"{path}: line {reader.line_num}"))
     except (OSError, UnicodeDecodeError, csv.Error) as cause:
@@ -217,9 +221,7 @@ def _ellipse_quadrature(ellipse: Ellipse) -> tuple[NDArray[np.float64], NDArray[
     """Gauss rule in the squared radius, equal angles around."""
     count = 2 * _FAR_ORDER + 4
     node, weight = np.polynomial.legendre.leggauss(_FAR_ORDER + 2)
-    radius, angle = np.meshgrid(
-        np.sqrt((node + 1.0) / 2.0), np.arange(count) * 2.0 * math.pi / count, indexing="ij"
-    )
+    radius, angle = np.meshgrid(np.sqrt((node + 1.0) / 2.0), np.arange(count) * 2.0 * math.pi / count, indexing="ij")
     points = np.stack([ellipse.semi_x * radius * np.cos(angle), ellipse.semi_y * radius * np.sin(angle)], axis=-1)
     weights = np.repeat(weight / 2.0 / count, count)
     return points.reshape(-1, 2), weights

@@ -86,9 +86,7 @@ class EllipseFriction:
         c, k = math.cos(self.phi - frame), math.sin(self.phi - frame)
         return np.stack([c * t_m - k * t_n, k * t_m + c * t_n], axis=-1)
 
-    def _in_material_axes(
-        self, velocity: ArrayLike, frame: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _in_material_axes(self, velocity: ArrayLike, frame: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         v = np.asarray(velocity, dtype=float)
         if v.shape[-1:] != (2,) or not np.all(np.isfinite(v)):
             raise InvalidInput(f"velocities must be finite with shape (..., 2), not {v.shape}: {velocity!r}")

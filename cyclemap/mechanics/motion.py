@@ -2,12 +2,14 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.mechanics.buffered_function import BufferedFunction
 from cyclemap.mechanics.contact_curve import Contact, Piece
-from cyclemap.mechanics.contact_solver import ContactSolver
+from cyclemap.mechanics.contact_solver import ContactSolver, Slide, Stick
 from cyclemap.mechanics.footprint import Footprint, PointFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.motion_functions import MARGINS, PARAMETERS, motion_functions
@@ -44,7 +46,9 @@ class Motion:
         self.parameters = motion_parameters(solver.friction, piece, mode, rod)
         self.unknowns = [0.0, 0.0] if self.slides else [0.0]
         self._regime = 0
-        self._calls = [_StepCall(solver.footprint, piece.kind, self.family, near, self.parameters) for near in (True, False)]
+        self._calls = [
+            _StepCall(solver.footprint, piece.kind, self.family, near, self.parameters) for near in (True, False)
+        ]
 
     @property
     def slides(self) -> bool:
@@ -78,6 +82,7 @@ class Motion:
         """Return compression and tangential force on the slider per unit load, and the residual of their balance."""
         theta, coordinate = state.tolist()
         contact, _ = self.piece.contact(coordinate, self.rod.radius)
+        found: Stick | Slide
         if self.slides:
             smu = _SIGN[self.mode] * self.rod.friction
             found = self.solver.slide(theta, contact, smu, (self.unknowns[0], self.unknowns[1]))
@@ -97,7 +102,9 @@ class Motion:
         """Return a step of length h: in one call where that is certified, else stage by stage."""
         return self.fast_step(state, h, tolerance) or step(self.evaluate, state, h)
 
-    def velocities(self, stage: NDArray[np.float64], contact: Contact, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def velocities(
+        self, stage: NDArray[np.float64], contact: Contact, points: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         """Return the velocities (k, 2), slider's frame, of points (k, 2) at a solved stage (sliding: unit approach)."""
         n = np.array((math.cos(contact.normal), math.sin(contact.normal)))
         t = np.array((-n[1], n[0]))
@@ -109,7 +116,7 @@ class Motion:
 
     def with_parameters(self, parameters: NDArray[np.float64], unknowns: list[float]) -> "Motion":
         """Return the same motion with other numbers, in the order of PARAMETERS."""
-        direction, radius, smu, mu_a, mu_b, m0, n0, phi, *geometry, low, high = parameters.tolist()
+        direction, radius, smu, mu_a, mu_b, m0, n0, phi, *geometry, _low, _high = parameters.tolist()
         solver = ContactSolver(self.solver.footprint, EllipseFriction(mu_a, mu_b, m0, n0, phi))
         moved = Motion(solver, self.piece.moved(tuple(geometry)), self.mode, Rod(radius, abs(smu), direction))
         moved.unknowns = list(unknowns)
@@ -144,35 +151,28 @@ def motion_parameters(friction: EllipseFriction, piece: Piece, mode: str, rod: R
 class _StepCall:
     """A step's CasADi function, with its buffers, built when it is first needed."""
 
-    def __init__(self, footprint: Footprint, kind: str, family: str, near: bool, parameters: NDArray[np.float64]) -> None:
+    def __init__(
+        self, footprint: Footprint, kind: str, family: str, near: bool, parameters: NDArray[np.float64]
+    ) -> None:
         self._build = (footprint, kind, family, near)
         self._near, self._parameters = near, parameters
         self._exact = not isinstance(footprint, PointFootprint)
-        self._ready: tuple[object, ...] | None = None
         self._unknowns = 2 if family == "slide" else 1
         self.in_regime = True
 
     def __call__(self, state: NDArray[np.float64], unknowns: list[float], h: float, tolerance: float) -> Step | None:
         """Return the step, or None where its Newton iterations or its regime do not hold."""
-        if self._ready is None:
-            self._prepare()
-        _, trigger, at, guess, length, result = self._ready
+        at, guess, length, _ = self._function.arguments
         at[:], guess[:], length[0] = state, unknowns, h
-        trigger()
+        result = self._function()
         error, correction, least, greatest = result[:4].tolist()
         self.in_regime = not self._exact or (greatest <= _NEAR_LIMIT if self._near else least >= _FAR_LIMIT)
         allowed = math.sqrt(_LEFT * tolerance) if self._exact else _LEFT * tolerance
         if not (correction <= allowed and self.in_regime and math.isfinite(error)):
             return None
-        stages = result[4:].reshape(STAGES + 1, -1).copy()
-        return Step(h, stages, error)
+        return Step(h, result[4:].reshape(STAGES + 1, -1).copy(), error)
 
-    def _prepare(self) -> None:
-        function = motion_functions(*self._build).step
-        buffer, trigger = function.buffer()
-        arrays = [np.zeros(2), np.zeros(self._unknowns), np.zeros(1)]
-        for index, array in enumerate([*arrays, self._parameters]):
-            buffer.set_arg(index, memoryview(array))
-        result = np.zeros(function.size1_out(0))
-        buffer.set_res(0, memoryview(result))
-        self._ready = (buffer, trigger, *arrays, result)
+    @cached_property
+    def _function(self) -> BufferedFunction:
+        inputs = (np.zeros(2), np.zeros(self._unknowns), np.zeros(1), self._parameters)
+        return BufferedFunction(motion_functions(*self._build).step, *inputs)

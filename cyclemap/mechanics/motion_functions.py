@@ -103,27 +103,37 @@ def _rate(kind: str, mode: str) -> ca.Function:
 
 
 def _step(
-    contact: ContactFunctions, solver: ca.Function, arguments: ca.Function, rate: ca.Function, mode: str, iterations: int
+    contact: ContactFunctions,
+    solver: ca.Function,
+    arguments: ca.Function,
+    rate: ca.Function,
+    mode: str,
+    iterations: int,
 ) -> ca.Function:
     count = solver.size1_in(0)
     state, h, p = ca.MX.sym("state", 2), ca.MX.sym("h"), ca.MX.sym("parameters", len(PARAMETERS))
     guess = ca.MX.sym("unknowns", count)
     slope_of_unknowns = _by_state(contact, arguments, mode)(state, guess, p)
-    states, unknowns, slopes, stages, corrections, ratios = [], [], [], [], [], []
+    states: list[ca.MX] = []
+    unknowns: list[ca.MX] = []
+    slopes: list[ca.MX] = []
+    stages: list[ca.MX] = []
+    corrections: list[ca.MX] = []
+    ratios: list[ca.MX] = []
 
     def solve(at: ca.MX, nearby: int | None) -> None:
         q = arguments(at, p)
         z = guess if nearby is None else unknowns[nearby] + slope_of_unknowns @ (at - states[nearby])
         for _ in range(iterations):
             found = solver(z, q)
-            correction = found[count : 2 * count]
-            z = z + correction
+            step = found[count : 2 * count]
+            z = z + step
         slope, margins = rate(at, z, found[-3:-1], p)
         states.append(at)
         unknowns.append(z)
         slopes.append(slope)
         stages.append(ca.vertcat(at, slope, margins, z))
-        corrections.append(correction)
+        corrections.append(step)
         ratios.append(found[-1])
 
     solve(state, None)
@@ -132,8 +142,8 @@ def _step(
         # Newton starts at the solved stage that lies nearest, moved along the solution's slope.
         nearby = int(np.argmin(np.abs(C[:i] - place)))
         solve(state + h * sum(float(a) * k for a, k in zip(weights, slopes, strict=True) if a), nearby)
-    corrections, ratios = ca.vertcat(*corrections), ca.vertcat(*ratios)
-    certificate = ca.vertcat(h * _error(slopes), ca.mmax(ca.fabs(corrections)), ca.mmin(ratios), ca.mmax(ratios))
+    correction, far = ca.mmax(ca.fabs(ca.vertcat(*corrections))), ca.vertcat(*ratios)
+    certificate = ca.vertcat(h * _error(slopes), correction, ca.mmin(far), ca.mmax(far))
     outputs = ca.vertcat(certificate, *stages)
     function = ca.Function("step", [state, guess, h, p], [outputs])
     return _unrolled(function, solver)

@@ -69,7 +69,9 @@ def traction_matrix(mu_a: ca.SX, mu_b: ca.SX, angle: ca.SX) -> ca.SX:
     return ca.blockcat([[mu_a * c, mu_a * s], [-mu_b * s, mu_b * c]])
 
 
-def patch_expressions(footprint: Footprint, twist: ca.SX, friction: ca.SX, frame: ca.SX, near: bool) -> PatchExpressions:
+def patch_expressions(
+    footprint: Footprint, twist: ca.SX, friction: ca.SX, frame: ca.SX, near: bool
+) -> PatchExpressions:
     """Return a footprint's dissipation and its derivatives at a `twist` (vx, vy, omega) of its own frame.
 
     Parameters
@@ -130,7 +132,12 @@ def _from_points(footprint: Footprint, velocity: ca.SX, omega: ca.SX, matrix: ca
     by = matrix[1, 1] * along_x - matrix[0, 1] * along_y
     across = ca.horzcat(bx, by, x * by - y * bx)
     hessian = across.T @ (ca.repmat(share / speed, 1, 3) * across)
-    return ca.dot(share, speed), ca.vertcat(ca.dot(share, fx), ca.dot(share, fy)), ca.dot(share, x * fy - y * fx), hessian
+    return (
+        ca.dot(share, speed),
+        ca.vertcat(ca.dot(share, fx), ca.dot(share, fy)),
+        ca.dot(share, x * fy - y * fx),
+        hessian,
+    )
 
 
 def _rim(
@@ -151,7 +158,11 @@ def _from_rim(
     footprint: PatchFootprint, rim: Rim, velocity: ca.SX, omega: ca.SX, matrix: ca.SX, determinant: ca.SX
 ) -> _Centred:
     """Dissipation, force, torque and Hessian from the rim's integrals and homogeneity."""
-    means = _even_means(rim) if footprint.gradient == (0.0, 0.0) else _leaning_means(footprint, rim, velocity, omega, matrix)
+    means = (
+        _even_means(rim)
+        if footprint.gradient == (0.0, 0.0)
+        else _leaning_means(footprint, rim, velocity, omega, matrix)
+    )
     area = omega**2 * determinant * footprint.outline.area
     dissipation, force = means.speed / area, matrix.T @ means.direction / area
     torque = (dissipation - ca.dot(velocity, force)) / omega
@@ -178,4 +189,3 @@ def _leaning_means(footprint: PatchFootprint, rim: Rim, velocity: ca.SX, omega: 
     second = ca.horzcat(rim.second[:, :2] @ q, rim.second[:, 1:] @ q)
     curvature = p0 * even.curvature + second.T @ rim.normal - even.direction @ q.T
     return _Means(speed, direction, curvature)
-

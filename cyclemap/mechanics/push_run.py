@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.mechanics.contact_curve import OutlinePiece, SidePiece
+from cyclemap.mechanics.contact_curve import STRAIGHT, OutlinePiece, SidePiece
 from cyclemap.mechanics.contact_solver import ContactSolver
 from cyclemap.mechanics.event_integration import Phase, integrate
 from cyclemap.mechanics.motion import SLIDE_FREE, SLIDE_LEFT, SLIDE_RIGHT, STICK, Motion, Rod
@@ -72,7 +72,10 @@ def run_push(
         if phase.broken in (_AFTER_LOW, _BEFORE_HIGH):
             forward = phase.broken == _BEFORE_HIGH
             neighbour = (index + (1 if forward else -1)) % len(pieces)
-            state = _across(pieces[index], pieces[neighbour], forward, state, rod)
+            across = _across(pieces[index], pieces[neighbour], forward, state, rod)
+            if rod.radius == 0.0 and _turned_away(pieces[neighbour], rod, across):
+                return PushRun(tuple(phases), state, "left")
+            state = across
             index, motion = neighbour, _same_mode(motion, pieces[neighbour], state)
         else:
             motion = _other_mode(motion, state, phase.broken)
@@ -111,14 +114,17 @@ def _other_mode(motion: Motion, state: NDArray[np.float64], broken: int) -> Moti
 
 def _same_mode(motion: Motion, piece: OutlinePiece, state: NDArray[np.float64]) -> Motion:
     """Return the same mode on the next piece; a point that passes a corner starts afresh, its normal having jumped."""
+    if motion.rod.radius == 0.0:
+        return _first_motion(motion.solver, piece, motion.rod, state)
     following = Motion(motion.solver, piece, motion.mode, motion.rod)
     following.unknowns = list(motion.unknowns)
-    if motion.rod.radius == 0.0:
-        contact, _ = piece.contact(float(state[1]), 0.0)
-        if math.cos(contact.normal + float(state[0]) - motion.rod.direction) >= 0.0:
-            return following
-        return _first_motion(motion.solver, piece, motion.rod, state)
     return following
+
+
+def _turned_away(piece: OutlinePiece, rod: Rod, state: NDArray[np.float64]) -> bool:
+    """Whether a rod that comes around a corner without radius finds the next side facing away: it leaves there."""
+    contact, _ = piece.contact(float(state[1]), rod.radius)
+    return math.cos(contact.normal + float(state[0]) - rod.direction) >= 0.0
 
 
 def _across(
@@ -137,7 +143,7 @@ def _refuse_concave(old: OutlinePiece, new: OutlinePiece, forward: bool) -> None
     if not (isinstance(old, SidePiece) and isinstance(new, SidePiece)):
         return
     before, after = (old, new) if forward else (new, old)
-    if math.sin(after.normal - before.normal) < 0.0:
+    if math.sin(after.normal - before.normal) < -STRAIGHT:
         raise UnsupportedContact(
             f"the rod reaches the concave corner between sides {before.side} and {after.side} and touches both: "
             "two-point contact is outside this model; push less far, or elsewhere"

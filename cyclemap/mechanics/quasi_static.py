@@ -99,11 +99,15 @@ class DragResult:
             raise InvalidInput("this drag has no length, so that it has no trajectory")
         starts = np.cumsum([0.0, *(part.path[-1] for part in parts)])
         path = np.concatenate([part.path + start for part, start in zip(parts, starts, strict=False)])
-        arrays = (
-            np.concatenate([getattr(part, name) for part in parts])
-            for name in ("pose", "pusher", "contact_point", "contact_force", "mode")
+        return Trajectory(
+            path,
+            np.concatenate([part.pose for part in parts]),
+            np.concatenate([part.pusher for part in parts]),
+            np.concatenate([part.contact_point for part in parts]),
+            np.concatenate([part.contact_force for part in parts]),
+            np.concatenate([part.mode for part in parts]),
+            max(part.residual for part in parts),
         )
-        return Trajectory(path, *arrays, max(part.residual for part in parts))
 
 
 @dataclass(frozen=True)
@@ -173,7 +177,7 @@ class QuasiStaticModel:
     @property
     def weight(self) -> float:
         """The slider's weight, N."""
-        return self.slider.mass * GRAVITY
+        return self.slider.mass * float(GRAVITY)
 
     def push(self, pose: Pose, push: SidePush | WorldPush, longest_step: float = math.inf) -> PushResult:
         """Push the slider from a pose.
@@ -224,9 +228,7 @@ class QuasiStaticModel:
         phase = integrate(motion, state, length, tolerance, 0.3, longest)
         return DragLeg(RunPhase(motion, state, phase), Frame(self.unit, ring, self.weight))
 
-    def _start(
-        self, pose: Pose, push: SidePush | WorldPush
-    ) -> tuple[PushStart, float, tuple[float, float], float]:
+    def _start(self, pose: Pose, push: SidePush | WorldPush) -> tuple[PushStart, float, tuple[float, float], float]:
         """Return start state, direction (world), the rod's place at first touch (m) and the travel left (units)."""
         if isinstance(push, SidePush):
             index, coordinate = side_coordinate(self._outline, push.side, push.fraction, self.radius)
@@ -250,7 +252,13 @@ class QuasiStaticModel:
         start = np.array((c * dx + s * dy, -s * dx + c * dy)) / self.unit
         if bool(self._outline.contains(start)):
             raise InvalidInput(f"the rod starts inside the object, at {push.start} m: move its start outside")
-        return first_touch(self.pieces, self.radius, start, push.direction - pose.theta)
+        touch = first_touch(self.pieces, self.radius, start, push.direction - pose.theta)
+        if touch is None:
+            raise InvalidInput(
+                f"the rod never touches the object: from {push.start} m its path in direction {push.direction:.6g} rad "
+                "passes it by or points away"
+            )
+        return touch
 
     def rod_place(self, pose: Pose, piece: int, coordinate: float) -> tuple[float, float]:
         """Return where the rod's centre is in the world (m) when it touches at a place of the contact curve."""
@@ -276,7 +284,10 @@ class QuasiStaticModel:
         for phase in run.phases:
             for taken in phase.phase.steps:
                 contact, _ = phase.motion.piece.contact(float(taken.end[1]), self.radius)
-                x, y = contact.x + self.radius * math.cos(contact.normal), contact.y + self.radius * math.sin(contact.normal)
+                x, y = (
+                    contact.x + self.radius * math.cos(contact.normal),
+                    contact.y + self.radius * math.sin(contact.normal),
+                )
                 if self._outline.distance((x, y)) < self.radius - 1e-7:
                     raise InvalidInput("the rod runs into another side of this concave outline: use a thinner rod")
 

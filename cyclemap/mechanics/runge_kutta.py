@@ -58,4 +58,4 @@ def next_length(h: float, error: float, tolerance: float) -> float:
     if not math.isfinite(error):
         return h * _SHRINK
     factor = _SAFETY * (tolerance / max(error, 1e-300)) ** (1.0 / _ORDER)
-    return h * min(_GROW, max(_SHRINK, factor))
+    return float(h * min(_GROW, max(_SHRINK, factor)))

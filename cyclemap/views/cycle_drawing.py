@@ -12,16 +12,18 @@ from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET
 Array = NDArray[np.float64]
 MM = 1000.0
 RING_RADIUS_MM = 7.0
-LONGEST_ARROW_MM = 27.0
+# The longest arrow as a share of the window.
+LONGEST_ARROW = 0.13
 
 
 def draw_cycle(push_axes: Axes, drag_axes: Axes, scene: CycleScene) -> None:
     """The push in one panel, the drag in the other, on the same scale and window."""
-    _draw_stroke(push_axes, scene.push, scene.strongest_force)
-    _draw_stroke(drag_axes, scene.drag, scene.strongest_force)
     corners = MM * np.stack([scene.push.reach, scene.drag.reach])
     low, high = corners[:, 0].min(axis=0) - 8.0, corners[:, 1].max(axis=0) + 8.0
-    for axes in (push_axes, drag_axes):
+    mm_per_newton = LONGEST_ARROW * float((high - low).max()) / scene.strongest_force
+    for axes, stroke in ((push_axes, scene.push), (drag_axes, scene.drag)):
+        _draw_stroke(axes, stroke)
+        _draw_forces(axes, stroke, mm_per_newton)
         axes.set_aspect("equal")
         _fill_panel(axes, low, high)
         axes.set(xlabel="x (mm)", ylabel="y (mm)")
@@ -37,7 +39,7 @@ def cycle_key(scene: CycleScene) -> str:
     )
 
 
-def _draw_stroke(axes: Axes, stroke: StrokeScene, strongest: float) -> None:
+def _draw_stroke(axes: Axes, stroke: StrokeScene) -> None:
     axes.add_patch(
         Polygon(MM * stroke.before, facecolor="#f4f4f4", edgecolor=QUIET, linestyle="--", zorder=1)
     )
@@ -57,7 +59,6 @@ def _draw_stroke(axes: Axes, stroke: StrokeScene, strongest: float) -> None:
     _draw_ring(axes, stroke.ring_before, QUIET, "--")
     _draw_ring(axes, stroke.ring_after, PREDICTED, "-")
     _draw_rod(axes, stroke)
-    _draw_forces(axes, stroke, strongest)
 
 
 def _fill_panel(axes: Axes, low: Array, high: Array) -> None:
@@ -86,9 +87,9 @@ def _draw_rod(axes: Axes, stroke: StrokeScene) -> None:
     axes.add_patch(Circle(tuple(path[-1]), radius, facecolor=INK, edgecolor=INK, zorder=6))
 
 
-def _draw_forces(axes: Axes, stroke: StrokeScene, strongest: float) -> None:
+def _draw_forces(axes: Axes, stroke: StrokeScene, mm_per_newton: float) -> None:
     """Arrows from the contact in the direction of the force on the object, all on one scale."""
-    tips = MM * stroke.force_point + stroke.force * (LONGEST_ARROW_MM / strongest)
+    tips = MM * stroke.force_point + mm_per_newton * stroke.force
     for point, tip in zip(MM * stroke.force_point, tips, strict=True):
         axes.annotate(
             "",

@@ -42,7 +42,8 @@ def noise_sentence(portrait: Portrait) -> str:
     operator, noise = portrait.operator, f"With {angle(portrait.noise.sigma)} of noise a cycle"
     forgotten = cycles(operator.mixing_cycles)
     if len(portrait.stable_points) > 1 and operator.mixing_cycles > LONGEST_STAY:
-        return f"{noise} the loop stays at the stable direction it falls into first, and moves on once in {forgotten}."
+        stays = "stays at the stable direction it falls into first"
+        return f"{noise} the loop {stays}, and moves on once in {forgotten}."
     peaks = portrait.highest_peaks[:MOST_PEAKS]
     where = f"peak at {_listed([angle(peak) for peak in peaks])}" if peaks else "have no peak"
     return (

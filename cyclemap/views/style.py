@@ -74,7 +74,7 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def render(figure: Figure, picture_format: str = "png", dpi: int = 150) -> bytes:
+def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes:
     """The bytes of `figure` as "png", "pdf" or "svg"; InvalidInput for any other format."""
     if picture_format not in PICTURE_FORMATS:
         raise InvalidInput(

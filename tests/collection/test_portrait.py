@@ -1,0 +1,170 @@
+"""The portrait of a loop: every number checked on maps whose answers are known in closed form."""
+
+import numpy as np
+import pytest
+
+from cyclemap.collection.cycle_scene import cycle_scene, placed
+from cyclemap.collection.portrait import DEFAULT_SIGMA, circle_quadrature, portrait, turn_statistics
+from cyclemap.collection.portrait_curves import cobweb, portrait_curves, turn_curve
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import CircleMap
+
+TURN = 2 * np.pi
+
+
+def sawtooth() -> CircleMap:
+    """The turn climbs from -1 at the jump, θ = 1, to π - 1 just before it a turn later: slope 3/2."""
+
+    def lift(theta):
+        phase = np.mod(theta - 1.0, TURN)
+        return theta + phase / 2 - 1.0
+
+    return CircleMap(lift, lambda theta: np.full_like(theta, 1.5), breaks=(1.0,))
+
+
+def test_statistics_of_the_sine_map_are_its_formula() -> None:
+    turns = turn_statistics(CircleMap.arnold(0.1, 0.6))
+    assert turns.mean == pytest.approx(0.1 * TURN, abs=1e-14)
+    # The nodes are at most a quarter of a degree apart: an extremum is missed by less than 0.6 (0.0022)^2.
+    assert turns.minimum == pytest.approx(0.1 * TURN - 0.6, abs=3e-6)
+    assert turns.maximum == pytest.approx(0.1 * TURN + 0.6, abs=3e-6)
+    assert turns.min_slope == pytest.approx(0.4, abs=3e-6)
+    assert turns.max_slope == pytest.approx(1.6, abs=3e-6)
+
+
+def test_statistics_do_not_smooth_a_jump() -> None:
+    turns = turn_statistics(sawtooth())
+    assert turns.mean == pytest.approx(np.pi / 2 - 1.0, abs=1e-12)
+    assert turns.minimum == pytest.approx(-1.0, abs=1e-3)
+    assert turns.maximum == pytest.approx(np.pi - 1.0, abs=1e-3)
+    assert turns.max_slope == 1.5
+
+
+@pytest.mark.parametrize("breaks", [(), (1.0,), (0.0,), (3.0, 3.1, 6.28)])
+def test_quadrature_is_exact_for_harmonics_and_for_steps_at_breaks(breaks) -> None:
+    theta, weight = circle_quadrature(breaks)
+    assert weight.sum() == pytest.approx(TURN, abs=1e-13)
+    assert weight @ np.cos(17 * theta) ** 2 == pytest.approx(np.pi, abs=1e-12)
+    for place in breaks:
+        assert weight @ (theta < place) == pytest.approx(place, abs=1e-12)
+
+
+def test_portrait_of_a_locked_map(loop_of) -> None:
+    found = portrait(loop_of(CircleMap.arnold(0.0, 0.5)), cycles=50)
+    assert [(float(orbit.points[0]), orbit.stable) for orbit in found.fixed_points] == [
+        (pytest.approx(0.0, abs=1e-12), True),
+        (pytest.approx(np.pi, abs=1e-12), False),
+    ]
+    assert found.fixed_points[0].multiplier == pytest.approx(0.5)
+    assert found.rotation.locked == 0
+    assert found.noise.sigma == DEFAULT_SIGMA
+    assert found.staircase.theta.shape == (51,)
+    assert float(found.cycle.theta) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_portrait_without_fixed_points_draws_the_cycle_from_zero(loop_of) -> None:
+    found = portrait(loop_of(CircleMap.arnold(0.2, 0.5)), cycles=50)
+    assert found.fixed_points == ()
+    assert found.stable_points == ()
+    assert found.cycle.theta == 0.0
+
+
+def test_of_two_stable_points_the_more_visited_comes_first(loop_of) -> None:
+    # Both wells of this map pull; the one at 0 pulls harder and from farther.
+    uneven = CircleMap(lambda theta: theta - 0.2 * np.sin(2 * theta) - 0.1 * np.sin(theta))
+    found = portrait(loop_of(uneven), sigma=0.3, cycles=50)
+    places = [float(orbit.points[0]) for orbit in found.stable_points]
+    assert places == [pytest.approx(0.0, abs=1e-9), pytest.approx(np.pi, abs=1e-9)]
+    assert found.cycle.theta == places[0]
+
+
+def test_same_seed_same_staircase_and_it_starts_where_told(loop_of) -> None:
+    loop = loop_of(CircleMap.arnold(0.1, 0.5))
+    paths = [portrait(loop, cycles=30, start=2.0, seed=seed).staircase.theta for seed in (3, 3, 4)]
+    assert np.array_equal(paths[0], paths[1])
+    assert not np.array_equal(paths[0], paths[2])
+    assert paths[0][0] == 2.0
+
+
+def test_progress_rises_to_one(loop_of) -> None:
+    reported: list[float] = []
+    portrait(loop_of(CircleMap.arnold(0.1, 0.5)), cycles=10, progress=reported.append)
+    assert reported == sorted(reported)
+    assert reported[-1] == 1.0
+
+
+@pytest.mark.parametrize("bad", [{"sigma": 0.0}, {"sigma": -1.0}, {"sigma": np.nan}, {"cycles": 0}])
+def test_nonsense_is_refused(loop_of, bad) -> None:
+    with pytest.raises(InvalidInput):
+        portrait(loop_of(CircleMap.arnold(0.1, 0.5)), **bad)
+
+
+def test_turn_curve_ends_at_the_jump_on_both_sides() -> None:
+    curve = turn_curve(sawtooth())
+    assert len(curve.pieces) == 2
+    (left, left_turn), (right, right_turn) = curve.pieces
+    assert left[-1] < 1.0 < right[0]
+    assert right[0] - left[-1] < 1e-7
+    assert left_turn[-1] == pytest.approx(np.pi - 1.0, abs=1e-7)
+    assert right_turn[0] == pytest.approx(-1.0, abs=1e-7)
+    assert [(jump.theta, jump.before, jump.after) for jump in curve.jumps] == [
+        (1.0, pytest.approx(np.pi - 1.0), pytest.approx(-1.0))
+    ]
+
+
+def test_cobweb_corners_lie_in_turn_on_the_diagonal_and_on_the_graph(loop_of) -> None:
+    circle_map = CircleMap.arnold(0.0, 0.5)
+    web = cobweb(portrait(loop_of(circle_map), cycles=10))
+    assert len(web.paths) == 2
+    for path in web.paths:
+        assert len(path) >= 7
+        assert np.allclose(path[0::2, 0], path[0::2, 1], atol=0)
+        assert np.allclose(circle_map(path[1::2, 0]), path[1::2, 1], atol=1e-13)
+        # Both settle at the stable point, here 0.
+        assert abs(path[-1, 0]) < 1e-3
+
+
+def test_cobweb_of_a_map_that_hops_to_and_fro_stays_short(loop_of) -> None:
+    flip = CircleMap(lambda theta: theta - 1.999 * np.sin(theta))
+    web = cobweb(portrait(loop_of(flip), cycles=10))
+    assert all(len(path) < 100 for path in web.paths)
+
+
+def test_density_of_the_curves_is_a_density(loop_of) -> None:
+    curves = portrait_curves(portrait(loop_of(CircleMap.arnold(0.05, 0.5)), cycles=10))
+    assert np.trapezoid(curves.density, curves.density_theta) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_scene_moves_the_outline_rigidly_and_brings_the_ring_home(real_loop) -> None:
+    cycle = real_loop.cycle(0.7)
+    scene = cycle_scene(real_loop, cycle)
+    for stroke in (scene.push, scene.drag):
+        lengths = [np.hypot(*np.diff(outline, axis=0).T) for outline in (stroke.before, stroke.after)]
+        assert np.allclose(*lengths, atol=1e-12)
+        assert np.array_equal(stroke.before[0], stroke.before[-1])
+    assert np.allclose(scene.push.after, scene.drag.before, atol=1e-9)
+    assert np.allclose(scene.push.ring_before, 0.0, atol=1e-12)
+    assert np.allclose(scene.drag.ring_after, 0.0, atol=1e-9)
+    assert np.allclose(scene.drag.rod[0], scene.push.ring_after, atol=1e-9)
+
+
+def test_scene_shows_forces_that_push_the_object_along(real_loop) -> None:
+    scene = cycle_scene(real_loop, real_loop.cycle(0.7))
+    for stroke in (scene.push, scene.drag):
+        assert len(stroke.force) >= 2
+        travel = stroke.rod[-1] - stroke.rod[0]
+        assert (stroke.force @ travel > 0).all()
+    assert scene.strongest_force >= np.hypot(*scene.push.force[0])
+
+
+def test_reach_holds_everything_drawn(real_loop) -> None:
+    stroke = cycle_scene(real_loop, real_loop.cycle(0.7)).push
+    low, high = stroke.reach
+    for points in (stroke.before, stroke.after, stroke.rod, stroke.centre):
+        assert (points >= low).all()
+        assert (points <= high).all()
+
+
+def test_placed_turns_then_moves() -> None:
+    moved = placed(np.array([1.0, 2.0, np.pi / 2]), np.array([[1.0, 0.0], [0.0, 1.0]]))
+    assert np.allclose(moved, [[1.0, 3.0], [0.0, 2.0]])

@@ -1,0 +1,51 @@
+"""Fixtures that several rooms' tests share."""
+
+import os
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+REPOSITORY = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="session")
+def measured_data() -> Path:
+    """The folder of measured data: $CYCLEMAP_DATA, or ../shared/data beside the repository."""
+    folder = Path(os.environ.get("CYCLEMAP_DATA", REPOSITORY.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"measured data not found: {folder} is no folder (set CYCLEMAP_DATA to where it is)")
+    return folder
+
+
+@dataclass(frozen=True)
+class StubLoop:
+    """A loop whose cycle map is given outright, while all else is the real loop's."""
+
+    real: Any
+    given: Any
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.real, name)
+
+    def circle_map(self, tolerance: float = 1e-6, progress: Any = None) -> Any:
+        if progress is not None:
+            progress(0.5)
+            progress(1.0)
+        return self.given
+
+
+@pytest.fixture(scope="session")
+def real_loop():
+    """The MIT loop on plywood."""
+    from cyclemap.collection.loop import CollectionLoop
+
+    return CollectionLoop.mit(material="plywood")
+
+
+@pytest.fixture(scope="session")
+def loop_of(real_loop):
+    """Make a loop that has a given cycle map."""
+    return partial(StubLoop, real_loop)

@@ -1,0 +1,144 @@
+"""run.py: what it installs when, what it says when it cannot, and that no failing check is lost."""
+
+import importlib.util
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+class Installer:
+    """run.py with its folder moved away and its three outside calls recorded instead of made."""
+
+    def __init__(self, run, monkeypatch, folder: Path) -> None:
+        self.run, self.calls = run, []
+        self.outcomes: list[bool] = []
+        venv = folder / ".venv"
+        for name, value in {
+            "ROOT": folder,
+            "VENV": venv,
+            "STAMP": venv / "stamp.json",
+            "PYTHON": venv / "bin" / "python",
+            "pip_works": self.pip_works,
+            "rebuild": self.rebuild,
+            "install": self.install,
+        }.items():
+            monkeypatch.setattr(run, name, value)
+        (folder / "pyproject.toml").write_text("[project]\n")
+        self.pip = False
+
+    def pip_works(self) -> bool:
+        return self.pip
+
+    def rebuild(self) -> None:
+        self.calls.append("rebuild")
+        self.run.PYTHON.parent.mkdir(parents=True, exist_ok=True)
+        self.run.PYTHON.touch()
+        self.pip = True
+
+    def install(self, testing: bool, afresh: bool = False) -> bool:
+        self.calls.append(f"install{' testing' * testing}{' afresh' * afresh}")
+        return self.outcomes.pop(0) if self.outcomes else True
+
+    def ensure(self, testing: bool = False) -> list[str]:
+        self.calls.clear()
+        self.run.ensure_installed(testing)
+        return list(self.calls)
+
+
+@pytest.fixture
+def run():
+    spec = importlib.util.spec_from_file_location("run", ROOT / "run.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def installer(run, monkeypatch, tmp_path) -> Installer:
+    return Installer(run, monkeypatch, tmp_path)
+
+
+def test_first_run_builds_and_the_next_does_nothing(installer) -> None:
+    assert installer.ensure() == ["rebuild", "install"]
+    assert installer.ensure() == []
+
+
+def test_test_tools_are_added_once_and_kept(installer) -> None:
+    installer.ensure()
+    assert installer.ensure(testing=True) == ["install testing"]
+    assert installer.ensure(testing=True) == []
+    assert installer.ensure() == []
+
+
+def test_changed_metadata_brings_up_to_date_with_the_same_tools(installer, run) -> None:
+    installer.ensure(testing=True)
+    (run.ROOT / "pyproject.toml").write_text("[project]\nversion = '2'\n")
+    assert installer.ensure() == ["install testing"]
+
+
+def test_run_cut_short_is_repaired(installer, run) -> None:
+    installer.ensure()
+    run.STAMP.unlink()
+    assert installer.ensure() == ["install afresh"]
+    run.STAMP.write_text("{half a stam")
+    installer.outcomes = [False, True]
+    assert installer.ensure() == ["install afresh", "rebuild", "install"]
+
+
+def test_failed_update_keeps_what_was_there_and_says_so(installer, run) -> None:
+    installer.ensure()
+    (run.ROOT / "pyproject.toml").write_text("[project]\nversion = '2'\n")
+    installer.outcomes = [False]
+    with pytest.raises(run.InstallError, match=r"could not bring \.venv up to date"):
+        installer.ensure()
+    assert "rebuild" not in installer.calls
+
+
+def test_failed_first_installation_leaves_no_stamp(installer, run) -> None:
+    installer.outcomes = [False]
+    with pytest.raises(run.InstallError, match="could not install"):
+        installer.ensure()
+    assert not run.STAMP.exists()
+
+
+@pytest.mark.parametrize(
+    ("version", "missing", "said"),
+    [((3, 10, 4), None, "this is Python 3.10; cyclemap needs 3.11"), ((3, 12, 0), "ensurepip", "no module ensurepip")],
+)
+def test_unfit_python_is_one_line_and_exit_1(run, monkeypatch, capsys, version, missing, said) -> None:
+    find = importlib.util.find_spec
+    monkeypatch.setattr(run.sys, "version_info", version)
+    monkeypatch.setattr(run.importlib.util, "find_spec", lambda name: None if name == missing else find(name))
+    assert run.main(["portrait", "plywood"]) == 1
+    shown = capsys.readouterr()
+    assert shown.err.startswith("error: ")
+    assert said in shown.err
+    assert shown.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("failing", range(4))
+def test_every_check_runs_and_any_failure_counts(run, monkeypatch, failing) -> None:
+    made: list[list[str]] = []
+
+    def call(command, cwd=None):
+        made.append([str(part) for part in command])
+        return 3 if len(made) == failing + 1 else 0
+
+    monkeypatch.setattr(run, "call", call)
+    assert run.run_tests(["-k", "cycle"]) == 3
+    assert [command[2] for command in made] == ["ruff", "ruff", "mypy", "pytest"]
+    assert made[-1][-2:] == ["-k", "cycle"]
+
+
+def test_no_argument_shows_how_to_use_it(run, capsys) -> None:
+    assert run.main([]) == 2
+    assert "python3 run.py portrait plywood" in capsys.readouterr().out
+
+
+def test_continuous_integration_runs_what_a_developer_runs() -> None:
+    script = ROOT / ".ci" / "run"
+    assert os.access(script, os.X_OK)
+    assert script.read_text().splitlines()[-1] == "exec python3 run.py test"

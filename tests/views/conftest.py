@@ -1,0 +1,62 @@
+"""Portraits of one map of each kind, and their pages."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from cyclemap.collection.portrait import Portrait, portrait
+from cyclemap.collection.portrait_curves import PortraitCurves, portrait_curves
+from cyclemap.evidence import MeasuredOverlay, Theta0Pairs, measured_overlay
+from cyclemap.maps import CircleMap
+from cyclemap.views.portrait_page import portrait_page
+
+
+@dataclass(frozen=True)
+class Drawn:
+    portrait: Portrait
+    curves: PortraitCurves
+    measured: MeasuredOverlay | None
+    page: Figure
+
+
+def sawtooth() -> CircleMap:
+    """Falls through zero by a jump at 2, from both sides of which orbits are drawn in."""
+    return CircleMap(
+        lambda theta: theta - 1.0 + 0.35 * np.mod(theta - 2.0, 2 * np.pi),
+        lambda theta: np.full_like(theta, 1.35),
+        breaks=(2.0,),
+    )
+
+
+MAPS = {
+    "locked": CircleMap.arnold(0.01, 0.2),
+    "rotating": CircleMap.arnold(0.02, 0.1),
+    "jumping": sawtooth(),
+}
+
+
+def staircase_pairs(circle_map: CircleMap) -> Theta0Pairs:
+    random = np.random.default_rng(5)
+    path = [1.0]
+    for _ in range(300):
+        path.append(float(circle_map(path[-1])) + 0.02 * random.standard_normal())
+    theta = np.array(path)
+    return Theta0Pairs(theta[:-1], theta[1:], theta)
+
+
+@pytest.fixture(scope="session")
+def drawn(loop_of) -> Callable[..., Drawn]:
+    """Draw the page of one of the maps, with or without data."""
+
+    @cache
+    def draw(kind: str, data: bool = False) -> Drawn:
+        found = portrait(loop_of(MAPS[kind]), cycles=200)
+        curves = portrait_curves(found)
+        measured = measured_overlay(staircase_pairs(MAPS[kind]), found.map.turn) if data else None
+        return Drawn(found, curves, measured, portrait_page(found, curves, measured))
+
+    return draw
