@@ -41,7 +41,10 @@ def non_negative_number(name: str, value: object) -> float:
 
 def point(name: str, value: ArrayLike) -> tuple[float, float]:
     """Return `value` as a pair of finite floats, or raise InvalidInput."""
-    array = np.asarray(value, dtype=float)
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError) as cause:
+        raise InvalidInput(f"{name} must be two finite numbers, not {value!r}") from cause
     if array.shape != (2,) or not np.all(np.isfinite(array)):
         raise InvalidInput(f"{name} must be two finite numbers, not {value!r}")
     return float(array[0]), float(array[1])

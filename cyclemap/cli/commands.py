@@ -26,9 +26,7 @@ def loop_options(command: Callable[..., None]) -> Callable[..., None]:
     """Give `command` the MATERIAL argument and the options shared by every command."""
     decorators: list[Callable[[Any], Any]] = [
         click.argument("material", required=False),
-        click.option(
-            "--material", "material_file", metavar="TOML", help="A material file, in place of MATERIAL."
-        ),
+        click.option("--material", "material_file", metavar="TOML", help="A material file, in place of MATERIAL."),
         click.option(
             "--protocol",
             metavar="TOML",
@@ -65,12 +63,8 @@ def _options(
     show_default=True,
     help="Start angles, by commas.",
 )
-@click.option(
-    "--out", metavar="DIR", type=click.Path(path_type=Path), help="Also write cycles_MATERIAL.json there."
-)
-@click.option(
-    "--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else."
-)
+@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Also write cycles_MATERIAL.json there.")
+@click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
 def cycle_command(
     material: str | None,
     material_file: str | None,
@@ -88,12 +82,8 @@ def cycle_command(
 
 @click.command("portrait")
 @loop_options
-@click.option(
-    "--data", metavar="CSV", type=click.Path(path_type=Path), help="Measured θ0 to lay over the picture."
-)
-@click.option(
-    "--cycles", type=click.IntRange(min=1), help="Length of the staircase. [default: 2000, or the data's]"
-)
+@click.option("--data", metavar="CSV", type=click.Path(path_type=Path), help="Measured θ0 to lay over the picture.")
+@click.option("--cycles", type=click.IntRange(min=1), help="Length of the staircase. [default: 2000, or the data's]")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of its noise.")
 @click.option(
     "--out",
@@ -111,9 +101,7 @@ def cycle_command(
     show_default=True,
     help="Format of the picture.",
 )
-@click.option(
-    "--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else."
-)
+@click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
 def portrait_command(
     material: str | None,
     material_file: str | None,

@@ -3,13 +3,13 @@
 import math
 from pathlib import Path
 
-from rich.console import Console
 from rich.table import Table
 
 from cyclemap.cli.commands import LoopOptions
 from cyclemap.cli.json_report import cycles_report
 from cyclemap.cli.output import file_stem, publish_json, write_json
 from cyclemap.cli.settings import chosen_loop
+from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import Cycle
 from cyclemap.errors import InvalidInput
 
@@ -64,4 +64,4 @@ def _print_table(material: str, cycles: list[Cycle]) -> None:
             math.degrees(cycle.theta_next),
         )
         table.add_row(*(f"{value:.3f}" for value in row))
-    Console(markup=False).print(table)
+    PeopleConsole().print(table)

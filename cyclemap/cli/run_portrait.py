@@ -4,13 +4,13 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from rich.console import Console
 from rich.table import Table
 
 from cyclemap.cli.commands import LoopOptions
 from cyclemap.cli.json_report import portrait_report
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json, write_whole
 from cyclemap.cli.settings import chosen_loop
+from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA, Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
@@ -41,16 +41,12 @@ def run_portrait(options: LoopOptions, request: PortraitRequest, json_target: st
     stem = request.out / f"portrait_{file_stem(loop.material.name)}"
     write_json(stem.with_name(f"{stem.name}.json"), report)
     picture = stem.with_name(f"{stem.name}.{request.picture_format}")
-    write_whole(
-        picture, render(portrait_page(drawn, portrait_curves(drawn), measured), request.picture_format)
-    )
+    write_whole(picture, render(portrait_page(drawn, portrait_curves(drawn), measured), request.picture_format))
     if not publish_json(report, json_target):
         _print_for_people(drawn, measured, picture)
 
 
-def _compute(
-    loop: CollectionLoop, sigma: float, request: PortraitRequest, pairs: Theta0Pairs | None
-) -> Portrait:
+def _compute(loop: CollectionLoop, sigma: float, request: PortraitRequest, pairs: Theta0Pairs | None) -> Portrait:
     """The portrait; its staircase starts where the data start and is as long, unless told otherwise."""
     path = None if pairs is None else pairs.path
     length = DEFAULT_CYCLES if path is None else len(path) - 1
@@ -67,7 +63,7 @@ def _compute(
 
 
 def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture: Path) -> None:
-    console = Console(highlight=False, markup=False, soft_wrap=True)
+    console = PeopleConsole()
     console.print(sentences.headline(drawn), style="bold")
     for sentence in (sentences.lock_sentence(drawn), sentences.noise_sentence(drawn)):
         console.print(sentence)

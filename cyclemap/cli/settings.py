@@ -75,9 +75,7 @@ def _read_toml(path: Path) -> dict[str, object]:
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise DataFileError(f"{path}: not TOML: {error}") from error
     except OSError as error:
-        raise DataFileError(
-            f"{path}: cannot be read ({error.strerror}); give a readable TOML file"
-        ) from error
+        raise DataFileError(f"{path}: cannot be read ({error.strerror}); give a readable TOML file") from error
 
 
 def _value(text: str) -> object:

@@ -97,20 +97,20 @@ class Cycle:
 class CycleSensitivity:
     """Derivatives of one cycle.
 
-    theta_next : rad. by_theta : d theta_next / d theta, the multiplier. jacobian : (6, 13), derivatives of
+    theta_next : rad. by_theta : d theta_next / d theta, the multiplier. jacobian : (6, k), derivatives of
     `outputs` (push_turn, push_dx, push_dy, drag_turn, drag_length, theta_next) by `parameters`, SI units and radians.
     """
 
     theta: float
     theta_next: float
     jacobian: NDArray[np.float64]
-    outputs: tuple[str, ...] = CYCLE_OUTPUTS
     parameters: tuple[str, ...] = PARAMETER_NAMES
+    outputs: tuple[str, ...] = CYCLE_OUTPUTS
 
     @property
     def by_theta(self) -> float:
         """Derivative of theta_next by theta."""
-        return float(self.jacobian[-1, 0])
+        return self.by("theta")
 
     def by(self, parameter: str, output: str = "theta_next") -> float:
         """Return the derivative of an output by a parameter, both by name."""
@@ -181,14 +181,16 @@ class CollectionLoop:
         values = finite_array("theta", theta)
         return np.array([self.cycle(t).theta_next for t in values.ravel().tolist()]).reshape(values.shape)
 
-    def sensitivity(self, theta: float) -> CycleSensitivity:
+    def sensitivity(self, theta: float, parameters: tuple[str, ...] = PARAMETER_NAMES) -> CycleSensitivity:
         """Run one cycle and differentiate it by theta and by every parameter of material, pusher and protocol.
+
+        `parameters`: leave some out to save time.
 
         The derivatives are those of the integration itself, by the chain rule from the CasADi tangents of its stages.
         """
         cycle = self.cycle(theta)
-        jacobian = cycle_jacobian(self.model, cycle.push, cycle.drag)
-        return CycleSensitivity(cycle.theta, cycle.theta_next, jacobian)
+        jacobian = cycle_jacobian(self.model, cycle.push, cycle.drag, parameters)
+        return CycleSensitivity(cycle.theta, cycle.theta_next, jacobian, parameters)
 
     def circle_map(self, tolerance: float = 1e-6, progress: Callable[[float], None] | None = None) -> CircleMap:
         """Return the cycle map theta -> theta_next, its error within `tolerance` (rad) wherever it is not a jump.
@@ -197,8 +199,8 @@ class CollectionLoop:
         """
 
         def sample(theta: float) -> tuple[float, float]:
-            found = fine.sensitivity(theta)
-            return found.theta_next, found.by_theta
+            found = fine.sensitivity(theta, ("theta",))
+            return found.theta_next, found.by("theta")
 
         def value(theta: float) -> float:
             return fine.cycle(theta).theta_next

@@ -112,12 +112,8 @@ def _cobweb_centre(portrait: Portrait, curve: TurnCurve) -> float:
 def _cobweb_starts(portrait: Portrait, low: float, high: float) -> list[float]:
     beside = 0.01 * (high - low)
     unstable = np.array([orbit.points[0] for orbit in portrait.fixed_points if not orbit.stable])
-    ends = [low + beside] * bool(portrait.map.turn(low) > 0) + [high - beside] * bool(
-        portrait.map.turn(high) < 0
-    )
-    return ends + [
-        theta + side for theta in _lifts_between(unstable, low, high) for side in (-beside, beside)
-    ]
+    ends = [low + beside] * bool(portrait.map.turn(low) > 0) + [high - beside] * bool(portrait.map.turn(high) < 0)
+    return ends + [theta + side for theta in _lifts_between(unstable, low, high) for side in (-beside, beside)]
 
 
 def _cobweb_path(cycle_map: CircleMap, start: float, low: float, high: float) -> Array:

@@ -65,9 +65,7 @@ def require_columns(table: CsvTable, columns: Sequence[str]) -> None:
     """Raise DataFileError where `table` lacks one of `columns`."""
     missing = [name for name in columns if name not in table.header]
     if missing:
-        raise table.error(
-            1, f"column {', '.join(missing)} is missing; the header has {', '.join(table.header)}"
-        )
+        raise table.error(1, f"column {', '.join(missing)} is missing; the header has {', '.join(table.header)}")
 
 
 def _read_text(path: Path) -> str:
@@ -86,9 +84,7 @@ def _records(path: Path, text: str) -> list[CsvRow]:
     try:
         stripped = [(reader.line_num, tuple(field.strip() for field in fields)) for fields in reader]
     except csv.Error as error:
-        raise DataFileError(
-            f"{path}, line {reader.line_num}: {error}; mend the quotes of this line"
-        ) from error
+        raise DataFileError(f"{path}, line {reader.line_num}: {error}; mend the quotes of this line") from error
     return [CsvRow(line, fields) for line, fields in stripped if any(fields)]
 
 
@@ -98,6 +94,4 @@ def _check_shape(table: CsvTable) -> None:
     for row in table.rows:
         if len(row.fields) != len(table.header):
             counts = f"{len(row.fields)} of {len(table.header)} fields"
-            raise table.error(
-                row.line, f"{counts}; the line is cut off or has a stray comma: mend or remove it"
-            )
+            raise table.error(row.line, f"{counts}; the line is cut off or has a stray comma: mend or remove it")

@@ -101,19 +101,13 @@ def _check_staircase(table: CsvTable, path: Array, turns: Array) -> None:
     off_next = (np.diff(number) == 1) & (np.abs(np.diff(path) - turns[:-1]) > CONSISTENT_DEG)
     if not np.isnan(turns[-1]):
         last = table.rows[-1].line
-        raise table.error(
-            last, "the last row has a next θ0: the file is cut off; restore it or empty that field"
-        )
+        raise table.error(last, "the last row has a next θ0: the file is cut off; restore it or empty that field")
     for index in np.flatnonzero(off_circle)[:1]:
         values = f"{path[index]:g} and {wrapped[index]:g}"
-        raise table.error(
-            table.rows[index].line, f"theta0_accum_deg and theta0_mod360_deg disagree ({values})"
-        )
+        raise table.error(table.rows[index].line, f"theta0_accum_deg and theta0_mod360_deg disagree ({values})")
     for index in np.flatnonzero(off_next)[:1]:
         values = f"{turns[index]:g}, the next row says {path[index + 1] - path[index]:g}"
-        raise table.error(
-            table.rows[index].line, f"dtheta_to_next_deg is {values}; a row is missing or cut off"
-        )
+        raise table.error(table.rows[index].line, f"dtheta_to_next_deg is {values}; a row is missing or cut off")
 
 
 def _from_pairs(table: CsvTable) -> Theta0Pairs:

@@ -65,9 +65,7 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
     return AngleHistogram(np.linspace(0.0, FULL_TURN, bins + 1), count * (bins / FULL_TURN) / theta.size)
 
 
-def map_agreement(
-    pairs: Theta0Pairs, turn: Callable[[Array], Array], bins: int = DEFAULT_BINS
-) -> MapAgreement:
+def map_agreement(pairs: Theta0Pairs, turn: Callable[[Array], Array], bins: int = DEFAULT_BINS) -> MapAgreement:
     """Distance of the pairs from a map whose turn at θ (rad) is `turn(θ)` (rad).
 
     The bin figure is over the medians of `turn_bins`, each bin counting once: it weighs rarely visited
@@ -86,9 +84,7 @@ def scatter_about_harmonics(pairs: Theta0Pairs, harmonics: int = 6) -> float:
     """
     unknowns = 2 * harmonics + 1
     if pairs.theta.size <= unknowns:
-        raise InvalidInput(
-            f"{pairs.theta.size} pairs cannot fix {unknowns} coefficients; use fewer harmonics"
-        )
+        raise InvalidInput(f"{pairs.theta.size} pairs cannot fix {unknowns} coefficients; use fewer harmonics")
     order = np.arange(1, harmonics + 1)
     angle = np.outer(pairs.theta, order)
     design = np.hstack([np.ones((pairs.theta.size, 1)), np.cos(angle), np.sin(angle)])

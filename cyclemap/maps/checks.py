@@ -67,9 +67,7 @@ def arc_ends(arc: Any, name: str, whole: bool = False) -> tuple[float, float]:
         end += TWO_PI
     length = end - start
     if not (0.0 < length < TWO_PI or (whole and length <= TWO_PI * (1 + 1e-15) and length > 0.0)):
-        raise InvalidInput(
-            f"{name} is ({ends[0]:g}, {ends[1]:g}): its length must lie between 0 and 2π radians"
-        )
+        raise InvalidInput(f"{name} is ({ends[0]:g}, {ends[1]:g}): its length must lie between 0 and 2π radians")
     return start, end
 
 

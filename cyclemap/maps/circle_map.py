@@ -72,9 +72,7 @@ class CircleMap:
         max_error: float = 0.0,
     ) -> None:
         if not callable(lift) or (derivative is not None and not callable(derivative)):
-            raise InvalidInput(
-                f"lift is {lift!r}: lift and derivative must be callables of an array of angles"
-            )
+            raise InvalidInput(f"lift is {lift!r}: lift and derivative must be callables of an array of angles")
         claimed = finite_float(max_error, "max_error")
         if claimed < 0.0:
             raise InvalidInput(f"max_error is {claimed:g}: a bound on an error cannot be negative")
@@ -118,9 +116,7 @@ class CircleMap:
                 f"the callable turns shape {points.shape} into {values.shape}: it must act entry by entry"
             )
         if not np.all(np.isfinite(values)):
-            raise InvalidInput(
-                f"the callable gives {values[~np.isfinite(values)][0]}: it must be finite everywhere"
-            )
+            raise InvalidInput(f"the callable gives {values[~np.isfinite(values)][0]}: it must be finite everywhere")
         return values
 
     def __repr__(self) -> str:

@@ -143,6 +143,4 @@ def _sort_breaks(scan: DiagonalScan) -> None:
                 scan.kink_theta.append(theta)
                 scan.kink_winding.append(w)
             else:
-                scan.jumps.append(
-                    JumpCrossing(theta, w, left - TWO_PI * w, right - TWO_PI * w, before > after)
-                )
+                scan.jumps.append(JumpCrossing(theta, w, left - TWO_PI * w, right - TWO_PI * w, before > after))

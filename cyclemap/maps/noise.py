@@ -59,9 +59,7 @@ class WrappedNormal:
     def __post_init__(self) -> None:
         width = finite_float(self.sigma, "sigma")
         if width <= 0.0:
-            raise InvalidInput(
-                f"sigma is {width:g}: noise needs a width above zero; leave the noise out for none"
-            )
+            raise InvalidInput(f"sigma is {width:g}: noise needs a width above zero; leave the noise out for none")
         object.__setattr__(self, "sigma", width)
 
     def coefficients(self, m: Any) -> Array:
@@ -128,9 +126,7 @@ class WrappedCauchy:
     def __post_init__(self) -> None:
         length = finite_float(self.r, "r")
         if not 0.0 < length < 1.0:
-            raise InvalidInput(
-                f"r is {length:g}: the resultant length must lie between 0 and 1 (1 is no noise)"
-            )
+            raise InvalidInput(f"r is {length:g}: the resultant length must lie between 0 and 1 (1 is no noise)")
         object.__setattr__(self, "r", length)
 
     @property

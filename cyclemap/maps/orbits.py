@@ -40,9 +40,7 @@ class Orbit:
     kind: str
 
 
-def fixed_points(
-    circle_map: CircleMap, *, resolution: int = RESOLUTION, tangency: float = TANGENCY
-) -> list[Orbit]:
+def fixed_points(circle_map: CircleMap, *, resolution: int = RESOLUTION, tangency: float = TANGENCY) -> list[Orbit]:
     """All θ in [0, 2π) with F(θ) = θ + 2πw for some whole w, sorted by angle.
 
     The turn F - id is cut into cells (at least ``resolution`` a turn, the samples of a sampled map and its

@@ -32,9 +32,7 @@ class _Killed:
     reach: Array
 
 
-def mean_passage_time(
-    circle_map: CircleMap, noise: Noise, start: float, arc: Arc, *, lifted: bool = False
-) -> float:
+def mean_passage_time(circle_map: CircleMap, noise: Noise, start: float, arc: Arc, *, lifted: bool = False) -> float:
     """Mean number of cycles until the path θ' = F(θ) + ξ from ``start`` is first outside ``arc``.
 
     start : radians, inside the arc. arc : (start, end), counter-clockwise, radians, length in (0, 2π).
@@ -56,9 +54,7 @@ def mean_passage_time(
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = _required(start, ends)
     return _agreed(
-        lambda *rule: _passage(
-            circle_map, noise, inside, ends, lifted, _nodes(circle_map, noise, [ends], *rule)
-        ),
+        lambda *rule: _passage(circle_map, noise, inside, ends, lifted, _nodes(circle_map, noise, [ends], *rule)),
         "mean passage time",
     )
 
@@ -134,18 +130,14 @@ def _passage(
     return 1.0 + float(kernel[-1] @ times) if np.all(np.isfinite(times)) else float("inf")
 
 
-def _hit(
-    circle_map: CircleMap, noise: Noise, start: float, a: Arc, b: Arc, rule: tuple[Array, Array]
-) -> float:
+def _hit(circle_map: CircleMap, noise: Noise, start: float, a: Arc, b: Arc, rule: tuple[Array, Array]) -> float:
     theta, weight = rule
     images = circle_map(np.append(theta, start))
     success, failure = arrival_probability(noise, images, a), arrival_probability(noise, images, b)
     kernel = _kernel(noise, images, theta, False) * weight
     chances = _solved(_Killed(kernel[:-1], (success + failure)[:-1], success[:-1]))
     if not np.all(np.isfinite(chances)):
-        raise ConvergenceError(
-            "neither arc is reached within 1e300 cycles: raise the noise or widen the arcs"
-        )
+        raise ConvergenceError("neither arc is reached within 1e300 cycles: raise the noise or widen the arcs")
     return float(success[-1] + kernel[-1] @ chances)
 
 
@@ -175,9 +167,7 @@ def _nodes(
     rules = [arc_rule(circle_map, *ends, bandwidth, every_sample=every_sample) for ends in arcs]
     theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
     if theta.size > MAX_UNKNOWNS:
-        raise InvalidInput(
-            f"{noise!r} needs {theta.size} nodes on the arc, more than {MAX_UNKNOWNS}: raise its width"
-        )
+        raise InvalidInput(f"{noise!r} needs {theta.size} nodes on the arc, more than {MAX_UNKNOWNS}: raise its width")
     return theta, weight
 
 

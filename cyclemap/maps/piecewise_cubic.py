@@ -75,9 +75,7 @@ class _Samples:
     closed: bool  # the end point is the same smooth point as the first
 
 
-def cubic_from_samples(
-    theta: Any, lifted: Any, slopes: Any, degree: int
-) -> tuple[PiecewiseCubic, Array, int]:
+def cubic_from_samples(theta: Any, lifted: Any, slopes: Any, degree: int) -> tuple[PiecewiseCubic, Array, int]:
     """The piecewise cubic through the samples, its breaks in [0, 2π), and the number of sample points."""
     given = np.size(theta)
     samples = _one_period(*_checked(theta, lifted, slopes), degree)

@@ -53,9 +53,7 @@ class _Path:
     steps: Array
 
 
-def rotation_number(
-    circle_map: CircleMap, *, iterates: int = ITERATES, max_period: int = MAX_PERIOD
-) -> RotationNumber:
+def rotation_number(circle_map: CircleMap, *, iterates: int = ITERATES, max_period: int = MAX_PERIOD) -> RotationNumber:
     """The rotation number ρ = lim (Fⁿ(θ) - θ)/2πn of a degree-1 lift, with bounds.
 
     Nondecreasing lifts (jumps allowed): every iterate bounds ρ, since Fⁿ(θ) ≥ θ + 2πp at one θ implies ρ ≥

@@ -104,9 +104,7 @@ def iterate_breaks(circle_map: CircleMap, period: int, resolution: int) -> Array
             break
         found = np.append(found, latest)
         if found.size > MAX_CELLS // 8:
-            raise ConvergenceError(
-                f"period {period} has more than {found.size} breaks: ask for a shorter period"
-            )
+            raise ConvergenceError(f"period {period} has more than {found.size} breaks: ask for a shorter period")
     return _merged(np.mod(found, TWO_PI))
 
 
@@ -144,9 +142,7 @@ def _evaluated(
     parts = np.clip(np.ceil(longest / _LONGEST_IMAGE), 1, 64).astype(np.int64)
     parts[end - start < 32.0 * INSET] = 1
     g, g_slope = image - shift * here, slope - shift
-    cells = Cells(
-        start, end, g[:size], g[size:], g_slope[:size], g_slope[size:], cut, period, shift, circle_map.degree
-    )
+    cells = Cells(start, end, g[:size], g[size:], g_slope[:size], g_slope[size:], cut, period, shift, circle_map.degree)
     return _joined(cells), parts
 
 

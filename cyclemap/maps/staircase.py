@@ -158,9 +158,7 @@ def _parts(point: Orbit) -> bool:
     return point.kind in ("unstable", "saddle-node")
 
 
-def _stable_zone(
-    circle_map: CircleMap, noise: Noise, centre: float, winding: int, edges: Array, kind: str
-) -> SlowZone:
+def _stable_zone(circle_map: CircleMap, noise: Noise, centre: float, winding: int, edges: Array, kind: str) -> SlowZone:
     above = centre + float(np.min(np.mod(edges - centre, TWO_PI)))
     below = centre - float(np.min(np.mod(centre - edges, TWO_PI)))
     whole = above - below > TWO_PI - 1e-9
@@ -187,9 +185,7 @@ def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> li
     return sorted(zones, key=lambda zone: zone.centre)
 
 
-def _ghost(
-    circle_map: CircleMap, noise: Noise, grid: Array, turn: Array, level: float, first: int
-) -> SlowZone:
+def _ghost(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array, level: float, first: int) -> SlowZone:
     """The ghost whose slow arc begins at grid point ``first``; it ends where |turn| crosses the level."""
     slowness = np.abs(np.roll(turn, -first))
     length = int(np.argmax(slowness >= level))

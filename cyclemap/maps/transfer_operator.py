@@ -45,9 +45,7 @@ def transfer_operator(circle_map: CircleMap, noise: Noise) -> TransferOperator:
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     if not isinstance(noise, Noise):
-        raise InvalidInput(
-            f"the noise is {noise!r}: a stationary density needs some, for example WrappedNormal(0.02)"
-        )
+        raise InvalidInput(f"the noise is {noise!r}: a stationary density needs some, for example WrappedNormal(0.02)")
     modes = 1
     while noise.tail(modes) > _NEGLIGIBLE and modes <= MAX_MODES:
         modes = int(np.ceil(1.05 * modes + 1))
@@ -176,9 +174,7 @@ class TransferOperator:
         """Mean number of cycles until the path from ``start`` is first outside ``arc``; see ``passage``."""
         return mean_passage_time(self.map, self.noise, start, arc, lifted=lifted)
 
-    def hitting_probability(
-        self, start: float, arc_a: tuple[float, float], arc_b: tuple[float, float]
-    ) -> float:
+    def hitting_probability(self, start: float, arc_a: tuple[float, float], arc_b: tuple[float, float]) -> float:
         """Probability that the path from ``start`` reaches ``arc_a`` before ``arc_b``; see ``passage``."""
         return hitting_probability(self.map, self.noise, start, arc_a, arc_b)
 
@@ -243,9 +239,9 @@ class TransferOperator:
         order = np.arange(1.0, self.modes + 1.0)
         cosine, sine = np.split(self._law, 2)
         shape = theta.shape
-        return np.asarray(
-            self._waves(theta.ravel()) @ np.concatenate([order * sine, -order * cosine]) / np.pi
-        ).reshape(shape)
+        return np.asarray(self._waves(theta.ravel()) @ np.concatenate([order * sine, -order * cosine]) / np.pi).reshape(
+            shape
+        )
 
     def _excess_mass(self, theta: Array) -> Array:
         """∫ of density - 1/2π from 0 to theta, up to a constant."""

@@ -42,9 +42,7 @@ class SidePiece:
 
     def moved(self, geometry: tuple[float, ...]) -> "SidePiece":
         """Return the piece with other numbers in `geometry`, padded to five."""
-        return replace(
-            self, start=(geometry[0], geometry[1]), direction=(geometry[2], geometry[3]), normal=geometry[4]
-        )
+        return replace(self, start=(geometry[0], geometry[1]), direction=(geometry[2], geometry[3]), normal=geometry[4])
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from cyclemap.mechanics.quasi_static import DragResult, PushResult, QuasiStaticModel
 
 Array = NDArray[np.float64]
+Rows = dict[str, Array]
 
 # Parameters of a cycle; angles in rad, lengths in m.
 PARAMETER_NAMES = (
@@ -30,31 +31,33 @@ _ROW = {name: index for index, name in enumerate(PARAMETERS)}
 _FRICTION = ("mu_a", "mu_b", "m0", "n0", "phi")
 
 
-def cycle_jacobian(model: "QuasiStaticModel", push: "PushResult", drag: "DragResult") -> Array:
-    """Return d CYCLE_OUTPUTS / d PARAMETER_NAMES, (6, 13), of a push from the ring's target and the drag back to it.
+def cycle_jacobian(
+    model: "QuasiStaticModel", push: "PushResult", drag: "DragResult", names: tuple[str, ...] = PARAMETER_NAMES
+) -> Array:
+    """Return d CYCLE_OUTPUTS / d names, (6, k), of a push from the ring's target and the drag back to it.
 
     The push is a `SidePush`. Exact to the accuracy of the run, except on trajectories that touch a discontinuity.
     """
-    unit = model.unit
-    by_push = _push_variation(model, push)
+    unit, one = model.unit, _unit_rows(names)
+    by_push = _push_variation(model, push, one)
     theta_0, theta_1 = push.start.theta, push.end.theta
-    by_theta_0, by_theta_1 = _one("theta"), by_push[0]
+    by_theta_0, by_theta_1 = one["theta"], by_push[0]
     moved = by_push[1:3] * unit
     shift = np.array((push.end.x - push.start.x, push.end.y - push.start.y))
     back = _rotation(-theta_0)
     displacement = back @ (moved - np.outer(_quarter(shift), by_theta_0))
     hitch = np.array(model.slider.hitch)
-    by_hitch = np.stack([_one("hitch_x"), _one("hitch_y")])
+    by_hitch = np.stack([one["hitch_x"], one["hitch_y"]])
     # Before the push the ring is at the origin: x0 = -R(theta_0) hitch.
     ring = moved - _turned(theta_0, hitch, by_theta_0, by_hitch) + _turned(theta_1, hitch, by_theta_1, by_hitch)
-    theta, length = _drag_variation(model, drag, by_theta_1, ring)
+    theta, length = _drag_variation(model, drag, by_theta_1, ring, one)
     return np.stack([by_theta_1 - by_theta_0, *displacement, theta - by_theta_1, length, theta])
 
 
-def _one(name: str) -> Array:
-    row = np.zeros(len(PARAMETER_NAMES))
-    row[PARAMETER_NAMES.index(name)] = 1.0
-    return row
+def _unit_rows(names: tuple[str, ...]) -> dict[str, Array]:
+    """Variation (k,) of each parameter: one by itself; none if it is not among the names."""
+    rows = np.eye(len(names))
+    return {name: rows[names.index(name)] if name in names else np.zeros(len(names)) for name in PARAMETER_NAMES}
 
 
 def _rotation(angle: float) -> Array:
@@ -71,22 +74,22 @@ def _turned(angle: float, vector: Array, by_angle: Array, by_vector: Array) -> A
     return _rotation(angle) @ (np.outer(_quarter(vector), by_angle) + by_vector)
 
 
-def _push_variation(model: "QuasiStaticModel", push: "PushResult") -> Array:
+def _push_variation(model: "QuasiStaticModel", push: "PushResult", one: Rows) -> Array:
     """Variation (3, k) of the push's end: theta, and displacement of the object's origin in units of length."""
     first = push.run.phases[0]
     motion = first.motion
     coordinate = float(first.start[1])
-    by_coordinate = _side_length(model, motion.piece) * _one("fraction")
-    by_direction = _one("theta") + _one("angle") + motion.piece.normal_slope(coordinate) * by_coordinate
-    by_radius = _one("pusher_radius") / model.unit
-    parameters = _parameter_rows()
+    by_coordinate = _side_length(model, motion.piece) * one["fraction"]
+    by_direction = one["theta"] + one["angle"] + motion.piece.normal_slope(coordinate) * by_coordinate
+    by_radius = one["pusher_radius"] / model.unit
+    parameters = _parameter_rows(one)
     parameters[_ROW["direction"]], parameters[_ROW["radius"]] = by_direction, by_radius
-    state = np.stack([_one("theta"), by_coordinate])
+    state = np.stack([one["theta"], by_coordinate])
     start_shift = _rod_shift(motion, first.start, state, by_radius)
-    state = _vary_run(push.run, state, parameters)
+    state = _vary_run(push.run, state, parameters, one)
     last = push.run.phases[-1]
     end_slope = last.phase.steps[-1].stages[-1, SLOPE]
-    by_travel = _one("distance") / model.unit
+    by_travel = one["distance"] / model.unit
     if push.ended == "left":
         by_travel = _leaving(last, push.run.end, end_slope, state, by_direction)
     state = state + np.outer(end_slope, by_travel)
@@ -97,11 +100,11 @@ def _push_variation(model: "QuasiStaticModel", push: "PushResult") -> Array:
     return np.vstack([state[0], start_shift + rod - end_shift])
 
 
-def _parameter_rows() -> Array:
+def _parameter_rows(one: Rows) -> Array:
     """Variation (15, k) of a motion's parameters that every motion shares."""
-    rows = np.zeros((len(PARAMETERS), len(PARAMETER_NAMES)))
+    rows = np.zeros((len(PARAMETERS), one["theta"].size))
     for name in _FRICTION:
-        rows[_ROW[name]] = _one(name)
+        rows[_ROW[name]] = one[name]
     return rows
 
 
@@ -115,11 +118,11 @@ def _side_length(model: "QuasiStaticModel", piece: Piece) -> float:
     return float(np.hypot(*edge)) / model.unit
 
 
-def _vary_run(run: PushRun, state: Array, parameters: Array) -> Array:
+def _vary_run(run: PushRun, state: Array, parameters: Array, one: Rows) -> Array:
     """Variation of the end of the last phase at fixed rod travel."""
     for phase, following in zip(run.phases, [*run.phases[1:], None], strict=True):
         sign = -1.0 if phase.motion.mode == SLIDE_RIGHT else 1.0
-        parameters[_ROW["smu"]] = sign * _one("pusher_friction")
+        parameters[_ROW["smu"]] = sign * one["pusher_friction"]
         state = vary_phase(phase, state, parameters)
         if following is not None and following.motion.piece is not phase.motion.piece:
             state = _across_pieces(phase, following, state)
@@ -160,12 +163,14 @@ def _rod_shift(motion: Motion, at: Array, state: Array, by_radius: Array) -> Arr
     return _turned(theta, centre, state[0], by_place)
 
 
-def _drag_variation(model: "QuasiStaticModel", drag: "DragResult", theta: Array, ring: Array) -> tuple[Array, Array]:
+def _drag_variation(
+    model: "QuasiStaticModel", drag: "DragResult", theta: Array, ring: Array, one: Rows
+) -> tuple[Array, Array]:
     """Variation of the last orientation and of the drag's length, from those of the push's end; `ring` (2, k), m."""
     length = np.zeros_like(theta)
-    parameters = _parameter_rows()
-    parameters[_ROW["geometry_0"]] = _one("hitch_x") / model.unit
-    parameters[_ROW["geometry_1"]] = _one("hitch_y") / model.unit
+    parameters = _parameter_rows(one)
+    parameters[_ROW["geometry_0"]] = one["hitch_x"] / model.unit
+    parameters[_ROW["geometry_1"]] = one["hitch_y"] / model.unit
     for leg in drag.legs:
         assert leg.phase.motion.mode == RING
         direction = leg.phase.motion.rod.direction

@@ -55,7 +55,8 @@ def integrate(
     """Integrate a motion over `length`, or until a margin falls below zero.
 
     `tolerance` bounds the error estimate of each step (maximum norm). Where a margin breaks, the last step is
-    shortened until it is zero to within what changes the state by less than that. Raises ConvergenceError when the steps needed are too many or too short.
+    shortened until it is zero to within what changes the state by less than that. Raises ConvergenceError when the
+    steps needed are too many or too short.
     """
     steps: list[Step] = []
     done, h, slack = 0.0, first_h, _slack(motion, tolerance)

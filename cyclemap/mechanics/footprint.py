@@ -168,7 +168,9 @@ def load_footprint(path: str | Path) -> PointFootprint:
                 rows.append(_footprint_row(row, f"{path}: line {reader.line_num}"))
     except (OSError, UnicodeDecodeError, csv.Error) as cause:
         raise DataFileError(f"{path}: not a readable CSV file: {cause}") from cause
-    table = np.array(rows).reshape(-1, 3)
+    if not rows:
+        raise DataFileError(f"{path}: no support points below the header: add rows of x_mm, y_mm, weight")
+    table = np.array(rows)
     try:
         return PointFootprint(tuple(map(tuple, (table[:, :2] * 1e-3).tolist())), tuple(table[:, 2].tolist()))
     except InvalidInput as cause:

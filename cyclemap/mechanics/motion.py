@@ -12,7 +12,7 @@ from cyclemap.mechanics.contact_curve import Contact, Piece
 from cyclemap.mechanics.contact_solver import ContactSolver, Slide, Stick
 from cyclemap.mechanics.footprint import Footprint, PointFootprint
 from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.motion_functions import MARGINS, PARAMETERS, motion_functions
+from cyclemap.mechanics.motion_functions import MARGINS, PARAMETERS, step_function
 from cyclemap.mechanics.runge_kutta import STAGES, UNKNOWN, Step, step
 
 # How a rod moves over the slider: not at all, or along the outline's counter-clockwise (left) or clockwise tangent;
@@ -175,4 +175,4 @@ class _StepCall:
     @cached_property
     def _function(self) -> BufferedFunction:
         inputs = (np.zeros(2), np.zeros(self._unknowns), np.zeros(1), self._parameters)
-        return BufferedFunction(motion_functions(*self._build).step, *inputs)
+        return BufferedFunction(step_function(*self._build), *inputs)

@@ -4,7 +4,6 @@ The state is (theta, coordinate): orientation, and place of the rod on its conta
 solved by a fixed number of Newton iterations from a linear predictor; the last correction tells whether they converged.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import casadi as ca
@@ -12,7 +11,7 @@ import numpy as np
 
 from cyclemap.mechanics.contact_equations import ContactFunctions, contact_functions
 from cyclemap.mechanics.footprint import Footprint, PointFootprint
-from cyclemap.mechanics.runge_kutta import ERROR_3, ERROR_5, STAGES, A, B, C
+from cyclemap.mechanics.runge_kutta import ERROR, STAGES, A, B, C
 
 # Parameters of a motion, in order. geometry: side (x, y, tx, ty, normal), corner (x, y), ellipse (semi_x, semi_y),
 # ring (x, y), padded with zeros; smu: pusher friction, negative when the rod slides clockwise over the slider.
@@ -30,31 +29,26 @@ _ITERATIONS_PATCH, _ITERATIONS_POINTS = 2, 3
 _UNROLLED = 1_000
 
 
-@dataclass(frozen=True)
-class MotionFunctions:
-    """CasADi functions of one footprint, kind of contact, mode and regime.
+@lru_cache(maxsize=256)
+def step_function(footprint: Footprint, kind: str, mode: str, near: bool) -> ca.Function:
+    """Build (once) the step of a normalised footprint, kind of contact, mode and regime.
 
-    `step`: (state 2, unknowns u, h, parameters) -> (error, last Newton correction, least far, greatest far) followed,
-    for each of the 12 stages and the end, by state 2, slope 2, margins 5, unknowns u.
-    `variation`: (state, unknowns, parameters) -> the slope's derivatives by (state, parameters), 2 x 17 by columns, the
-    unknowns being solved for; and far.
+    (state 2, unknowns u, h, parameters) -> (error, last Newton correction, least far, greatest far) followed, for each
+    of the 12 stages and the end, by state 2, slope 2, margins 5, unknowns u.
     """
-
-    step: ca.Function
-    variation: ca.Function
+    contact = contact_functions(footprint, near)
+    iterations = _ITERATIONS_POINTS if isinstance(footprint, PointFootprint) else _ITERATIONS_PATCH
+    return _step(contact, _arguments(kind), _rate(kind, mode), mode, iterations)
 
 
 @lru_cache(maxsize=256)
-def motion_functions(footprint: Footprint, kind: str, mode: str, near: bool) -> MotionFunctions:
-    """Build (once) the functions of a normalised footprint."""
+def variation_function(footprint: Footprint, kind: str, mode: str, near: bool, wanted: tuple[int, ...]) -> ca.Function:
+    """Build (once) the derivatives of a motion's slope, its unknowns being solved for.
+
+    (state, unknowns, parameters) -> derivatives by the state and by the `wanted` ones of PARAMETERS, by columns; far.
+    """
     contact = contact_functions(footprint, near)
-    arguments, rate = _arguments(kind), _rate(kind, mode)
-    solver = contact.slide if mode == "slide" else contact.stick
-    iterations = _ITERATIONS_POINTS if isinstance(footprint, PointFootprint) else _ITERATIONS_PATCH
-    return MotionFunctions(
-        _step(contact, solver, arguments, rate, mode, iterations),
-        _variation(contact, arguments, rate, mode),
-    )
+    return _variation(contact, _arguments(kind), _rate(kind, mode), mode, wanted)
 
 
 def _contact(kind: str, coordinate: ca.SX, geometry: ca.SX, radius: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -103,17 +97,13 @@ def _rate(kind: str, mode: str) -> ca.Function:
 
 
 def _step(
-    contact: ContactFunctions,
-    solver: ca.Function,
-    arguments: ca.Function,
-    rate: ca.Function,
-    mode: str,
-    iterations: int,
+    contact: ContactFunctions, arguments: ca.Function, rate: ca.Function, mode: str, iterations: int
 ) -> ca.Function:
+    solver = contact.slide if mode == "slide" else contact.stick
     count = solver.size1_in(0)
     state, h, p = ca.MX.sym("state", 2), ca.MX.sym("h"), ca.MX.sym("parameters", len(PARAMETERS))
     guess = ca.MX.sym("unknowns", count)
-    slope_of_unknowns = _by_state(contact, arguments, mode)(state, guess, p)
+    slope_of_unknowns = _solution_slope(contact, arguments, mode, ())(state, guess, p)
     states: list[ca.MX] = []
     unknowns: list[ca.MX] = []
     slopes: list[ca.MX] = []
@@ -150,39 +140,36 @@ def _step(
 
 
 def _error(slopes: list[ca.MX]) -> ca.MX:
-    """Error per unit length: the estimator of order 5, held down by that of order 3 (Hairer et al. 1993, II.10)."""
-    error_5 = ca.fabs(sum(float(e) * k for e, k in zip(ERROR_5, slopes, strict=True) if e))
-    error_3 = ca.fabs(sum(float(e) * k for e, k in zip(ERROR_3, slopes, strict=True) if e))
-    return ca.mmax(error_5)
+    """Error estimate per unit length."""
+    return ca.mmax(ca.fabs(sum(float(e) * k for e, k in zip(ERROR, slopes, strict=True) if e)))
 
 
-def _by_state(contact: ContactFunctions, arguments: ca.Function, mode: str) -> ca.Function:
-    """(state, unknowns, parameters) -> derivatives of the solved unknowns by the state."""
-    return _solution_slope(contact, arguments, mode, parameters=False)
-
-
-def _solution_slope(contact: ContactFunctions, arguments: ca.Function, mode: str, parameters: bool) -> ca.Function:
+def _solution_slope(
+    contact: ContactFunctions, arguments: ca.Function, mode: str, wanted: tuple[int, ...]
+) -> ca.Function:
+    """(state, unknowns, parameters) -> derivatives of the solved unknowns by the state and the wanted parameters."""
     tangent = contact.slide_tangent if mode == "slide" else contact.stick_tangent
     state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
-    by = ca.vertcat(state, p) if parameters else state
-    chain = ca.Function("chain", [state, p], [ca.jacobian(arguments(state, p), by)])
+    chain = ca.jacobian(arguments(state, p), ca.vertcat(state, p[list(wanted)]))
+    chained = ca.Function("chain", [state, p], [chain])
     s, z, q = ca.MX.sym("state", 2), ca.MX.sym("unknowns", tangent.size1_in(0)), ca.MX.sym("p", len(PARAMETERS))
-    return ca.Function("slope", [s, z, q], [tangent(z, arguments(s, q)) @ chain(s, q)])
+    return ca.Function("slope", [s, z, q], [tangent(z, arguments(s, q)) @ chained(s, q)])
 
 
-def _variation(contact: ContactFunctions, arguments: ca.Function, rate: ca.Function, mode: str) -> ca.Function:
-    count = rate.size1_in(1)
-    state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
-    z = ca.SX.sym("unknowns", count)
-    slope = rate(state, z, ca.SX.zeros(2), p)[0]
-    direct = ca.Function("direct", [state, z, p], [ca.jacobian(slope, ca.vertcat(state, p)), ca.jacobian(slope, z)])
-    s, u, q = ca.MX.sym("state", 2), ca.MX.sym("unknowns", count), ca.MX.sym("p", len(PARAMETERS))
-    by_all, by_unknowns = direct(s, u, q)
-    solution = _solution_slope(contact, arguments, mode, parameters=True)(s, u, q)
-    far = (contact.slide if mode == "slide" else contact.stick)(u, arguments(s, q))[-1]
+def _variation(
+    contact: ContactFunctions, arguments: ca.Function, rate: ca.Function, mode: str, wanted: tuple[int, ...]
+) -> ca.Function:
     solver = contact.slide if mode == "slide" else contact.stick
-    function = ca.Function("variation", [s, u, q], [ca.vertcat(ca.vec(by_all + by_unknowns @ solution), far)])
-    return _unrolled(function, solver)
+    state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
+    z = ca.SX.sym("unknowns", rate.size1_in(1))
+    slope = rate(state, z, ca.SX.zeros(2), p)[0]
+    by_wanted = ca.jacobian(slope, ca.vertcat(state, p[list(wanted)]))
+    direct = ca.Function("direct", [state, z, p], [by_wanted, ca.jacobian(slope, z)])
+    s, u, q = ca.MX.sym("state", 2), ca.MX.sym("unknowns", z.shape[0]), ca.MX.sym("p", len(PARAMETERS))
+    explicit, by_unknowns = direct(s, u, q)
+    total = explicit + by_unknowns @ _solution_slope(contact, arguments, mode, wanted)(s, u, q)
+    far = solver(u, arguments(s, q))[-1]
+    return _unrolled(ca.Function("variation", [s, u, q], [ca.vertcat(ca.vec(ca.densify(total)), far)]), solver)
 
 
 def _unrolled(function: ca.Function, solver: ca.Function) -> ca.Function:

@@ -157,7 +157,8 @@ def _refuse_crossing(points: NDArray[np.float64]) -> None:
     short = np.flatnonzero(np.hypot(*edge.T) <= 1e-9 * size)
     if size == 0.0 or short.size:
         raise InvalidInput(f"polygon vertices {short.tolist()} coincide with the next one: leave one of each out")
-    if abs(_signed_area(points)) <= 1e-9 * size**2:
+    across = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[-1]
+    if across <= 1e-9 * size:
         raise InvalidInput("the polygon has no area: its vertices lie on a line")
     for i in range(len(points)):
         for j in range(i + 1, len(points)):

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from cyclemap.mechanics.footprint import PointFootprint
 from cyclemap.mechanics.motion import Motion
-from cyclemap.mechanics.motion_functions import PARAMETERS, motion_functions
+from cyclemap.mechanics.motion_functions import variation_function
 from cyclemap.mechanics.patch_integrals import FAR_RATIO
 from cyclemap.mechanics.push_run import RunPhase
 from cyclemap.mechanics.runge_kutta import STAGES, STATE, UNKNOWN, A, B
@@ -25,15 +25,16 @@ def vary_phase(run_phase: RunPhase, start: Array, parameters: Array) -> Array:
     """
     steps = run_phase.phase.steps
     stages = np.concatenate([taken.stages[:STAGES] for taken in steps])
-    jacobians = _slope_jacobians(run_phase.motion, stages).reshape(len(steps), STAGES, 2, 2 + len(PARAMETERS))
+    wanted = np.flatnonzero(np.any(parameters != 0.0, axis=1))
+    jacobians = _slope_jacobians(run_phase.motion, stages, wanted).reshape(len(steps), STAGES, 2, -1)
     varied = start
     for tangent in _step_tangents(jacobians, np.array([taken.h for taken in steps])):
-        varied = tangent[:, :2] @ varied + tangent[:, 2:] @ parameters
+        varied = tangent[:, :2] @ varied + tangent[:, 2:] @ parameters[wanted]
     return varied
 
 
 def _step_tangents(jacobians: Array, lengths: Array) -> Array:
-    """Derivatives (n, 2, 17) of the ends of steps by (start, parameters), from those of their stages' slopes."""
+    """Derivatives (n, 2, 2 + w) of the ends of steps by start and wanted parameters, from those of their slopes."""
     start = np.zeros((len(lengths), 2, jacobians.shape[-1]))
     start[:, 0, 0] = start[:, 1, 1] = 1.0
     h = lengths[:, None, None]
@@ -45,21 +46,20 @@ def _step_tangents(jacobians: Array, lengths: Array) -> Array:
     return np.asarray(start + h * np.einsum("s,snij->nij", B, slopes))
 
 
-def _slope_jacobians(motion: Motion, stages: Array) -> Array:
-    """Derivatives (n, 2, 17) of the slope by (state, parameters) at solved stages (n, ...)."""
-    count = len(motion.unknowns)
+def _slope_jacobians(motion: Motion, stages: Array, wanted: NDArray[np.intp]) -> Array:
+    """Derivatives (n, 2, 2 + w) of the slope by state and wanted parameters at solved stages (n, ...)."""
     states, unknowns = stages[:, STATE].T, stages[:, UNKNOWN].T
-    values = np.empty((2 * (2 + len(PARAMETERS)) + 1, len(stages)))
-    values[-1] = 0.0
+    values = np.empty((2 * (2 + wanted.size) + 1, len(stages)))
+    law = (motion.solver.footprint, motion.piece.kind, motion.family)
     for near in (True, False):
         chosen = np.ones(len(stages), bool) if near else ~(values[-1] <= FAR_RATIO)
         if chosen.any():
-            function = motion_functions(motion.solver.footprint, motion.piece.kind, motion.family, near).variation
-            found = function(states[:, chosen], unknowns[:count, chosen], motion.parameters)
+            function = variation_function(*law, near, tuple(wanted.tolist()))
+            found = function(states[:, chosen], unknowns[:, chosen], motion.parameters)
             values[:, chosen] = np.array(found).reshape(values.shape[0], -1)
-    jacobians = values[:-1].reshape(2 + len(PARAMETERS), 2, -1).transpose(2, 1, 0)
+    jacobians = values[:-1].reshape(2 + wanted.size, 2, -1).transpose(2, 1, 0)
     for index in _kinked(motion, stages):
-        jacobians[index] = _by_differences(motion, stages[index])
+        jacobians[index] = _by_differences(motion, stages[index], wanted)
     return jacobians
 
 
@@ -77,11 +77,11 @@ def _kinked(motion: Motion, stages: Array) -> list[int]:
     return still
 
 
-def _by_differences(motion: Motion, stage: Array) -> Array:
-    """Central differences of the solved slope by state and parameters, (2, 17)."""
+def _by_differences(motion: Motion, stage: Array, wanted: NDArray[np.intp]) -> Array:
+    """Central differences of the solved slope by state and wanted parameters, (2, 2 + w)."""
     base = np.concatenate([stage[STATE], motion.parameters])
     columns = []
-    for index in range(base.size):
+    for index in (0, 1, *(wanted + 2).tolist()):
         sides = []
         for sign in (1.0, -1.0):
             moved = base.copy()

@@ -1,4 +1,4 @@
-"""Slip about a support point that does not slide: the closed solution where a point footprint's dissipation has a kink."""
+"""Slip about a support point that does not slide: the solution at the kinks of a point footprint's dissipation."""
 
 import math
 

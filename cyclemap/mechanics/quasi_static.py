@@ -26,7 +26,7 @@ from cyclemap.mechanics.slider import Slider
 from cyclemap.mechanics.trajectory import Frame, Trajectory, trajectory_of
 
 # What a step may be off by, as a share of the accuracy asked of the whole motion; measured in tests/mechanics.
-_STEP_SHARE = 0.2
+_STEP_SHARE = 0.1
 
 
 @dataclass(frozen=True)

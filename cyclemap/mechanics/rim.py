@@ -88,7 +88,7 @@ def ellipse_rim(centre: ca.SX, cosine: ca.SX, sine: ca.SX) -> tuple[Rim, tuple[t
 
 
 def _graded_nodes(singularity: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Nodes tau and weights of both halves; `singularity` holds (alpha, delta) of each, alpha_2 within pi of alpha_1."""
+    """Nodes tau and weights of both halves; `singularity`: (alpha, delta) of each, alpha_2 is at most 2 pi more."""
     first, second = singularity[0], singularity[2]
     half = (second - first) / 2
     taus, weights = [], []

@@ -40,9 +40,7 @@ def cycle_key(scene: CycleScene) -> str:
 
 
 def _draw_stroke(axes: Axes, stroke: StrokeScene) -> None:
-    axes.add_patch(
-        Polygon(MM * stroke.before, facecolor="#f4f4f4", edgecolor=QUIET, linestyle="--", zorder=1)
-    )
+    axes.add_patch(Polygon(MM * stroke.before, facecolor="#f4f4f4", edgecolor=QUIET, linestyle="--", zorder=1))
     axes.add_patch(
         Polygon(
             MM * stroke.after,

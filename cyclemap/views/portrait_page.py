@@ -28,9 +28,7 @@ PAGE_INCHES = (13.333, 7.5)
 LINE_LETTERS = 175
 
 
-def portrait_page(
-    portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None = None
-) -> Figure:
+def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None = None) -> Figure:
     """Draw `portrait`, whose curves are `curves`, with `measured` over it where given."""
     with picture_style():
         figure = new_figure(*PAGE_INCHES)
@@ -49,9 +47,7 @@ def portrait_page(
     return figure
 
 
-def _draw_turn_panel(
-    axes: Axes, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None
-) -> None:
+def _draw_turn_panel(axes: Axes, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None) -> None:
     draw_turn(axes, curves.turn, portrait.fixed_points)
     if measured is not None:
         draw_measured_turns(axes, measured.pairs, measured.bins)
@@ -98,9 +94,7 @@ def _legend_above(axes: Axes) -> None:
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4)
 
 
-def _write_words(
-    figure: Figure, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None
-) -> None:
+def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None) -> None:
     figure.text(0.015, 0.955, headline(portrait), fontsize=18, fontweight="bold", va="center")
     told = f"{lock_sentence(portrait)} {noise_sentence(portrait)} {staircase_sentence(portrait)}"
     figure.text(0.015, 0.928, fill(told, LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
@@ -108,6 +102,4 @@ def _write_words(
     if measured is not None:
         foot.append(agreement_sentence(measured.agreement))
     figure.text(0.015, 0.06, "\n".join(foot), fontsize=8, color=QUIET, va="top", linespacing=1.35)
-    figure.text(
-        0.985, 0.06, cycle_key(curves.scene), fontsize=8, color=QUIET, va="top", ha="right", linespacing=1.35
-    )
+    figure.text(0.985, 0.06, cycle_key(curves.scene), fontsize=8, color=QUIET, va="top", ha="right", linespacing=1.35)

@@ -32,9 +32,7 @@ def lock_sentence(portrait: Portrait) -> str:
     turns = portrait.turns
     value = portrait.rotation.value
     pace = f"a full turn takes {cycles(1 / abs(value))}" if value else "over many cycles it gets nowhere"
-    return (
-        f"Without noise a cycle turns the object by {angle(turns.minimum)} to {angle(turns.maximum)}; {pace}."
-    )
+    return f"Without noise a cycle turns the object by {angle(turns.minimum)} to {angle(turns.maximum)}; {pace}."
 
 
 def noise_sentence(portrait: Portrait) -> str:

@@ -77,9 +77,7 @@ def new_figure(width: float, height: float) -> Figure:
 def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes:
     """The bytes of `figure` as "png", "pdf" or "svg"; InvalidInput for any other format."""
     if picture_format not in PICTURE_FORMATS:
-        raise InvalidInput(
-            f"picture format {picture_format!r} is unknown; use one of {', '.join(PICTURE_FORMATS)}"
-        )
+        raise InvalidInput(f"picture format {picture_format!r} is unknown; use one of {', '.join(PICTURE_FORMATS)}")
     stamp = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}[picture_format]
     buffer = BytesIO()
     with picture_style():
