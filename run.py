@@ -58,9 +58,7 @@ def check_python() -> None:
     """Raise InstallError where this Python is too old or cannot make a virtual environment."""
     if sys.version_info < OLDEST:
         found, needed = (".".join(map(str, version[:2])) for version in (sys.version_info, OLDEST))
-        raise InstallError(
-            f"this is Python {found}; cyclemap needs {needed} or newer: run with a newer python3"
-        )
+        raise InstallError(f"this is Python {found}; cyclemap needs {needed} or newer: run with a newer python3")
     missing = [name for name in ("venv", "ensurepip") if importlib.util.find_spec(name) is None]
     if missing:
         raise InstallError(f"this Python has no module {missing[0]}; install it (on Debian: python3-venv)")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
-# Dormand & Prince's method of order 8 (Hairer, Norsett & Wanner 1993, II.10), its error told by the estimator of order 5
+# Dormand & Prince's method of order 8 (Hairer, Norsett & Wanner 1993, II.10), its error told by the order-5 estimator
 # alone: where the centre of rotation crosses the rim the motion is only twice differentiable, and a sharper one errs.
 STAGES: int = DOP853.n_stages
 A: NDArray[np.float64] = DOP853.A

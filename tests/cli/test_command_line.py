@@ -193,9 +193,7 @@ BAD_USES = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "named"), BAD_USES, ids=lambda value: value if isinstance(value, str) else ""
-)
+@pytest.mark.parametrize(("arguments", "named"), BAD_USES, ids=lambda value: value if isinstance(value, str) else "")
 def test_bad_use_exits_2_with_one_clear_line(here, capsys, arguments, named) -> None:
     assert run(arguments) == 2
     shown = capsys.readouterr()
@@ -250,13 +248,20 @@ def test_no_command_shows_the_help_and_exits_2() -> None:
     assert "Commands:" in err
 
 
-def test_reader_that_goes_away_is_no_noise() -> None:
+@pytest.mark.parametrize("json_option", [[], ["--json", "-"]])
+def test_reader_that_goes_away_is_no_noise(json_option) -> None:
     reading, writing = os.pipe()
     os.close(reading)
-    command = [sys.executable, "-m", "cyclemap", "cycle", "plywood", "--theta0-deg", "0", "--json", "-"]
+    command = [sys.executable, "-m", "cyclemap", "cycle", "plywood", "--theta0-deg", "0", *json_option]
     done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, text=True, check=False)
     os.close(writing)
     assert (done.returncode, done.stderr) == (141, "")
+
+
+def test_name_with_markup_is_shown_as_it_is(here, capsys) -> None:
+    (here / "mine.toml").write_text('name = "[red]rust[/]"\n[friction]\nmu_a = 0.25\n')
+    assert run(["cycle", "mine.toml", "--theta0-deg", "10"]) == 0
+    assert "on [red]rust[/]" in capsys.readouterr().out
 
 
 def test_interrupt_exits_130_quietly(tmp_path) -> None:

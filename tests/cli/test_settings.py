@@ -79,9 +79,7 @@ def test_noise_must_be_positive(text) -> None:
         chosen_loop(LoopOptions("plywood", None, (text,)))
 
 
-@pytest.mark.parametrize(
-    ("key", "meant"), [("mu_aa", "mu_a"), ("nois_deg", "noise_deg"), ("push_mn", "push_mm")]
-)
+@pytest.mark.parametrize(("key", "meant"), [("mu_aa", "mu_a"), ("nois_deg", "noise_deg"), ("push_mn", "push_mm")])
 def test_unknown_key_names_the_one_that_was_meant(key, meant) -> None:
     with pytest.raises(InvalidInput, match=f"'{key}'.*did you mean '{meant}'"):
         chosen_loop(LoopOptions("plywood", None, (f"{key}=1",)))

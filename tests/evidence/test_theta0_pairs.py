@@ -116,9 +116,7 @@ def test_absent_file_and_folder_are_refused(tmp_path: Path) -> None:
         read_theta0_pairs(tmp_path)
 
 
-@pytest.mark.parametrize(
-    ("theta", "theta_next"), [([], []), ([1.0], [1.0, 2.0]), ([np.nan], [1.0]), ([1.0], [np.inf])]
-)
+@pytest.mark.parametrize(("theta", "theta_next"), [([], []), ([1.0], [1.0, 2.0]), ([np.nan], [1.0]), ([1.0], [np.inf])])
 def test_pairs_of_unequal_length_or_not_finite_are_refused(theta, theta_next) -> None:
     with pytest.raises(InvalidInput):
         Theta0Pairs(np.array(theta), np.array(theta_next))

@@ -70,9 +70,7 @@ def test_histogram_is_a_density_for_any_angles(theta, bins) -> None:
     assert np.sum(histogram.density * np.diff(histogram.edges)) == pytest.approx(1.0, abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("angle", "bin_index"), [(0.0, 0), (-1e-20, 7), (TURN - 1e-12, 7), (np.pi, 4), (-0.1, 7)]
-)
+@pytest.mark.parametrize(("angle", "bin_index"), [(0.0, 0), (-1e-20, 7), (TURN - 1e-12, 7), (np.pi, 4), (-0.1, 7)])
 def test_histogram_counts_an_angle_in_its_own_bin(angle, bin_index) -> None:
     assert np.flatnonzero(angle_histogram(np.array([angle]), 8).density).tolist() == [bin_index]
 

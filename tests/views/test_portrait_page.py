@@ -33,9 +33,7 @@ def line_with(axes, x, y):
 
 def test_every_panel_names_its_quantities_with_units(drawn) -> None:
     page = drawn("locked").page
-    labels = {
-        axes.get_title(loc="left").split()[0]: (axes.get_xlabel(), axes.get_ylabel()) for axes in page.axes
-    }
+    labels = {axes.get_title(loc="left").split()[0]: (axes.get_xlabel(), axes.get_ylabel()) for axes in page.axes}
     assert labels == {
         "Turn": ("θ0, orientation before the push (°)", "turn of one cycle, f(θ0) - θ0 (°)"),
         "Directions": ("θ0, orientation before the push (°)", "probability per degree"),
@@ -106,9 +104,7 @@ def test_words_stay_on_the_page_and_do_not_overlap(drawn, kind, data) -> None:
     assert len(boxes) > 40
     for text, box in boxes:
         assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= page.bbox.x1 and box.y1 <= page.bbox.y1, text
-    collisions = [
-        (one, two) for (one, a), (two, b) in combinations(boxes, 2) if a.shrunk(0.96, 0.8).overlaps(b)
-    ]
+    collisions = [(one, two) for (one, a), (two, b) in combinations(boxes, 2) if a.shrunk(0.96, 0.8).overlaps(b)]
     assert collisions == []
 
 
@@ -131,9 +127,7 @@ def test_predicted_and_measured_differ_in_a_grey_print() -> None:
     assert lightness(style.PREDICTED_FILL) - lightness(style.MEASURED) > 0.15
 
 
-@pytest.mark.parametrize(
-    ("picture_format", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")]
-)
+@pytest.mark.parametrize(("picture_format", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")])
 def test_each_format_is_what_it_says_and_comes_out_the_same_twice(drawn, picture_format, start) -> None:
     page = drawn("locked").page
     picture = render(page, picture_format)

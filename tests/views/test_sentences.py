@@ -41,18 +41,14 @@ def test_noise_and_staircase_sentences_carry_the_numbers(drawn) -> None:
     assert "With 1.1° of noise a cycle the recorded directions peak at" in sentences.noise_sentence(found)
     flat = replace(found, prediction=replace(found.prediction, step=None, mean_turn=math.radians(4.321)))
     assert sentences.staircase_sentence(flat).endswith("on average θ0 moves 4.32° a cycle.")
-    steps = replace(
-        found.prediction, step=2 * math.pi, mean_residence_cycles=257.4, mean_turn=math.radians(0.9)
-    )
+    steps = replace(found.prediction, step=2 * math.pi, mean_residence_cycles=257.4, mean_turn=math.radians(0.9))
     said = sentences.staircase_sentence(replace(found, prediction=steps))
     assert "rests 257 cycles on a step, steps are 360° high, and on average θ0 moves 0.90° a cycle" in said
 
 
 def test_agreement_sentence_gives_both_distances() -> None:
     said = sentences.agreement_sentence(MapAgreement(1996, math.radians(7.06), 62, math.radians(12.3)))
-    assert said == (
-        "1996 measured cycles lie 7.1° RMS from the predicted turn; the medians of 62 directions 12.3°."
-    )
+    assert said == ("1996 measured cycles lie 7.1° RMS from the predicted turn; the medians of 62 directions 12.3°.")
 
 
 def test_parameters_line_holds_the_protocol(drawn) -> None:

@@ -1,0 +1,120 @@
+"""Sampling of circle maps: stated errors hold, kinks and jumps are found and kept."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cyclemap.collection.adaptive_map import sample_circle_map
+from cyclemap.errors import InvalidInput
+
+FULL_TURN = 2.0 * math.pi
+
+
+def smooth(theta, harmonics=3):
+    """A smooth lift and its slope."""
+    value = theta + 0.4 + 0.3 * math.sin(harmonics * theta + 0.2)
+    return value, 1.0 + 0.3 * harmonics * math.cos(harmonics * theta + 0.2)
+
+
+def jumping(theta):
+    """A lift with a jump of 0.7 at 2.1 and a smooth course elsewhere."""
+    turns, base = divmod(theta, FULL_TURN)
+    value = base + 0.1 * math.sin(base) + (0.7 * (base - 2.1) / FULL_TURN)
+    value += 0.7 if base < 2.1 else 0.0
+    return value + FULL_TURN * turns, 1.0 + 0.1 * math.cos(base) + 0.7 / FULL_TURN
+
+
+def kinked(theta):
+    """A lift with kinks at 1.3 and 4.4: slopes 0.5 between them, 1.5 or so elsewhere."""
+    turns, base = divmod(theta, FULL_TURN)
+    outside = (FULL_TURN - 0.5 * 3.1) / (FULL_TURN - 3.1)
+    inside = min(max(base - 1.3, 0.0), 3.1)
+    value = outside * (base - inside) + 0.5 * inside
+    return value + FULL_TURN * turns, 0.5 if 1.3 < base < 4.4 else outside
+
+
+def steep(theta):
+    """A lift that climbs half a turn within 1e-3 rad of 3.0, continuously."""
+    turns, base = divmod(theta, FULL_TURN)
+    width = 1e-3
+    value = 0.5 * base + 0.5 * math.pi * (1.0 + math.tanh((base - 3.0) / width))
+    slope = 0.5 + 0.5 * math.pi / width / math.cosh(min((base - 3.0) / width, 300.0)) ** 2
+    return value + FULL_TURN * turns, slope
+
+
+def sampled(function, tolerance, **options):
+    return sample_circle_map(function, lambda theta: function(theta)[0], tolerance, **options)
+
+
+def worst_error(circle, function, theta):
+    return max(abs(float(circle(t)) - function(t)[0]) for t in theta.tolist())
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+def test_stated_error_holds_and_meets_the_tolerance(tolerance):
+    """At 2,000 random places the map is within its stated error, which is within the tolerance."""
+    circle = sampled(smooth, tolerance)
+    theta = np.random.default_rng(1).uniform(-20.0, 20.0, 2000)
+    assert worst_error(circle, smooth, theta) <= circle.max_error <= tolerance
+
+
+def test_samples_grow_with_the_fourth_root_of_the_tolerance():
+    """Cubic pieces: 10,000 times the accuracy costs 10 times the samples, give or take the halving."""
+    coarse, fine = sampled(smooth, 1e-5).samples, sampled(smooth, 1e-9).samples
+    assert 5.0 <= fine / coarse <= 20.0
+
+
+def test_jump_is_kept_and_located():
+    """One break, within 1e-9 of the jump, its sides apart by the jump; errors hold on both sides of it."""
+    circle = sampled(jumping, 1e-6)
+    place, left, right = circle.jumps()
+    np.testing.assert_allclose(place, [2.1], atol=1e-9)
+    np.testing.assert_allclose(right - left, [-0.7], atol=1e-6)
+    theta = np.concatenate([np.random.default_rng(2).uniform(0.0, FULL_TURN, 500), [2.1 - 1e-8, 2.1 + 1e-8]])
+    assert worst_error(circle, jumping, theta) <= circle.max_error <= 1e-6
+
+
+def test_kinks_are_kept_and_located():
+    """Two breaks where the slope jumps, no jump of the value, the stated error held."""
+    circle = sampled(kinked, 1e-6)
+    np.testing.assert_allclose(circle.breaks, [1.3, 4.4], atol=1e-5)
+    assert circle.jumps()[0].size == 0
+    slope = (circle.left_derivative(circle.breaks), circle.right_derivative(circle.breaks))
+    np.testing.assert_allclose(np.abs(slope[0] - slope[1]), abs(kinked(0.0)[1] - 0.5), atol=1e-6)
+    theta = np.random.default_rng(3).uniform(0.0, FULL_TURN, 1000)
+    assert worst_error(circle, kinked, theta) <= circle.max_error <= 1e-6
+
+
+def test_steep_climb_is_resolved_not_taken_for_a_jump():
+    """A continuous climb of slope 1,600 has no break and is followed within the stated error."""
+    circle = sampled(steep, 1e-6)
+    assert circle.breaks.size == 0
+    theta = np.concatenate([np.random.default_rng(4).uniform(0.0, FULL_TURN, 500), 3.0 + np.linspace(-4e-3, 4e-3, 500)])
+    assert worst_error(circle, steep, theta) <= circle.max_error <= 1e-6
+
+
+def test_noise_that_the_tolerance_cannot_beat_is_confessed():
+    """A sample that wobbles by 1e-5 cannot be interpolated to 1e-7: the stated error says so, and holds."""
+
+    def wobbling(theta):
+        value, slope = smooth(theta)
+        return value + 1e-5 * math.sin(1e9 * math.sin(theta)), slope
+
+    circle = sampled(wobbling, 1e-5)
+    theta = np.random.default_rng(5).uniform(0.0, FULL_TURN, 300)
+    assert worst_error(circle, wobbling, theta) <= 3.0 * circle.max_error
+
+
+def test_progress_rises_to_one():
+    """The progress reported never falls and ends at one."""
+    seen = []
+    sampled(smooth, 1e-5, progress=seen.append)
+    assert seen == sorted(seen) and seen[-1] == 1.0
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1e-6, math.nan, "fine"])
+def test_tolerance_must_be_positive(tolerance):
+    """A tolerance that is no positive number is refused by name."""
+    with pytest.raises(InvalidInput, match="tolerance"):
+        sampled(smooth, tolerance)

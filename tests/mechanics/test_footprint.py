@@ -1,0 +1,142 @@
+"""Footprints: where the load is, how files and words name it, what is refused."""
+
+import numpy as np
+import pytest
+from patch_reference import area_rule
+
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.mechanics import (
+    Ellipse,
+    PatchFootprint,
+    PointFootprint,
+    Polygon,
+    Slider,
+    corner_footprint,
+    grid_footprint,
+    load_footprint,
+    parse_footprint,
+)
+
+SQUARE = Slider.mit("rect1").outline
+CONCAVE = Polygon(((0, 0), (0.1, 0), (0.1, 0.04), (0.04, 0.04), (0.04, 0.1), (0, 0.1)))
+
+
+@pytest.mark.parametrize("outline", [SQUARE, Slider.mit("tri2").outline, CONCAVE, Slider.mit("ellip3").outline])
+def test_a_leaning_patch_has_its_centre_of_pressure_under_the_centre_of_mass(outline):
+    wanted = np.array(outline.centroid) + 0.06 * outline.extent * np.array((1.0, -0.7))
+    footprint = PatchFootprint.under(outline, tuple(wanted))
+    points, weights = area_rule(outline)
+    pressure = weights * (1.0 + (points - outline.centroid) @ np.array(footprint.gradient))
+    assert np.allclose(pressure @ points, wanted, atol=1e-15)
+    assert np.allclose(footprint.centre, wanted, atol=1e-15)
+    assert abs(pressure.sum() - 1.0) < 1e-13
+
+
+def test_an_object_that_stands_on_its_centroid_does_not_lean():
+    assert PatchFootprint.under(SQUARE, (0.0, 0.0)).gradient == (0.0, 0.0)
+
+
+def test_the_far_rule_integrates_polynomials_up_to_degree_ten():
+    for outline in (SQUARE, CONCAVE, Ellipse(0.05, 0.08)):
+        fine, share = area_rule(outline)
+        points, weights = PatchFootprint(outline).quadrature
+        for power in ((10, 0), (0, 10), (5, 5), (3, 6)):
+            exact = share @ np.prod((fine / 0.05) ** power, axis=1)
+            assert abs(weights @ np.prod((points / 0.05) ** power, axis=1) - exact) < 1e-12 * max(1.0, abs(exact))
+
+
+def test_the_grid_is_the_papers_eight_by_eight():
+    grid = grid_footprint(SQUARE, 8)
+    places = np.array(grid.positions)
+    assert len(places) == 64
+    assert np.allclose(np.unique(places[:, 0].round(9)), 0.09 * ((np.arange(8) + 0.5) / 8 - 0.5))
+    assert np.allclose(grid.weights, 1 / 64)
+    assert np.allclose(grid.centre, 0.0, atol=1e-17)
+
+
+def test_points_keep_their_shares_scaled_to_one_and_drop_what_carries_nothing():
+    footprint = PointFootprint(((0, 0), (1, 0), (0, 1)), (2, 0, 6))
+    assert footprint.positions == ((0.0, 0.0), (0.0, 1.0))
+    assert footprint.weights == (0.25, 0.75)
+    assert footprint.centre == (0.0, 0.75)
+    assert footprint.extent == 0.75
+
+
+def test_a_csv_file_is_read_in_millimetres(tmp_path):
+    path = tmp_path / "feet.csv"
+    path.write_text("weight,x_mm,y_mm,note\n1,-40,0,a\n3,40,20,b\n")
+    footprint = load_footprint(path)
+    assert np.allclose(footprint.positions, ((-0.04, 0.0), (0.04, 0.02)))
+    assert footprint.weights == (0.25, 0.75)
+    assert parse_footprint(str(path), SQUARE) == footprint
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("x_mm,y_mm\n1,2\n", "columns x_mm, y_mm, weight"),
+        ("", "columns x_mm, y_mm, weight"),
+        ("x_mm,y_mm,weight\n1,2,3\n4,5\n", "line 3"),
+        ("x_mm,y_mm,weight\n1,2,3\n4,five,6\n", "line 3"),
+        ("x_mm,y_mm,weight\n", "no support points"),
+        ("x_mm,y_mm,weight\n1,2,nan\n3,4,1\n", "not finite"),
+        ("x_mm,y_mm,weight\n1,2,-1\n3,4,2\n", "negative"),
+        ("x_mm,y_mm,weight\n1,2,1\n1,2,1\n", "two support points"),
+    ],
+)
+def test_a_bad_csv_file_is_told_by_name_in_one_line(tmp_path, text, told):
+    path = tmp_path / "feet.csv"
+    path.write_text(text)
+    with pytest.raises(DataFileError, match=told) as refused:
+        load_footprint(path)
+    assert "feet.csv" in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_missing_folders_and_binary_files_are_told_too(tmp_path):
+    binary = tmp_path / "feet.csv"
+    binary.write_bytes(bytes(range(128, 256)))
+    for path in (tmp_path / "absent.csv", tmp_path, binary):
+        with pytest.raises(DataFileError, match="not a readable CSV file"):
+            load_footprint(path)
+
+
+def test_words_name_footprints_and_others_are_refused():
+    assert parse_footprint("exact", SQUARE) == PatchFootprint(SQUARE)
+    assert parse_footprint("corners", SQUARE) == corner_footprint(SQUARE)
+    assert parse_footprint("grid:8", SQUARE) == grid_footprint(SQUARE, 8)
+    for word in ("exct", "grid:", "grid:-1", "grid:1", "grid:x"):
+        with pytest.raises(InvalidInput):
+            parse_footprint(word, SQUARE)
+    with pytest.raises(InvalidInput, match="polygons"):
+        parse_footprint("corners", Ellipse(1.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("positions", "weights"),
+    [
+        (((0, 0),), (1,)),
+        (((0, 0), (0, 0)), (1, 1)),
+        (((0, 0), (1, 0)), (1,)),
+        (((0, 0), (1, 0)), (1, -1)),
+        (((0, 0), (1, 0)), (0, 0)),
+        (((0, 0), (1, float("nan"))), (1, 1)),
+        (((0, 0, 0), (1, 0, 0)), (1, 1)),
+        ((), ()),
+    ],
+)
+def test_points_that_carry_no_object_are_refused(positions, weights):
+    with pytest.raises(InvalidInput):
+        PointFootprint(positions, weights)
+
+
+def test_pressure_below_zero_and_senseless_grids_are_refused():
+    with pytest.raises(InvalidInput, match="lifts"):
+        PatchFootprint(SQUARE, (40.0, 0.0))
+    with pytest.raises(InvalidInput, match="gradient"):
+        PatchFootprint(SQUARE, (float("nan"), 0.0))
+    with pytest.raises(InvalidInput, match="lifts"):
+        PatchFootprint.under(SQUARE, (0.02, 0.0))
+    for count in (1, 0, -3, 2.5, True):
+        with pytest.raises(InvalidInput):
+            grid_footprint(SQUARE, count)

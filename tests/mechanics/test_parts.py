@@ -1,0 +1,170 @@
+"""Outlines, sliders, rods, protocols and materials: what they are, and the one-line errors for what they cannot be."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.mechanics import (
+    MIT_HITCH,
+    MIT_SHAPE_NAMES,
+    DragBack,
+    Ellipse,
+    EllipseFriction,
+    Polygon,
+    Pose,
+    Pusher,
+    QuasiStaticModel,
+    SidePush,
+    Slider,
+    WorldPush,
+    load_material,
+    material_names,
+)
+
+NAN, INF = float("nan"), float("inf")
+BOW_TIE = ((0, 0), (1, 1), (1, 0), (0, 1))
+SQUARE = ((0, 0), (1, 0), (1, 1), (0, 1))
+
+
+def refused(make, *values, told="", kind=InvalidInput, **named):
+    """Assert that values are refused in one line that holds `told`."""
+    with pytest.raises(kind, match=told) as caught:
+        make(*values, **named)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("vertices", "told"),
+    [
+        (SQUARE[:2], "three vertices"),
+        (BOW_TIE, "cross"),
+        (((0, 0), (1, 0), (NAN, 1)), "not finite"),
+        (((0, 0), (1, 0), ("a", 1)), "numbers only"),
+        (((0, 0), (0, 0), (1, 1), (0, 1)), "coincide"),
+        (((0, 0), (1, 1), (2, 2)), "no area"),
+        (((0, 0, 0), (1, 0, 0), (1, 1, 0)), "shape"),
+        (((0, 0), (2, 0), (1, 0), (1, 1)), "cross or touch"),
+        (((0, 0), (2, 0), (2, 2), (1, 0), (0, 2)), "cross or touch"),
+    ],
+)
+def test_polygons_that_are_none_are_refused(vertices, told):
+    refused(Polygon, vertices, told=told)
+
+
+def test_a_clockwise_polygon_keeps_its_first_vertex_and_is_turned_around():
+    assert Polygon(SQUARE[::-1]).vertices == Polygon((SQUARE[3], *SQUARE[:3])).vertices
+    assert Polygon(SQUARE[::-1]).area == 1.0
+
+
+def test_area_and_centroid_of_a_polygon_move_with_it_exactly():
+    places = np.array(((0, 0), (0.1, 0), (0.1, 0.04), (0.04, 0.04), (0.04, 0.1), (0, 0.1)))
+    far = Polygon(tuple(map(tuple, places + (1000.0, -500.0))))
+    near = Polygon(tuple(map(tuple, places)))
+    assert abs(near.area - 0.0064) < 1e-17
+    assert np.allclose(near.centroid, (0.03875, 0.03875), atol=1e-16)
+    assert np.allclose(np.subtract(far.centroid, near.centroid), (1000.0, -500.0), atol=1e-9)
+    assert not near.is_convex
+    assert Polygon(SQUARE).is_convex
+
+
+def test_the_mit_shapes_have_their_documented_sizes():
+    centroids = {"tri1": (3.03, 3.06), "tri2": (-5.42, 3.09), "tri3": (-13.88, 3.19)}
+    for name, wanted in centroids.items():
+        assert np.allclose(np.multiply(Slider.mit(name).outline.centroid, 1e3), wanted, atol=0.15)
+    assert Slider.mit("rect1").outline.vertices[:2] == ((0.045, 0.045), (-0.045, 0.045))
+    assert Slider.mit("rect2").outline.area == pytest.approx(0.08991 * 0.11258)
+    assert Slider.mit("hex").outline.vertices[0] == (0.0605, 0.0)
+    assert Slider.mit("ellip3").outline == Ellipse(0.0525, 0.0785)
+    assert math.hypot(*MIT_HITCH) == pytest.approx(0.015)
+    assert len(MIT_SHAPE_NAMES) == 10
+
+
+def test_inertias_of_the_mit_plates_agree_with_their_outlines_to_a_few_percent():
+    for name in ("rect1", "rect2", "rect3"):
+        slider = Slider.mit(name)
+        width, height = np.ptp(slider.outline.array, axis=0)
+        assert slider.inertia == pytest.approx(slider.mass * (width**2 + height**2) / 12.0, rel=0.01)
+
+
+def test_sliders_that_cannot_be_are_refused():
+    outline = Polygon(SQUARE)
+    refused(Slider, "rect1", told="Polygon or an Ellipse")
+    refused(Slider, outline, -1.0, told="-1.0")
+    refused(Slider, outline, NAN, told="nan")
+    refused(Slider, outline, 1.0, (2.0, 0.5), told="outside the outline")
+    refused(Slider, outline, 1.0, None, (0.0, INF), told="hitch")
+    refused(Slider, outline, inertia=0.0, told="inertia")
+    refused(Slider.mit, "rect4", told="did you mean 'rect")
+    refused(Ellipse, 0.0, 1.0, told="semi_x")
+    refused(Ellipse, 1.0, -2.0, told="-2.0")
+
+
+def test_rods_and_protocols_that_cannot_be_are_refused():
+    refused(Pusher, -0.001, told="-0.001")
+    refused(Pusher, 0.001, NAN, told="friction")
+    refused(Pusher, "thin", told="thin")
+    refused(SidePush, -1, told="-1")
+    refused(SidePush, 0.5, told="0.5")
+    refused(SidePush, 0, 1.2, told="1.2")
+    refused(SidePush, 0, -0.1, told="-0.1")
+    refused(SidePush, 0, NAN, told="fraction")
+    refused(SidePush, 0, 0.5, math.pi / 2, told="points away")
+    refused(SidePush, 0, 0.5, 0.0, -0.1, told="distance")
+    refused(SidePush, 0, 0.5, 0.0, 0.0, told="distance")
+    refused(WorldPush, (0.0, NAN), 0.0, 1.0, told="start")
+    refused(WorldPush, (0.0, 0.0), INF, 1.0, told="direction")
+    refused(WorldPush, (0.0, 0.0), 0.0, 0.0, told="distance")
+    refused(Pose, 0.0, 0.0, NAN, told="theta")
+    refused(DragBack, ((0.0, 1.0, 2.0),), told="way-point")
+    refused(QuasiStaticModel, Slider.mit("rect1"), EllipseFriction.isotropic(0.2), accuracy=1e-13, told="accuracy")
+
+
+def test_pairs_that_hold_no_numbers_are_refused_too():
+    refused(Slider, Polygon(SQUARE), 1.0, None, ("a", 0.0), told="hitch")
+    refused(WorldPush, "here", 0.0, 1.0, told="start")
+    refused(DragBack, ((0.0, None),), told="way-point")
+
+
+def test_table_one_is_plywood_and_unknown_materials_are_told():
+    assert {"plywood", "isotropic"} <= set(material_names())
+    law = load_material("plywood").friction
+    assert (law.mu_a, law.mu_b, law.m0, law.n0) == (0.2545, 0.2346, 0.0325, 0.0082)
+    assert law.phi == pytest.approx(2.6175, abs=1e-15)
+    refused(load_material, "plywod", told="did you mean 'plywood'")
+
+
+def test_a_material_file_is_read_as_written(tmp_path):
+    path = tmp_path / "steel.toml"
+    path.write_text("[friction]\nmu_a = 0.3\nm0 = 0.1\nphi_deg = 90\n")
+    material = load_material(path)
+    assert material.name == "steel"
+    assert material.friction == EllipseFriction(0.3, 0.3, 0.1, 0.0, math.pi / 2)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("mu_a = 0.3", "unknown key"),
+        ("[friction]\nmu_b = 0.3", "needs mu_a"),
+        ("[friction]\nmu_a = 0.3\nmu_c = 0.1", "mu_c"),
+        ("[friction]\nmu_a = 'rough'", "rough"),
+        ("[friction]\nmu_a = 0.3\nm0 = 0.4", "gain energy"),
+        ("[friction]\nmu_a = nan", "nan"),
+        ("[friction\nmu_a = 0.3", "not a readable TOML"),
+        ("name = 'x'", "needs a table"),
+    ],
+)
+def test_a_bad_material_file_is_told_by_name(tmp_path, text, told):
+    path = tmp_path / "bad.toml"
+    path.write_text(text)
+    refused(load_material, path, told=told, kind=DataFileError)
+    refused(load_material, path, told="bad.toml", kind=DataFileError)
+
+
+def test_a_material_file_that_cannot_be_read_is_told(tmp_path):
+    refused(load_material, tmp_path / "absent.toml", told="no such", kind=DataFileError)
+    folder = tmp_path / "folder.toml"
+    folder.mkdir()
+    refused(load_material, folder, told="not a readable", kind=DataFileError)

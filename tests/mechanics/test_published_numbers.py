@@ -1,0 +1,69 @@
+"""Pushes and drags against numbers from independent solvers: the MIT protocol on Table I plywood, and its relatives."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cyclemap.mechanics import (
+    EllipseFriction,
+    Pose,
+    QuasiStaticModel,
+    SidePush,
+    Slider,
+    corner_footprint,
+    grid_footprint,
+    load_material,
+)
+
+SLIDER, PLYWOOD = Slider.mit("rect1"), load_material("plywood").friction
+ISOTROPIC = EllipseFriction.isotropic(0.25)
+
+# theta_0, push turn (deg), dx, dy (mm), drag turn (deg), drag (mm).
+TABLE = (
+    (0, 73.65314, 42.59622, -66.68390, -63.68794, 93.49103),
+    (60, 73.84911, 42.21066, -71.18737, -73.51442, 97.47321),
+    (150, 65.58227, 33.54062, -107.07023, -77.99290, 126.58208),
+    (270, 72.40902, 43.24562, -53.21574, -49.51194, 81.52020),
+)
+ISOTROPIC_ROW = (74.52037, 41.50526, -71.78672, -66.51814, 97.91241)
+
+
+def cycle_row(model, theta_deg):
+    """Push turn, dx, dy, drag turn, drag length (deg, mm) of a cycle whose ring starts at the world's origin."""
+    theta = math.radians(theta_deg)
+    x, y = model.ring_place(Pose(0.0, 0.0, theta))
+    push = model.push(Pose(-x, -y, theta), SidePush())
+    drag = model.drag(push.end, ((0.0, 0.0),))
+    return (math.degrees(push.turn), *(1e3 * push.displacement), math.degrees(drag.turn), 1e3 * drag.length)
+
+
+@pytest.mark.parametrize("row", TABLE, ids=[f"{row[0]} deg" for row in TABLE])
+def test_the_exact_patch_gives_the_independent_solvers_table_to_1e_4(row):
+    assert np.abs(np.subtract(cycle_row(QuasiStaticModel(SLIDER, PLYWOOD), row[0]), row[1:])).max() < 1e-4
+
+
+@pytest.mark.parametrize("theta_deg", [0.0, 77.7, -140.0])
+def test_isotropic_friction_gives_the_same_numbers_from_every_orientation(theta_deg):
+    found = cycle_row(QuasiStaticModel(SLIDER, ISOTROPIC), theta_deg)
+    assert np.abs(np.subtract(found, ISOTROPIC_ROW)).max() < 1e-4
+
+
+def test_the_papers_grid_gives_its_own_numbers():
+    row = cycle_row(QuasiStaticModel(SLIDER, PLYWOOD, footprint=grid_footprint(SLIDER.outline, 8)), 0.0)
+    assert abs(row[0] - 73.88566) < 1e-4
+    assert abs(row[3] + 64.08039) < 1e-4
+
+
+def test_four_corners_give_what_a_rigid_body_engine_tends_to():
+    model = QuasiStaticModel(SLIDER, ISOTROPIC, footprint=corner_footprint(SLIDER.outline))
+    push = model.push(Pose(), SidePush())
+    assert np.abs(1e3 * push.displacement - (38.278, -110.568)).max() < 0.002
+    assert abs(math.degrees(push.turn) - 50.012) < 0.002
+
+
+def test_strong_anisotropy_turns_the_object_either_way():
+    law = EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7)
+    model = QuasiStaticModel(SLIDER, law)
+    assert abs(cycle_row(model, 100.0)[0] - 71.9) < 0.05
+    assert abs(cycle_row(model, 250.0)[0] + 19.4) < 0.05

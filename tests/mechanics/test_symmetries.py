@@ -1,0 +1,120 @@
+"""What must not change a push or a drag: units, place, mass, a turn of everything, a mirror."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_cases import random_case
+
+from cyclemap.mechanics import (
+    Ellipse,
+    EllipseFriction,
+    Polygon,
+    Pose,
+    Pusher,
+    QuasiStaticModel,
+    SidePush,
+    Slider,
+    load_material,
+)
+
+SEEDS = (0, 3, 6, 9, 11, 25)
+PLYWOOD = load_material("plywood").friction
+every_case = pytest.mark.parametrize("seed", SEEDS)
+
+
+def outcome(case):
+    """Turns of push and drag, displacement in the initial frame."""
+    push, drag = case.run()
+    return np.array((push.turn, drag.turn, *push.displacement))
+
+
+def accurate(seed):
+    return random_case(seed, accuracy=1e-9)
+
+
+def turned_pose(pose, angle):
+    c, s = math.cos(angle), math.sin(angle)
+    return Pose(c * pose.x - s * pose.y, s * pose.x + c * pose.y, pose.theta + angle)
+
+
+@every_case
+def test_scaling_every_friction_force_and_the_mass_changes_no_motion(seed):
+    case = accurate(seed)
+    law = case.model.friction
+    for factor in (0.01, 7.0):
+        scaled = EllipseFriction(*(factor * v for v in (law.mu_a, law.mu_b, law.m0, law.n0)), law.phi)
+        model = replace(case.model, friction=scaled, slider=replace(case.model.slider, mass=factor))
+        assert np.abs(outcome(replace(case, model=model)) - outcome(case)).max() < 1e-9
+
+
+@every_case
+def test_scaling_every_length_scales_displacements_and_nothing_else(seed):
+    case = accurate(seed)
+    slider, pusher = case.model.slider, case.model.pusher
+    for factor in (1e-4, 300.0):
+        outline = slider.outline
+        if isinstance(outline, Ellipse):
+            scaled = Ellipse(factor * outline.semi_x, factor * outline.semi_y)
+        else:
+            scaled = Polygon(tuple(map(tuple, factor * outline.array)))
+        hitch = (factor * slider.hitch[0], factor * slider.hitch[1])
+        model = QuasiStaticModel(
+            Slider(scaled, hitch=hitch), case.model.friction, Pusher(factor * pusher.radius, pusher.friction), accuracy=1e-9
+        )
+        pose = Pose(factor * case.pose.x, factor * case.pose.y, case.pose.theta)
+        push = replace(case.push, distance=factor * case.push.distance)
+        found = outcome(replace(case, model=model, pose=pose, push=push))
+        assert np.abs(found / (1.0, 1.0, factor, factor) - outcome(case)).max() < 1e-8
+
+
+@every_case
+def test_turning_surface_and_object_together_changes_nothing(seed):
+    case, angle = accurate(seed), 1.234
+    model = replace(case.model, friction=case.model.friction.turned(angle))
+    turned = replace(case, model=model, pose=turned_pose(case.pose, angle))
+    assert np.abs(outcome(turned) - outcome(case)).max() < 1e-8
+
+
+@every_case
+def test_a_mirror_image_moves_as_the_mirror_image(seed):
+    case = accurate(seed)
+    law, slider = case.model.friction, case.model.slider
+    mirrored = EllipseFriction(law.mu_a, law.mu_b, law.m0, -law.n0, -law.phi)
+    outline, side, fraction = slider.outline, case.push.side, 1.0 - case.push.fraction
+    if isinstance(outline, Polygon):
+        # Mirrored in the x axis and kept counter-clockwise behind vertex 0: side i becomes side k - 1 - i.
+        outline, side = Polygon(tuple(map(tuple, outline.array * (1.0, -1.0)))), outline.sides - 1 - case.push.side
+    image = Slider(outline, hitch=(slider.hitch[0], -slider.hitch[1]))
+    model = replace(case.model, friction=mirrored, slider=image)
+    pose = Pose(case.pose.x, -case.pose.y, -case.pose.theta)
+    push = SidePush(side, fraction, -case.push.angle, case.push.distance)
+    found = outcome(replace(case, model=model, pose=pose, push=push))
+    assert np.abs(found * (-1.0, -1.0, 1.0, -1.0) - outcome(case)).max() < 1e-8
+
+
+def lift(law, theta):
+    """The cycle map on the lift: push from the ring's target, drag back to it."""
+    model = QuasiStaticModel(Slider.mit("rect1"), law, accuracy=1e-10)
+    x, y = model.ring_place(Pose(0.0, 0.0, theta))
+    push = model.push(Pose(-x, -y, theta), SidePush())
+    return model.drag(push.end, ((0.0, 0.0),)).end.theta
+
+
+def test_isotropic_friction_makes_the_cycle_a_rigid_rotation_to_1e_8():
+    law = EllipseFriction.isotropic(0.25)
+    turns = [lift(law, theta) - theta for theta in np.random.default_rng(1).uniform(-9, 9, 12)]
+    assert np.ptp(turns) < 1e-8
+
+
+def test_turning_the_surface_conjugates_the_cycle_map():
+    for theta, angle in np.random.default_rng(2).uniform(-3, 3, (5, 2)):
+        assert abs(lift(PLYWOOD.turned(angle), theta + angle) - lift(PLYWOOD, theta) - angle) < 1e-8
+
+
+def test_a_centred_ellipse_makes_the_cycle_map_equivariant_under_half_a_turn_and_an_offset_breaks_it():
+    centred = EllipseFriction(PLYWOOD.mu_a, PLYWOOD.mu_b, 0.0, 0.0, PLYWOOD.phi)
+    theta = np.random.default_rng(3).uniform(-3, 3, 5)
+    assert max(abs(lift(centred, t + math.pi) - lift(centred, t) - math.pi) for t in theta) < 1e-8
+    assert max(abs(lift(PLYWOOD, t + math.pi) - lift(PLYWOOD, t) - math.pi) for t in theta) > 1e-2
