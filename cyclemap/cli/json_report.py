@@ -84,10 +84,10 @@ def _stationary(portrait: Portrait) -> Json:
     operator = portrait.operator
     return {
         "noise_deg": _degrees(portrait.noise.sigma),
-        "peaks_deg": [_direction_deg(peak) for peak in operator.peaks()],
+        "peaks_deg": sorted(_direction_deg(peak) for peak in portrait.highest_peaks),
         "spectral_gap": _number(operator.spectral_gap),
         "mixing_cycles": _number(operator.mixing_cycles),
-        "tv_from_uniform": _number(operator.tv_from_uniform),
+        "tv_from_uniform": _number(portrait.tv_from_uniform),
     }
 
 

@@ -21,6 +21,8 @@ _HALVING = 4.0
 _SUSPECT = 0.04
 # A jump is located this closely (rad); no interval is cut shorter.
 _NARROWEST = 1e-10
+# A kink is located so closely that this share of the tolerance is left.
+_LOCATED = 0.01
 # A sample belongs to one side of a break if it lies this near to that side's tangent, as a share of the gap.
 _SIDE_SHARE = 0.2
 # Intervals that are tried at one more place at the end, the least certain first.
@@ -93,14 +95,16 @@ def sample_circle_map(
     >>> bool(abs(circle(1.0) - lift(1.0)) < 1e-6), len(circle.breaks)
     (True, 0)
     """
-    sampler = _Sampler(sample, positive_number("tolerance", tolerance), progress or (lambda fraction: None))
+    interpolated = (1.0 - _LOCATED) * positive_number("tolerance", tolerance)
+    sampler = _Sampler(sample, interpolated, progress or (lambda fraction: None))
     nodes = [sampler.node(_FULL_TURN * k / _FIRST_INTERVALS) for k in range(_FIRST_INTERVALS)]
     nodes.append(_Node(_FULL_TURN, nodes[0].value + _FULL_TURN, nodes[0].slope))
     for low, high in pairwise(nodes):
         _resolve(sampler, _Interval(low, high, math.inf))
     _check(sampler, value)
     intervals = sorted(sampler.finished, key=lambda interval: interval.low.theta)
-    return _assemble(intervals, max(interval.error for interval in intervals) + sample_error)
+    located = _LOCATED * tolerance
+    return _assemble(intervals, max(interval.error for interval in intervals) + located + sample_error)
 
 
 def _resolve(sampler: _Sampler, first: _Interval) -> None:
@@ -148,7 +152,7 @@ def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, 
     while high.theta - low.theta > _NARROWEST:
         gap = abs(high.value - low.value - 0.5 * (low.slope + high.slope) * (high.theta - low.theta))
         is_jump = gap > 10.0 * sampler.tolerance
-        if not is_jump and abs(high.slope - low.slope) * (high.theta - low.theta) < 0.01 * sampler.tolerance:
+        if not is_jump and abs(high.slope - low.slope) * (high.theta - low.theta) < _LOCATED * sampler.tolerance:
             break
         middle = sampler.node(0.5 * (low.theta + high.theta))
         side = _side(low, middle, high, gap if is_jump else 0.0)
@@ -156,9 +160,11 @@ def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, 
             return None
         low, high = (middle, high) if side < 0 else (low, middle)
     place = 0.5 * (low.theta + high.theta)
-    left = _Node(place, low.along_tangent(place), low.slope)
-    right = _Node(place, high.along_tangent(place), high.slope)
-    return _Interval(right, interval.high, math.inf), _Interval(interval.low, left, math.inf)
+    left, right = low.along_tangent(place), high.along_tangent(place)
+    if abs(right - left) <= sampler.tolerance:
+        left = right = 0.5 * (left + right)
+    before, after = _Node(place, left, low.slope), _Node(place, right, high.slope)
+    return _Interval(after, interval.high, math.inf), _Interval(interval.low, before, math.inf)
 
 
 def _side(low: _Node, middle: _Node, high: _Node, gap: float) -> int:

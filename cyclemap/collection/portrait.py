@@ -82,9 +82,19 @@ class Portrait:
 
     @property
     def highest_peaks(self) -> tuple[float, ...]:
-        """The peaks (rad) of the stationary density, the highest first."""
-        peaks = self.operator.peaks().tolist()
-        return tuple(sorted(peaks, key=lambda peak: -_density_at(self.operator, peak)))
+        """The peaks (rad) of the stationary density, the highest first.
+
+        Where noise is too weak to connect the stable directions, their shares are not determined: each is a peak.
+        """
+        if not self.operator.is_certain:
+            return tuple(sorted(float(orbit.points[0]) for orbit in self.stable_points))
+        peaks = self.operator.peaks()
+        return tuple(peaks[np.argsort(-self.operator.density(peaks))].tolist())
+
+    @property
+    def tv_from_uniform(self) -> float | None:
+        """Total variation distance of the stationary law from uniform; None where the law is not determined."""
+        return self.operator.tv_from_uniform if self.operator.is_certain else None
 
     @property
     def gathering_jumps(self) -> tuple[float, ...]:

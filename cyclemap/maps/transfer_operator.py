@@ -112,6 +112,15 @@ class TransferOperator:
         return 3.0 * self._inverse_norm * (residual + truncation + rounding) / np.pi
 
     @cached_property
+    def is_certain(self) -> bool:
+        """Whether the law is known to a tenth of the uniform density, or better.
+
+        It is not where the map has several basins that the noise hardly ever connects: the weights of their parts
+        then are beyond double precision, and the law is any mixture of them.
+        """
+        return bool(self.error_bound <= 0.1 / TWO_PI)
+
+    @cached_property
     def tv_from_uniform(self) -> float:
         """Total variation distance of the law from uniform, ½ ∫ |density - 1/2π| dθ, in [0, 1]."""
         grid, values = self._grid

@@ -6,13 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.contact_curve import CornerPiece, EllipsePiece, OutlinePiece, SidePiece
+from cyclemap.mechanics.outline import Ellipse, Outline
 
 Touch = tuple[float, int, float]
 
 # Pieces reach this far over their ends, so that rounding leaves no gap where they meet.
 _SEAM = 1e-12
+# A rod this far inside still counts as touching.
+_OVERLAP = 1e-9
 
 
 def first_touch(
@@ -20,7 +22,7 @@ def first_touch(
 ) -> Touch | None:
     """Return (travel, piece, coordinate) of the first touch, None if there is none; everything in the slider's frame.
 
-    Raises InvalidInput if the rod starts inside the object.
+    The rod must not overlap the object at its start.
     """
     toward = np.array((math.cos(direction), math.sin(direction)))
     touches: list[Touch] = []
@@ -28,14 +30,24 @@ def first_touch(
         for travel, coordinate in _meetings(piece, radius, start, toward):
             contact, _ = piece.contact(coordinate, radius)
             enters = math.cos(contact.normal - direction) < 0.0
-            if piece.low - _SEAM <= coordinate <= piece.high + _SEAM and enters:
+            ahead = travel >= -_OVERLAP
+            if ahead and enters and piece.low - _SEAM <= coordinate <= piece.high + _SEAM:
                 touches.append((travel, index, min(max(coordinate, piece.low), piece.high)))
     if not touches:
         return None
     travel, index, coordinate = min(touches)
-    if travel < -1e-9:
-        raise InvalidInput("the rod starts inside the object: move its start back along the push direction")
     return max(travel, 0.0), index, coordinate
+
+
+def overlaps(outline: Outline, radius: float, place: NDArray[np.float64]) -> bool:
+    """Whether a rod at a place reaches into an outline."""
+    if bool(outline.contains(place)):
+        return True
+    if isinstance(outline, Ellipse):
+        gap, _ = _distance_from_ellipse(EllipsePiece(outline.semi_x, outline.semi_y), place)
+    else:
+        gap = outline.distance((float(place[0]), float(place[1])))
+    return gap < radius - _OVERLAP
 
 
 def _meetings(

@@ -13,7 +13,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.contact_curve import OutlinePiece, RingPiece, contact_curve, side_coordinate
 from cyclemap.mechanics.contact_solver import ContactSolver
 from cyclemap.mechanics.event_integration import integrate
-from cyclemap.mechanics.first_touch import first_touch
+from cyclemap.mechanics.first_touch import first_touch, overlaps
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.limit_surface import normalised
@@ -250,7 +250,7 @@ class QuasiStaticModel:
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         dx, dy = push.start[0] - pose.x, push.start[1] - pose.y
         start = np.array((c * dx + s * dy, -s * dx + c * dy)) / self.unit
-        if bool(self._outline.contains(start)):
+        if overlaps(self._outline, self.radius, start):
             raise InvalidInput(f"the rod starts inside the object, at {push.start} m: move its start outside")
         touch = first_touch(self.pieces, self.radius, start, push.direction - pose.theta)
         if touch is None:

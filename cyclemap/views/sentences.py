@@ -39,13 +39,14 @@ def noise_sentence(portrait: Portrait) -> str:
     """What noise makes of it: the recorded directions and how soon the start is forgotten."""
     operator, noise = portrait.operator, f"With {angle(portrait.noise.sigma)} of noise a cycle"
     forgotten = cycles(operator.mixing_cycles)
-    if len(portrait.stable_points) > 1 and operator.mixing_cycles > LONGEST_STAY:
+    away = portrait.tv_from_uniform
+    if away is None or (len(portrait.stable_points) > 1 and operator.mixing_cycles > LONGEST_STAY):
         stays = "stays at the stable direction it falls into first"
         return f"{noise} the loop {stays}, and moves on once in {forgotten}."
     peaks = portrait.highest_peaks[:MOST_PEAKS]
     where = f"peak at {_listed([angle(peak) for peak in peaks])}" if peaks else "have no peak"
     return (
-        f"{noise} the recorded directions {where} ({operator.tv_from_uniform:.0%} away from uniform); "
+        f"{noise} the recorded directions {where} ({away:.0%} away from uniform); "
         f"the start is forgotten in {forgotten}."
     )
 

@@ -39,7 +39,7 @@ def steep(theta):
     turns, base = divmod(theta, FULL_TURN)
     width = 1e-3
     value = 0.5 * base + 0.5 * math.pi * (1.0 + math.tanh((base - 3.0) / width))
-    slope = 0.5 + 0.5 * math.pi / width / math.cosh(min((base - 3.0) / width, 300.0)) ** 2
+    slope = 0.5 + 0.5 * math.pi / width / math.cosh(max(min((base - 3.0) / width, 300.0), -300.0)) ** 2
     return value + FULL_TURN * turns, slope
 
 

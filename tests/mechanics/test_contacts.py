@@ -1,0 +1,216 @@
+"""Where the rod touches: from the world, in contact, around corners, off the object, in concave corners; refusals."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_cases import balance_errors, random_case
+
+from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.mechanics import (
+    Ellipse,
+    EllipseFriction,
+    PatchFootprint,
+    Polygon,
+    Pose,
+    Pusher,
+    QuasiStaticModel,
+    SidePush,
+    Slider,
+    WorldPush,
+    load_material,
+)
+
+PLYWOOD, RECT = load_material("plywood").friction, Slider.mit("rect1")
+ISOTROPIC = EllipseFriction.isotropic(0.25)
+CONCAVE = Slider(Polygon(((0, 0), (0.1, 0), (0.1, 0.04), (0.04, 0.04), (0.04, 0.1), (0, 0.1))), hitch=(0.02, 0.02))
+
+
+def phases_of(push):
+    return [(phase.motion.mode, phase.motion.piece.kind) for phase in push.run.phases]
+
+
+def test_a_push_from_the_world_equals_the_one_that_starts_in_contact():
+    compared = 0
+    for seed in range(30):
+        case = random_case(seed, accuracy=1e-8)
+        side = case.model.push(case.pose, case.push)
+        direction, back = side.run.phases[0].motion.rod.direction, 0.03
+        towards = np.array((math.cos(direction), math.sin(direction)))
+        for away in (0.0, back):
+            start = tuple(np.array(side.frame.rod_start) - away * towards)
+            world = case.model.push(case.pose, WorldPush(start, direction, case.push.distance + away))
+            if abs(world.frame.rod_start[0] - side.frame.rod_start[0]) > 1e-6:
+                continue  # From that far back another side is in the way.
+            assert world.ended == side.ended
+            assert abs(world.turn - side.turn) < 1e-7
+            assert np.abs(world.displacement - side.displacement).max() < 1e-8
+            compared += 1
+    assert compared > 45
+
+
+def test_a_push_in_two_halves_is_the_push_in_one():
+    model = QuasiStaticModel(RECT, PLYWOOD, accuracy=1e-9)
+    whole = model.push(Pose(theta=1.0), SidePush(distance=0.1))
+    half = model.push(Pose(theta=1.0), SidePush(distance=0.04))
+    direction = whole.run.phases[0].motion.rod.direction
+    rod = np.array(half.frame.rod_start) + 0.04 * np.array((math.cos(direction), math.sin(direction)))
+    rest = model.push(half.end, WorldPush(tuple(rod), direction, 0.06))
+    assert abs(rest.end.theta - whole.end.theta) < 1e-8
+    assert np.hypot(rest.end.x - whole.end.x, rest.end.y - whole.end.y) < 1e-9
+
+
+def test_a_rod_goes_around_a_corner_and_leaves_where_it_no_longer_approaches():
+    push = QuasiStaticModel(RECT, PLYWOOD).push(Pose(), SidePush())
+    assert phases_of(push) == [
+        ("slide_right", "side"),
+        ("stick", "side"),
+        ("slide_left", "side"),
+        ("slide_left", "corner"),
+    ]
+    assert push.ended == "left"
+    assert push.travel < 0.15
+    outward = push.trajectory.pusher[-1] - push.trajectory.contact_point[-1]
+    direction = push.run.phases[0].motion.rod.direction
+    assert abs(outward @ (math.cos(direction), math.sin(direction))) / 0.00475 < 1e-5
+
+
+def test_a_longer_push_changes_nothing_after_the_rod_has_left():
+    model = QuasiStaticModel(RECT, PLYWOOD)
+    first, second = (model.push(Pose(), SidePush(distance=d)) for d in (0.15, 1.0))
+    assert abs(first.turn - second.turn) < 1e-8
+    assert abs(first.travel - second.travel) < 1e-8
+
+
+def test_the_motion_is_continuous_across_modes_and_corners():
+    for seed in range(20):
+        case = random_case(seed, accuracy=1e-8)
+        trajectory = case.model.push(case.pose, case.push, longest_step=1e-3).trajectory
+        jumps = np.abs(np.diff(trajectory.pose, axis=0)).max(axis=1)
+        travel = np.diff(trajectory.path)
+        assert (jumps[travel < 1e-12]).max(initial=0.0) < 1e-8
+        assert (np.abs(np.diff(trajectory.pose[:, :2], axis=0)).max(axis=1)[travel >= 1e-12] < 2e-2).all()
+
+
+def test_a_straight_push_through_the_centre_pushes_straight():
+    push = QuasiStaticModel(RECT, ISOTROPIC).push(Pose(theta=0.3), SidePush(fraction=0.5, distance=0.1))
+    assert abs(push.turn) < 1e-12
+    assert np.allclose(push.displacement, (0.0, -0.1), atol=1e-13)
+    assert phases_of(push) == [("stick", "side")]
+
+
+def test_a_disc_pushed_off_centre_without_friction_translates():
+    """A frictionless rod presses through a disc's centre, where isotropic friction answers without a torque."""
+    disc = Slider(Ellipse(0.05, 0.05), hitch=(0.01, 0.0))
+    push = QuasiStaticModel(disc, ISOTROPIC, Pusher(0.005, 0.0)).push(Pose(), SidePush(0, 0.2, 0.3, 0.05))
+    assert abs(push.turn) < 1e-12
+    assert np.hypot(*push.displacement) > 0.03
+    assert {mode for mode, _ in phases_of(push)} == {"slide_free"}
+
+
+def test_thin_rods_tend_to_a_point_at_first_order():
+    for seed in (2, 3, 7, 13):
+        case = random_case(seed, accuracy=1e-9)
+        turns = []
+        for radius in (0.0, 1e-6, 1e-5):
+            model = replace(case.model, pusher=Pusher(radius, case.model.pusher.friction))
+            turns.append(model.push(case.pose, case.push).turn)
+        gaps = np.abs(np.subtract(turns[1:], turns[0]))
+        assert gaps[1] < 2e-3
+        assert 5.0 < gaps[1] / gaps[0] < 20.0
+
+
+def test_a_point_that_slides_off_a_corner_leaves_there_with_no_more_than_the_sides_force():
+    model = QuasiStaticModel(RECT, ISOTROPIC, Pusher(0.0, 0.15), accuracy=1e-9)
+    push = model.push(Pose(), SidePush(0, 0.02, math.radians(40.0)))
+    assert push.ended == "left"
+    assert {kind for _, kind in phases_of(push)} == {"side"}
+    x, y = push.trajectory.contact_point[-1] - push.trajectory.pose[-1, :2]
+    c, s = math.cos(push.end.theta), math.sin(push.end.theta)
+    assert np.allclose((c * x + s * y, -s * x + c * y), (0.045, 0.045), atol=1e-9)
+    assert balance_errors(model, push.run.phases, push.trajectory).max() < 1e-10
+
+
+def test_a_vertex_on_a_straight_side_is_no_corner():
+    angle = 0.3
+    turn = np.array(((math.cos(angle), -math.sin(angle)), (math.sin(angle), math.cos(angle))))
+    vertices = np.array(((0.045, 0.045), (0.01, 0.045), (-0.0123, 0.045), (-0.045, 0.045), (-0.045, -0.045), (0.045, -0.045)))
+    with_more = Slider(Polygon(tuple(map(tuple, vertices @ turn.T))))
+    fraction = (0.045 + 0.0123 + 0.3 * (0.045 - 0.0123)) / 0.09
+    for radius in (0.0, 0.00475):
+        for push_angle in (-0.9, -0.3, 0.3, 0.9):
+            plain = QuasiStaticModel(RECT, ISOTROPIC, Pusher(radius)).push(Pose(), SidePush(0, fraction, push_angle))
+            same = QuasiStaticModel(with_more, ISOTROPIC, Pusher(radius)).push(Pose(), SidePush(2, 0.3, push_angle))
+            assert abs(plain.turn - same.turn) < 1e-7
+
+
+def gap_to_disc(sides):
+    """Difference of turns between a disc and a regular polygon on the same patch, pushed at the middle of a side."""
+    around = 2.0 * np.pi * np.arange(sides) / sides
+    many = Slider(Polygon(tuple(map(tuple, 0.05 * np.stack([np.cos(around), np.sin(around)], axis=-1)))))
+    patch, rod, side = PatchFootprint(Ellipse(0.05, 0.05)), Pusher(0.005, 0.1), sides // 11
+    cornered = QuasiStaticModel(many, PLYWOOD, rod, patch).push(Pose(), SidePush(side, 0.5, 0.7, 0.03))
+    disc = QuasiStaticModel(Slider(Ellipse(0.05, 0.05)), PLYWOOD, rod)
+    smooth = disc.push(Pose(), SidePush(0, (side + 0.5) / sides, 0.7, 0.03))
+    assert len(cornered.run.phases) >= sides // 24
+    return abs(smooth.turn - cornered.turn)
+
+
+def test_polygons_of_many_sides_tend_to_the_disc():
+    assert gap_to_disc(24) < 0.2
+    assert gap_to_disc(192) < 3e-3
+
+
+def test_concave_outlines_are_pushed_outside_their_corner_and_refused_in_it():
+    outcomes = {"moved": 0, UnsupportedContact: 0, InvalidInput: 0}
+    for side in range(6):
+        for fraction in (0.2, 0.5, 0.8):
+            for angle in (-1.0, -0.4, 0.4, 1.0):
+                for radius in (0.0, 0.02):
+                    model = QuasiStaticModel(CONCAVE, PLYWOOD, Pusher(radius, 0.1))
+                    try:
+                        push = model.push(Pose(), SidePush(side, fraction, angle))
+                    except (UnsupportedContact, InvalidInput) as refused:
+                        assert "concave corner" in str(refused)
+                        outcomes[type(refused)] += 1
+                        continue
+                    assert balance_errors(model, push.run.phases, push.trajectory).max() < 1e-10
+                    outcomes["moved"] += 1
+    assert outcomes["moved"] > 100
+    assert outcomes[UnsupportedContact] > 8
+    assert outcomes[InvalidInput] > 4
+
+
+@pytest.mark.parametrize(
+    ("push", "told"),
+    [
+        (SidePush(side=4), "sides 0 to 3"),
+        (WorldPush((0.0, 0.2), math.pi / 2, 0.3), "never touches"),
+        (WorldPush((0.2, 0.2), -math.pi / 2, 0.3), "never touches"),
+        (WorldPush((0.0, 0.2), -math.pi / 2, 0.1), "short of the object"),
+        (WorldPush((0.01, 0.02), 0.0, 0.1), "inside the object"),
+        (WorldPush((0.01, 0.047), 0.0, 0.1), "inside the object"),
+    ],
+)
+def test_pushes_that_do_not_touch_or_start_inside_are_refused_in_one_line(push, told):
+    with pytest.raises(InvalidInput, match=told) as refused:
+        QuasiStaticModel(RECT, PLYWOOD).push(Pose(), push)
+    assert "\n" not in str(refused.value)
+
+
+def test_ellipses_know_one_side_only():
+    with pytest.raises(InvalidInput, match="sides 0 to 0"):
+        QuasiStaticModel(Slider.mit("ellip2"), PLYWOOD).push(Pose(), SidePush(side=1))
+
+
+def test_no_gap_opens_between_a_side_and_its_corner():
+    """Rods aimed exactly at where a straight piece of the contact curve meets an arc touch in every orientation."""
+    touched = 0
+    model = QuasiStaticModel(RECT, ISOTROPIC, accuracy=1e-4)
+    for theta in np.random.default_rng(4).uniform(-3, 3, 60):
+        c, s = math.cos(theta), math.sin(theta)
+        for x in (0.045, -0.045):
+            start = (c * x - s * 0.2, s * x + c * 0.2)
+            touched += model.push(Pose(theta=theta), WorldPush(start, theta - math.pi / 2, 0.17)).travel > 0.01
+    assert touched == 120
