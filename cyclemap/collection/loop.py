@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -140,6 +140,10 @@ class CollectionLoop:
     reset: DragBack = DragBack()
     footprint: Footprint | None = None
     accuracy: float = 1e-8
+
+    def __getstate__(self) -> dict[str, object]:
+        # What was computed from the fields stays behind: CasADi's buffers cannot be copied to another process.
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @classmethod
     def mit(cls, material: str | Path | Material = "plywood", **changes: Any) -> "CollectionLoop":

@@ -1,7 +1,8 @@
 """Settings in degrees and millimetres, by name: what the command line and protocol files change of a loop."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -12,8 +13,6 @@ from cyclemap.mechanics import (
     Ellipse,
     Material,
     Polygon,
-    Pusher,
-    SidePush,
     Slider,
     parse_footprint,
 )
@@ -43,13 +42,17 @@ def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoo
     for key in settings:
         if key not in SETTING_KEYS:
             raise unknown_name("setting", key, SETTING_KEYS)
-    slider = _slider(loop.slider, settings)
-    friction = replace(loop.material.friction, **_numbers(settings, _FRICTION))
+    with _blaming(settings, (*_OUTLINE, *_OTHER)):
+        slider = _slider(loop.slider, settings)
+    with _blaming(settings, _FRICTION):
+        friction = replace(loop.material.friction, **_numbers(settings, _FRICTION))
     changed = friction != loop.material.friction
     name = f"{loop.material.name} (changed)" if changed else loop.material.name
     material = Material(name, friction, loop.material.provenance) if changed else loop.material
-    pusher = Pusher(**{"radius": loop.pusher.radius, "friction": loop.pusher.friction, **_numbers(settings, _PUSHER)})
-    push = _push(loop.push, settings)
+    with _blaming(settings, _PUSHER):
+        pusher = replace(loop.pusher, **_numbers(settings, _PUSHER))
+    with _blaming(settings, _PUSH):
+        push = replace(loop.push, **_numbers(settings, _PUSH))  # type: ignore[arg-type]
     reset = DragBack(_points(settings, "way_points_mm")) if "way_points_mm" in settings else loop.reset
     footprint = (
         parse_footprint(str(settings["footprint"]), slider.outline) if "footprint" in settings else loop.footprint
@@ -90,15 +93,16 @@ def _outline(settings: Settings) -> Outline | None:
     return None
 
 
-def _push(push: SidePush, settings: Settings) -> SidePush:
-    values: dict[str, float] = {
-        "side": push.side,
-        "fraction": push.fraction,
-        "angle": push.angle,
-        "distance": push.distance,
-        **_numbers(settings, _PUSH),
-    }
-    return SidePush(**values)  # type: ignore[arg-type]
+@contextmanager
+def _blaming(settings: Settings, keys: Iterable[str]) -> Iterator[None]:
+    """Add to an error what was set, in the units it was set in."""
+    try:
+        yield
+    except InvalidInput as cause:
+        given = ", ".join(f"{key}={settings[key]}" for key in keys if key in settings)
+        if not given or given.partition("=")[0] in str(cause):
+            raise
+        raise InvalidInput(f"{cause} (set: {given})") from cause
 
 
 def _numbers(settings: Settings, fields: dict[str, str]) -> dict[str, float]:

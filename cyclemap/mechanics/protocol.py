@@ -1,5 +1,6 @@
 """What the robot does with the rod: a push by side or from a place in the world, and the way back in the ring."""
 
+import math
 from dataclasses import dataclass
 
 from cyclemap.checks import finite_number, point, positive_number
@@ -33,10 +34,10 @@ class SidePush:
         object.__setattr__(self, "distance", positive_number("push distance", self.distance))
         if not 0.0 <= self.fraction <= 1.0:
             raise InvalidInput(f"contact fraction {self.fraction} lies outside the side: it runs from 0 to 1")
-        if not abs(self.angle) < 1.5707963267948966:
+        if not abs(self.angle) < math.pi / 2.0:
             raise InvalidInput(
-                f"push angle {self.angle:.6g} rad points away from the object: it must lie within 90 degrees of the "
-                "side's inward normal"
+                f"push angle {math.degrees(self.angle):.6g} degrees points away from the object: it must lie within 90 "
+                "degrees of the side's inward normal"
             )
 
 

@@ -1,7 +1,7 @@
 """The quasi-static model of one slider on one surface with one rod: pushes it, and drags it back in its ring."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
@@ -138,6 +138,10 @@ class QuasiStaticModel:
         accuracy = positive_number("accuracy", self.accuracy)
         if not 1e-11 <= accuracy <= 1e-2:
             raise InvalidInput(f"accuracy {accuracy} is out of reach: choose one from 1e-11 to 1e-2 rad")
+
+    def __getstate__(self) -> dict[str, object]:
+        # What was computed from the fields stays behind: CasADi's buffers cannot be copied to another process.
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
     def pressure(self) -> Footprint:

@@ -1,0 +1,75 @@
+"""Thousands of random pushes and drags: each finishes with its forces balanced, or is refused for a physical reason."""
+
+import math
+from collections import Counter
+
+import numpy as np
+import pytest
+from harsh_cases import EXTREMES, harsh_case
+from random_cases import balance_errors, random_case
+
+from cyclemap.errors import CycleMapError, InvalidInput
+
+CASES = 2_000
+SHARES = 10
+
+
+def run_and_check(case, balanced):
+    """Return how the push ended; assert finite results, residuals below 1e-9, and an independent force balance."""
+    push, drag = case.run()
+    assert np.isfinite((push.turn, *push.displacement, drag.turn, drag.length)).all()
+    for phases, course in ((push.run.phases, push.trajectory), ([leg.phase for leg in drag.legs], drag.trajectory)):
+        assert course.residual < 1e-9
+        assert np.isfinite(course.contact_force).all()
+        if balanced:
+            assert balance_errors(case.model, phases, course).max(initial=0.0) < 1e-9
+    return push.ended
+
+
+@pytest.mark.parametrize("share", range(SHARES))
+def test_every_one_of_two_thousand_random_cases_finishes_with_its_residuals_below_1e_9(share):
+    outcomes = Counter()
+    for seed in range(share, CASES, SHARES):
+        try:
+            # Every fourth is balanced once more, by the independent route.
+            outcomes[run_and_check(random_case(seed), balanced=seed // SHARES % 4 == 0)] += 1
+        except InvalidInput:
+            outcomes["refused"] += 1
+    assert sum(outcomes.values()) == CASES // SHARES
+    assert outcomes["distance"] > 100
+    assert outcomes["left"] > 20
+    assert outcomes["refused"] == 0
+
+
+@pytest.mark.parametrize("kind", EXTREMES)
+def test_extremes_end_in_a_result_or_in_an_error_of_our_own(kind):
+    outcomes = Counter()
+    exact = kind not in ("grid", "corners", "scattered points")
+    for seed in range(16):
+        try:
+            outcomes[run_and_check(harsh_case(kind, seed), balanced=exact)] += 1
+        except CycleMapError as refused:
+            assert "\n" not in str(refused)
+            outcomes["refused"] += 1
+    assert sum(outcomes.values()) == 16
+    assert outcomes["refused"] <= 1
+
+
+def test_the_error_of_a_push_stays_near_the_accuracy_asked_and_falls_with_it():
+    """The controller aims at the accuracy: half the pushes stay far below it, all but a few within it."""
+    accuracies, shares = (1e-4, 1e-6, 1e-8), []
+    for seed in range(60):
+        exact = random_case(seed, 1e-11)
+        turn = exact.model.push(exact.pose, exact.push).turn
+        errors = []
+        for accuracy in accuracies:
+            case = random_case(seed, accuracy)
+            errors.append(abs(case.model.push(case.pose, case.push).turn - turn))
+        shares.append(np.divide(errors, accuracies))
+    assert len(shares) == 60
+    assert np.median(shares, axis=0).max() < 0.01
+    assert np.percentile(shares, 95, axis=0).max() < 1.0
+    assert np.max(shares) < 20.0
+    means = np.mean(np.multiply(shares, accuracies), axis=0)
+    assert (means[:-1] / means[1:] > 10.0).all()
+    assert math.isfinite(means.sum())
