@@ -162,7 +162,9 @@ def contact_curve(outline: Outline, radius: float) -> tuple[OutlinePiece, ...]:
     return tuple(pieces)
 
 
-def side_coordinate(outline: Outline, side: int, fraction: float, radius: float) -> tuple[int, float]:
+def side_coordinate(
+    outline: Outline, pieces: tuple[OutlinePiece, ...], side: int, fraction: float
+) -> tuple[int, float]:
     """Return (piece, coordinate) of the contact at a fraction of a side, from its first vertex.
 
     On an ellipse, whose only side is 0, the fraction is of the full eccentric angle. Raises InvalidInput for a side
@@ -174,9 +176,7 @@ def side_coordinate(outline: Outline, side: int, fraction: float, radius: float)
         raise InvalidInput(f"contact fraction {fraction!r} lies outside the side: it runs from 0 to 1")
     if isinstance(outline, Ellipse):
         return 0, 2.0 * math.pi * fraction
-    pieces = contact_curve(outline, radius)
-    index = next(i for i, p in enumerate(pieces) if isinstance(p, SidePiece) and p.side == side)
-    piece = pieces[index]
+    index, piece = next((i, p) for i, p in enumerate(pieces) if isinstance(p, SidePiece) and p.side == side)
     a, b = outline.array[int(side)], outline.array[(int(side) + 1) % outline.sides]
     coordinate = fraction * math.hypot(*(b - a))
     if not piece.low <= coordinate <= piece.high:

@@ -52,6 +52,8 @@ class ContactSolver:
 
     def __init__(self, footprint: Footprint, friction: EllipseFriction) -> None:
         self.footprint, self.friction = footprint, friction
+        # Calls of step functions with their buffers, shared by the motions that this solver serves.
+        self.step_calls: dict[tuple[str, str, bool], object] = {}
         self.arguments = np.zeros(len(ARGUMENTS))
         self.arguments[6:] = friction.mu_a, friction.mu_b, friction.m0, friction.n0, friction.phi
         self._scale = math.sqrt(friction.mu_a * friction.mu_b)

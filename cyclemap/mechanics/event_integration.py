@@ -69,8 +69,9 @@ def integrate(
             h = 0.5 * tried if taken is None else next_length(tried, taken.error, tolerance)
             continue
         relative = taken.stages[:, MARGIN] / slack
-        broken = int(relative[-1].argmin()) if relative[-1].min() < -1.0 else None
-        if broken is None and relative.min() < -_DIP and tried > 1e-4 * length:
+        least = relative.min()
+        broken = int(relative[-1].argmin()) if least < -1.0 and relative[-1].min() < -1.0 else None
+        if broken is None and least < -_DIP and tried > 1e-4 * length:
             h = 0.4 * tried
             continue
         if broken is not None and tried > _LEAST_ADVANCE:

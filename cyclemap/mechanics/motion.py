@@ -46,9 +46,7 @@ class Motion:
         self.parameters = motion_parameters(solver.friction, piece, mode, rod)
         self.unknowns = [0.0, 0.0] if self.slides else [0.0]
         self._regime = 0
-        self._calls = [
-            _StepCall(solver.footprint, piece.kind, self.family, near, self.parameters) for near in (True, False)
-        ]
+        self._calls = [_step_call(solver, piece.kind, self.family, near) for near in (True, False)]
 
     @property
     def slides(self) -> bool:
@@ -92,10 +90,10 @@ class Motion:
 
     def fast_step(self, state: NDArray[np.float64], h: float, tolerance: float) -> Step | None:
         """Return a step of length h, made in one call, or None where its contact is not certified to be solved."""
-        taken = self._calls[self._regime](state, self.unknowns, h, tolerance)
+        taken = self._calls[self._regime](state, self.unknowns, h, self.parameters, tolerance)
         if taken is None and not self._calls[self._regime].in_regime:
             self._regime = 1 - self._regime
-            taken = self._calls[self._regime](state, self.unknowns, h, tolerance)
+            taken = self._calls[self._regime](state, self.unknowns, h, self.parameters, tolerance)
         return taken
 
     def step(self, state: NDArray[np.float64], h: float, tolerance: float) -> Step:
@@ -148,22 +146,37 @@ def motion_parameters(friction: EllipseFriction, piece: Piece, mode: str, rod: R
     return np.array(values)
 
 
+def _step_call(solver: ContactSolver, kind: str, family: str, near: bool) -> "_StepCall":
+    """Return the solver's own call of a step, made once."""
+    key = (kind, family, near)
+    if key not in solver.step_calls:
+        solver.step_calls[key] = _StepCall(solver.footprint, kind, family, near)
+    call = solver.step_calls[key]
+    assert isinstance(call, _StepCall)
+    return call
+
+
 class _StepCall:
     """A step's CasADi function, with its buffers, built when it is first needed."""
 
-    def __init__(
-        self, footprint: Footprint, kind: str, family: str, near: bool, parameters: NDArray[np.float64]
-    ) -> None:
+    def __init__(self, footprint: Footprint, kind: str, family: str, near: bool) -> None:
         self._build = (footprint, kind, family, near)
-        self._near, self._parameters = near, parameters
+        self._near = near
         self._exact = not isinstance(footprint, PointFootprint)
         self._unknowns = 2 if family == "slide" else 1
         self.in_regime = True
 
-    def __call__(self, state: NDArray[np.float64], unknowns: list[float], h: float, tolerance: float) -> Step | None:
+    def __call__(
+        self,
+        state: NDArray[np.float64],
+        unknowns: list[float],
+        h: float,
+        parameters: NDArray[np.float64],
+        tolerance: float,
+    ) -> Step | None:
         """Return the step, or None where its Newton iterations or its regime do not hold."""
-        at, guess, length, _ = self._function.arguments
-        at[:], guess[:], length[0] = state, unknowns, h
+        at, guess, length, numbers = self._function.arguments
+        at[:], guess[:], length[0], numbers[:] = state, unknowns, h, parameters
         result = self._function()
         error, correction, least, greatest = result[:4].tolist()
         self.in_regime = not self._exact or (greatest <= _NEAR_LIMIT if self._near else least >= _FAR_LIMIT)
@@ -174,5 +187,5 @@ class _StepCall:
 
     @cached_property
     def _function(self) -> BufferedFunction:
-        inputs = (np.zeros(2), np.zeros(self._unknowns), np.zeros(1), self._parameters)
+        inputs = (np.zeros(2), np.zeros(self._unknowns), np.zeros(1), np.zeros(len(PARAMETERS)))
         return BufferedFunction(step_function(*self._build), *inputs)

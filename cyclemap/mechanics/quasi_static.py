@@ -26,7 +26,7 @@ from cyclemap.mechanics.slider import Slider
 from cyclemap.mechanics.trajectory import Frame, Trajectory, trajectory_of
 
 # What a step may be off by, as a share of the accuracy asked of the whole motion; measured in tests/mechanics.
-_STEP_SHARE = 0.1
+_STEP_SHARE = 0.03
 
 
 @dataclass(frozen=True)
@@ -235,7 +235,7 @@ class QuasiStaticModel:
     def _start(self, pose: Pose, push: SidePush | WorldPush) -> tuple[PushStart, float, tuple[float, float], float]:
         """Return start state, direction (world), the rod's place at first touch (m) and the travel left (units)."""
         if isinstance(push, SidePush):
-            index, coordinate = side_coordinate(self._outline, push.side, push.fraction, self.radius)
+            index, coordinate = side_coordinate(self._outline, self.pieces, push.side, push.fraction)
             contact, _ = self.pieces[index].contact(coordinate, self.radius)
             direction = pose.theta + contact.normal + math.pi + push.angle
             length = push.distance / self.unit
