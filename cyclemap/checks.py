@@ -1,6 +1,7 @@
 """Checks shared by every room: a value is returned as a float, or refused by name."""
 
 import math
+from numbers import Integral
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -50,14 +51,36 @@ def point(name: str, value: ArrayLike) -> tuple[float, float]:
     return float(array[0]), float(array[1])
 
 
-def finite_array(name: str, value: ArrayLike, last: int | None = None) -> NDArray[np.float64]:
-    """Return `value` as a finite float array (last axis of length `last`, if given), or raise InvalidInput."""
+def whole_number(name: str, value: object, least: int | None = None) -> int:
+    """Return `value` as an int, at least `least` if that is given, or raise InvalidInput."""
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        raise InvalidInput(f"{name} must be a whole number, not {value!r}")
+    if least is not None and value < least:
+        raise InvalidInput(f"{name} must be at least {least}, not {value!r}")
+    return int(value)
+
+
+def finite_array(name: str, value: ArrayLike, last: int | None = None, ndim: int | None = None) -> NDArray[np.float64]:
+    """Return `value` as a finite float array, or raise InvalidInput.
+
+    `last`: length of its last axis; `ndim`: number of its axes.
+    """
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError) as cause:
         raise InvalidInput(f"{name} must hold numbers only: {cause}") from cause
     if last is not None and array.shape[-1:] != (last,):
         raise InvalidInput(f"{name} must have shape (..., {last}), not {array.shape}")
+    if ndim is not None and array.ndim != ndim:
+        raise InvalidInput(f"{name} must have {ndim} axes, not shape {array.shape}")
     if not np.all(np.isfinite(array)):
-        raise InvalidInput(f"{name} holds a value that is not finite")
+        entry = int(np.flatnonzero(~np.isfinite(array))[0])
+        raise InvalidInput(f"{name} must be finite, but entry {entry} is {array.ravel()[entry]}")
     return array
+
+
+def read_only(array: ArrayLike) -> NDArray[np.float64]:
+    """Return a copy of an array that refuses writing."""
+    copy = np.array(array, dtype=float)
+    copy.setflags(write=False)
+    return copy

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.checks import TWO_PI, Array, finite_array, finite_float, read_only, whole_number
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.piecewise_cubic import PiecewiseCubic, cubic_from_samples
 
 Lift = Callable[[Array], Array]
@@ -73,13 +74,13 @@ class CircleMap:
     ) -> None:
         if not callable(lift) or (derivative is not None and not callable(derivative)):
             raise InvalidInput(f"lift is {lift!r}: lift and derivative must be callables of an array of angles")
-        claimed = finite_float(max_error, "max_error")
+        claimed = finite_number("max_error", max_error)
         if claimed < 0.0:
             raise InvalidInput(f"max_error is {claimed:g}: a bound on an error cannot be negative")
-        sorted_breaks = np.unique(np.mod(finite_array(breaks, "breaks", 1), TWO_PI))
+        sorted_breaks = np.unique(np.mod(finite_array("breaks", breaks, ndim=1), TWO_PI))
         self._set(
             breaks=read_only(sorted_breaks[sorted_breaks < TWO_PI]),
-            degree=whole_number(degree, "degree"),
+            degree=whole_number("degree", degree),
             max_error=claimed,
             samples=0,
             pieces=None,
@@ -229,7 +230,7 @@ class CircleMap:
         >>> round(float(CircleMap.rigid(0.25)(0.0)), 6)
         1.570796
         """
-        shift = TWO_PI * finite_float(turns, "turns")
+        shift = TWO_PI * finite_number("turns", turns)
         return cls.with_scalar(lambda x: x + shift, np.ones_like, lambda x: x + shift)
 
     @classmethod
@@ -241,7 +242,7 @@ class CircleMap:
         >>> float(CircleMap.arnold(0.0, 0.5).derivative(0.0))
         0.5
         """
-        shift, strength = TWO_PI * finite_float(omega, "omega"), finite_float(K, "K")
+        shift, strength = TWO_PI * finite_number("omega", omega), finite_number("K", K)
         return cls.with_scalar(
             lambda x: x + shift - strength * np.sin(x),
             lambda x: 1.0 - strength * np.cos(x),
@@ -257,7 +258,7 @@ class CircleMap:
         >>> round(float(CircleMap.moebius(0.5, 0.0).derivative(0.0)), 12)
         3.0
         """
-        shift, r = TWO_PI * finite_float(omega, "omega"), finite_float(a, "a")
+        shift, r = TWO_PI * finite_number("omega", omega), finite_number("a", a)
         if not 0.0 <= r < 1.0:
             raise InvalidInput(f"a is {r:g}: a Möbius map of the circle needs 0 <= a < 1")
         return cls.with_scalar(
@@ -286,7 +287,7 @@ class CircleMap:
         >>> bool(abs(sampled(1.0) - (1 + 0.3 * np.sin(1.0))) < 1e-9)
         True
         """
-        whole = whole_number(degree, "degree")
+        whole = whole_number("degree", degree)
         cubic, breaks, count = cubic_from_samples(theta, lifted, slopes, whole)
         made = cls(cubic, cubic.derivative, breaks, whole, max_error=max_error)
         made._set(_scalar=cubic.scalar(), pieces=cubic, samples=count)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.checks import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.circle_map import CircleMap
 from cyclemap.maps.scan import INSET, Cells, iterate, monotone_cells
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scipy.optimize.elementwise import find_root
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.checks import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.circle_map import CircleMap, Scalar
 from cyclemap.maps.scan import INSET, monotone_cells
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.checks import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.circle_map import CircleMap
 from cyclemap.maps.noise import Noise
 from cyclemap.maps.quadrature import arc_rule

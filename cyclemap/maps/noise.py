@@ -8,8 +8,9 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from scipy.special import erfc, log_ndtr
 
+from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.checks import TWO_PI, Array, finite_float
+from cyclemap.maps.arcs import TWO_PI, Array
 
 _TERMS = 8  # wrapped images each side that are summed directly
 
@@ -57,7 +58,7 @@ class WrappedNormal:
     sigma: float
 
     def __post_init__(self) -> None:
-        width = finite_float(self.sigma, "sigma")
+        width = finite_number("sigma", self.sigma)
         if width <= 0.0:
             raise InvalidInput(f"sigma is {width:g}: noise needs a width above zero; leave the noise out for none")
         object.__setattr__(self, "sigma", width)
@@ -124,7 +125,7 @@ class WrappedCauchy:
     r: float
 
     def __post_init__(self) -> None:
-        length = finite_float(self.r, "r")
+        length = finite_number("r", self.r)
         if not 0.0 < length < 1.0:
             raise InvalidInput(f"r is {length:g}: the resultant length must lie between 0 and 1 (1 is no noise)")
         object.__setattr__(self, "r", length)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.maps.checks import TWO_PI, Array, positive_float, read_only, whole_number
+from cyclemap.checks import positive_number, read_only, whole_number
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.circle_map import CircleMap
 from cyclemap.maps.diagonal import DiagonalScan, JumpCrossing, Turns, diagonal_scan
 from cyclemap.maps.scan import roots_between
@@ -76,10 +77,10 @@ def periodic_orbits(
     >>> [o.winding for o in periodic_orbits(CircleMap.arnold(0.5, 0.9), 2)]
     [1, 1]
     """
-    n = whole_number(period, "period", 1)
-    cells_a_turn = whole_number(resolution, "resolution", 8)
-    wanted = None if winding is None else whole_number(winding, "winding")
-    scan = diagonal_scan(circle_map, n, cells_a_turn, positive_float(tangency, "tangency"))
+    n = whole_number("period", period, least=1)
+    cells_a_turn = whole_number("resolution", resolution, least=8)
+    wanted = None if winding is None else whole_number("winding", winding)
+    scan = diagonal_scan(circle_map, n, cells_a_turn, positive_number("tangency", tangency))
     theta, whole, touching = _roots(circle_map, scan, wanted)
     orbits = [
         _orbit(circle_map, points, n, int(whole[first]), bool(touching[first]))
@@ -93,7 +94,7 @@ def crossings_by_jump(circle_map: CircleMap, *, resolution: int = RESOLUTION) ->
 
     A downward jump (``attracting``) gathers orbits from both sides as a stable fixed point would.
     """
-    cells_a_turn = whole_number(resolution, "resolution", 8)
+    cells_a_turn = whole_number("resolution", resolution, least=8)
     return sorted(diagonal_scan(circle_map, 1, cells_a_turn, TANGENCY).jumps, key=lambda jump: jump.theta)
 
 

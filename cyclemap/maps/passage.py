@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cyclemap.checks import finite_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.checks import TWO_PI, Array, arc_ends, finite_float, into_arc
+from cyclemap.maps.arcs import TWO_PI, Array, arc_ends, into_arc
 from cyclemap.maps.circle_map import CircleMap
 from cyclemap.maps.noise import Noise
 from cyclemap.maps.quadrature import arc_rule
@@ -73,7 +74,7 @@ def hitting_probability(circle_map: CircleMap, noise: Noise, start: float, arc_a
     """
     a, b = arc_ends(arc_a, "arc_a"), arc_ends(arc_b, "arc_b")
     rest = _complement(a, b)
-    theta = finite_float(start, "start")
+    theta = finite_number("start", start)
     for ends, answer in ((a, 1.0), (b, 0.0)):
         if into_arc(theta, ends) is not None:
             return answer
@@ -85,7 +86,7 @@ def hitting_probability(circle_map: CircleMap, noise: Noise, start: float, arc_a
 
 
 def _required(start: float, ends: Arc) -> float:
-    inside = into_arc(finite_float(start, "start"), ends)
+    inside = into_arc(finite_number("start", start), ends)
     if inside is None:
         raise InvalidInput(f"start is {start:g}, outside the arc ({ends[0]:g}, {ends[1]:g}): start inside it")
     return inside

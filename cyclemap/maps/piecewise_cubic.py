@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.checks import finite_array, read_only
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.checks import TWO_PI, Array, finite_array, read_only
+from cyclemap.maps.arcs import TWO_PI, Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,9 +89,9 @@ def cubic_from_samples(theta: Any, lifted: Any, slopes: Any, degree: int) -> tup
 
 
 def _checked(theta: Any, lifted: Any, slopes: Any) -> tuple[Array, Array, Array | None]:
-    angles = finite_array(theta, "theta", 1)
-    values = finite_array(lifted, "lifted", 1)
-    given = None if slopes is None else finite_array(slopes, "slopes", 1)
+    angles = finite_array("theta", theta, ndim=1)
+    values = finite_array("lifted", lifted, ndim=1)
+    given = None if slopes is None else finite_array("slopes", slopes, ndim=1)
     if values.shape != angles.shape or (given is not None and given.shape != angles.shape):
         raise InvalidInput(f"theta has {angles.size} samples: lifted and slopes must have as many")
     if angles.size < 3:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.checks import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.circle_map import SNAP, CircleMap
 
 MAX_NODES = 400_000

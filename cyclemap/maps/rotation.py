@@ -9,8 +9,9 @@ from math import ceil, floor
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.checks import TWO_PI, Array, whole_number
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.circle_map import CircleMap
 from cyclemap.maps.envelopes import is_nondecreasing, lower_envelope, upper_envelope
 
@@ -74,8 +75,8 @@ def rotation_number(circle_map: CircleMap, *, iterates: int = ITERATES, max_peri
     >>> rotation_number(CircleMap.arnold(0.1, 0.9)).locked
     Fraction(0, 1)
     """
-    count = whole_number(iterates, "iterates", 16)
-    longest = whole_number(max_period, "max_period", 1)
+    count = whole_number("iterates", iterates, least=16)
+    longest = whole_number("max_period", max_period, least=1)
     if circle_map.degree != 1:
         raise InvalidInput(f"the map has degree {circle_map.degree}: a rotation number needs degree 1")
     if is_nondecreasing(circle_map):
@@ -100,8 +101,8 @@ def rotation_interval(
     >>> found.lower_number.locked, found.upper_number.locked
     (Fraction(1, 6), Fraction(5, 6))
     """
-    count = whole_number(iterates, "iterates", 16)
-    longest = whole_number(max_period, "max_period", 1)
+    count = whole_number("iterates", iterates, least=16)
+    longest = whole_number("max_period", max_period, least=1)
     if circle_map.degree != 1:
         raise InvalidInput(f"the map has degree {circle_map.degree}: a rotation interval needs degree 1")
     low = _monotone_rotation(lower_envelope(circle_map), count, longest)

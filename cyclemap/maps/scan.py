@@ -13,7 +13,7 @@ import numpy.typing as npt
 from scipy.optimize.elementwise import find_root
 
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.checks import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.circle_map import CircleMap
 
 MAX_CELLS = 2_000_000

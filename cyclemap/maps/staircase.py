@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.checks import TWO_PI, Array, finite_float, read_only, whole_number
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.circle_map import CircleMap
 from cyclemap.maps.noise import Noise
 from cyclemap.maps.orbits import Orbit, crossings_by_jump, fixed_points
@@ -83,9 +84,9 @@ def sample_staircase(
     >>> (path.theta / np.pi).round(6).tolist()
     [0.0, 0.5, 1.0, 1.5, 2.0]
     """
-    count = whole_number(cycles, "cycles", 1)
-    theta = begin = finite_float(start, "start")
-    rng = np.random.default_rng(whole_number(seed, "seed", 0))
+    count = whole_number("cycles", cycles, least=1)
+    theta = begin = finite_number("start", start)
+    rng = np.random.default_rng(whole_number("seed", seed, least=0))
     if noise is not None and not isinstance(noise, Noise):
         raise InvalidInput(f"the noise is {noise!r}: give a noise, for example WrappedNormal(0.02), or None")
     lift = circle_map.scalar()

@@ -12,8 +12,9 @@ from scipy.linalg import lapack, lu_factor, lu_solve
 from scipy.optimize.elementwise import find_root
 from scipy.sparse.linalg import eigs
 
+from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.checks import TWO_PI, Array, finite_array, whole_number
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.circle_map import CircleMap
 from cyclemap.maps.noise import Noise
 from cyclemap.maps.passage import hitting_probability, mean_passage_time
@@ -69,7 +70,7 @@ class TransferOperator:
 
     def density(self, theta: Any) -> Array:
         """The stationary density per radian at ``theta`` (radians, any shape); see ``error_bound``."""
-        angles = finite_array(theta, "theta")
+        angles = finite_array("theta", theta)
         flat = angles.ravel()
         values = np.empty_like(flat)
         for at in range(0, flat.size, _BLOCK):
@@ -79,7 +80,7 @@ class TransferOperator:
 
     def moment(self, n: int) -> complex:
         """E e^{inθ} of the stationary law; off by at most 2π·``error_bound``. 0 beyond the modes kept."""
-        order = whole_number(n, "n")
+        order = whole_number("n", n)
         if order == 0:
             return 1.0 + 0.0j
         if abs(order) > self.modes:
@@ -156,7 +157,7 @@ class TransferOperator:
         Fewer are returned only when the operator has fewer modes. Small operators are solved whole, large
         ones by Arnoldi iteration (ARPACK), whose residuals are checked; ConvergenceError when they fail.
         """
-        count = whole_number(k, "k", 1)
+        count = whole_number("k", k, least=1)
         if 2 * self.modes <= _DENSE or count + 4 >= self.modes:
             found = np.asarray(self._all_eigenvalues)
         else:

@@ -1,0 +1,37 @@
+"""Arcs of the circle, and the array type and full turn that this room shares."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cyclemap.checks import finite_array
+from cyclemap.errors import InvalidInput
+
+Array = npt.NDArray[np.float64]
+TWO_PI = 2.0 * np.pi
+_ROUNDING = 1e-13  # radians beyond an arc's end that still count as its end
+
+
+def arc_ends(arc: Any, name: str, whole: bool = False) -> tuple[float, float]:
+    """An arc (start, end), counter-clockwise, as floats with start < end; length in (0, 2π), or (0, 2π]."""
+    ends = finite_array(name, arc)
+    if ends.shape != (2,):
+        raise InvalidInput(f"{name} is {arc!r}: give a pair (start, end) in radians")
+    start, end = float(ends[0]), float(ends[1])
+    if -TWO_PI < end - start < 0.0:
+        end += TWO_PI
+    length = end - start
+    if not (0.0 < length < TWO_PI or (whole and length <= TWO_PI * (1 + 1e-15) and length > 0.0)):
+        raise InvalidInput(f"{name} is ({ends[0]:g}, {ends[1]:g}): its length must lie between 0 and 2π radians")
+    return start, end
+
+
+def into_arc(theta: float, arc: tuple[float, float]) -> float | None:
+    """The representative of ``theta`` (mod 2π) inside the closed arc, or None."""
+    inside = arc[0] + float(np.mod(theta - arc[0], TWO_PI))
+    if inside - TWO_PI > arc[0] - _ROUNDING:
+        return arc[0]
+    return min(inside, arc[1]) if inside <= arc[1] + _ROUNDING else None
