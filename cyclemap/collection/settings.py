@@ -11,6 +11,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import (
     DragBack,
     Ellipse,
+    Footprint,
     Material,
     Polygon,
     Slider,
@@ -54,12 +55,16 @@ def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoo
     with _blaming(settings, _PUSH):
         push = replace(loop.push, **_numbers(settings, _PUSH))  # type: ignore[arg-type]
     reset = DragBack(_points(settings, "way_points_mm")) if "way_points_mm" in settings else loop.reset
-    footprint = (
-        parse_footprint(str(settings["footprint"]), slider.outline) if "footprint" in settings else loop.footprint
-    )
-    if footprint is loop.footprint and footprint is not None and slider.outline != loop.slider.outline:
-        footprint = None
+    footprint = _footprint(loop, slider, settings)
     return replace(loop, slider=slider, material=material, pusher=pusher, push=push, reset=reset, footprint=footprint)
+
+
+def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Footprint | None:
+    """Return what is set; `exact` leans as the centre of mass asks; a new outline takes no old footprint along."""
+    if "footprint" not in settings:
+        return loop.footprint if slider.outline == loop.slider.outline else None
+    word = str(settings["footprint"])
+    return None if word == "exact" else parse_footprint(word, slider.outline)
 
 
 def _slider(slider: Slider, settings: Settings) -> Slider:

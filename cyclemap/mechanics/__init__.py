@@ -10,12 +10,13 @@ from cyclemap.mechanics.footprint import (
     parse_footprint,
 )
 from cyclemap.mechanics.friction import EllipseFriction
+from cyclemap.mechanics.handling import DragResult, PushResult
 from cyclemap.mechanics.limit_surface import LimitSurface
 from cyclemap.mechanics.material import Material, load_material, material_names
 from cyclemap.mechanics.outline import Ellipse, Polygon
 from cyclemap.mechanics.protocol import DragBack, Pose, SidePush, WorldPush
 from cyclemap.mechanics.pusher import Pusher
-from cyclemap.mechanics.quasi_static import DragResult, PushResult, QuasiStaticModel
+from cyclemap.mechanics.quasi_static import QuasiStaticModel
 from cyclemap.mechanics.slider import MIT_HITCH, MIT_SHAPE_NAMES, Slider
 from cyclemap.mechanics.trajectory import Trajectory
 

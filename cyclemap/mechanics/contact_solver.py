@@ -91,17 +91,18 @@ class ContactSolver:
             if pinned is not None:
                 return Slide(*pinned, 0.0)
         omega, tau = guess
-        best = math.inf
+        best, nearest = math.inf, guess
         for _ in range(12):
             r0, r1, s0, s1, normal_force, tangential_force, _far = self._slide.at(omega, tau)
             size = math.hypot(r0, r1) / self._scale
-            if size <= _FOUND:
+            # The opposite of the cone's edge satisfies the equations too, but a rod cannot pull.
+            if size <= _FOUND and normal_force > 0.0:
                 return Slide(omega, tau, normal_force, tangential_force, size)
             if not size < 0.7 * best:
                 break
-            best = size
+            best, nearest = size, (omega, tau)
             omega, tau = omega + s0, tau + s1
-        return self._slide_bracketed((omega, tau) if math.isfinite(omega + tau) else guess)
+        return self._slide_bracketed(nearest)
 
     def _stick_bracketed(self, omega: float) -> Stick:
         """The torque about the contact grows with omega, so that a bracket always closes on the solution."""
@@ -127,7 +128,7 @@ class ContactSolver:
             speed, angle = math.hypot(1.0, tau), theta + normal + math.pi - math.atan(tau)
             stick = self.stick(theta, angle, contact, state[0] / speed)
             state[0] = stick.omega * speed
-            value = stick.tangential_force - smu * stick.normal_force
+            value = _beyond_edge(stick.normal_force, stick.tangential_force, smu)
             return [value, math.nan, stick.normal_force, stick.tangential_force, state[0]]
 
         low, high = _bracket(excess, guess[1], "slip of the sliding contact")
@@ -160,6 +161,17 @@ class _RegimeSwitch:
             self._is_far = is_far
             values = self._calls[is_far]().tolist()
         return values
+
+
+def _beyond_edge(normal_force: float, tangential_force: float, smu: float) -> float:
+    """Return the force's part across the cone's edge; all of it, with the turn's sign, beyond a right angle.
+
+    The force's angle from the inward normal grows with tau between -pi and pi, so that this changes sign once.
+    """
+    turn = math.atan2(tangential_force, normal_force) - math.atan(smu)
+    if abs(turn) > math.pi / 2.0:
+        return math.copysign(math.hypot(normal_force, tangential_force), turn)
+    return tangential_force - smu * normal_force
 
 
 def _bracket(function: Callable[[float], Values], start: float, what: str) -> tuple[float, float]:

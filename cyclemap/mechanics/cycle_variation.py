@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.mechanics.contact_curve import Piece
+from cyclemap.mechanics.handling import DragResult, PushResult
 from cyclemap.mechanics.motion import RING, SLIDE_RIGHT, Motion
 from cyclemap.mechanics.motion_functions import MARGINS, PARAMETERS
 from cyclemap.mechanics.outline import Ellipse
@@ -15,7 +16,7 @@ from cyclemap.mechanics.push_run import PushRun, RunPhase
 from cyclemap.mechanics.runge_kutta import SLOPE
 
 if TYPE_CHECKING:
-    from cyclemap.mechanics.quasi_static import DragResult, PushResult, QuasiStaticModel
+    from cyclemap.mechanics.quasi_static import QuasiStaticModel
 
 Array = NDArray[np.float64]
 Rows = dict[str, Array]
@@ -32,11 +33,12 @@ _FRICTION = ("mu_a", "mu_b", "m0", "n0", "phi")
 
 
 def cycle_jacobian(
-    model: "QuasiStaticModel", push: "PushResult", drag: "DragResult", names: tuple[str, ...] = PARAMETER_NAMES
+    model: "QuasiStaticModel", push: PushResult, drag: DragResult, names: tuple[str, ...] = PARAMETER_NAMES
 ) -> Array:
     """Return d CYCLE_OUTPUTS / d names, (6, k), of a push from the ring's target and the drag back to it.
 
-    The push is a `SidePush`. Exact to the accuracy of the run, except on trajectories that touch a discontinuity.
+    The push is a `SidePush`. Exact to the accuracy of the run, except on trajectories that touch a discontinuity; by
+    the radius of a point rod that comes to a corner it is nan.
     """
     unit, one = model.unit, _unit_rows(names)
     by_push = _push_variation(model, push, one)
@@ -74,7 +76,7 @@ def _turned(angle: float, vector: Array, by_angle: Array, by_vector: Array) -> A
     return _rotation(angle) @ (np.outer(_quarter(vector), by_angle) + by_vector)
 
 
-def _push_variation(model: "QuasiStaticModel", push: "PushResult", one: Rows) -> Array:
+def _push_variation(model: "QuasiStaticModel", push: PushResult, one: Rows) -> Array:
     """Variation (3, k) of the push's end: theta, and displacement of the object's origin in units of length."""
     first = push.run.phases[0]
     motion = first.motion
@@ -82,6 +84,8 @@ def _push_variation(model: "QuasiStaticModel", push: "PushResult", one: Rows) ->
     by_coordinate = _side_length(model, motion.piece) * one["fraction"]
     by_direction = one["theta"] + one["angle"] + motion.piece.normal_slope(coordinate) * by_coordinate
     by_radius = one["pusher_radius"] / model.unit
+    if motion.rod.radius == 0.0 and _passes_corner(push.run):
+        by_radius = np.where(by_radius == 0.0, 0.0, math.nan)
     parameters = _parameter_rows(one)
     parameters[_ROW["direction"]], parameters[_ROW["radius"]] = by_direction, by_radius
     state = np.stack([one["theta"], by_coordinate])
@@ -98,6 +102,11 @@ def _push_variation(model: "QuasiStaticModel", push: "PushResult", one: Rows) ->
     rod = np.outer(toward, by_travel) + travel * np.outer(_quarter(toward), by_direction)
     end_shift = _rod_shift(last.motion, push.run.end, state, by_radius)
     return np.vstack([state[0], start_shift + rod - end_shift])
+
+
+def _passes_corner(run: PushRun) -> bool:
+    """Whether the rod comes to a corner, where a point skips the arc that every thicker rod goes around."""
+    return any(MARGINS[phase.phase.broken or 0] in ("after_low", "before_high") for phase in run.phases)
 
 
 def _parameter_rows(one: Rows) -> Array:
@@ -164,7 +173,7 @@ def _rod_shift(motion: Motion, at: Array, state: Array, by_radius: Array) -> Arr
 
 
 def _drag_variation(
-    model: "QuasiStaticModel", drag: "DragResult", theta: Array, ring: Array, one: Rows
+    model: "QuasiStaticModel", drag: DragResult, theta: Array, ring: Array, one: Rows
 ) -> tuple[Array, Array]:
     """Variation of the last orientation and of the drag's length, from those of the push's end; `ring` (2, k), m."""
     length = np.zeros_like(theta)

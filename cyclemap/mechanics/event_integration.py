@@ -21,6 +21,8 @@ _STRICT_SHARE = 0.1
 _DIP = 30.0
 # A step this short is taken even if a margin is broken on it.
 _LEAST_ADVANCE = 1e-9
+# A motion that cannot go on by this much, where a margin is zero, has ended there.
+_STUCK = 1e-8
 # Steps above this share of the length are made in one call or not at all: shorter ones are cheaper than certainty.
 _SHORT = 0.01
 _MOST_STEPS = 20_000
@@ -66,6 +68,9 @@ def integrate(
         tried = min(h, length - done, longest_h)
         taken = _attempt(motion, state, tried, tolerance, fast=tried > _SHORT * length)
         if taken is None or not taken.error <= tolerance:
+            ended = _ended(steps, slack) if tried <= max(tolerance, _STUCK) else None
+            if ended is not None:
+                return Phase(tuple(steps), ended, first_h)
             h = 0.5 * tried if taken is None else next_length(tried, taken.error, tolerance)
             continue
         relative = taken.stages[:, MARGIN] / slack
@@ -100,6 +105,14 @@ def _attempt(motion: Motion, state: NDArray[np.float64], h: float, tolerance: fl
         return None
 
 
+def _ended(steps: list[Step], slack: NDArray[np.float64]) -> int | None:
+    """Return the margin that is zero to within its slack, if there is one: no step leads on from there."""
+    if not steps:
+        return None
+    relative = steps[-1].stages[-1, MARGIN] / slack
+    return int(relative.argmin()) if relative.min() <= 1.0 else None
+
+
 def _slack(motion: Motion, tolerance: float) -> NDArray[np.float64]:
     """How far below zero each margin may go, less for those where the motion changes at once."""
     slack = np.full(MARGIN.stop - MARGIN.start, _SLACK_SHARE * math.sqrt(tolerance))
@@ -118,7 +131,7 @@ def _land(
     low, high = 0.0, taken.h
     broken, h, slope = _first_crossing(taken, slack)
     before = (math.nan, math.nan)
-    for _ in range(100):
+    for iteration in range(400):
         h = max(h, _LEAST_ADVANCE)
         motion.unknowns = list(unknowns)
         attempt = _attempt(motion, state, h, tolerance)
@@ -138,7 +151,8 @@ def _land(
             slope = slope if math.isnan(secant) else secant
         before = (h, margin)
         h = h - margin / slope if slope < 0.0 else math.nan
-        if not low < h < high:
+        # Secants creep where a margin jumps, as it may between support points: now and then the bracket is halved.
+        if not low < h < high or iteration % 8 == 7:
             h = 0.5 * (low + high)
     raise ConvergenceError(f"the place where margin {broken} of a contact mode ends could not be located: {margin}")
 

@@ -188,8 +188,8 @@ def _footprint_row(row: dict[str, str], where: str) -> tuple[float, float, float
 def parse_footprint(text: str, outline: Outline) -> Footprint:
     """Return the footprint that a word names: `exact`, `grid:N`, `corners`, or the path of a CSV file.
 
-    >>> parse_footprint("grid:8", Polygon(((0, 0), (1, 0), (1, 1)))).positions[0]
-    (0.1875, 0.0625)
+    >>> parse_footprint("corners", Polygon(((0, 0), (1, 0), (1, 1)))).positions[2]
+    (1.0, 1.0)
     """
     if text == "exact":
         return PatchFootprint(outline)

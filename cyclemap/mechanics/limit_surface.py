@@ -11,7 +11,6 @@ from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint, PointFootprint
 from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.outline import Ellipse, Polygon
 from cyclemap.mechanics.patch_integrals import FAR_RATIO, patch_expressions
 
 
@@ -23,6 +22,7 @@ class LimitSurface:
     origin; the friction wrench on the object is -grad D (maximum dissipation; Goyal, Ruina & Papadopoulos 1991).
     Exact footprints are accurate to 1e-10 relative everywhere.
 
+    >>> from cyclemap.mechanics import Ellipse
     >>> surface = LimitSurface(PatchFootprint(Ellipse(1.0, 1.0)), EllipseFriction.isotropic(0.3))
     >>> round(float(surface.dissipation([0.0, 0.0, 1.0])), 12)  # pure spin of a disc: 2/3 mu R
     0.2
@@ -73,9 +73,7 @@ def normalised(footprint: Footprint) -> Footprint:
         positions = np.asarray(footprint.positions) / size
         return PointFootprint(tuple(map(tuple, positions.tolist())), footprint.weights)
     gradient = (footprint.gradient[0] * size, footprint.gradient[1] * size)
-    if isinstance(footprint.outline, Ellipse):
-        return PatchFootprint(Ellipse(footprint.outline.semi_x / size, footprint.outline.semi_y / size), gradient)
-    return PatchFootprint(Polygon(tuple(map(tuple, (footprint.outline.array / size).tolist()))), gradient)
+    return PatchFootprint(footprint.outline.scaled(1.0 / size), gradient)
 
 
 @lru_cache(maxsize=64)

@@ -68,6 +68,10 @@ class Polygon:
         """Largest distance of the outline from its centroid, m."""
         return float(np.hypot(*(self.array - self.centroid).T).max())
 
+    def scaled(self, factor: float) -> "Polygon":
+        """Return the polygon with every coordinate times `factor`."""
+        return Polygon(tuple(map(tuple, (factor * self.array).tolist())))
+
     def points(self, count: int) -> NDArray[np.float64]:
         """Return the closed outline as a polyline (k + 1, 2), m; a polygon needs no more than its corners."""
         return np.vstack([self.array, self.array[:1]])
@@ -128,6 +132,10 @@ class Ellipse:
     def extent(self) -> float:
         """Largest distance of the outline from its centroid, m."""
         return max(self.semi_x, self.semi_y)
+
+    def scaled(self, factor: float) -> "Ellipse":
+        """Return the ellipse with both semi-axes times `factor`."""
+        return Ellipse(factor * self.semi_x, factor * self.semi_y)
 
     def points(self, count: int) -> NDArray[np.float64]:
         """Return the closed outline as a polyline (count + 1, 2), m."""

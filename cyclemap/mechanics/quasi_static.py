@@ -5,7 +5,6 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.constants import g as GRAVITY
 
 from cyclemap.checks import finite_number, positive_number
@@ -16,98 +15,18 @@ from cyclemap.mechanics.event_integration import integrate
 from cyclemap.mechanics.first_touch import first_touch, overlaps
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
+from cyclemap.mechanics.handling import DragLeg, DragResult, PushResult
 from cyclemap.mechanics.limit_surface import normalised
 from cyclemap.mechanics.motion import RING, Motion, Rod
-from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
+from cyclemap.mechanics.outline import Ellipse, Outline
 from cyclemap.mechanics.protocol import Pose, SidePush, WorldPush
 from cyclemap.mechanics.push_run import PushRun, PushStart, RunPhase, run_push
 from cyclemap.mechanics.pusher import Pusher
 from cyclemap.mechanics.slider import Slider
-from cyclemap.mechanics.trajectory import Frame, Trajectory, trajectory_of
+from cyclemap.mechanics.trajectory import Frame
 
 # What a step may be off by, as a share of the accuracy asked of the whole motion; measured in tests/mechanics.
 _STEP_SHARE = 0.03
-
-
-@dataclass(frozen=True)
-class PushResult:
-    """A push: poses before and after, the rod's travel in contact (m), why it ended (`distance`, `left`, `missed`).
-
-    `run` holds the computed phases in normalised units, `frame` how they lie in the world.
-    """
-
-    start: Pose
-    end: Pose
-    ended: str
-    run: PushRun
-    frame: Frame
-
-    @property
-    def turn(self) -> float:
-        """Turn of the object, rad."""
-        return self.end.theta - self.start.theta
-
-    @property
-    def travel(self) -> float:
-        """Rod travel in contact, m."""
-        return self.frame.unit * math.fsum(p.phase.length for p in self.run.phases)
-
-    @property
-    def displacement(self) -> NDArray[np.float64]:
-        """Displacement of the object's origin in its initial frame, (2,), m."""
-        dx, dy = self.end.x - self.start.x, self.end.y - self.start.y
-        c, s = math.cos(self.start.theta), math.sin(self.start.theta)
-        return np.array((c * dx + s * dy, -s * dx + c * dy))
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """The course of the push in the world."""
-        return trajectory_of(self.run.phases, self.frame)
-
-
-@dataclass(frozen=True)
-class DragLeg:
-    """One straight leg of a drag: its phase in normalised units, and how it lies in the world."""
-
-    phase: RunPhase
-    frame: Frame
-
-
-@dataclass(frozen=True)
-class DragResult:
-    """A drag: poses before and after, and its legs (none where the ring was already there)."""
-
-    start: Pose
-    end: Pose
-    legs: tuple[DragLeg, ...]
-
-    @property
-    def turn(self) -> float:
-        """Turn of the object, rad."""
-        return self.end.theta - self.start.theta
-
-    @property
-    def length(self) -> float:
-        """Path of the ring, m."""
-        return math.fsum(leg.frame.unit * leg.phase.phase.length for leg in self.legs)
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """The course of the drag in the world."""
-        parts = [trajectory_of((leg.phase,), leg.frame) for leg in self.legs]
-        if not parts:
-            raise InvalidInput("this drag has no length, so that it has no trajectory")
-        starts = np.cumsum([0.0, *(part.path[-1] for part in parts)])
-        path = np.concatenate([part.path + start for part, start in zip(parts, starts, strict=False)])
-        return Trajectory(
-            path,
-            np.concatenate([part.pose for part in parts]),
-            np.concatenate([part.pusher for part in parts]),
-            np.concatenate([part.contact_point for part in parts]),
-            np.concatenate([part.contact_force for part in parts]),
-            np.concatenate([part.mode for part in parts]),
-            max(part.residual for part in parts),
-        )
 
 
 @dataclass(frozen=True)
@@ -173,10 +92,7 @@ class QuasiStaticModel:
 
     @cached_property
     def _outline(self) -> Outline:
-        outline = self.slider.outline
-        if isinstance(outline, Ellipse):
-            return Ellipse(outline.semi_x / self.unit, outline.semi_y / self.unit)
-        return Polygon(tuple(map(tuple, (outline.array / self.unit).tolist())))
+        return self.slider.outline.scaled(1.0 / self.unit)
 
     @property
     def weight(self) -> float:

@@ -28,7 +28,7 @@ LOOPS = {
     "the MIT loop, leaving": (MIT, 0.0, "left"),
     "the MIT loop, by distance": (MIT, 1.0, "distance"),
     "a hexagon on strong friction": (
-        CollectionLoop(Slider.mit("hex"), STRONG, Pusher(friction=0.3), SidePush(2, 0.35, 0.3, 0.1)),
+        CollectionLoop(Slider.mit("hex"), STRONG, Pusher(friction=0.3), SidePush(2, 0.35, 0.3, 0.04)),
         -2.0,
         "distance",
     ),
@@ -92,7 +92,7 @@ def outputs(loop, theta):
 
 
 def differenced(loop, theta, parameter):
-    """Richardson's central difference of the outputs; one-sided, of order two, where a rod has no radius or friction."""
+    """Richardson's central difference of the outputs; one-sided where a rod has no radius or friction."""
     value = {"pusher_friction": loop.pusher.friction, "pusher_radius": loop.pusher.radius}.get(parameter, 1.0)
     step = 2e-6 if parameter in ("pusher_radius", "hitch_x", "hitch_y", "distance") else 2e-5
 
@@ -114,6 +114,9 @@ def test_all_thirteen_sensitivities_of_all_six_outputs_are_the_differences(name)
     for column, parameter in enumerate(PARAMETER_NAMES):
         if name == "a frictionless rod" and parameter == "pusher_friction":
             continue  # Stick and slip part at zero friction: there is no derivative.
+        if name == "a point rod that leaves at a corner" and parameter == "pusher_radius":
+            assert np.isnan(found.jacobian[:, column]).all()
+            continue  # Every thicker rod goes around the corner: the point's own motion does not tell how.
         wanted = differenced(loop, theta, parameter)
         size = np.maximum(1.0, np.abs(wanted).max())
         assert np.abs(found.jacobian[:, column] - wanted).max() < 2e-4 * size, parameter

@@ -90,9 +90,7 @@ def test_a_repeated_angle_with_equal_values_is_a_kink():
     made = CircleMap.from_samples(x, x, [1.0, 0.5, 1.5, 1.0])
     assert made.breaks.tolist() == [2.0]
     assert made.jumps()[0].size == 0
-    np.testing.assert_allclose(
-        [made.left_derivative(2.0), made.right_derivative(2.0)], [0.5, 1.5], atol=1e-12
-    )
+    np.testing.assert_allclose([made.left_derivative(2.0), made.right_derivative(2.0)], [0.5, 1.5], atol=1e-12)
 
 
 @pytest.mark.parametrize("start", [0.0, 0.7])
@@ -127,9 +125,7 @@ def test_shape_preserving_branches_run_through_the_end_point():
 def test_differences_never_reach_across_a_break():
     def kinked(x):
         base = np.mod(x, TWO_PI)
-        return (
-            x - base + np.where(base < 2.0, 0.5 * base, 1.0 + (base - 2.0) * (TWO_PI - 1.0) / (TWO_PI - 2.0))
-        )
+        return x - base + np.where(base < 2.0, 0.5 * base, 1.0 + (base - 2.0) * (TWO_PI - 1.0) / (TWO_PI - 2.0))
 
     made = CircleMap(kinked, breaks=[0.0, 2.0])
     x = np.array([0.0, 1e-9, 1e-4, 1.0, 2.0 - 1e-4, 2.0 - 1e-9, 2.0, 2.0 + 1e-4, 6.0])

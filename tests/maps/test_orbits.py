@@ -107,9 +107,7 @@ def test_at_a_tongue_edge_there_is_one_saddle_node(period, omega, strength):
 @pytest.mark.parametrize("distance", [1e-11, 1e-9, 1e-6])
 @pytest.mark.parametrize(("period", "omega", "strength"), EDGES)
 def test_beside_a_tongue_edge_there_are_two_orbits_or_none(period, omega, strength, distance):
-    counts = {
-        len(periodic_orbits(CircleMap.arnold(omega + side * distance, strength), period)) for side in (-1, 1)
-    }
+    counts = {len(periodic_orbits(CircleMap.arnold(omega + side * distance, strength), period)) for side in (-1, 1)}
     assert counts == {0, 2}
 
 
@@ -121,9 +119,7 @@ def test_conjugation_by_a_rotation_moves_the_orbits_and_nothing_else(angle, omeg
         plain, moved = periodic_orbits(sine, period), periodic_orbits(rotated(sine, angle), period)
         assert len(plain) == len(moved)
         expected = sorted(orbit.multiplier for orbit in plain)
-        np.testing.assert_allclose(
-            sorted(orbit.multiplier for orbit in moved), expected, rtol=1e-6, atol=1e-6
-        )
+        np.testing.assert_allclose(sorted(orbit.multiplier for orbit in moved), expected, rtol=1e-6, atol=1e-6)
 
 
 def test_stable_and_unstable_points_of_a_sampled_map_alternate_and_match():
@@ -148,9 +144,7 @@ def test_windings_shift_with_the_lift():
 
 
 def test_a_fixed_point_on_a_kink_has_two_multipliers():
-    kink = CircleMap.from_samples(
-        [0, 1, 1, 3, 5, 6], [0.5, 1, 1, 2.6, 4.5, 6.4], [0.5, 0.5, 0.8, 0.8, 0.9, 1.0]
-    )
+    kink = CircleMap.from_samples([0, 1, 1, 3, 5, 6], [0.5, 1, 1, 2.6, 4.5, 6.4], [0.5, 0.5, 0.8, 0.8, 0.9, 1.0])
     on_kink = fixed_points(kink)[0]
     assert abs(on_kink.points[0] - 1) < 1e-12
     np.testing.assert_allclose([on_kink.left_multiplier, on_kink.multiplier], [0.5, 0.8], atol=1e-12)

@@ -68,9 +68,7 @@ def test_moebius_with_cauchy_noise_is_exactly_solvable():
     known = [1, slope, slope**2, slope**3]
     found = law.eigenvalues(7)
     np.testing.assert_allclose(np.abs(found[[0, 1, 3, 5]]), np.abs(known), atol=1e-11)
-    np.testing.assert_allclose(
-        np.sort_complex(found[1:3]), np.sort_complex([slope, np.conj(slope)]), atol=1e-11
-    )
+    np.testing.assert_allclose(np.sort_complex(found[1:3]), np.sort_complex([slope, np.conj(slope)]), atol=1e-11)
     assert abs(law.rotation_number - 0.2627872013171239726) < 1e-14
 
 
@@ -143,10 +141,7 @@ def test_total_variation_is_half_the_integral_of_the_difference():
 def test_small_noise_recovers_the_noiseless_rotation_number():
     sine = CircleMap.arnold(0.6, 0.5)
     truth = rotation_number(sine).value
-    errors = [
-        abs(transfer_operator(sine, WrappedNormal(sigma)).rotation_number - truth)
-        for sigma in (0.2, 0.1, 0.05)
-    ]
+    errors = [abs(transfer_operator(sine, WrappedNormal(sigma)).rotation_number - truth) for sigma in (0.2, 0.1, 0.05)]
     assert errors[2] < 2e-6
     assert errors[2] < 0.35 * errors[1] < 0.35 * errors[0]
 

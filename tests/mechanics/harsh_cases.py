@@ -13,7 +13,6 @@ from cyclemap.mechanics import (
     Polygon,
     Pose,
     Pusher,
-    SidePush,
     Slider,
     corner_footprint,
     grid_footprint,

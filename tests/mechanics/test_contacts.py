@@ -135,7 +135,9 @@ def test_a_point_that_slides_off_a_corner_leaves_there_with_no_more_than_the_sid
 def test_a_vertex_on_a_straight_side_is_no_corner():
     angle = 0.3
     turn = np.array(((math.cos(angle), -math.sin(angle)), (math.sin(angle), math.cos(angle))))
-    vertices = np.array(((0.045, 0.045), (0.01, 0.045), (-0.0123, 0.045), (-0.045, 0.045), (-0.045, -0.045), (0.045, -0.045)))
+    vertices = np.array(
+        ((0.045, 0.045), (0.01, 0.045), (-0.0123, 0.045), (-0.045, 0.045), (-0.045, -0.045), (0.045, -0.045))
+    )
     with_more = Slider(Polygon(tuple(map(tuple, vertices @ turn.T))))
     fraction = (0.045 + 0.0123 + 0.3 * (0.045 - 0.0123)) / 0.09
     for radius in (0.0, 0.00475):

@@ -16,8 +16,9 @@ MODEL = QuasiStaticModel(Slider.mit("rect1"), PLYWOOD, accuracy=1e-9)
 
 
 def ellipsoid_motion(lever, radius):
-    """Motion (theta, 0) of a ring at a lever from the centre, drawn along x, under D^2 = vx^2 + vy^2 + (radius omega)^2.
+    """Motion (theta, 0) of a ring at a lever from the centre, drawn along x.
 
+    The limit surface is an ellipsoid, D^2 = vx^2 + vy^2 + (radius omega)^2.
     The spin minimises |u - omega z x r|^2 + (radius omega)^2.
     """
 
@@ -50,7 +51,9 @@ def test_the_integrator_is_of_order_eight_and_its_estimate_falls_at_order_six_or
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
     assert orders.min() > 7.0
     starts = np.linspace(0.3, 2.7, 9)
-    means = [np.mean([step(ellipsoid_motion(1.0, 1.0), np.array((s, 0.0)), h).error for s in starts]) for h in (0.4, 0.2)]
+    means = [
+        np.mean([step(ellipsoid_motion(1.0, 1.0), np.array((s, 0.0)), h).error for s in starts]) for h in (0.4, 0.2)
+    ]
     assert math.log2(means[0] / means[1]) > 6.0
 
 

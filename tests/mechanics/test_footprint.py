@@ -79,7 +79,7 @@ def test_a_csv_file_is_read_in_millimetres(tmp_path):
         ("x_mm,y_mm,weight\n1,2,3\n4,5\n", "line 3"),
         ("x_mm,y_mm,weight\n1,2,3\n4,five,6\n", "line 3"),
         ("x_mm,y_mm,weight\n", "no support points"),
-        ("x_mm,y_mm,weight\n1,2,nan\n3,4,1\n", "not finite"),
+        ("x_mm,y_mm,weight\n1,2,nan\n3,4,1\n", "finite"),
         ("x_mm,y_mm,weight\n1,2,-1\n3,4,2\n", "negative"),
         ("x_mm,y_mm,weight\n1,2,1\n1,2,1\n", "two support points"),
     ],

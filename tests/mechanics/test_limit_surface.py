@@ -19,7 +19,9 @@ from cyclemap.mechanics import (
 )
 
 SQUARE, TRIANGLE = Slider.mit("rect1").outline, Slider.mit("tri3").outline
-SCATTERED = PointFootprint(tuple(map(tuple, np.random.default_rng(5).uniform(-0.05, 0.05, (7, 2)))), (1, 2, 3, 1, 1, 2, 5))
+SCATTERED = PointFootprint(
+    tuple(map(tuple, np.random.default_rng(5).uniform(-0.05, 0.05, (7, 2)))), (1, 2, 3, 1, 1, 2, 5)
+)
 FOOTPRINTS = {
     "square": PatchFootprint(SQUARE),
     "leaning triangle": PatchFootprint.under(TRIANGLE, (-0.01, 0.0)),

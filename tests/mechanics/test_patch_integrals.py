@@ -99,7 +99,9 @@ def both_sides_of_the_switch(outline, rng):
     for ratio in (FAR_RATIO * (1 - 1e-14), FAR_RATIO * (1 + 1e-14)):
         c = np.array(outline.centroid) + ratio * outline.extent * np.array((math.cos(angle), math.sin(angle)))
         twist = np.array((c[1], -c[0], 1.0)) / outline.extent
-        values.append(np.concatenate([[surface.dissipation(twist)], surface.wrench(twist), surface.hessian(twist).ravel()]))
+        values.append(
+            np.concatenate([[surface.dissipation(twist)], surface.wrench(twist), surface.hessian(twist).ravel()])
+        )
     return values
 
 

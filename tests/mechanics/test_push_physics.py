@@ -100,7 +100,9 @@ def test_the_rods_work_goes_into_the_ground_and_into_slip_at_the_contact(runs):
     for case, push, trajectory in runs:
         twists, _ = twists_and_wrenches(case.model, push.run.phases, trajectory)
         surface = LimitSurface(case.model.pressure, case.model.friction)
-        toward = np.array((math.cos(push.run.phases[0].motion.rod.direction), math.sin(push.run.phases[0].motion.rod.direction)))
+        toward = np.array(
+            (math.cos(push.run.phases[0].motion.rod.direction), math.sin(push.run.phases[0].motion.rod.direction))
+        )
         for rows in modes(trajectory):
             power = trajectory.contact_force[rows] @ toward / case.model.weight
             ground = [float(surface.dissipation(twists[i], trajectory.pose[i, 2])) for i in rows[2:-2:10]]

@@ -1,4 +1,4 @@
-"""A second solver, written out here in plain numpy and scipy: minimises dissipation by brute force, integrates generically.
+"""A second solver in plain numpy and scipy: minimises dissipation by brute force, integrates generically.
 
 It shares nothing with the package but the definitions: the object's full pose is the state (it may drift off the rod),
 sticking minimises D over the spin, sliding minimises D on the twists that the cone's edge does unit work on.

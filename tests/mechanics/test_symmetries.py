@@ -61,7 +61,10 @@ def test_scaling_every_length_scales_displacements_and_nothing_else(seed):
             scaled = Polygon(tuple(map(tuple, factor * outline.array)))
         hitch = (factor * slider.hitch[0], factor * slider.hitch[1])
         model = QuasiStaticModel(
-            Slider(scaled, hitch=hitch), case.model.friction, Pusher(factor * pusher.radius, pusher.friction), accuracy=1e-9
+            Slider(scaled, hitch=hitch),
+            case.model.friction,
+            Pusher(factor * pusher.radius, pusher.friction),
+            accuracy=1e-9,
         )
         pose = Pose(factor * case.pose.x, factor * case.pose.y, case.pose.theta)
         push = replace(case.push, distance=factor * case.push.distance)

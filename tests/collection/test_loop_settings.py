@@ -1,0 +1,149 @@
+"""Settings in degrees and millimetres: each reaches its place in the loop, and bad ones are told by name."""
+
+import math
+
+import pytest
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.settings import SETTING_KEYS
+from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.mechanics import Ellipse, PatchFootprint, Slider, corner_footprint, grid_footprint
+
+MIT = CollectionLoop.mit()
+
+# key: value given, how it is read back from the loop, value in SI units.
+PLACES = {
+    "mu_a": (0.3, lambda loop: loop.material.friction.mu_a, 0.3),
+    "mu_b": (0.3, lambda loop: loop.material.friction.mu_b, 0.3),
+    "m0": (-0.01, lambda loop: loop.material.friction.m0, -0.01),
+    "n0": (0.01, lambda loop: loop.material.friction.n0, 0.01),
+    "phi_deg": (90, lambda loop: loop.material.friction.phi, math.pi / 2),
+    "pusher_mu": (0.4, lambda loop: loop.pusher.friction, 0.4),
+    "pusher_radius_mm": (3, lambda loop: loop.pusher.radius, 0.003),
+    "side": (2, lambda loop: loop.push.side, 2),
+    "fraction": (0.25, lambda loop: loop.push.fraction, 0.25),
+    "angle_deg": (-30, lambda loop: loop.push.angle, -math.pi / 6),
+    "push_mm": (80, lambda loop: loop.push.distance, 0.08),
+    "hitch_x_mm": (5, lambda loop: loop.slider.hitch[0], 0.005),
+    "hitch_y_mm": (-6, lambda loop: loop.slider.hitch[1], -0.006),
+    "centre_x_mm": (2, lambda loop: loop.slider.centre_of_mass[0], 0.002),
+    "centre_y_mm": (-3, lambda loop: loop.slider.centre_of_mass[1], -0.003),
+    "mass_kg": (2.5, lambda loop: loop.slider.mass, 2.5),
+}
+
+
+@pytest.mark.parametrize("key", PLACES)
+def test_every_setting_reaches_its_place_in_si_units_and_no_other(key):
+    value, read, wanted = PLACES[key]
+    loop = CollectionLoop.from_settings({key: value})
+    assert read(loop) == pytest.approx(wanted, rel=1e-15)
+    for other, (_, read_other, _) in PLACES.items():
+        assert other == key or read_other(loop) == read_other(MIT)
+
+
+def test_no_setting_is_left_untested():
+    others = {"shape", "vertices_mm", "semi_x_mm", "semi_y_mm", "way_points_mm", "footprint"}
+    assert set(PLACES) | others == set(SETTING_KEYS)
+
+
+def test_outlines_come_by_name_by_vertices_or_by_semi_axes_and_keep_the_ring():
+    named = CollectionLoop.from_settings({"shape": "tri1"})
+    assert named.slider.outline == Slider.mit("tri1").outline
+    own = CollectionLoop.from_settings({"vertices_mm": [[0, 0], [100, 0], [0, 50]]})
+    assert own.slider.outline.vertices == ((0.0, 0.0), (0.1, 0.0), (0.0, 0.05))
+    ellipse = CollectionLoop.from_settings({"semi_x_mm": 50, "semi_y_mm": 70})
+    assert (ellipse.slider.outline.semi_x, ellipse.slider.outline.semi_y) == pytest.approx((0.05, 0.07))
+    for loop in (named, own, ellipse):
+        assert loop.slider.hitch == MIT.slider.hitch
+        assert loop.slider.centre_of_mass == loop.slider.outline.centroid
+        assert loop.cycle(0.3).ended in ("distance", "left")
+
+
+def test_a_new_outline_with_a_ring_of_its_own_has_that_ring():
+    loop = CollectionLoop.from_settings({"shape": "hex", "hitch_x_mm": 1, "hitch_y_mm": 2})
+    assert loop.slider.hitch == pytest.approx((0.001, 0.002))
+
+
+def test_footprints_are_those_of_the_outline_that_is_set():
+    square = CollectionLoop.from_settings({"footprint": "grid:8"})
+    assert square.footprint == grid_footprint(Slider.mit("rect1").outline, 8)
+    both = CollectionLoop.from_settings({"shape": "hex", "footprint": "corners"})
+    assert both.footprint == corner_footprint(Slider.mit("hex").outline)
+
+
+def test_the_exact_footprint_leans_as_the_centre_of_mass_asks():
+    even = CollectionLoop.from_settings({"footprint": "exact"}, CollectionLoop.from_settings({"footprint": "grid:8"}))
+    assert even.model.pressure == PatchFootprint(Slider.mit("rect1").outline)
+    leaning = CollectionLoop.from_settings({"footprint": "exact", "centre_x_mm": 4})
+    assert leaning.model.pressure.centre == pytest.approx((0.004, 0.0), abs=1e-15)
+
+
+def test_settings_build_on_a_given_loop_and_replace_nothing_unasked():
+    base = CollectionLoop.from_settings({"pusher_mu": 0.4, "way_points_mm": [[10, 20]]})
+    loop = CollectionLoop.from_settings({"push_mm": 80}, base)
+    assert loop.pusher.friction == 0.4
+    assert loop.reset.way_points == ((0.01, 0.02),)
+    assert CollectionLoop.from_settings({}) == MIT
+
+
+def test_a_changed_material_says_so_and_an_unchanged_one_does_not():
+    assert CollectionLoop.from_settings({"mu_a": 0.3}).material.name == "plywood (changed)"
+    assert CollectionLoop.from_settings({"mu_a": 0.2545}).material.name == "plywood"
+
+
+def test_millimetres_and_degrees_mean_the_protocol_of_the_paper():
+    same = {"push_mm": 150, "fraction": 0.7, "side": 0, "angle_deg": 0, "pusher_radius_mm": 4.75, "pusher_mu": 0.15}
+    assert CollectionLoop.from_settings(same).cycle(0.0).theta_next == pytest.approx(
+        MIT.cycle(0.0).theta_next, abs=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        ({"mu_c": 1}, "did you mean 'mu_"),
+        ({"mu_a": "rough"}, "rough"),
+        ({"mu_a": float("nan")}, "nan"),
+        ({"mu_a": -0.1}, "-0.1"),
+        ({"m0": 0.3}, "gain energy"),
+        ({"pusher_radius_mm": -1}, "radius"),
+        ({"side": 1.5}, "side"),
+        ({"side": True}, "side"),
+        ({"fraction": 1.01}, "1.01"),
+        ({"angle_deg": 90}, "points away"),
+        ({"push_mm": 0}, "distance"),
+        ({"shape": "rect9"}, "did you mean 'rect"),
+        ({"shape": "hex", "semi_x_mm": 3, "semi_y_mm": 3}, "both name the outline"),
+        ({"semi_x_mm": 3}, "both semi_x_mm and semi_y_mm"),
+        ({"semi_y_mm": 3}, "both semi_x_mm and semi_y_mm"),
+        ({"vertices_mm": [[0, 0], [1, 0]]}, "three vertices"),
+        ({"vertices_mm": [[0, 0], [1, 1], [1, 0], [0, 1]]}, "cross"),
+        ({"vertices_mm": "square"}, "vertices_mm"),
+        ({"vertices_mm": 3}, "vertices_mm"),
+        ({"way_points_mm": [1, 2]}, "way_points_mm"),
+        ({"way_points_mm": [[1, float("inf")]]}, "way_points_mm"),
+        ({"centre_x_mm": 60}, "outside the outline"),
+        ({"footprint": "exact:8"}, "none of"),
+        ({"footprint": 8}, "none of"),
+        ({"footprint": "grid:8.5"}, "none of"),
+        ({"footprint": "none.csv"}, "none.csv"),
+        ({"mass_kg": 0}, "mass"),
+        ({"hitch_x_mm": None}, "hitch_x_mm"),
+    ],
+)
+def test_bad_settings_are_refused_by_name_in_one_line(settings, told):
+    with pytest.raises(InvalidInput, match=told) as refused:
+        CollectionLoop.from_settings(settings)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_side_that_the_outline_has_not_is_refused_before_anything_moves():
+    for settings in ({"side": 4}, {"shape": "ellip1", "side": 1}):
+        with pytest.raises(CycleMapError, match="does not exist"):
+            CollectionLoop.from_settings(settings).cycle(0.0)
+
+
+def test_a_footprint_of_another_outline_is_not_kept():
+    grid = CollectionLoop.from_settings({"footprint": "grid:8"})
+    assert CollectionLoop.from_settings({"semi_x_mm": 40, "semi_y_mm": 40}, grid).footprint is None
+    assert isinstance(CollectionLoop.from_settings({"shape": "ellip1"}).slider.outline, Ellipse)
