@@ -62,6 +62,7 @@ def integrate(
     """
     steps: list[Step] = []
     done, h, slack = 0.0, first_h, _slack(motion, tolerance)
+    motion.evaluate(state)
     while done < length:
         if len(steps) > _MOST_STEPS or h < 1e-15 * length:
             raise ConvergenceError(f"the motion needs steps below {h:.2e} at {done:.6g} of {length:.6g}: state {state}")

@@ -34,7 +34,7 @@ def step_function(footprint: Footprint, kind: str, mode: str, near: bool) -> ca.
     """Build (once) the step of a normalised footprint, kind of contact, mode and regime.
 
     (state 2, unknowns u, h, parameters) -> (error, last Newton correction, least far, greatest far) followed, for each
-    of the 12 stages and the end, by state 2, slope 2, margins 5, unknowns u.
+    of the 6 stages and the end, by state 2, slope 2, margins 5, unknowns u.
     """
     contact = contact_functions(footprint, near)
     iterations = _ITERATIONS_POINTS if isinstance(footprint, PointFootprint) else _ITERATIONS_PATCH
@@ -114,7 +114,8 @@ def _step(
     def solve(at: ca.MX, nearby: int | None) -> None:
         q = arguments(at, p)
         z = guess if nearby is None else unknowns[nearby] + slope_of_unknowns @ (at - states[nearby])
-        for _ in range(iterations):
+        # The start comes solved; its one iteration certifies that it is.
+        for _ in range(iterations if nearby is not None else 1):
             found = solver(z, q)
             step = found[count : 2 * count]
             z = z + step

@@ -92,9 +92,7 @@ def _first_motion(solver: ContactSolver, piece: OutlinePiece, rod: Rod, state: N
         )
     if margins[_FIRST] >= 0.0 and margins[_SECOND] >= 0.0 and rod.friction > 0.0:
         return stick
-    slide = _other_mode(stick, state, _FIRST if margins[_FIRST] < margins[_SECOND] else _SECOND)
-    slide.evaluate(state)
-    return slide
+    return _other_mode(stick, state, _FIRST if margins[_FIRST] < margins[_SECOND] else _SECOND)
 
 
 def _other_mode(motion: Motion, state: NDArray[np.float64], broken: int) -> Motion:

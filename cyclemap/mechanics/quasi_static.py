@@ -143,7 +143,6 @@ class QuasiStaticModel:
         piece = RingPiece((self.slider.hitch[0] / self.unit, self.slider.hitch[1] / self.unit))
         motion = Motion(self.solver, piece, RING, Rod(0.0, 0.0, math.atan2(dy, dx)))
         state = np.array((pose.theta, 0.0))
-        motion.evaluate(state)
         tolerance, longest = _STEP_SHARE * self.accuracy, longest_step / self.unit
         phase = integrate(motion, state, length, tolerance, 0.3, longest)
         return DragLeg(RunPhase(motion, state, phase), Frame(self.unit, ring, self.weight))

@@ -39,22 +39,24 @@ def ellipsoid_end(theta, lever, radius, length, steps):
 
 
 def test_an_ellipsoids_drag_follows_its_closed_form():
+    """tan(theta / 2) falls as exp(-kappa L), kappa = r / (c^2 + r^2), when the limit surface is an ellipsoid."""
     for theta, lever, radius, length in np.random.default_rng(1).uniform((-3, 0.1, 0.3, 0.5), (3, 2, 2, 5), (20, 4)):
         kappa = lever / (radius**2 + lever**2)
         exact = 2.0 * math.atan(math.exp(-kappa * length) * math.tan(theta / 2.0))
-        assert abs(ellipsoid_end(theta, lever, radius, length, 60) - exact) < 1e-13
+        assert abs(ellipsoid_end(theta, lever, radius, length, 200) - exact) < 1e-12
 
 
-def test_the_integrator_is_of_order_eight_and_its_estimate_falls_at_order_six_or_more():
+def test_the_integrator_is_of_order_five_and_its_estimate_falls_so_too():
+    """Halving the steps divides the error by 2^5, and the estimate of one step's error as well."""
     exact = 2.0 * math.atan(math.exp(-1.5) * math.tan(1.25))
-    errors = [abs(ellipsoid_end(2.5, 1.0, 1.0, 3.0, n) - exact) for n in (3, 6, 12)]
+    errors = [abs(ellipsoid_end(2.5, 1.0, 1.0, 3.0, n) - exact) for n in (12, 24, 48)]
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
-    assert orders.min() > 7.0
+    np.testing.assert_allclose(orders, 5.0, atol=0.7)
     starts = np.linspace(0.3, 2.7, 9)
     means = [
         np.mean([step(ellipsoid_motion(1.0, 1.0), np.array((s, 0.0)), h).error for s in starts]) for h in (0.4, 0.2)
     ]
-    assert math.log2(means[0] / means[1]) > 6.0
+    assert math.log2(means[0] / means[1]) > 4.7
 
 
 def test_the_object_turns_as_dissipates_least():
