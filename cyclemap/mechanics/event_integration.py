@@ -167,13 +167,6 @@ def _first_crossing(taken: Step, slack: NDArray[np.float64]) -> tuple[int, float
         after = max(int(np.argmax(margins[:, index] < -1.0)), 1)
         a, b = max(margins[after - 1, index], 0.0), margins[after, index]
         width = places[after] - places[after - 1]
-        place = places[after - 1] + width * _inverse_interpolation(margins[:, index], after)
-        crossings.append((float(place), index, float((b - a) / width)))
+        crossings.append((float(places[after - 1] + width * a / (a - b)), index, float((b - a) / width)))
     place, index, slope = min(crossings)
     return index, place, slope
-
-
-def _inverse_interpolation(margins: NDArray[np.float64], after: int) -> float:
-    """Where between two places a margin vanishes, as a share of their distance."""
-    a, b = max(margins[after - 1], 0.0), margins[after]
-    return float(a / (a - b))

