@@ -94,6 +94,23 @@ class Cycle:
 
 
 @dataclass(frozen=True, eq=False)
+class Cycles:
+    """Many cycles as arrays, in the shape (...) of the orientations they start from.
+
+    theta, theta_next (lift), push_turn, drag_turn : (...), rad. push_displacement : (..., 2), m, initial object frame.
+    drag_length : (...), m. left : (...), bool, where the rod lost the object before the push's distance was done.
+    """
+
+    theta: NDArray[np.float64]
+    push_turn: NDArray[np.float64]
+    push_displacement: NDArray[np.float64]
+    drag_turn: NDArray[np.float64]
+    drag_length: NDArray[np.float64]
+    theta_next: NDArray[np.float64]
+    left: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
 class CycleSensitivity:
     """Derivatives of one cycle.
 
@@ -180,10 +197,32 @@ class CollectionLoop:
 
         return Cycle(theta, push, drag, redrawn)
 
+    def cycles(self, theta: ArrayLike) -> Cycles:
+        """Run one push and reset from each of many orientations (...), rad.
+
+        >>> turns = CollectionLoop.mit().cycles([0.0, 1.0]).push_turn
+        >>> np.degrees(turns).round(3)
+        array([73.653, 73.927])
+        """
+        values = finite_array("theta", theta)
+        runs = [self.cycle(t) for t in values.ravel().tolist()]
+
+        def gathered(name: str, *tail: int) -> NDArray[np.float64]:
+            return np.array([getattr(run, name) for run in runs], dtype=float).reshape(*values.shape, *tail)
+
+        return Cycles(
+            values,
+            gathered("push_turn"),
+            gathered("push_displacement", 2),
+            gathered("drag_turn"),
+            gathered("drag_length"),
+            gathered("theta_next"),
+            np.array([run.ended == "left" for run in runs]).reshape(values.shape),
+        )
+
     def next_theta(self, theta: ArrayLike) -> NDArray[np.float64]:
         """Return theta_next (...), rad on the lift, at orientations (...)."""
-        values = finite_array("theta", theta)
-        return np.array([self.cycle(t).theta_next for t in values.ravel().tolist()]).reshape(values.shape)
+        return self.cycles(theta).theta_next
 
     def sensitivity(self, theta: float, parameters: tuple[str, ...] = PARAMETER_NAMES) -> CycleSensitivity:
         """Run one cycle and differentiate it by theta and by every parameter of material, pusher and protocol.

@@ -88,3 +88,18 @@ def test_flip_of_strong_anisotropy_is_kept_steep():
     np.testing.assert_allclose(turns, [71.9, -19.4], atol=0.05)
     theta = math.radians(99.1759)
     assert loop.sensitivity(theta, ("theta",)).by_theta > 200.0
+
+
+def test_many_cycles_are_the_single_ones_in_any_shape():
+    """Batch evaluation gives each cycle's numbers, in the shape of the orientations; also for none at all."""
+    loop = plywood()
+    theta = np.radians([[0.0, 60.0, 150.0], [270.0, 360.0, -90.0]])
+    many = loop.cycles(theta)
+    for index in np.ndindex(theta.shape):
+        single = loop.cycle(float(theta[index]))
+        found = (many.push_turn, many.drag_turn, many.drag_length, many.theta_next)
+        expected = (single.push_turn, single.drag_turn, single.drag_length, single.theta_next)
+        np.testing.assert_array_equal([array[index] for array in found], expected)
+        np.testing.assert_array_equal(many.push_displacement[index], single.push_displacement)
+        assert many.left[index] == (single.ended == "left")
+    assert many.left.sum() == 4 and loop.cycles([]).theta_next.shape == (0,)
