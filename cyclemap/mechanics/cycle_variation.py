@@ -14,6 +14,7 @@ from cyclemap.mechanics.outline import Ellipse
 from cyclemap.mechanics.phase_variation import vary_phase
 from cyclemap.mechanics.push_run import PushRun, RunPhase
 from cyclemap.mechanics.runge_kutta import SLOPE
+from cyclemap.suggestions import unknown_name
 
 if TYPE_CHECKING:
     from cyclemap.mechanics.quasi_static import QuasiStaticModel
@@ -38,8 +39,11 @@ def cycle_jacobian(
     """Return d CYCLE_OUTPUTS / d names, (6, k), of a push from the ring's target and the drag back to it.
 
     The push is a `SidePush`. Exact to the accuracy of the run, except on trajectories that touch a discontinuity; by
-    the radius of a point rod that comes to a corner it is nan.
+    the radius of a point rod that comes to a corner it is nan. Raises InvalidInput for an unknown name.
     """
+    for name in names:
+        if name not in PARAMETER_NAMES:
+            raise unknown_name("parameter", name, PARAMETER_NAMES)
     unit, one = model.unit, _unit_rows(names)
     by_push = _push_variation(model, push, one)
     theta_0, theta_1 = push.start.theta, push.end.theta

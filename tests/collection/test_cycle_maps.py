@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 from cyclemap.collection import CollectionLoop
+from cyclemap.errors import InvalidInput
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import EllipseFriction, Material, Slider, grid_footprint
 
@@ -88,6 +89,12 @@ def test_flip_of_strong_anisotropy_is_kept_steep():
     np.testing.assert_allclose(turns, [71.9, -19.4], atol=0.05)
     theta = math.radians(99.1759)
     assert loop.sensitivity(theta, ("theta",)).by_theta > 200.0
+
+
+def test_derivative_by_an_unknown_parameter_is_refused():
+    """A parameter that does not exist is refused by name, not answered with zero."""
+    with pytest.raises(InvalidInput, match="unknown parameter 'mu_c'"):
+        plywood().sensitivity(0.0, ("theta", "mu_c"))
 
 
 def test_many_cycles_are_the_single_ones_in_any_shape():
