@@ -82,14 +82,16 @@ class Portrait:
 
     @property
     def highest_peaks(self) -> tuple[float, ...]:
-        """The peaks (rad) of the stationary density, the highest first.
+        """The peaks (rad) at which the stationary density is above the uniform one, the highest first.
 
         Where noise is too weak to connect the stable directions, their shares are not determined: each is a peak.
         """
         if not self.operator.is_certain:
             return tuple(sorted(float(orbit.points[0]) for orbit in self.stable_points))
         peaks = self.operator.peaks()
-        return tuple(peaks[np.argsort(-self.operator.density(peaks))].tolist())
+        density = self.operator.density(peaks)
+        order = np.argsort(-density)
+        return tuple(peaks[order][density[order] > 1.0 / FULL_TURN].tolist())
 
     @property
     def tv_from_uniform(self) -> float | None:
