@@ -72,7 +72,8 @@ def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture
         console.print(sentences.agreement_sentence(measured.agreement))
     if drawn.fixed_points:
         console.print(_fixed_point_table(drawn))
-    console.print(f"{sentences.accuracy_line(drawn)}; {sentences.parameters_line(drawn)}", style="dim")
+    for line in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line):
+        console.print(line(drawn), style="dim")
     console.print(f"picture: {picture}")
 
 

@@ -20,6 +20,7 @@ from cyclemap.views.sentences import (
     lock_sentence,
     noise_sentence,
     parameters_line,
+    push_line,
     staircase_sentence,
 )
 from cyclemap.views.style import QUIET, new_figure, picture_style
@@ -98,7 +99,7 @@ def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, mea
     figure.text(0.015, 0.955, headline(portrait), fontsize=18, fontweight="bold", va="center")
     told = f"{lock_sentence(portrait)} {noise_sentence(portrait)} {staircase_sentence(portrait)}"
     figure.text(0.015, 0.928, fill(told, LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
-    foot = [parameters_line(portrait), accuracy_line(portrait)]
+    foot = [parameters_line(portrait), f"{push_line(portrait)}  ·  {accuracy_line(portrait)}"]
     if measured is not None:
         foot.append(agreement_sentence(measured.agreement))
     figure.text(0.015, 0.06, "\n".join(foot), fontsize=8, color=QUIET, va="top", linespacing=1.35)

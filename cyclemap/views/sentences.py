@@ -32,7 +32,9 @@ def lock_sentence(portrait: Portrait) -> str:
     turns = portrait.turns
     value = portrait.rotation.value
     pace = f"a full turn takes {cycles(1 / abs(value))}" if value else "over many cycles it gets nowhere"
-    return f"Without noise a cycle turns the object by {angle(turns.minimum)} to {angle(turns.maximum)}; {pace}."
+    least, most = angle(turns.minimum), angle(turns.maximum)
+    turned = least if least == most else f"{least} to {most}"
+    return f"Without noise a cycle turns the object by {turned}; {pace}."
 
 
 def noise_sentence(portrait: Portrait) -> str:
@@ -78,6 +80,14 @@ def parameters_line(portrait: Portrait) -> str:
     friction = f"friction μa {law.mu_a:g}, μb {law.mu_b:g}, m0 {law.m0:g}, n0 {law.n0:g}, φ {angle(law.phi)}"
     rod = f"rod ⌀ {2000 * loop.pusher.radius:g} mm, μ {loop.pusher.friction:g}"
     return f"{friction}  ·  {rod}  ·  ring at ({ring_x:.1f}, {ring_y:.1f}) mm"
+
+
+def push_line(portrait: Portrait) -> str:
+    """The object and where it is pushed, with units."""
+    loop = portrait.loop
+    slanted = f", {angle(loop.push.angle)} off its normal" if loop.push.angle else ""
+    place = f"on side {loop.push.side} at {loop.push.fraction:g}{slanted}"
+    return f"{loop.slider.name} pushed {1000 * loop.push.distance:g} mm {place}"
 
 
 def accuracy_line(portrait: Portrait) -> str:
