@@ -208,7 +208,7 @@ class CollectionLoop:
         runs = [self.cycle(t) for t in values.ravel().tolist()]
 
         def gathered(name: str, *tail: int) -> NDArray[np.float64]:
-            return np.array([getattr(run, name) for run in runs], dtype=float).reshape(*values.shape, *tail)
+            return np.array([getattr(run, name) for run in runs], dtype=float).reshape((*values.shape, *tail))
 
         return Cycles(
             values,

@@ -98,7 +98,7 @@ def test_derivative_by_an_unknown_parameter_is_refused():
 
 
 def test_many_cycles_are_the_single_ones_in_any_shape():
-    """Batch evaluation gives each cycle's numbers, in the shape of the orientations; also for none at all."""
+    """Batch evaluation gives each cycle's numbers, in the shape of the orientations, none and one included."""
     loop = plywood()
     theta = np.radians([[0.0, 60.0, 150.0], [270.0, 360.0, -90.0]])
     many = loop.cycles(theta)
@@ -109,4 +109,5 @@ def test_many_cycles_are_the_single_ones_in_any_shape():
         np.testing.assert_array_equal([array[index] for array in found], expected)
         np.testing.assert_array_equal(many.push_displacement[index], single.push_displacement)
         assert many.left[index] == (single.ended == "left")
-    assert many.left.sum() == 4 and loop.cycles([]).theta_next.shape == (0,)
+    assert many.left.sum() == 4
+    assert loop.cycles([]).theta_next.shape == (0,) and loop.next_theta(0.5).shape == ()

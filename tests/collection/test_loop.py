@@ -151,15 +151,6 @@ def test_the_lift_commutes_with_full_turns():
         assert abs(MIT.cycle(theta + 6 * math.pi).theta_next - MIT.cycle(theta).theta_next - 6 * math.pi) < 1e-8
 
 
-def test_arrays_of_orientations_are_the_cycles_one_by_one_in_any_shape():
-    theta = np.linspace(-3, 3, 6).reshape(2, 3)
-    found = MIT.next_theta(theta)
-    assert found.shape == (2, 3)
-    assert np.allclose(found.ravel(), [MIT.cycle(t).theta_next for t in theta.ravel()], atol=1e-8)
-    assert MIT.next_theta(0.5).shape == ()
-    assert MIT.next_theta([]).shape == (0,)
-
-
 def test_the_order_of_calls_does_not_change_a_cycle_beyond_its_accuracy():
     """The solver keeps its last solution as a guess; what it finds must not depend on it."""
     first = [CollectionLoop.mit().cycle(t).theta_next for t in (0.0, 2.0, 4.0)]
