@@ -5,7 +5,6 @@ What is said later wins: MIT's defaults, then the material, then the protocol fi
 
 import json
 import math
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import SETTING_KEYS
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.suggestions import unknown_name
+from cyclemap.text_files import read_toml
 
 NOISE_KEY = "noise_deg"
 
@@ -53,7 +53,7 @@ def protocol_settings(path: Path) -> dict[str, object]:
     DataFileError where the file cannot be read, nests deeper, or gives a key twice.
     """
     settings: dict[str, object] = {}
-    for key, value in _entries(path, _read_toml(path)):
+    for key, value in _entries(path, read_toml(path)):
         if key in settings:
             raise DataFileError(f"{path}: {key} is given twice; keep one")
         if isinstance(value, bool) or not isinstance(value, (int, float, str, list)):
@@ -65,17 +65,6 @@ def protocol_settings(path: Path) -> dict[str, object]:
 def _entries(path: Path, table: dict[str, object]) -> Iterable[tuple[str, object]]:
     for name, value in table.items():
         yield from value.items() if isinstance(value, dict) else [(name, value)]
-
-
-def _read_toml(path: Path) -> dict[str, object]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise DataFileError(f"{path}: there is no such protocol file; check the path") from error
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise DataFileError(f"{path}: not TOML: {error}") from error
-    except OSError as error:
-        raise DataFileError(f"{path}: cannot be read ({error.strerror}); give a readable TOML file") from error
 
 
 def _value(text: str) -> object:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop, Cycle
@@ -25,6 +25,7 @@ from cyclemap.maps import (
     sample_staircase,
     transfer_operator,
 )
+from cyclemap.maps.quadrature import circle_rule
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
@@ -35,8 +36,8 @@ FULL_TURN = 2 * np.pi
 
 DEFAULT_CYCLES = 2000
 
-PANELS = 256
-PANEL_NODES, PANEL_WEIGHTS = np.polynomial.legendre.leggauss(8)
+# Fourier modes that the statistics' quadrature resolves; its nodes are then less than a quarter of a degree apart.
+_BANDWIDTH = 2048
 
 
 @dataclass(frozen=True)
@@ -150,10 +151,9 @@ def portrait(
 def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
     """Mean, extremes and slopes of the turn of `cycle_map`.
 
-    The mean is Gauss quadrature between the map's breaks; the extremes are over the same 2048 or more nodes,
-    which are at most a quarter of a degree apart.
+    The mean is a quadrature that no break spoils; the extremes are over the same nodes, of which there are thousands.
     """
-    theta, weight = circle_quadrature(cycle_map.breaks)
+    theta, weight = circle_rule(cycle_map, _BANDWIDTH)
     turn = cycle_map.turn(theta)
     slope = cycle_map.derivative(theta)
     return TurnStatistics(
@@ -163,19 +163,6 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
         min_slope=float(slope.min()),
         max_slope=float(slope.max()),
     )
-
-
-def circle_quadrature(breaks: ArrayLike = ()) -> tuple[Array, Array]:
-    """Nodes (n,) rad in [0, 2π) and weights (n,) that integrate over the circle, none on a break.
-
-    >>> theta, weight = circle_quadrature((1.0,))
-    >>> bool(abs(weight @ np.where(theta < 1.0, 2.0, 0.0) - 2.0) < 1e-14)
-    True
-    """
-    edges = np.unique(np.concatenate([np.linspace(0.0, FULL_TURN, PANELS + 1), np.mod(breaks, FULL_TURN)]))
-    half = np.diff(edges)[:, None] / 2
-    centre = edges[:-1, None] + half
-    return (centre + half * PANEL_NODES).ravel(), (half * PANEL_WEIGHTS).ravel()
 
 
 def _drawn_start(points: tuple[Orbit, ...], operator: TransferOperator) -> float:

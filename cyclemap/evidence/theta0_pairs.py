@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.csv_table import CsvRow, CsvTable, read_csv_table, require_columns
+from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
 
 Array = NDArray[np.float64]
 

@@ -22,6 +22,10 @@ class Contact(NamedTuple):
     y: float
     normal: float
 
+    def rod_centre(self, radius: float) -> tuple[float, float]:
+        """Return where the centre of a touching rod is."""
+        return self.x + radius * math.cos(self.normal), self.y + radius * math.sin(self.normal)
+
 
 @dataclass(frozen=True)
 class SidePiece:

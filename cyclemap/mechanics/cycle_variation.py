@@ -171,7 +171,7 @@ def _rod_shift(motion: Motion, at: Array, state: Array, by_radius: Array) -> Arr
     theta, coordinate, radius = float(at[0]), float(at[1]), motion.rod.radius
     contact, metric = motion.piece.contact(coordinate, radius)
     normal = np.array((math.cos(contact.normal), math.sin(contact.normal)))
-    centre = np.array((contact.x, contact.y)) + radius * normal
+    centre = np.array(contact.rod_centre(radius))
     by_place = metric * np.outer(_quarter(normal), state[1]) + np.outer(normal, by_radius)
     return _turned(theta, centre, state[0], by_place)
 

@@ -1,6 +1,5 @@
 """Footprints: how the slider's weight is spread over its underside."""
 
-import csv
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from cyclemap.checks import finite_array, point
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
+from cyclemap.text_files import read_csv_table, require_columns
 
 # Gauss points a direction where the centre of rotation is far: exact to rounding there (tests/mechanics).
 _FAR_ORDER = 6
@@ -156,33 +156,14 @@ def load_footprint(path: str | Path) -> PointFootprint:
 
     Raises DataFileError, naming file and line, for a missing file or column, or a row that is not three numbers.
     """
-    rows = []
+    table = read_csv_table(path)
+    columns = ("x_mm", "y_mm", "weight")
+    require_columns(table, columns)
+    x_mm, y_mm, weight = np.array([[table.number(row, name) for name in columns] for row in table.rows]).T
     try:
-        with Path(path).open(newline="", encoding="utf-8") as file:
-            reader = csv.DictReader(file)
-            if not {"x_mm", "y_mm", "weight"} <= set(reader.fieldnames or ()):
-                raise DataFileError(
-                    f"{path}: a footprint needs the columns x_mm, y_mm, weight, not {reader.fieldnames}"
-                )
-            for row in reader:
-                rows.append(_footprint_row(row, f"{path}: line {reader.line_num}"))
-    except (OSError, UnicodeDecodeError, csv.Error) as cause:
-        raise DataFileError(f"{path}: not a readable CSV file: {cause}") from cause
-    if not rows:
-        raise DataFileError(f"{path}: no support points below the header: add rows of x_mm, y_mm, weight")
-    table = np.array(rows)
-    try:
-        return PointFootprint(tuple(map(tuple, (table[:, :2] * 1e-3).tolist())), tuple(table[:, 2].tolist()))
+        return PointFootprint(tuple(zip(x_mm * 1e-3, y_mm * 1e-3, strict=True)), tuple(weight))
     except InvalidInput as cause:
         raise DataFileError(f"{path}: {cause}") from cause
-
-
-def _footprint_row(row: dict[str, str], where: str) -> tuple[float, float, float]:
-    try:
-        x, y, weight = (float(row[key]) for key in ("x_mm", "y_mm", "weight"))
-    except (TypeError, ValueError) as cause:
-        raise DataFileError(f"{where}: a footprint row must hold three numbers, not {row}") from cause
-    return x, y, weight
 
 
 def parse_footprint(text: str, outline: Outline) -> Footprint:

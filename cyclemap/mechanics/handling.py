@@ -42,9 +42,7 @@ class PushResult:
     @property
     def displacement(self) -> NDArray[np.float64]:
         """Displacement of the object's origin in its initial frame, (2,), m."""
-        dx, dy = self.end.x - self.start.x, self.end.y - self.start.y
-        c, s = math.cos(self.start.theta), math.sin(self.start.theta)
-        return np.array((c * dx + s * dy, -s * dx + c * dy))
+        return np.array(self.start.to_object(self.end.x, self.end.y))
 
     @cached_property
     def trajectory(self) -> Trajectory:

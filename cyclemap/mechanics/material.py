@@ -9,6 +9,7 @@ from pathlib import Path
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.suggestions import unknown_name
+from cyclemap.text_files import read_toml
 
 FRICTION_KEYS = ("mu_a", "mu_b", "m0", "n0", "phi_deg")
 
@@ -65,12 +66,7 @@ def friction_from_degrees(values: dict[str, object]) -> EllipseFriction:
 
 
 def _material_from_file(path: Path) -> Material:
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as cause:
-        raise DataFileError(f"{path}: there is no such material file") from cause
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as cause:
-        raise DataFileError(f"{path}: not a readable TOML file: {cause}") from cause
+    table = read_toml(path)
     try:
         return _material_from_table(table, path.stem)
     except InvalidInput as cause:

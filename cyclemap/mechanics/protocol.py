@@ -74,6 +74,21 @@ class Pose:
         for name in ("x", "y", "theta"):
             object.__setattr__(self, name, finite_number(f"pose {name}", getattr(self, name)))
 
+    def to_world(self, x: float, y: float) -> tuple[float, float]:
+        """Return where a point of the object's frame (m) is in the world, m."""
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        return self.x + c * x - s * y, self.y + s * x + c * y
+
+    def to_object(self, x: float, y: float) -> tuple[float, float]:
+        """Return where a point of the world (m) is in the object's frame, m.
+
+        >>> Pose(1.0, 2.0, 0.5).to_object(1.0, 2.0)
+        (0.0, 0.0)
+        """
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        dx, dy = x - self.x, y - self.y
+        return c * dx + s * dy, -s * dx + c * dy
+
 
 @dataclass(frozen=True)
 class DragBack:

@@ -130,9 +130,7 @@ class QuasiStaticModel:
 
     def ring_place(self, pose: Pose) -> tuple[float, float]:
         """Return where the ring is in the world at a pose, m."""
-        c, s = math.cos(pose.theta), math.sin(pose.theta)
-        x, y = self.slider.hitch
-        return pose.x + c * x - s * y, pose.y + s * x + c * y
+        return pose.to_world(*self.slider.hitch)
 
     def _drag_leg(
         self, pose: Pose, ring: tuple[float, float], goal: tuple[float, float], longest_step: float
@@ -167,9 +165,7 @@ class QuasiStaticModel:
         return PushStart(index, coordinate, pose.theta), direction, place, length
 
     def _touch(self, pose: Pose, push: WorldPush) -> tuple[float, int, float]:
-        c, s = math.cos(pose.theta), math.sin(pose.theta)
-        dx, dy = push.start[0] - pose.x, push.start[1] - pose.y
-        start = np.array((c * dx + s * dy, -s * dx + c * dy)) / self.unit
+        start = np.array(pose.to_object(*push.start)) / self.unit
         if overlaps(self._outline, self.radius, start):
             raise InvalidInput(f"the rod starts inside the object, at {push.start} m: move its start outside")
         touch = first_touch(self.pieces, self.radius, start, push.direction - pose.theta)
@@ -183,10 +179,8 @@ class QuasiStaticModel:
     def rod_place(self, pose: Pose, piece: int, coordinate: float) -> tuple[float, float]:
         """Return where the rod's centre is in the world (m) when it touches at a place of the contact curve."""
         contact, _ = self.pieces[piece].contact(coordinate, self.radius)
-        x = self.unit * (contact.x + self.radius * math.cos(contact.normal))
-        y = self.unit * (contact.y + self.radius * math.sin(contact.normal))
-        c, s = math.cos(pose.theta), math.sin(pose.theta)
-        return pose.x + c * x - s * y, pose.y + s * x + c * y
+        x, y = contact.rod_centre(self.radius)
+        return pose.to_world(self.unit * x, self.unit * y)
 
     def _end_pose(self, run: PushRun, frame: Frame) -> Pose:
         last = run.phases[-1].motion
@@ -204,11 +198,7 @@ class QuasiStaticModel:
         for phase in run.phases:
             for taken in phase.phase.steps:
                 contact, _ = phase.motion.piece.contact(float(taken.end[1]), self.radius)
-                x, y = (
-                    contact.x + self.radius * math.cos(contact.normal),
-                    contact.y + self.radius * math.sin(contact.normal),
-                )
-                if self._outline.distance((x, y)) < self.radius - 1e-7:
+                if self._outline.distance(contact.rod_centre(self.radius)) < self.radius - 1e-7:
                     raise UnsupportedContact(
                         "the rod runs into another side of this concave outline: use a thinner rod or push less far"
                     )
@@ -216,5 +206,5 @@ class QuasiStaticModel:
 
 def _pose_from_ring(ring: tuple[float, float], theta: float, hitch: tuple[float, float]) -> Pose:
     """Return the pose at orientation theta whose ring is at a place."""
-    c, s = math.cos(theta), math.sin(theta)
-    return Pose(ring[0] - c * hitch[0] + s * hitch[1], ring[1] - s * hitch[0] - c * hitch[1], theta)
+    x, y = Pose(0.0, 0.0, theta).to_world(*hitch)
+    return Pose(ring[0] - x, ring[1] - y, theta)

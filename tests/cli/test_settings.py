@@ -52,7 +52,7 @@ def test_bad_protocol_is_refused_by_file(protocol, text, said) -> None:
 
 
 def test_absent_protocol_is_refused(tmp_path) -> None:
-    with pytest.raises(DataFileError, match="there is no such protocol file"):
+    with pytest.raises(DataFileError, match="there is no such file"):
         protocol_settings(tmp_path / "none.toml")
     with pytest.raises(DataFileError, match="cannot be read"):
         protocol_settings(tmp_path)

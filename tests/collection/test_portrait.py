@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.collection.cycle_scene import cycle_scene, placed
-from cyclemap.collection.portrait import DEFAULT_SIGMA, circle_quadrature, portrait, turn_statistics
+from cyclemap.collection.portrait import DEFAULT_SIGMA, portrait, turn_statistics
 from cyclemap.collection.portrait_curves import cobweb, portrait_curves, turn_curve
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
@@ -38,15 +38,6 @@ def test_statistics_do_not_smooth_a_jump() -> None:
     assert turns.minimum == pytest.approx(-1.0, abs=1e-3)
     assert turns.maximum == pytest.approx(np.pi - 1.0, abs=1e-3)
     assert turns.max_slope == 1.5
-
-
-@pytest.mark.parametrize("breaks", [(), (1.0,), (0.0,), (3.0, 3.1, 6.28)])
-def test_quadrature_is_exact_for_harmonics_and_for_steps_at_breaks(breaks) -> None:
-    theta, weight = circle_quadrature(breaks)
-    assert weight.sum() == pytest.approx(TURN, abs=1e-13)
-    assert weight @ np.cos(17 * theta) ** 2 == pytest.approx(np.pi, abs=1e-12)
-    for place in breaks:
-        assert weight @ (theta < place) == pytest.approx(place, abs=1e-12)
 
 
 def test_portrait_of_a_locked_map(loop_of) -> None:

@@ -74,11 +74,11 @@ def test_a_csv_file_is_read_in_millimetres(tmp_path):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("x_mm,y_mm\n1,2\n", "columns x_mm, y_mm, weight"),
-        ("", "columns x_mm, y_mm, weight"),
+        ("x_mm,y_mm\n1,2\n", "column weight is missing"),
+        ("", "the file is empty"),
         ("x_mm,y_mm,weight\n1,2,3\n4,5\n", "line 3"),
         ("x_mm,y_mm,weight\n1,2,3\n4,five,6\n", "line 3"),
-        ("x_mm,y_mm,weight\n", "no support points"),
+        ("x_mm,y_mm,weight\n", "a header but no rows"),
         ("x_mm,y_mm,weight\n1,2,nan\n3,4,1\n", "finite"),
         ("x_mm,y_mm,weight\n1,2,-1\n3,4,2\n", "negative"),
         ("x_mm,y_mm,weight\n1,2,1\n1,2,1\n", "two support points"),
@@ -96,8 +96,8 @@ def test_a_bad_csv_file_is_told_by_name_in_one_line(tmp_path, text, told):
 def test_missing_folders_and_binary_files_are_told_too(tmp_path):
     binary = tmp_path / "feet.csv"
     binary.write_bytes(bytes(range(128, 256)))
-    for path in (tmp_path / "absent.csv", tmp_path, binary):
-        with pytest.raises(DataFileError, match="not a readable CSV file"):
+    for path, told in ((tmp_path / "absent.csv", "no such file"), (tmp_path, "cannot be read"), (binary, "not UTF-8")):
+        with pytest.raises(DataFileError, match=told):
             load_footprint(path)
 
 

@@ -1,8 +1,9 @@
-"""CSV files as tables that know their line numbers, so that a bad field can be named exactly."""
+"""Files that people write: TOML, and CSV as tables that know their line numbers, so that a bad field can be named."""
 
 import csv
 import io
 import math
+import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -53,7 +54,7 @@ def read_csv_table(path: str | Path) -> CsvTable:
     absent, not UTF-8 text, empty, without rows, or has a row with more or fewer fields than the header.
     """
     path = Path(path)
-    records = _records(path, _read_text(path))
+    records = _records(path, _read_text(path, "plain CSV"))
     if not records:
         raise DataFileError(f"{path}: the file is empty; it needs a header line and at least one row")
     table = CsvTable(path, tuple(name.lower() for name in records[0].fields), tuple(records[1:]))
@@ -68,15 +69,23 @@ def require_columns(table: CsvTable, columns: Sequence[str]) -> None:
         raise table.error(1, f"column {', '.join(missing)} is missing; the header has {', '.join(table.header)}")
 
 
-def _read_text(path: Path) -> str:
+def read_toml(path: str | Path) -> dict[str, object]:
+    """Read a TOML file; DataFileError, naming the file and the mend, where it is absent or not TOML."""
+    try:
+        return tomllib.loads(_read_text(Path(path), "TOML"))
+    except tomllib.TOMLDecodeError as error:
+        raise DataFileError(f"{path}: not TOML: {error}") from error
+
+
+def _read_text(path: Path, kind: str) -> str:
     try:
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise DataFileError(f"{path}: byte {error.start} is not UTF-8 text; save it as plain CSV") from error
+        raise DataFileError(f"{path}: byte {error.start} is not UTF-8 text; save it as {kind}") from error
     except FileNotFoundError as error:
         raise DataFileError(f"{path}: there is no such file; check the path") from error
     except OSError as error:
-        raise DataFileError(f"{path}: cannot be read ({error.strerror}); give a readable CSV file") from error
+        raise DataFileError(f"{path}: cannot be read ({error.strerror}); give a readable {kind} file") from error
 
 
 def _records(path: Path, text: str) -> list[CsvRow]:
