@@ -10,8 +10,8 @@ import numpy as np
 _TINY = 1e-60
 
 # Gauss points on each of an ellipse's two arcs, and the least half-width of the strip (rad) that they resolve.
-_ARC_ORDER = 72
-_NARROWEST = 1e-10
+_ARC_ORDER = 88
+_NARROWEST = 1e-12
 
 
 @dataclass(frozen=True)
