@@ -50,12 +50,13 @@ class Cycle:
     theta : orientation before, rad; theta_next : after, on the lift (theta + push_turn + drag_turn).
     push_turn, drag_turn : rad. push_displacement : of the object's origin in its initial frame, (2,), m.
     drag_length : path of the ring, m. ended : why the push ended, `distance` or `left`.
+    push, drag : the results of both strokes. loop : what was run.
     """
 
     theta: float
     push: PushResult
     drag: DragResult
-    redrawn: Callable[[], CycleTrajectory]
+    loop: "CollectionLoop"
 
     @property
     def push_turn(self) -> float:
@@ -89,8 +90,9 @@ class Cycle:
 
     @cached_property
     def trajectory(self) -> CycleTrajectory:
-        """The course of the cycle, sampled finely enough to be drawn."""
-        return self.redrawn()
+        """The course of the cycle, run once more with steps short enough to be drawn."""
+        push, drag = self.loop.strokes(self.theta, self.push.travel / _DRAWN)
+        return CycleTrajectory(push.trajectory, drag.trajectory)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,13 +191,7 @@ class CollectionLoop:
     def cycle(self, theta: float) -> Cycle:
         """Run one push and reset from orientation `theta` (rad, any number of turns)."""
         theta = finite_number("theta", theta)
-        push, drag = self._run(theta, math.inf)
-
-        def redrawn() -> CycleTrajectory:
-            fine_push, fine_drag = self._run(theta, push.travel / _DRAWN)
-            return CycleTrajectory(fine_push.trajectory, fine_drag.trajectory)
-
-        return Cycle(theta, push, drag, redrawn)
+        return Cycle(theta, *self.strokes(theta), self)
 
     def cycles(self, theta: ArrayLike) -> Cycles:
         """Run one push and reset from each of many orientations (...), rad.
@@ -243,7 +239,7 @@ class CollectionLoop:
 
         def sample(theta: float) -> tuple[float, float]:
             found = fine.sensitivity(theta, ("theta",))
-            return found.theta_next, found.by("theta")
+            return found.theta_next, found.by_theta
 
         def value(theta: float) -> float:
             return fine.cycle(theta).theta_next
@@ -252,6 +248,7 @@ class CollectionLoop:
         fine = replace(self, accuracy=min(sample_error, 1e-6))
         return sample_circle_map(sample, value, 0.9 * tolerance, progress, sample_error)
 
-    def _run(self, theta: float, longest_step: float) -> tuple[PushResult, DragResult]:
+    def strokes(self, theta: float, longest_step: float = math.inf) -> tuple[PushResult, DragResult]:
+        """Run the push and the drag of a cycle, their steps no longer than `longest_step` (m)."""
         push = self.model.push(self.start_pose(theta), self.push, longest_step)
         return push, self.model.drag(push.end, (*self.reset.way_points, (0.0, 0.0)), longest_step)

@@ -22,8 +22,8 @@ import casadi as ca
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.patch_integrals import PatchExpressions, patch_expressions
+from cyclemap.mechanics.rim import Expression
 
-Expression: TypeAlias = ca.SX | ca.MX
 Symbol: TypeAlias = Callable[..., Expression]
 
 # The order of the equations' arguments; lengths in footprint extents, angles in rad.

@@ -101,7 +101,7 @@ def _push_variation(model: "QuasiStaticModel", push: PushResult, one: Rows) -> A
     if push.ended == "left":
         by_travel = _leaving(last, push.run.end, end_slope, state, by_direction)
     state = state + np.outer(end_slope, by_travel)
-    travel = math.fsum(p.phase.length for p in push.run.phases)
+    travel = push.run.length
     toward = np.array((math.cos(motion.rod.direction), math.sin(motion.rod.direction)))
     rod = np.outer(toward, by_travel) + travel * np.outer(_quarter(toward), by_direction)
     end_shift = _rod_shift(last.motion, push.run.end, state, by_radius)

@@ -37,7 +37,7 @@ class PushResult:
     @property
     def travel(self) -> float:
         """Rod travel in contact, m."""
-        return self.frame.unit * math.fsum(p.phase.length for p in self.run.phases)
+        return self.frame.unit * self.run.length
 
     @property
     def displacement(self) -> NDArray[np.float64]:

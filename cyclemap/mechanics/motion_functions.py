@@ -19,8 +19,6 @@ PARAMETERS = (
     *("direction", "radius", "smu", "mu_a", "mu_b", "m0", "n0", "phi"),
     *("geometry_0", "geometry_1", "geometry_2", "geometry_3", "geometry_4", "low", "high"),
 )
-KINDS = ("side", "corner", "ellipse", "ring")
-MODES = ("stick", "slide", "ring")
 MARGINS = ("approach", "after_low", "before_high", "mode_first", "mode_second")
 
 # Newton iterations a stage, for patches and for support points, whose friction is less smooth.

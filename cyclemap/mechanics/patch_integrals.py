@@ -20,7 +20,7 @@ import casadi as ca
 
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.outline import Polygon
-from cyclemap.mechanics.rim import Rim, ellipse_rim, polygon_rim
+from cyclemap.mechanics.rim import Expression, Rim, ellipse_rim, polygon_rim
 
 # Distance of the centre of rotation over the patch's extent, both in the velocity plane, beyond which the area
 # quadrature has more digits than the rim integrals (tests/mechanics/test_patch_integrals.py measures both).
@@ -40,14 +40,14 @@ class PatchExpressions:
     integrals do not depend on where their nodes are.
     """
 
-    dissipation: ca.SX
-    force: ca.SX
-    torque: ca.SX
-    hessian: ca.SX
-    far: ca.SX
-    frozen: tuple[tuple[ca.SX, ca.SX], ...] = ()
+    dissipation: Expression
+    force: Expression
+    torque: Expression
+    hessian: Expression
+    far: Expression
+    frozen: tuple[tuple[Expression, Expression], ...] = ()
 
-    def substituted(self, expression: ca.SX) -> ca.SX:
+    def substituted(self, expression: Expression) -> Expression:
         """Return an expression with the frozen symbols replaced by what they stand for."""
         for symbol, value in self.frozen:
             expression = ca.substitute(expression, symbol, value)
@@ -58,19 +58,19 @@ class PatchExpressions:
 class _Means:
     """Means over the pressure: |w|, its gradient and its Hessian in the velocity plane."""
 
-    speed: ca.SX
-    direction: ca.SX
-    curvature: ca.SX
+    speed: Expression
+    direction: Expression
+    curvature: Expression
 
 
-def traction_matrix(mu_a: ca.SX, mu_b: ca.SX, angle: ca.SX) -> ca.SX:
+def traction_matrix(mu_a: Expression, mu_b: Expression, angle: Expression) -> Expression:
     """Return M with s = |M v|, for a material whose first axis stands at `angle` in the frame of v."""
     c, s = ca.cos(angle), ca.sin(angle)
     return ca.blockcat([[mu_a * c, mu_a * s], [-mu_b * s, mu_b * c]])
 
 
 def patch_expressions(
-    footprint: Footprint, twist: ca.SX, friction: ca.SX, frame: ca.SX, near: bool
+    footprint: Footprint, twist: Expression, friction: Expression, frame: Expression, near: bool
 ) -> PatchExpressions:
     """Return a footprint's dissipation and its derivatives at a `twist` (vx, vy, omega) of its own frame.
 
@@ -86,7 +86,7 @@ def patch_expressions(
     velocity, omega = twist[:2], twist[2]
     centre = ca.DM(footprint.centre)
     at_centre = velocity + omega * _quarter_turn(centre)
-    frozen: tuple[tuple[ca.SX, ca.SX], ...] = ()
+    frozen: tuple[tuple[Expression, Expression], ...] = ()
     if near and isinstance(footprint, PatchFootprint):
         rim, frozen = _rim(footprint, velocity, omega, matrix)
         centred = _from_rim(footprint, rim, velocity, omega, matrix, mu_a * mu_b)
@@ -106,18 +106,18 @@ def patch_expressions(
     )
 
 
-def _quarter_turn(vector: ca.SX) -> ca.SX:
+def _quarter_turn(vector: Expression) -> Expression:
     return ca.vertcat(-vector[1], vector[0])
 
 
-def _norm(vector: ca.SX) -> ca.SX:
+def _norm(vector: Expression) -> Expression:
     return ca.sqrt(vector[0] ** 2 + vector[1] ** 2)
 
 
-_Centred = tuple[ca.SX, ca.SX, ca.SX, ca.SX]
+_Centred = tuple[Expression, Expression, Expression, Expression]
 
 
-def _from_points(footprint: Footprint, velocity: ca.SX, omega: ca.SX, matrix: ca.SX) -> _Centred:
+def _from_points(footprint: Footprint, velocity: Expression, omega: Expression, matrix: Expression) -> _Centred:
     """Dissipation, force, torque and Hessian as sums over points."""
     points, weights = footprint.quadrature
     x, y, share = ca.DM(points[:, 0]), ca.DM(points[:, 1]), ca.DM(weights)
@@ -141,8 +141,8 @@ def _from_points(footprint: Footprint, velocity: ca.SX, omega: ca.SX, matrix: ca
 
 
 def _rim(
-    footprint: PatchFootprint, velocity: ca.SX, omega: ca.SX, matrix: ca.SX
-) -> tuple[Rim, tuple[tuple[ca.SX, ca.SX], ...]]:
+    footprint: PatchFootprint, velocity: Expression, omega: Expression, matrix: Expression
+) -> tuple[Rim, tuple[tuple[Expression, Expression], ...]]:
     """Image of the footprint's rim in the velocity plane."""
     if isinstance(footprint.outline, Polygon):
         corners = ca.DM(footprint.outline.array)
@@ -155,7 +155,12 @@ def _rim(
 
 
 def _from_rim(
-    footprint: PatchFootprint, rim: Rim, velocity: ca.SX, omega: ca.SX, matrix: ca.SX, determinant: ca.SX
+    footprint: PatchFootprint,
+    rim: Rim,
+    velocity: Expression,
+    omega: Expression,
+    matrix: Expression,
+    determinant: Expression,
 ) -> _Centred:
     """Dissipation, force, torque and Hessian from the rim's integrals and homogeneity."""
     means = (
@@ -177,7 +182,9 @@ def _even_means(rim: Rim) -> _Means:
     return _Means(speed, rim.normal.T @ rim.length, rim.unit.T @ rim.normal)
 
 
-def _leaning_means(footprint: PatchFootprint, rim: Rim, velocity: ca.SX, omega: ca.SX, matrix: ca.SX) -> _Means:
+def _leaning_means(
+    footprint: PatchFootprint, rim: Rim, velocity: Expression, omega: Expression, matrix: Expression
+) -> _Means:
     """The same, weighted by the pressure, which is p0 + q . w in the velocity plane."""
     gradient = ca.DM(footprint.gradient)
     q = ca.solve(matrix.T, _quarter_turn(gradient)) / omega

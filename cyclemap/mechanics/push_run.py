@@ -35,6 +35,11 @@ class PushRun:
     end: NDArray[np.float64]
     ended: str
 
+    @property
+    def length(self) -> float:
+        """Rod travel in contact, extents."""
+        return math.fsum(phase.phase.length for phase in self.phases)
+
 
 @dataclass(frozen=True)
 class PushStart:

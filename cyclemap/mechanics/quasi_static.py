@@ -184,7 +184,7 @@ class QuasiStaticModel:
 
     def _end_pose(self, run: PushRun, frame: Frame) -> Pose:
         last = run.phases[-1].motion
-        travel = frame.unit * math.fsum(p.phase.length for p in run.phases)
+        travel = frame.unit * run.length
         rod_x = frame.rod_start[0] + travel * math.cos(last.rod.direction)
         rod_y = frame.rod_start[1] + travel * math.sin(last.rod.direction)
         theta = float(run.end[0])

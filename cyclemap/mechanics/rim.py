@@ -2,9 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import casadi as ca
 import numpy as np
+
+# Scalars or matrices: SX for closed forms, MX for sums over many nodes.
+Expression: TypeAlias = ca.SX | ca.MX
 
 # Keeps asinh(t / |d|) finite where the centre of rotation lies on a side's line; d^2 asinh is then zero to rounding.
 _TINY = 1e-60
@@ -23,15 +27,15 @@ class Rim:
     A piece may also be a quadrature node, with its weight in the normal.
     """
 
-    normal: ca.SX
-    distance: ca.SX
-    length: ca.SX
-    unit: ca.SX
-    first: ca.SX
-    second: ca.SX
+    normal: Expression
+    distance: Expression
+    length: Expression
+    unit: Expression
+    first: Expression
+    second: Expression
 
 
-def polygon_rim(x: ca.SX, y: ca.SX) -> Rim:
+def polygon_rim(x: Expression, y: Expression) -> Rim:
     """Return the rim of a counter-clockwise polygon with corners (x, y), columns, in closed form."""
     k = x.shape[0]
     following = [*range(1, k), 0]
@@ -61,7 +65,9 @@ def polygon_rim(x: ca.SX, y: ca.SX) -> Rim:
     return Rim(ca.horzcat(nx, ny), d, length, unit, first, second)
 
 
-def ellipse_rim(centre: ca.SX, cosine: ca.SX, sine: ca.SX) -> tuple[Rim, tuple[tuple[ca.SX, ca.SX], ...]]:
+def ellipse_rim(
+    centre: Expression, cosine: Expression, sine: Expression
+) -> tuple[Rim, tuple[tuple[Expression, Expression], ...]]:
     """Return the rim w = centre + cosine cos(tau) + sine sin(tau), as nodes graded towards the origin.
 
     |w| is singular at the two complex tau where w, as a complex number, vanishes: z = exp(i tau) solves
@@ -87,7 +93,7 @@ def ellipse_rim(centre: ca.SX, cosine: ca.SX, sine: ca.SX) -> tuple[Rim, tuple[t
     return rim, ((symbols, singularities),)
 
 
-def _graded_nodes(singularity: ca.SX) -> tuple[ca.SX, ca.SX]:
+def _graded_nodes(singularity: Expression) -> tuple[Expression, Expression]:
     """Nodes tau and weights of both halves; `singularity`: (alpha, delta) of each, alpha_2 is at most 2 pi more."""
     first, second = singularity[0], singularity[2]
     half = (second - first) / 2
@@ -103,14 +109,16 @@ def _graded_nodes(singularity: ca.SX) -> tuple[ca.SX, ca.SX]:
     return ca.vertcat(*taus), ca.vertcat(*weights)
 
 
-def _graded_arc(alpha: ca.SX, delta: ca.SX, before: ca.SX, after: ca.SX) -> tuple[ca.SX, ca.SX]:
+def _graded_arc(
+    alpha: Expression, delta: Expression, before: Expression, after: Expression
+) -> tuple[Expression, Expression]:
     node, weight = np.polynomial.legendre.leggauss(_ARC_ORDER)
     low, high = ca.asinh(before / delta), ca.asinh(after / delta)
     x = (low + high) / 2 + (high - low) / 2 * ca.DM(node)
     return alpha + delta * ca.sinh(x), (high - low) / 2 * ca.DM(weight) * delta * ca.cosh(x)
 
 
-def _ellipse_singularities(centre: ca.SX, cosine: ca.SX, sine: ca.SX) -> ca.SX:
+def _ellipse_singularities(centre: Expression, cosine: Expression, sine: Expression) -> Expression:
     """Return (alpha_1, delta_1, alpha_2, delta_2): angle and distance from the unit circle of both complex roots."""
     p = _Complex((cosine[0] + sine[1]) / 2, (cosine[1] - sine[0]) / 2)
     q = _Complex((cosine[0] - sine[1]) / 2, (cosine[1] + sine[0]) / 2)
@@ -133,8 +141,8 @@ def _ellipse_singularities(centre: ca.SX, cosine: ca.SX, sine: ca.SX) -> ca.SX:
 class _Complex:
     """A complex number of two real expressions."""
 
-    x: ca.SX
-    y: ca.SX
+    x: Expression
+    y: Expression
 
     def __mul__(self, other: "_Complex | int") -> "_Complex":
         if isinstance(other, int):
@@ -153,7 +161,7 @@ class _Complex:
         angle = ca.atan2(self.y, self.x) / 2
         return _Complex(size * ca.cos(angle), size * ca.sin(angle))
 
-    def strip(self) -> tuple[ca.SX, ca.SX]:
+    def strip(self) -> tuple[Expression, Expression]:
         """Return angle and |log modulus|, the latter kept between the narrowest strip and one wide enough."""
         modulus = ca.sqrt(self.x**2 + self.y**2 + _TINY)
         return ca.atan2(self.y, self.x), ca.fmin(ca.fmax(ca.fabs(ca.log(modulus)), _NARROWEST), 4.0)

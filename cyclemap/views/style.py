@@ -14,7 +14,6 @@ from cyclemap.errors import InvalidInput
 
 INK = "#222222"
 QUIET = "#666666"
-FAINT = "#cccccc"
 PREDICTED = "#0b3d6b"
 PREDICTED_FILL = "#d5e3ef"
 MEASURED = "#e69f00"
