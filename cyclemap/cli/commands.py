@@ -22,6 +22,17 @@ class LoopOptions:
     settings: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class RunRequest:
+    """What is asked of a command that predicts a run: its measured data, its length, and where results go."""
+
+    data: Path | None
+    cycles: int | None
+    seed: int
+    out: Path
+    picture_format: str
+
+
 def loop_options(command: Callable[..., None]) -> Callable[..., None]:
     """Give `command` the MATERIAL argument and the options shared by every command."""
     decorators: list[Callable[[Any], Any]] = [
@@ -41,6 +52,41 @@ def loop_options(command: Callable[..., None]) -> Callable[..., None]:
             help="One fact of the experiment; repeatable.",
         ),
     ]
+    return _decorated(command, decorators)
+
+
+def run_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give `command` the options of a command that predicts a run of cycles."""
+    decorators: list[Callable[[Any], Any]] = [
+        click.option("--data", metavar="CSV", type=click.Path(path_type=Path), help="Measured θ0 to set beside it."),
+        click.option(
+            "--cycles", type=click.IntRange(min=1), help="Length of the staircase. [default: 2000, or the data's]"
+        ),
+        click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of its noise."),
+        click.option(
+            "--out",
+            metavar="DIR",
+            type=click.Path(path_type=Path),
+            default="out",
+            show_default=True,
+            help="Where COMMAND_MATERIAL.png and .json go.",
+        ),
+        click.option(
+            "--format",
+            "picture_format",
+            type=click.Choice(["png", "pdf", "svg"]),
+            default="png",
+            show_default=True,
+            help="Format of the picture.",
+        ),
+        click.option(
+            "--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else."
+        ),
+    ]
+    return _decorated(command, decorators)
+
+
+def _decorated(command: Callable[..., None], decorators: list[Callable[[Any], Any]]) -> Callable[..., None]:
     for decorate in reversed(decorators):
         command = decorate(command)
     return command
@@ -82,26 +128,7 @@ def cycle_command(
 
 @click.command("portrait")
 @loop_options
-@click.option("--data", metavar="CSV", type=click.Path(path_type=Path), help="Measured θ0 to lay over the picture.")
-@click.option("--cycles", type=click.IntRange(min=1), help="Length of the staircase. [default: 2000, or the data's]")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of its noise.")
-@click.option(
-    "--out",
-    metavar="DIR",
-    type=click.Path(path_type=Path),
-    default="out",
-    show_default=True,
-    help="Where portrait_MATERIAL.png and .json go.",
-)
-@click.option(
-    "--format",
-    "picture_format",
-    type=click.Choice(["png", "pdf", "svg"]),
-    default="png",
-    show_default=True,
-    help="Format of the picture.",
-)
-@click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
+@run_options
 def portrait_command(
     material: str | None,
     material_file: str | None,
@@ -111,7 +138,23 @@ def portrait_command(
     **request: Any,
 ) -> None:
     """Compute the cycle map of a material, tell what it implies, and draw it."""
-    from cyclemap.cli.run_portrait import PortraitRequest, run_portrait
+    from cyclemap.cli.run_portrait import run_portrait
 
-    loop = _options(material, material_file, protocol, settings)
-    run_portrait(loop, PortraitRequest(**request), json_target)
+    run_portrait(_options(material, material_file, protocol, settings), RunRequest(**request), json_target)
+
+
+@click.command("staircase")
+@loop_options
+@run_options
+def staircase_command(
+    material: str | None,
+    material_file: str | None,
+    protocol: Path | None,
+    settings: tuple[str, ...],
+    json_target: str | None,
+    **request: Any,
+) -> None:
+    """Predict the staircase of θ0: its steps, how long it rests on them, and one run."""
+    from cyclemap.cli.run_staircase import run_staircase
+
+    run_staircase(_options(material, material_file, protocol, settings), RunRequest(**request), json_target)

@@ -8,7 +8,10 @@ import numpy as np
 
 from cyclemap.collection.loop import Cycle
 from cyclemap.collection.portrait import Portrait
+from cyclemap.collection.staircase_forecast import StaircaseForecast
 from cyclemap.evidence import MeasuredOverlay
+from cyclemap.evidence.measured_staircase import MeasuredStaircase
+from cyclemap.maps import SlowZone, StaircaseSummary, Steps
 
 Json = dict[str, object]
 
@@ -32,9 +35,23 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
         ],
         "rotation_number": _rotation(portrait),
         "stationary": _stationary(portrait),
-        "staircase": _staircase(portrait),
+        "staircase": _staircase(portrait.prediction),
     }
     return report if measured is None else {**report, "data": _data(measured)}
+
+
+def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | None = None) -> Json:
+    """The report of `cyclemap staircase`; with data it has one entry more, "data"."""
+    zones = zip(forecast.prediction.zones, forecast.log10_residences, strict=True)
+    report: Json = {
+        "noise_deg": _degrees(forecast.noise.sigma),
+        "prediction": {
+            **_staircase(forecast.prediction),
+            "zones": [{**_zone(zone), "log10_residence_cycles": _number(log10)} for zone, log10 in zones],
+        },
+        "run": {"seed": forecast.run.seed, **_steps(forecast.steps)},
+    }
+    return report if measured is None else {**report, "data": _measured_staircase(measured)}
 
 
 def json_text(report: Json) -> str:
@@ -91,12 +108,65 @@ def _stationary(portrait: Portrait) -> Json:
     }
 
 
-def _staircase(portrait: Portrait) -> Json:
-    prediction = portrait.prediction
+def _staircase(prediction: StaircaseSummary) -> Json:
     return {
         "mean_turn_deg": _degrees(prediction.mean_turn),
         "mean_residence_cycles": _number(prediction.mean_residence_cycles),
         "step_deg": _degrees(prediction.step),
+    }
+
+
+def _zone(zone: SlowZone) -> Json:
+    return {
+        "centre_deg": _direction_deg(zone.centre),
+        "arc_deg": [_degrees(end) for end in zone.arc],
+        "kind": zone.kind,
+        "residence_cycles": _number(zone.residence_cycles),
+    }
+
+
+def _steps(steps: Steps) -> Json:
+    return {
+        "cycles": int(steps.cycles),
+        "climb_deg": _degrees(steps.climb),
+        "steps": int(steps.count),
+        "heights_deg": [_degrees(height) for height in steps.heights],
+        "dwells": [
+            {"first_cycle": int(first), "cycles": int(length), "level_deg": _degrees(level), "censored": bool(censored)}
+            for first, length, level, censored in zip(
+                steps.start, steps.lengths, steps.levels, steps.censored, strict=True
+            )
+        ],
+    }
+
+
+def _measured_staircase(measured: MeasuredStaircase) -> Json:
+    comparison = measured.comparison
+    return {
+        **_steps(measured.steps),
+        "fitted": {
+            "harmonics": measured.fitted.cosine.size - 1,
+            "pairs": measured.fitted.pairs,
+            "noise_deg": _degrees(measured.fitted.sigma),
+            **_staircase(measured.prediction),
+            "zones": [_zone(zone) for zone in measured.prediction.zones],
+        },
+        "comparison": {
+            "steps": _number(comparison.net_steps),
+            "expected_steps": _number(comparison.expected_steps),
+            "pace_p_value": _number(comparison.pace_p_value),
+            "visits": [
+                {
+                    "centre_deg": _direction_deg(visit.zone.centre),
+                    "exits": visit.exits,
+                    "mean_cycles": _number(visit.mean),
+                    "standard_error_cycles": _number(visit.standard_error),
+                    "predicted_cycles": _number(visit.predicted),
+                    "p_value": _number(visit.mean_p_value),
+                }
+                for visit in comparison.visits
+            ],
+        },
     }
 
 

@@ -11,7 +11,7 @@ from typing import NoReturn
 
 import click
 
-from cyclemap.cli.commands import cycle_command, portrait_command
+from cyclemap.cli.commands import cycle_command, portrait_command, staircase_command
 from cyclemap.errors import CycleMapError, InvalidInput
 
 DONE, FAILED, BAD_USE, INTERRUPTED, NO_READER = 0, 1, 2, 130, 141
@@ -25,6 +25,7 @@ def cli() -> None:
 
 cli.add_command(cycle_command)
 cli.add_command(portrait_command)
+cli.add_command(staircase_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:

@@ -1,12 +1,11 @@
 """`cyclemap portrait`: the portrait of a material in sentences, as JSON, and as a picture."""
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 
 from rich.table import Table
 
-from cyclemap.cli.commands import LoopOptions
+from cyclemap.cli.commands import LoopOptions, RunRequest
 from cyclemap.cli.json_report import portrait_report
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json, write_whole
 from cyclemap.cli.settings import chosen_loop
@@ -20,18 +19,7 @@ from cyclemap.views.portrait_page import portrait_page
 from cyclemap.views.style import render
 
 
-@dataclass(frozen=True)
-class PortraitRequest:
-    """What is asked of one portrait, beside the loop."""
-
-    data: Path | None
-    cycles: int | None
-    seed: int
-    out: Path
-    picture_format: str
-
-
-def run_portrait(options: LoopOptions, request: PortraitRequest, json_target: str | None) -> None:
+def run_portrait(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
     loop, sigma = chosen_loop(options)
     pairs = None if request.data is None else read_theta0_pairs(request.data)
@@ -46,7 +34,7 @@ def run_portrait(options: LoopOptions, request: PortraitRequest, json_target: st
         _print_for_people(drawn, measured, picture)
 
 
-def _compute(loop: CollectionLoop, sigma: float, request: PortraitRequest, pairs: Theta0Pairs | None) -> Portrait:
+def _compute(loop: CollectionLoop, sigma: float, request: RunRequest, pairs: Theta0Pairs | None) -> Portrait:
     """The portrait; its staircase starts where the data start and is as long, unless told otherwise."""
     path = None if pairs is None else pairs.path
     length = DEFAULT_CYCLES if path is None else len(path) - 1

@@ -1,5 +1,6 @@
 """Measured data: reading it, summarising it, and setting it beside a prediction."""
 
+from cyclemap.evidence.harmonic_map import HarmonicMap, harmonic_map
 from cyclemap.evidence.overlay import MeasuredOverlay, measured_overlay
 from cyclemap.evidence.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.theta0_statistics import (
@@ -8,20 +9,20 @@ from cyclemap.evidence.theta0_statistics import (
     TurnBins,
     angle_histogram,
     map_agreement,
-    scatter_about_harmonics,
     turn_bins,
 )
 
 __all__ = [
     "AngleHistogram",
+    "HarmonicMap",
     "MapAgreement",
     "MeasuredOverlay",
     "Theta0Pairs",
     "TurnBins",
     "angle_histogram",
+    "harmonic_map",
     "map_agreement",
     "measured_overlay",
     "read_theta0_pairs",
-    "scatter_about_harmonics",
     "turn_bins",
 ]

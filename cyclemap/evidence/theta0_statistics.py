@@ -1,4 +1,4 @@
-"""Summaries of measured (θ0, next θ0) pairs: medians by bin, histogram, scatter, distance from a map."""
+"""Summaries of measured (θ0, next θ0) pairs: medians by bin, histogram, distance from a map."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -75,22 +75,6 @@ def map_agreement(pairs: Theta0Pairs, turn: Callable[[Array], Array], bins: int 
     over_pairs = _root_mean_square(pairs.turn - turn(pairs.theta))
     over_bins = _root_mean_square(medians.median - turn(medians.centre)) if medians.centre.size else np.nan
     return MapAgreement(pairs.theta.size, over_pairs, medians.centre.size, over_bins)
-
-
-def scatter_about_harmonics(pairs: Theta0Pairs, harmonics: int = 6) -> float:
-    """Root mean square (rad) of the turns about their least-squares Fourier series of that many harmonics.
-
-    It is the cycle-to-cycle noise of a surface that does not change; wear and outliers add to it.
-    """
-    unknowns = 2 * harmonics + 1
-    if pairs.theta.size <= unknowns:
-        raise InvalidInput(f"{pairs.theta.size} pairs cannot fix {unknowns} coefficients; use fewer harmonics")
-    order = np.arange(1, harmonics + 1)
-    angle = np.outer(pairs.theta, order)
-    design = np.hstack([np.ones((pairs.theta.size, 1)), np.cos(angle), np.sin(angle)])
-    coefficients = np.linalg.lstsq(design, pairs.turn, rcond=None)[0]
-    residual = pairs.turn - design @ coefficients
-    return float(np.sqrt(residual @ residual / (pairs.theta.size - unknowns)))
 
 
 def _bin_index(theta: Array, bins: int) -> NDArray[np.int64]:

@@ -1,50 +1,131 @@
-"""Circle maps and everything asked of one: orbits, rotation, stationary densities, passage times, staircases.
+"""Circle maps and everything asked of one: orbits, rotation, families, laws under noise, passages, staircases.
 
 Angles are radians, maps are lifts, rotation numbers are in turns a cycle. Knows no mechanics.
 """
 
+from cyclemap.maps.basins import Basin, basins
+from cyclemap.maps.bifurcations import bifurcations, border_collisions, orbit_branches, period_doublings, saddle_nodes
+from cyclemap.maps.birkhoff import birkhoff_average
+from cyclemap.maps.branches import Branch, branches, preimages
 from cyclemap.maps.circle_map import CircleMap
+from cyclemap.maps.continuation import OrbitBranch, follow_orbit
 from cyclemap.maps.diagonal import JumpCrossing
+from cyclemap.maps.drifting_map import DriftingMap, DriftSummary, predict_drift
 from cyclemap.maps.envelopes import is_nondecreasing, lower_envelope, upper_envelope
+from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.families import ParameterTangent, parameter_tangent
+from cyclemap.maps.log_passage import log10_passage_time
 from cyclemap.maps.lyapunov import lyapunov_exponent
-from cyclemap.maps.noise import Noise, WrappedCauchy, WrappedNormal
+from cyclemap.maps.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
+from cyclemap.maps.metastable_sets import MetastableSets, metastable_sets
+from cyclemap.maps.noise import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
 from cyclemap.maps.orbits import Orbit, crossings_by_jump, fixed_points, periodic_orbits
+from cyclemap.maps.parametric_lift import ParametricLift, arnold_family, moebius_family
 from cyclemap.maps.passage import hitting_probability, mean_passage_time
+from cyclemap.maps.passage_response import HittingResponse, PassageResponse, hitting_response, passage_response
+from cyclemap.maps.periodic_points import PeriodicPoints, periodic_points
+from cyclemap.maps.quasi_stationary import QuasiStationaryLaw, quasi_stationary_law, survival_probabilities
+from cyclemap.maps.response import Response
 from cyclemap.maps.rotation import RotationInterval, RotationNumber, rotation_interval, rotation_number
-from cyclemap.maps.staircase import (
-    SlowZone,
-    Staircase,
-    StaircaseSummary,
-    predict_staircase,
-    sample_staircase,
-)
+from cyclemap.maps.rotation_batch import RotationNumbers, rotation_numbers
+from cyclemap.maps.rotation_plane import RotationPlane, rotation_plane
+from cyclemap.maps.slips import Slip, slip_probabilities
+from cyclemap.maps.slow_passages import SlowPassage, slow_passages
+from cyclemap.maps.slow_zones import SlowZone, StaircaseSummary, predict_staircase
+from cyclemap.maps.special_points import Bifurcation
+from cyclemap.maps.spectrum import Spectrum
+from cyclemap.maps.staircase import Staircase, sample_staircase, sample_staircases
+from cyclemap.maps.step_comparison import StepComparison, compare_steps
+from cyclemap.maps.step_detection import Steps, find_steps
+from cyclemap.maps.tongues import Tongue, TongueBoundaries, tongue, tongues
 from cyclemap.maps.transfer_operator import TransferOperator, transfer_operator
 
 __all__ = [
+    "Basin",
+    "Bifurcation",
+    "Branch",
     "CircleMap",
+    "DriftSummary",
+    "DriftingMap",
+    "Estimate",
+    "HittingResponse",
     "JumpCrossing",
+    "MetastableSets",
     "Noise",
     "Orbit",
+    "OrbitBranch",
+    "ParameterTangent",
+    "ParametricLift",
+    "PassageResponse",
+    "PeriodicPoints",
+    "QuasiStationaryLaw",
+    "Response",
     "RotationInterval",
     "RotationNumber",
+    "RotationNumbers",
+    "RotationPlane",
+    "Slip",
+    "SlowPassage",
     "SlowZone",
+    "Spectrum",
     "Staircase",
     "StaircaseSummary",
+    "StepComparison",
+    "Steps",
+    "Tongue",
+    "TongueBoundaries",
     "TransferOperator",
+    "UniformNoise",
+    "VonMises",
     "WrappedCauchy",
     "WrappedNormal",
+    "arnold_family",
+    "basins",
+    "bifurcations",
+    "birkhoff_average",
+    "border_collisions",
+    "branches",
+    "compare_steps",
+    "compose",
+    "conjugate",
     "crossings_by_jump",
+    "find_steps",
     "fixed_points",
+    "follow_orbit",
     "hitting_probability",
+    "hitting_response",
+    "inverse",
     "is_nondecreasing",
+    "log10_passage_time",
     "lower_envelope",
     "lyapunov_exponent",
     "mean_passage_time",
+    "metastable_sets",
+    "moebius_family",
+    "nth_iterate",
+    "orbit_branches",
+    "parameter_tangent",
+    "passage_response",
+    "period_doublings",
     "periodic_orbits",
+    "periodic_points",
+    "predict_drift",
     "predict_staircase",
+    "preimages",
+    "quasi_stationary_law",
     "rotation_interval",
     "rotation_number",
+    "rotation_numbers",
+    "rotation_plane",
+    "saddle_nodes",
     "sample_staircase",
+    "sample_staircases",
+    "shifted",
+    "slip_probabilities",
+    "slow_passages",
+    "survival_probabilities",
+    "tongue",
+    "tongues",
     "transfer_operator",
     "upper_envelope",
 ]

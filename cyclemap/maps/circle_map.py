@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from math import atan2, cos, sin
 from typing import Any
 
 import numpy as np
 
-from cyclemap.checks import finite_array, finite_number, read_only, whole_number
+from cyclemap.checks import finite_array, non_negative_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps import textbook_maps
+from cyclemap.maps.arcs import Array
+from cyclemap.maps.branched_lift import lift_from_branches
+from cyclemap.maps.lifts import Lift as Lift
+from cyclemap.maps.lifts import Scalar as Scalar
+from cyclemap.maps.lifts import base_angles, check_lift, check_scalar
+from cyclemap.maps.one_sided import JUMP as JUMP
+from cyclemap.maps.one_sided import SIDE_STEP as SIDE_STEP
+from cyclemap.maps.one_sided import SNAP as SNAP
+from cyclemap.maps.one_sided import differences, one_sided_limit
 from cyclemap.maps.piecewise_cubic import PiecewiseCubic, cubic_from_samples
 
-Lift = Callable[[Array], Array]
-Scalar = Callable[[float], float]
-
-SIDE_STEP = 8.0 * np.finfo(float).eps * np.pi  # how far beside a break its one-sided limits are read
-JUMP = 1e-10  # radians: one-sided limits that differ by more are a jump, else a kink
-SNAP = 1e-12  # radians: angles this near a break are that break
-_CHECKED = np.linspace(-5.0, 6.0, 12) + 0.0137 * np.sqrt(np.arange(2.0, 14.0))
-_CENTRED, _ONE_SIDED = np.arange(-2.0, 3.0), np.arange(0.0, 5.0)
-_CENTRED_WEIGHTS = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12.0
-_ONE_SIDED_WEIGHTS = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0
-_DIFFERENCE_STEP = 1e-3
+_NO_BREAKS = read_only(())
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -33,8 +30,9 @@ class CircleMap:
 
     Parameters
     ----------
-    lift : vectorised callable, radians to radians, F(θ + 2π) = F(θ) + 2π·degree; never wrapped.
-    derivative : vectorised callable for F', or None: then differences of fourth order that never reach across
+    lift : callable, radians to radians, F(θ + 2π) = F(θ) + 2π·degree; never wrapped. It takes float64 arrays
+        of any shape and gives float64 entry by entry.
+    derivative : such a callable for F', or None: then differences of fourth order that never reach across
         a break; their error is about 1e-11 + 1e-13·|F⁽⁵⁾| in [-2π, 2π].
     breaks : angles (radians, any order, any turn) where F jumps or F' does. F is taken to be continuous
         from the right there: ``F(b)`` should be the limit from above.
@@ -44,7 +42,9 @@ class CircleMap:
     Attributes: ``breaks`` (sorted, in [0, 2π)), ``degree``, ``max_error``, ``samples`` (number of sample
     points; 0 for a map given by formulas). The value never changes after construction.
 
-    Raises InvalidInput when the lift is not a lift of that degree, gives NaN, or is not vectorised.
+    Raises InvalidInput when the lift is not a lift of that degree, jumps by more than π where no break is
+    given (a wrapped lift does), is not finite, not float64 or not vectorised. Checked at 89 points and beside
+    the breaks, in about 0.1 ms: faults between those points pass.
 
     Example
     -------
@@ -74,51 +74,22 @@ class CircleMap:
     ) -> None:
         if not callable(lift) or (derivative is not None and not callable(derivative)):
             raise InvalidInput(f"lift is {lift!r}: lift and derivative must be callables of an array of angles")
-        claimed = finite_number("max_error", max_error)
-        if claimed < 0.0:
-            raise InvalidInput(f"max_error is {claimed:g}: a bound on an error cannot be negative")
-        sorted_breaks = np.unique(np.mod(finite_array("breaks", breaks, ndim=1), TWO_PI))
+        given = _NO_BREAKS if isinstance(breaks, tuple) and not breaks else finite_array("breaks", breaks, ndim=1)
         self._set(
-            breaks=read_only(sorted_breaks[sorted_breaks < TWO_PI]),
+            breaks=read_only(np.unique(base_angles(given))) if given.size else _NO_BREAKS,
             degree=whole_number("degree", degree),
-            max_error=claimed,
+            max_error=non_negative_number("max_error", max_error),
             samples=0,
             pieces=None,
             _lift=lift,
             _derivative=derivative,
             _scalar=None,
         )
-        self._check_lift()
+        check_lift(lift, derivative, self.breaks, self.degree)
 
     def _set(self, **fields: Any) -> None:
         for name, value in fields.items():
             object.__setattr__(self, name, value)
-
-    def _check_lift(self) -> None:
-        points = _CHECKED + 1e-3 * (self._distance_to_break(_CHECKED) < 1e-6)
-        low, high = self._checked_call(self._lift, points), self._checked_call(self._lift, points + TWO_PI)
-        gap = np.abs(high - low - TWO_PI * self.degree)
-        worst = int(np.argmax(gap))
-        if gap[worst] > 1e-8 * (1.0 + np.abs(low[worst])):
-            raise InvalidInput(
-                f"not a lift of degree {self.degree}: F(θ + 2π) - F(θ) is {high[worst] - low[worst]:.9g} "
-                f"at θ = {points[worst]:.6g}, not {TWO_PI * self.degree:.9g}; give a lift that is not wrapped"
-            )
-        if self._derivative is not None:
-            self._checked_call(self._derivative, points)
-        self._checked_call(lambda theta: self._beside(self._lift, theta, -1), self.breaks)
-        self._checked_call(lambda theta: self._beside(self._lift, theta, 1), self.breaks)
-
-    @staticmethod
-    def _checked_call(function: Lift, points: Array) -> Array:
-        values = np.asarray(function(points), dtype=np.float64)
-        if values.shape != points.shape:
-            raise InvalidInput(
-                f"the callable turns shape {points.shape} into {values.shape}: it must act entry by entry"
-            )
-        if not np.all(np.isfinite(values)):
-            raise InvalidInput(f"the callable gives {values[~np.isfinite(values)][0]}: it must be finite everywhere")
-        return values
 
     def __repr__(self) -> str:
         return f"CircleMap(degree={self.degree}, samples={self.samples}, breaks={self.breaks.size})"
@@ -139,23 +110,23 @@ class CircleMap:
         angles = np.asarray(theta, dtype=np.float64)
         if self._derivative is not None:
             return self._derivative(angles)
-        return self._differences(angles)
+        return differences(self._lift, self.breaks, angles)
 
     def left(self, theta: Any) -> Array:
         """The limit of F from below at ``theta``: differs from F(θ) only at breaks that jump."""
-        return self._one_sided(self._lift, theta, -1, self.degree)
+        return one_sided_limit(self._lift, self.breaks, theta, -1, self.degree)
 
     def right(self, theta: Any) -> Array:
         """The limit of F from above at ``theta``."""
-        return self._one_sided(self._lift, theta, 1, self.degree)
+        return one_sided_limit(self._lift, self.breaks, theta, 1, self.degree)
 
     def left_derivative(self, theta: Any) -> Array:
         """The limit of F' from below at ``theta``."""
-        return self._one_sided(self.derivative, theta, -1, 0)
+        return one_sided_limit(self.derivative, self.breaks, theta, -1, 0)
 
     def right_derivative(self, theta: Any) -> Array:
         """The limit of F' from above at ``theta``."""
-        return self._one_sided(self.derivative, theta, 1, 0)
+        return one_sided_limit(self.derivative, self.breaks, theta, 1, 0)
 
     def jumps(self) -> tuple[Array, Array, Array]:
         """(breaks where F jumps, its limits from the left, its limits from the right); kinks are left out."""
@@ -170,56 +141,17 @@ class CircleMap:
         lift = self._lift
         return lambda theta: float(lift(np.asarray(theta)))
 
-    # -- one-sided limits and differences ------------------------------------------------------------------
-
-    def _distance_to_break(self, theta: Array) -> Array:
-        if self.breaks.size == 0:
-            return np.full(np.shape(theta), np.pi)
-        gap = np.mod(theta[..., None] - self.breaks + np.pi, TWO_PI) - np.pi
-        return np.asarray(np.min(np.abs(gap), axis=-1))
-
-    def _one_sided(self, function: Lift, theta: Any, side: int, degree: int) -> Array:
-        angles = np.asarray(theta, dtype=np.float64)
-        values = np.array(function(angles), dtype=np.float64)
-        for b in self.breaks:
-            here = np.abs(np.mod(angles - b + np.pi, TWO_PI) - np.pi) <= SNAP
-            if np.any(here):
-                turns = np.round((angles[here] - b) / TWO_PI)
-                at_break = self._beside(function, np.array([b]), side, degree)[0]
-                values[here] = at_break + TWO_PI * degree * turns
-        return values
-
-    def _beside(self, function: Lift, breaks: Array, side: int, degree: int | None = None) -> Array:
-        """Values a few rounding units beside ``breaks``, always read inside one period [0, 2π)."""
-        climb = self.degree if degree is None else degree
-        wraps = (side < 0) & (breaks < SIDE_STEP)
-        points = np.where(wraps, breaks + TWO_PI, breaks) + side * SIDE_STEP
-        return np.asarray(function(points), dtype=np.float64) - TWO_PI * climb * wraps
-
-    def _differences(self, theta: Array) -> Array:
-        """Five-point differences: centred, or leaning away from a break that is near."""
-        if self.breaks.size == 0:
-            return self._stencil(theta, np.full(theta.shape, _DIFFERENCE_STEP), 0)
-        gaps = np.mod(self.breaks - theta[..., None], TWO_PI)
-        above = np.min(np.where(gaps > 0.0, gaps, TWO_PI), axis=-1)
-        below = np.min(np.mod(-gaps, TWO_PI), axis=-1)
-        step = np.minimum(_DIFFERENCE_STEP, (above + below) / 8.1)
-        slopes = self._stencil(theta, step, 0)
-        slopes = np.where(above < 2.0 * step, self._stencil(theta, step, -1), slopes)
-        return np.where(below < 2.0 * step, self._stencil(theta, step, 1), slopes)
-
-    def _stencil(self, theta: Array, step: Array, lean: int) -> Array:
-        offsets = _CENTRED if lean == 0 else lean * _ONE_SIDED
-        weights = _CENTRED_WEIGHTS if lean == 0 else lean * _ONE_SIDED_WEIGHTS
-        values = self._lift(theta[..., None] + step[..., None] * offsets)
-        return np.asarray(values @ weights / step)
-
     # -- constructors --------------------------------------------------------------------------------------
 
     @classmethod
     def with_scalar(cls, lift: Lift, derivative: Lift | None, scalar: Scalar, **options: Any) -> CircleMap:
-        """A map with a second form of its lift for one python float (faster in loops); both must agree."""
+        """A map with a second form of its lift for one python float (faster in loops); both must agree.
+
+        >>> CircleMap.with_scalar(lambda x: 2.0 * x, None, lambda x: 2.0 * x, degree=2).scalar()(0.5)
+        1.0
+        """
         made = cls(lift, derivative, **options)
+        check_scalar(scalar, lift, derivative)
         made._set(_scalar=scalar)
         return made
 
@@ -230,8 +162,7 @@ class CircleMap:
         >>> round(float(CircleMap.rigid(0.25)(0.0)), 6)
         1.570796
         """
-        shift = TWO_PI * finite_number("turns", turns)
-        return cls.with_scalar(lambda x: x + shift, np.ones_like, lambda x: x + shift)
+        return cls.with_scalar(*textbook_maps.rigid_rotation(turns))
 
     @classmethod
     def arnold(cls, omega: float, K: float) -> CircleMap:
@@ -242,12 +173,7 @@ class CircleMap:
         >>> float(CircleMap.arnold(0.0, 0.5).derivative(0.0))
         0.5
         """
-        shift, strength = TWO_PI * finite_number("omega", omega), finite_number("K", K)
-        return cls.with_scalar(
-            lambda x: x + shift - strength * np.sin(x),
-            lambda x: 1.0 - strength * np.cos(x),
-            lambda x: x + shift - strength * sin(x),
-        )
+        return cls.with_scalar(*textbook_maps.sine_map(omega, K))
 
     @classmethod
     def moebius(cls, a: float, omega: float) -> CircleMap:
@@ -258,14 +184,46 @@ class CircleMap:
         >>> round(float(CircleMap.moebius(0.5, 0.0).derivative(0.0)), 12)
         3.0
         """
-        shift, r = TWO_PI * finite_number("omega", omega), finite_number("a", a)
-        if not 0.0 <= r < 1.0:
-            raise InvalidInput(f"a is {r:g}: a Möbius map of the circle needs 0 <= a < 1")
-        return cls.with_scalar(
-            lambda x: x + shift + 2.0 * np.arctan2(r * np.sin(x), 1.0 - r * np.cos(x)),
-            lambda x: (1.0 - r * r) / (1.0 - 2.0 * r * np.cos(x) + r * r),
-            lambda x: x + shift + 2.0 * atan2(r * sin(x), 1.0 - r * cos(x)),
-        )
+        return cls.with_scalar(*textbook_maps.moebius_transformation(a, omega))
+
+    @classmethod
+    def blaschke(cls, zeros: Any, omega: float = 0.0) -> CircleMap:
+        """The finite Blaschke product z → e^{2πiΩ} Π (z - a)/(1 - conj(a) z), its degree the number of zeros.
+
+        zeros : one complex number with |a| < 1 or more; zeros at the origin give θ → kθ + 2πΩ. The derivative is
+        the sum of the Poisson kernels (1 - |a|²)/|z - a|² (Shub & Sullivan 1985); the map expands, F' > 1, when
+        a zero lies at the origin and there are two or more, or Σ (1 - |a|)/(1 + |a|) > 1.
+
+        >>> float(CircleMap.blaschke([0, 0])(1.25)), CircleMap.blaschke([0.5, 0.3j, -0.2]).degree
+        (2.5, 3)
+        """
+        checked = textbook_maps.blaschke_zeros(zeros)
+        return cls.with_scalar(*textbook_maps.blaschke_product(checked, omega), degree=len(checked))
+
+    @classmethod
+    def from_branches(cls, branches: Any, *, degree: int = 1, max_error: float = 0.0) -> CircleMap:
+        """The lift made of branches, each a function on its own interval.
+
+        branches : sequence of (start, end, lift, derivative) in order, radians, start < end, each starting
+            where the one before ends (to 1e-12), together one turn. Every lift and derivative is a callable
+            as for ``CircleMap`` but is called on its own [start, end] only; derivative None takes
+            differences of fourth order inside that interval.
+        degree : any whole number. F(θ + 2π) = F(θ) + 2π·degree carries the branches along the line, so the
+            last end meets the first start there, with or without a jump.
+
+        Breaks are the seams where the values differ (relative 1e-12) or the slopes do (relative 1e-9; 1e-6 by
+        differences); at a seam the map takes the value of the branch that starts there.
+
+        >>> import numpy as np
+        >>> tent = [(0, np.pi, lambda x: 2 * x, None), (np.pi, 2 * np.pi, lambda x: 4 * np.pi - 2 * x, None)]
+        >>> made = CircleMap.from_branches(tent, degree=0)
+        >>> made.breaks.round(6).tolist(), round(float(made(2 * np.pi + 0.5)), 12)
+        ([0.0, 3.141593], 1.0)
+        """
+        whole = whole_number("degree", degree)
+        lift, breaks = lift_from_branches(branches, whole)
+        options = {"breaks": breaks, "degree": whole, "max_error": max_error}
+        return cls.with_scalar(lift, lift.derivative, lift.scalar(), **options)
 
     @classmethod
     def from_samples(
@@ -289,6 +247,17 @@ class CircleMap:
         """
         whole = whole_number("degree", degree)
         cubic, breaks, count = cubic_from_samples(theta, lifted, slopes, whole)
-        made = cls(cubic, cubic.derivative, breaks, whole, max_error=max_error)
-        made._set(_scalar=cubic.scalar(), pieces=cubic, samples=count)
+        return cls.from_pieces(cubic, breaks, count, max_error)
+
+    @classmethod
+    def from_pieces(cls, pieces: PiecewiseCubic, breaks: Any, samples: int, max_error: float = 0.0) -> CircleMap:
+        """The map whose lift is a piecewise cubic that is already there; ``samples`` is kept for the record.
+
+        >>> import numpy as np
+        >>> one = CircleMap.from_samples([0.0, 2.0, 4.0], [0.0, 2.0, 4.0])
+        >>> CircleMap.from_pieces(one.pieces, one.breaks, 3).samples
+        3
+        """
+        made = cls(pieces, pieces.derivative, breaks, pieces.degree, max_error=max_error)
+        made._set(_scalar=pieces.scalar(), pieces=pieces, samples=samples)
         return made

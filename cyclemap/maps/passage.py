@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -11,29 +11,18 @@ from cyclemap.checks import finite_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array, arc_ends, into_arc
 from cyclemap.maps.circle_map import CircleMap
-from cyclemap.maps.noise import Noise
-from cyclemap.maps.quadrature import arc_rule
+from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.noise import Noise, UniformNoise
+from cyclemap.maps.nystrom import Arc, KilledChain, circle_exit, killed_chain, line_exits
 
-Arc = tuple[float, float]
-
-MAX_UNKNOWNS = 6_000
-_FINE, _COARSE = 1e-13, 1e-8  # noise coefficients neglected by the answer and by its check
-_AGREEMENT = 1e-6  # relative difference of answer and check that is accepted
-_ILL = 1e4  # cycles: longer passages are eliminated without subtractions
-_MIN_BANDWIDTH = 4
-_BLOCK = 48  # unknowns eliminated together
+LONGEST = 1e300  # cycles: a longer passage is given as inf
+_GOOD = 1e-9  # relative error bound with which few nodes will do
+_ACCEPTED = 1e-6  # relative error bound that is accepted at all
+_MORE = 1.4  # bandwidth of the second attempt over that of the first
+_ROUNDING = 1e-13  # relative error that an elimination may leave
 
 
-@dataclass(frozen=True, eq=False)
-class _Killed:
-    """The chain on the nodes of its arcs: q[i, j] = chance of i → j, out[i] = chance of leaving at once."""
-
-    q: Array
-    out: Array
-    reach: Array
-
-
-def mean_passage_time(circle_map: CircleMap, noise: Noise, start: float, arc: Arc, *, lifted: bool = False) -> float:
+def mean_passage_time(circle_map: CircleMap, noise: Noise, start: float, arc: Arc, *, lifted: bool = False) -> Estimate:
     """Mean number of cycles until the path θ' = F(θ) + ξ from ``start`` is first outside ``arc``.
 
     start : radians, inside the arc. arc : (start, end), counter-clockwise, radians, length in (0, 2π).
@@ -41,169 +30,96 @@ def mean_passage_time(circle_map: CircleMap, noise: Noise, start: float, arc: Ar
         path on the real line, where the arc may be a whole turn.
 
     T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels
-    between the map's breaks and samples (Nyström). Where the passage is long the system is eliminated
-    without subtraction from the exactly known chances of leaving (Grassmann, Taksar & Heyman 1985), so
-    that even 1e100 cycles keep their digits; inf above 1e300. Checked against a coarser solution:
-    ConvergenceError unless they agree to 1e-6 (the finer one, whose nodes resolve the noise to 1e-13, is
-    then good to about 1e-10; a sampled map's kinks in F'' may cost 1e-8).
+    between the map's breaks and samples (Nyström). The system is eliminated without subtraction from the
+    exactly known chances of leaving (Grassmann, Taksar & Heyman 1985), so that even 1e100 cycles keep
+    their digits; inf above 1e300, where ``log10_passage_time`` goes on. ``UniformNoise`` has a method of its own.
+
+    ``error_bound``: with r the residual of the interpolant on twice as many nodes, rounding
+    included, Φ = (I - K)⁻¹|r| bounds the error, since K is positive (Collatz 1952). That comparison is
+    proved; r and Φ are measured on nodes. The map's ``max_error`` is included to first order. Where an arc
+    holds several deep wells the residual drowns in rounding; the bound is then ten times the difference
+    from a solution on other nodes. ConvergenceError when the bound, ``max_error`` apart, exceeds 1e-6 of the time.
 
     >>> from cyclemap.maps.noise import WrappedNormal
     >>> stuck = CircleMap.arnold(0.1, 0.9)
-    >>> round(mean_passage_time(stuck, WrappedNormal(0.1 * np.pi), 0.77278, (0.0, np.pi / 2)), 3)
-    44.624
+    >>> time = mean_passage_time(stuck, WrappedNormal(0.1 * np.pi), 0.77278, (0.0, np.pi / 2))
+    >>> round(time, 3), time.error_bound < 1e-9
+    (44.624, True)
     """
     ends = arc_ends(arc, "arc", whole=lifted)
-    inside = _required(start, ends)
-    return _agreed(
-        lambda *rule: _passage(circle_map, noise, inside, ends, lifted, _nodes(circle_map, noise, [ends], *rule)),
-        "mean passage time",
-    )
+    inside = required_inside(start, ends)
+    if isinstance(noise, UniformNoise):
+        from cyclemap.maps.uniform_passage import uniform_passage_time
+
+        return uniform_passage_time(circle_map, noise, inside, ends, lifted)
+    exits = line_exits(ends) if lifted else circle_exit(ends)
+    make = partial(killed_chain, circle_map, noise, (ends,), exits, lifted)
+    return _certified(make, inside, 1.0, np.zeros(len(exits)), "mean passage time")
 
 
-def hitting_probability(circle_map: CircleMap, noise: Noise, start: float, arc_a: Arc, arc_b: Arc) -> float:
+def hitting_probability(circle_map: CircleMap, noise: Noise, start: float, arc_a: Arc, arc_b: Arc) -> Estimate:
     """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
 
     The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start inside one
-    of them gives 1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x)) u(y) dy, solved as in
-    ``mean_passage_time``.
+    of them gives 1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x)) u(y) dy, solved and
+    bounded as in ``mean_passage_time``: small chances keep their digits too. ConvergenceError also when
+    neither arc is reached within 1e300 cycles.
 
     >>> from cyclemap.maps.noise import WrappedNormal
     >>> even = hitting_probability(CircleMap.rigid(0.0), WrappedNormal(0.3), 0.0, (1.0, 2.0), (-2.0, -1.0))
-    >>> round(even, 9)
-    0.5
+    >>> round(even, 9), even.holds(0.5)
+    (0.5, True)
     """
     a, b = arc_ends(arc_a, "arc_a"), arc_ends(arc_b, "arc_b")
-    rest = _complement(a, b)
+    rest = arcs_between(a, b)
     theta = finite_number("start", start)
     for ends, answer in ((a, 1.0), (b, 0.0)):
         if into_arc(theta, ends) is not None:
-            return answer
-    found = _agreed(
-        lambda *rule: _hit(circle_map, noise, theta, a, b, _nodes(circle_map, noise, rest, *rule)),
-        "hitting probability",
-    )
-    return min(found, 1.0)
+            return Estimate(answer, 0.0)
+    if isinstance(noise, UniformNoise):
+        from cyclemap.maps.uniform_passage import uniform_hitting_probability
+
+        return uniform_hitting_probability(circle_map, noise, theta, a, b)
+    make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
+    found = _certified(make, theta, 0.0, np.array([1.0, 0.0]), "hitting probability")
+    if not np.isfinite(found):
+        raise ConvergenceError("neither arc is reached within 1e300 cycles: raise the noise or widen the arcs")
+    return Estimate(min(found, 1.0), found.error_bound)
 
 
-def _required(start: float, ends: Arc) -> float:
+def required_inside(start: float, ends: Arc) -> float:
+    """``start``, moved by whole turns into the arc, or InvalidInput."""
     inside = into_arc(finite_number("start", start), ends)
     if inside is None:
         raise InvalidInput(f"start is {start:g}, outside the arc ({ends[0]:g}, {ends[1]:g}): start inside it")
     return inside
 
 
-def _complement(a: Arc, b: Arc) -> list[Arc]:
-    """The arcs between two disjoint arcs (those of positive length)."""
+def arcs_between(a: Arc, b: Arc) -> tuple[Arc, ...]:
+    """The arcs between two disjoint arcs (those of positive length), or InvalidInput."""
     begin = a[1] + float(np.mod(b[0] - a[1], TWO_PI))
     finish = begin + (b[1] - b[0])
     if begin > a[0] + TWO_PI or finish > a[0] + TWO_PI + 1e-14:
         raise InvalidInput(f"arc_a {a} and arc_b {b} overlap: give disjoint arcs")
     rest = [(a[1], begin), (finish, a[0] + TWO_PI)]
-    return [ends for ends in rest if ends[1] - ends[0] > 1e-14]
+    return tuple(ends for ends in rest if ends[1] - ends[0] > 1e-14)
 
 
-def _agreed(answer: Callable[[float, bool], float], name: str) -> float:
-    """The answer on fine nodes if coarse ones agree; else the same with panels that end at every sample."""
-    for every_sample in (False, True):
-        coarse = answer(_COARSE, every_sample)
-        if np.isinf(coarse):
-            return coarse
-        fine = answer(_FINE, every_sample)
-        if fine == coarse or abs(fine - coarse) <= _AGREEMENT * abs(fine):
-            return fine
-    raise ConvergenceError(
-        f"the {name} came out as {fine:.9g} and, with fewer nodes, {coarse:.9g}: the map is too rough for "
-        "so small a noise; raise the noise or give the map's breaks"
-    )
-
-
-# -- the two equations ---------------------------------------------------------------------------------------
-
-
-def _passage(
-    circle_map: CircleMap, noise: Noise, start: float, ends: Arc, lifted: bool, rule: tuple[Array, Array]
-) -> float:
-    theta, weight = rule
-    images = circle_map(np.append(theta, start))
-    out = escape_probability(noise, images, ends, lifted)
-    kernel = _kernel(noise, images, theta, lifted) * weight
-    times = _solved(_Killed(kernel[:-1], out[:-1], np.ones(theta.size)))
-    return 1.0 + float(kernel[-1] @ times) if np.all(np.isfinite(times)) else float("inf")
-
-
-def _hit(circle_map: CircleMap, noise: Noise, start: float, a: Arc, b: Arc, rule: tuple[Array, Array]) -> float:
-    theta, weight = rule
-    images = circle_map(np.append(theta, start))
-    success, failure = arrival_probability(noise, images, a), arrival_probability(noise, images, b)
-    kernel = _kernel(noise, images, theta, False) * weight
-    chances = _solved(_Killed(kernel[:-1], (success + failure)[:-1], success[:-1]))
-    if not np.all(np.isfinite(chances)):
-        raise ConvergenceError("neither arc is reached within 1e300 cycles: raise the noise or widen the arcs")
-    return float(success[-1] + kernel[-1] @ chances)
-
-
-def escape_probability(noise: Noise, image: Array, ends: Arc, lifted: bool) -> Array:
-    """P(image + ξ outside the arc), without cancellation where it is small."""
-    if not lifted:
-        return arrival_probability(noise, image, (ends[1], ends[0] + TWO_PI))
-    return noise.exceedance(ends[1] - image) + noise.exceedance(image - ends[0])
-
-
-def arrival_probability(noise: Noise, image: Array, ends: Arc) -> Array:
-    """P(image + ξ mod 2π in the arc), to full relative accuracy also where it is small."""
-    return noise.arc_probability(ends[0] - image, ends[1] - image)
-
-
-def _kernel(noise: Noise, images: Array, theta: Array, lifted: bool) -> Array:
-    gap = theta - images[:, None]
-    return noise.line_density(gap) if lifted else noise.density(gap)
-
-
-def _nodes(
-    circle_map: CircleMap, noise: Noise, arcs: list[Arc], neglected: float, every_sample: bool
-) -> tuple[Array, Array]:
-    bandwidth = float(_MIN_BANDWIDTH)
-    while noise.coefficients(bandwidth) > neglected and bandwidth < 1e5:
-        bandwidth *= 1.05
-    rules = [arc_rule(circle_map, *ends, bandwidth, every_sample=every_sample) for ends in arcs]
-    theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
-    if theta.size > MAX_UNKNOWNS:
-        raise InvalidInput(f"{noise!r} needs {theta.size} nodes on the arc, more than {MAX_UNKNOWNS}: raise its width")
-    return theta, weight
-
-
-# -- linear algebra ------------------------------------------------------------------------------------------
-
-
-def _solved(chain: _Killed) -> Array:
-    """x = reach + q x; by elimination without subtraction where plain elimination would lose digits."""
-    system = np.eye(chain.out.size) - chain.q
-    try:
-        times = np.linalg.solve(system, np.stack([chain.reach, np.ones(chain.out.size)], axis=1))
-    except np.linalg.LinAlgError:
-        return _without_subtraction(chain)
-    longest = float(np.max(times[:, 1]))
-    good = np.all(times > -1e-9) and 0.0 < longest < _ILL
-    return np.asarray(times[:, 0]) if good else _without_subtraction(chain)
-
-
-def _without_subtraction(chain: _Killed) -> Array:
-    """Grassmann-Taksar-Heyman elimination of (I - q) x = reach, in blocks, without a difference."""
-    q, out, reach = chain.q.copy(), chain.out.copy(), chain.reach.copy()
-    pivot, answer = np.empty(out.size), np.empty(out.size)
-    with np.errstate(all="ignore"):
-        for high in range(out.size, 0, -_BLOCK):
-            low = max(0, high - _BLOCK)
-            for k in range(high - 1, low - 1, -1):
-                pivot[k] = out[k] + np.sum(q[k, :k])
-                share = q[:k, k] / pivot[k]
-                q[:k, k] = share
-                # Only the block's own rows and columns now; the rest at once below.
-                q[:k, low:k] += np.multiply.outer(share, q[k, low:k])
-                q[low:k, :low] += np.multiply.outer(share[low:], q[k, :low])
-                out[:k] += share * out[k]
-                reach[:k] += share * reach[k]
-            q[:low, :low] += q[:low, low:high] @ q[low:high, :low]
-        for k in range(out.size):
-            answer[k] = (reach[k] + q[k, :k] @ answer[:k]) / pivot[k]
-    return np.where(np.isfinite(answer), answer, np.inf)
+def _certified(make: Callable[..., KilledChain], start: float, each: float, at: Array, name: str) -> Estimate:
+    """The expectation at ``start``: on few nodes first, on more where their bound is not good."""
+    for every_sample, stretch in (False, 1.0), (True, _MORE):
+        chain = make(every_sample=every_sample, stretch=stretch)
+        expected = chain.expected(each, at)
+        if not abs(expected.top) < LONGEST:
+            return Estimate(np.inf, np.inf)
+        value, (own, from_map) = expected.value_at(start), expected.error_bounds(start)
+        if own <= _GOOD * abs(value):
+            return Estimate(value, own + from_map)
+    other = make(every_sample=True, stretch=1.0).expected(each, at).value_at(start)
+    own = min(own, 10.0 * abs(other - value) + _ROUNDING * abs(value))
+    if not own <= _ACCEPTED * abs(value):
+        raise ConvergenceError(
+            f"the {name} came out as {value:.9g} with error bound {own:.3g}: the map is too rough for so small a "
+            "noise; raise the noise or give the map's breaks"
+        )
+    return Estimate(value, own + from_map)

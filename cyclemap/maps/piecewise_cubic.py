@@ -13,6 +13,7 @@ import numpy as np
 from cyclemap.checks import finite_array, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.lifts import base_angles
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +66,17 @@ class PiecewiseCubic:
 
         return lift
 
+    def shifted(self, along: float, up: float) -> PiecewiseCubic:
+        """θ → F(θ - along) + up, the same cubics at other places (radians).
+
+        >>> line = PiecewiseCubic(np.array([0.0, TWO_PI]), np.array([[0.0], [1.0], [0.0], [0.0]]), 1)
+        >>> round(float(line.shifted(1.0, 0.5)(np.array(2.0))), 12)
+        1.5
+        """
+        rows = self.coefficients.copy()
+        rows[0] += up
+        return _onto_base_period(self.knots[:-1] + along, rows, self.degree)
+
 
 @dataclass(frozen=True, eq=False)
 class _Samples:
@@ -81,11 +93,11 @@ def cubic_from_samples(theta: Any, lifted: Any, slopes: Any, degree: int) -> tup
     given = np.size(theta)
     samples = _one_period(*_checked(theta, lifted, slopes), degree)
     nodal = _shape_preserving(samples, degree) if samples.slopes is None else samples.slopes
-    start, width, polynomials = _hermite(samples.theta, samples.lifted, nodal)
+    start, polynomials = _hermite(samples.theta, samples.lifted, nodal)
     inner = samples.theta[1:][np.diff(samples.theta) == 0.0]
     breaks = inner if samples.closed else np.append(inner, samples.theta[0])
-    pieces = _onto_base_period(start, width, polynomials, degree)
-    return pieces, np.unique(np.mod(breaks, TWO_PI)), given
+    pieces = _onto_base_period(start, polynomials, degree)
+    return pieces, np.unique(base_angles(breaks)), given
 
 
 def _checked(theta: Any, lifted: Any, slopes: Any) -> tuple[Array, Array, Array | None]:
@@ -165,8 +177,8 @@ def _pchip_slopes(x: Array, y: Array) -> Array:
     return np.asarray(PchipInterpolator(x, y).derivative()(x), dtype=np.float64)
 
 
-def _hermite(theta: Array, lifted: Array, slopes: Array) -> tuple[Array, Array, Array]:
-    """Start, width and power coefficients (4, n) of the cubic on each interval of positive width."""
+def _hermite(theta: Array, lifted: Array, slopes: Array) -> tuple[Array, Array]:
+    """Start and power coefficients (4, n) of the cubic on each interval of positive width."""
     use = np.diff(theta) > 0.0
     start, width = theta[:-1][use], np.diff(theta)[use]
     left, right = lifted[:-1][use], lifted[1:][use]
@@ -174,25 +186,25 @@ def _hermite(theta: Array, lifted: Array, slopes: Array) -> tuple[Array, Array, 
     secant = (right - left) / width
     c2 = (3.0 * secant - 2.0 * slope_left - slope_right) / width
     c3 = (slope_left + slope_right - 2.0 * secant) / width**2
-    return start, width, np.stack([left, slope_left, c2, c3])
+    return start, np.stack([left, slope_left, c2, c3])
 
 
-def _onto_base_period(start: Array, width: Array, rows: Array, degree: int) -> PiecewiseCubic:
+def _onto_base_period(start: Array, rows: Array, degree: int) -> PiecewiseCubic:
     """Move the pieces to [0, 2π), cutting the one that runs over 2π."""
-    turns = np.floor(start / TWO_PI)
-    base = start - TWO_PI * turns
+    base = base_angles(start)
+    turns = np.round((start - base) / TWO_PI)
     rows = rows.copy()
     rows[0] -= TWO_PI * degree * turns
     order = np.argsort(base, kind="stable")
-    base, rows, width = base[order], rows[:, order], width[order]
+    base, rows = base[order], rows[:, order]
     if base[0] > 0.0:
-        wrapped = _shifted(rows[:, -1], TWO_PI - base[-1])
+        wrapped = _recentred(rows[:, -1], TWO_PI - base[-1])
         wrapped[0] -= TWO_PI * degree
         base, rows = np.append(0.0, base), np.column_stack([wrapped, rows])
     return PiecewiseCubic(read_only(np.append(base, TWO_PI)), read_only(rows), degree)
 
 
-def _shifted(row: Array, step: float) -> Array:
+def _recentred(row: Array, step: float) -> Array:
     """Coefficients of the same cubic about a point ``step`` further on."""
     c0, c1, c2, c3 = row
     value = ((c3 * step + c2) * step + c1) * step + c0

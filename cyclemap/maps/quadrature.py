@@ -7,14 +7,23 @@ sets the nodes' density.
 
 from __future__ import annotations
 
-import numpy as np
+from functools import lru_cache
 
+import numpy as np
+from scipy.optimize.elementwise import find_root
+
+from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.circle_map import SNAP, CircleMap
+from cyclemap.maps.scan import Cells, monotone_cells
 
 MAX_NODES = 400_000
 _PANELS = 8  # panels a turn at least, where the map is given by formulas
+_GRADES = 2.0 ** -np.arange(0.0, 46.0)  # panels halve towards a fold, where ln|F'| is singular
+_GRADED_ORDER = 18  # enough for ln x on [h, 2h] to rounding
+_FOLD_RESOLUTION = 512
+_SMALL_SLOPE = 0.2  # of its mean: |F'| below that makes ln|F'| nearly singular
 _PROBES = np.append(np.append(1e-9, np.arange(1.0, 16.0) / 16.0), 1.0 - 1e-9)
 
 
@@ -41,20 +50,29 @@ def arc_rule(
     bandwidth: float,
     finer: int = 1,
     every_sample: bool = True,
+    cuts: Array | None = None,
 ) -> tuple[Array, Array]:
     """Gauss-Legendre panels on [start, end]: none crosses a break, each order fits its phase.
 
     With ``every_sample`` none crosses a sample of a sampled map either, where F'' jumps; without, far
-    fewer nodes.
+    fewer nodes. cuts : further angles between ``start`` and ``end`` that no panel crosses.
     """
     edges = _edges(circle_map, start, end, every_sample)
+    edges = edges if cuts is None else np.union1d(edges, cuts)
+    return _on_panels(circle_map, edges, bandwidth, finer)
+
+
+def _on_panels(
+    circle_map: CircleMap, edges: Array, bandwidth: float, finer: int, least: int = 3
+) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes on the panels between ``edges``, each cut and its order set to fit its phase."""
     inner = edges[:-1, None] + np.diff(edges)[:, None] * _PROBES
     steepest = np.max(np.abs(circle_map.derivative(inner)), axis=1)
     phase = 0.5 * bandwidth * np.hypot(1.0, steepest) * np.diff(edges)
     parts = np.maximum(1, np.ceil(phase / 60.0)).astype(np.int64)
     left, width = _split(edges, parts)
     phase = np.repeat(phase / parts, parts)
-    order = finer * np.ceil(0.5 * (phase + 8.0 * np.cbrt(phase) + 6.0)).astype(np.int64)
+    order = finer * np.maximum(least, np.ceil(0.5 * (phase + 8.0 * np.cbrt(phase) + 6.0)).astype(np.int64))
     if int(order.sum()) > MAX_NODES:
         raise ConvergenceError(
             f"the map needs {int(order.sum())} quadrature nodes, more than {MAX_NODES}: it is too steep "
@@ -81,13 +99,84 @@ def _split(edges: Array, parts: np.typing.NDArray[np.int64]) -> tuple[Array, Arr
     return np.repeat(edges[:-1], parts) + rank * width, width
 
 
+def graded_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tuple[Array, Array]:
+    """Nodes and weights over one turn on panels that shrink towards each (near) zero of F' from both sides.
+
+    For integrands with a logarithm of |F'|, singular where F' = 0, times a density of that bandwidth.
+    """
+    centres = _near_critical(circle_map)
+    if centres.size == 0:
+        return arc_rule(circle_map, 0.0, TWO_PI, bandwidth, finer)
+    plain = _edges(circle_map, float(centres[0]), float(centres[0]) + TWO_PI, True)
+    return _on_panels(circle_map, np.union1d(_graded_marks(centres), plain), bandwidth, finer, _GRADED_ORDER)
+
+
+def folds_of(circle_map: CircleMap) -> Array:
+    """The angles in [0, 2π] where F' passes through 0 smoothly, sorted."""
+    return _folds_in(monotone_cells(circle_map, 1, 0.0, _FOLD_RESOLUTION))
+
+
+def _folds_in(cells: Cells) -> Array:
+    return np.asarray(np.unique(cells.start[(cells.slope_start == 0.0) & ~cells.cut]))
+
+
+def _near_critical(circle_map: CircleMap) -> Array:
+    """Folds, and where |F'| comes near 0 without passing through it: at its small minima and beside breaks."""
+    cells = monotone_cells(circle_map, 1, 0.0, _FOLD_RESOLUTION)
+    after, before = np.abs(cells.slope_start), np.abs(np.roll(cells.slope_end, 1))
+    small = np.minimum(after, before) < _SMALL_SLOPE * np.mean(after)
+    low = small & ~cells.cut & (after <= np.roll(after, 1)) & (after <= np.roll(after, -1))
+    low &= cells.slope_start != 0.0
+    found = np.concatenate([_folds_in(cells), cells.start[small & cells.cut], _minima(circle_map, cells.start[low])])
+    found = np.sort(np.mod(found, TWO_PI))
+    return np.asarray(found[np.append(True, np.diff(found) > 1e-9)]) if found.size else found
+
+
+def _minima(circle_map: CircleMap, near: Array) -> Array:
+    """The minima of |F'| next to ``near``: roots of its difference of fourth order, else ``near`` itself."""
+    reach, h = TWO_PI / _FOLD_RESOLUTION, 1e-3
+
+    def curvature(theta: Array) -> Array:
+        slope = circle_map.derivative
+        return 8.0 * (slope(theta + h) - slope(theta - h)) - (slope(theta + 2 * h) - slope(theta - 2 * h))
+
+    low, high = near - reach, near + reach
+    bracketed = curvature(low) * curvature(high) < 0.0
+    found = near.copy()
+    if np.any(bracketed):
+        found[bracketed] = find_root(curvature, (low[bracketed], high[bracketed])).x
+    return found
+
+
+def _graded_marks(folds: Array) -> Array:
+    """Panel ends about each fold, at distances that halve."""
+    gaps = np.diff(np.append(folds, folds[0] + TWO_PI))
+    reach = 0.5 * np.minimum(gaps, 1.0)[:, None] * _GRADES
+    edges = [fold + np.concatenate([[0.0], part[::-1]]) for fold, part in zip(folds, reach, strict=True)]
+    ahead = np.append(folds[1:], folds[0] + TWO_PI)
+    edges += [fold - np.concatenate([part, [0.0]]) for fold, part in zip(ahead, reach, strict=True)]
+    return np.unique(np.concatenate(edges))
+
+
+def gauss_rule(left: Array, width: Array, points: int) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes and weights, ``points`` of them on each panel [left, left + width], panel by panel."""
+    x, w = _gauss(points)
+    return (left[:, None] + width[:, None] * (0.5 + 0.5 * x)).ravel(), (0.5 * width[:, None] * w).ravel()
+
+
+@lru_cache(maxsize=256)
+def _gauss(points: int) -> tuple[Array, Array]:
+    x, w = np.polynomial.legendre.leggauss(points)
+    return read_only(x), read_only(w)
+
+
 def _gauss_panels(left: Array, width: Array, order: np.typing.NDArray[np.int64]) -> tuple[Array, Array]:
     nodes, weights, place = [], [], []
     for points in np.unique(order):
         use = order == points
-        x, w = np.polynomial.legendre.leggauss(int(points))
-        nodes.append((left[use, None] + width[use, None] * (0.5 + 0.5 * x)).ravel())
-        weights.append((0.5 * width[use, None] * w).ravel())
+        x, w = gauss_rule(left[use], width[use], int(points))
+        nodes.append(x)
+        weights.append(w)
         place.append(np.repeat(np.flatnonzero(use), points))
     owner = np.argsort(np.concatenate(place), kind="stable")
     return np.concatenate(nodes)[owner], np.concatenate(weights)[owner]

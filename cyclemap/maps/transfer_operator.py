@@ -1,39 +1,54 @@
-"""The transfer operator of a noisy circle map, θ' = F(θ) + ξ, in Fourier modes."""
+"""The transfer operator of a noisy circle map, θ' = F(θ) + ξ: its stationary law, and everything read off it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import lapack, lu_factor, lu_solve
-from scipy.optimize.elementwise import find_root
-from scipy.sparse.linalg import eigs
 
 from cyclemap.checks import finite_array, whole_number
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.circle_map import CircleMap
-from cyclemap.maps.noise import Noise
+from cyclemap.maps.density_features import density_grid, distance_from_uniform, peaks_of
+from cyclemap.maps.diffusion import diffusion_estimate
+from cyclemap.maps.discretisation import Discretisation
+from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.expectation import expected
+from cyclemap.maps.fourier_discretisation import FourierDiscretisation, needed_modes
+from cyclemap.maps.noise import Noise, UniformNoise
+from cyclemap.maps.operator_bounds import (
+    BorderedSystem,
+    SolutionError,
+    density_at,
+    law_error,
+    map_error_of_density,
+    map_error_of_moment,
+    refined,
+)
 from cyclemap.maps.passage import hitting_probability, mean_passage_time
-from cyclemap.maps.quadrature import circle_rule
+from cyclemap.maps.quadrature import graded_rule
+from cyclemap.maps.response import Perturbation, Response, ResponseLevel, map_perturbation
+from cyclemap.maps.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
 
-MAX_MODES = 1_500
-_NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
-_DENSE = 320  # below this many real modes all eigenvalues are computed at once
-_BLOCK = 4_096  # quadrature nodes handled at a time
+Function = Callable[[Array], Array]
+
+_LEADING = 5  # eigenvalues among which the second largest is told from the rest
+_ROUNDING = 16.0 * float(np.finfo(float).eps)
 
 
-def transfer_operator(circle_map: CircleMap, noise: Noise) -> TransferOperator:
+def transfer_operator(circle_map: CircleMap, noise: Noise, *, modes: int | None = None) -> TransferOperator:
     """The transfer (Perron-Frobenius) operator of θ' = F(θ) + ξ: it carries the law of θ one cycle on.
 
-    With c_m = E e^{-imθ} the law after a cycle is c'_m = κ_m Σ_k c_k ∫ e^{-imF(θ) + ikθ} dθ/2π, κ_m the
-    noise's coefficients (a Galerkin method that is exact but for truncation, since noise makes every law
-    analytic or smooth; Poltergeist's and Galatolo, Monge & Nisoli's (2020) setting). Number of modes: so
-    many that the rest of the κ_m sum to less than 1e-17. The integrals are taken branch by branch, so
-    jumps and kinks cost nothing.
+    Noise makes every law analytic or smooth, so Fourier modes are all but exact: as many are kept as the noise lets
+    through, to where the rest of its coefficients sum to less than 1e-17 (see ``FourierDiscretisation``; Galatolo,
+    Monge & Nisoli 2020). ``UniformNoise`` has a basis of its own (see ``uniform_discretisation``).
+
+    modes : keep this many Fourier modes instead, at most 1500: fewer than needed show what the bounds are worth.
 
     Raises InvalidInput when the noise is missing or so narrow that more than 1500 modes would be needed (for
     ``WrappedNormal`` below about 0.0064 rad), ConvergenceError when the map is too steep for it.
@@ -47,70 +62,55 @@ def transfer_operator(circle_map: CircleMap, noise: Noise) -> TransferOperator:
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     if not isinstance(noise, Noise):
         raise InvalidInput(f"the noise is {noise!r}: a stationary density needs some, for example WrappedNormal(0.02)")
-    modes = 1
-    while noise.tail(modes) > _NEGLIGIBLE and modes <= MAX_MODES:
-        modes = int(np.ceil(1.05 * modes + 1))
-    if modes > MAX_MODES:
-        raise InvalidInput(f"{noise!r} needs more than {MAX_MODES} Fourier modes: raise its width")
-    return TransferOperator(circle_map, noise, modes)
+    return TransferOperator(circle_map, noise, _discretisation(circle_map, noise, modes))
+
+
+def _discretisation(circle_map: CircleMap, noise: Noise, modes: int | None) -> Discretisation:
+    if isinstance(noise, UniformNoise):
+        if modes is not None:
+            raise InvalidInput(f"modes is {modes!r}, but uniform noise is not resolved in Fourier modes: leave it out")
+        from cyclemap.maps.uniform_discretisation import uniform_discretisation
+
+        return cast(Discretisation, uniform_discretisation(circle_map, noise))
+    needed = needed_modes(noise)
+    kept = needed if modes is None else whole_number("modes", modes, least=1)
+    return cast(Discretisation, FourierDiscretisation(circle_map, noise, kept))
 
 
 @dataclass(frozen=True, eq=False)
 class TransferOperator:
     """Made by ``transfer_operator``; everything is computed when first asked for, and kept.
 
-    map, noise : what it is the operator of; modes : Fourier modes kept on each side.
+    map, noise : what it is the operator of. discretisation : the basis on which it is a matrix.
+
+    Every number knows its accuracy. The bounds come from what the computed law leaves over in L p = p (see
+    ``operator_bounds.law_error`` for what in them is proved and what measured); to first order they include the
+    map's own ``max_error``, except in the spectrum, the responses and the diffusion constant.
     """
 
     map: CircleMap
     noise: Noise
-    modes: int
+    discretisation: Discretisation
+
+    @property
+    def modes(self) -> int:
+        """Fourier modes on each side; for other bases half the number of functions."""
+        return self.discretisation.size // 2
 
     # -- the stationary law --------------------------------------------------------------------------------
 
     def density(self, theta: Any) -> Array:
         """The stationary density per radian at ``theta`` (radians, any shape); see ``error_bound``."""
         angles = finite_array("theta", theta)
-        flat = angles.ravel()
-        values = np.empty_like(flat)
-        for at in range(0, flat.size, _BLOCK):
-            waves = self._waves(flat[at : at + _BLOCK])
-            values[at : at + _BLOCK] = (0.5 + waves @ self._law) / np.pi
-        return values.reshape(angles.shape)
-
-    def moment(self, n: int) -> complex:
-        """E e^{inθ} of the stationary law; off by at most 2π·``error_bound``. 0 beyond the modes kept."""
-        order = whole_number("n", n)
-        if order == 0:
-            return 1.0 + 0.0j
-        if abs(order) > self.modes:
-            return 0.0j
-        return complex(self._law[abs(order) - 1], np.sign(order) * self._law[self.modes + abs(order) - 1])
-
-    @cached_property
-    def rotation_number(self) -> float:
-        """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law."""
-        if self.map.degree != 1:
-            raise InvalidInput(f"the map has degree {self.map.degree}: its mean winding is not defined")
-        theta, weight = self._rule
-        return float(np.dot(weight * self.density(theta), self.map.turn(theta)) / TWO_PI)
+        return density_at(self.discretisation, angles.ravel(), self._law).reshape(angles.shape)
 
     @cached_property
     def error_bound(self) -> float:
         """Bound on the error of the stationary density, per radian, anywhere on the circle.
 
-        ‖(I - L)⁻¹‖₁ times the residual of the computed law. The residual's truncation part is proved (it
-        follows from the noise's coefficients beyond the last mode, for any map); its quadrature and
-        rounding parts are measured with twice as many nodes, and the norm is LAPACK's condition estimate
-        times 3: an estimate, not a proof, in those two places. Errors of the map itself (``max_error``)
-        are not included.
+        With uniform noise the map's ``max_error`` is left out: where the law has steps they move with the map.
         """
-        theta, weight = circle_rule(self.map, self.modes, finer=2)
-        image = self._moments(theta, weight * self.density(theta))
-        residual = float(np.sum(np.abs(image - self._law)))
-        truncation = 2.0 * self.noise.tail(self.modes) * (1.0 + 2.0 * float(np.sum(self._kappa)))
-        rounding = 4.0 * np.finfo(float).eps * float(np.sqrt(self.modes))
-        return 3.0 * self._inverse_norm * (residual + truncation + rounding) / np.pi
+        return self._error.largest + float(np.max(self._map_error))
 
     @cached_property
     def is_certain(self) -> bool:
@@ -121,62 +121,129 @@ class TransferOperator:
         """
         return bool(self.error_bound <= 0.1 / TWO_PI)
 
+    def moment(self, n: int) -> complex:
+        """E e^{inθ} of the stationary law; 0 beyond the modes kept. See ``moment_error``."""
+        return complex(self.discretisation.moments(whole_number("n", n)) @ self._law)
+
+    def moment_error(self, n: int) -> float:
+        """Bound on |error| of ``moment(n)``."""
+        order = whole_number("n", n)
+        changed = map_error_of_moment(self._system, self._law, order)
+        return self._error.of_moment(order) + _ROUNDING + changed
+
+    def expectation(self, function: Function, *, folds: bool = False) -> Estimate:
+        """E h(θ) under the stationary law.
+
+        function : h, vectorised, as smooth as F between F's breaks. folds : whether h may also be singular, like a
+            logarithm, where F' = 0; then the nodes crowd towards those points.
+        The bound adds to the law's the difference that twice as many nodes make (measured).
+        Raises InvalidInput where h is not finite.
+
+        >>> from cyclemap.maps.noise import WrappedCauchy
+        >>> law = transfer_operator(CircleMap.rigid(0.1), WrappedCauchy(0.5))
+        >>> abs(law.expectation(lambda theta: np.cos(theta) ** 2) - 0.5) < 1e-15
+        True
+        """
+        return self._expected(function, folds, 0.0)
+
     @cached_property
-    def tv_from_uniform(self) -> float:
-        """Total variation distance of the law from uniform, ½ ∫ |density - 1/2π| dθ, in [0, 1]."""
+    def rotation_number(self) -> Estimate:
+        """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law."""
+        if self.map.degree != 1:
+            raise InvalidInput(f"the map has degree {self.map.degree}: its mean winding is not defined")
+        return self._expected(lambda theta: self.map.turn(theta) / TWO_PI, False, 1.0 / TWO_PI)
+
+    @cached_property
+    def diffusion(self) -> Estimate:
+        """D = lim Var(θ_n)/2n, radians² a cycle, of the path on the line: see ``diffusion_constant``; inf for Cauchy.
+
+        The bound is measured, against D on a finer basis.
+
+        >>> from cyclemap.maps.noise import WrappedNormal
+        >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
+        0.08
+        """
+        finer = self._finer
+        return diffusion_estimate(self._system, self._law, None if finer is None else (finer._system, finer._law))
+
+    @cached_property
+    def tv_from_uniform(self) -> Estimate:
+        """Total variation distance of the law from uniform, ½ ∫ |density - 1/2π| dθ, in [0, 1].
+
+        0 where the density is nowhere further from uniform than four times its error bound.
+        """
         grid, values = self._grid
-        excess = values - 0.5 / np.pi
-        if np.max(np.abs(excess)) <= 4.0 * self.error_bound:
-            return 0.0
-        crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
-        bracket = crossing, crossing + grid[1]
-        crossing = find_root(lambda x: self.density(x) - 0.5 / np.pi, bracket).x
-        mass = np.diff(self._excess_mass(np.append(crossing, crossing[0] + TWO_PI)))
-        return float(0.5 * np.sum(np.abs(mass)))
+        known = np.pi * (self._error.largest + float(np.mean(self._map_error))) + _ROUNDING
+        farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
+        if farthest <= 4.0 * self.error_bound:
+            return Estimate(0.0, min(1.0, known + np.pi * farthest))
+        found = distance_from_uniform(self.density, self.map, grid, values, self.modes)
+        return Estimate(found, min(1.0, known))
 
     def peaks(self) -> Array:
         """Angles in [0, 2π) of the local maxima of the stationary density, sorted; none where it is uniform.
 
         Maxima that rise above their neighbouring minima by less than the error bound are not told apart.
         """
-        grid, values = self._grid
-        tops = _prominent(values, 4.0 * self.error_bound)
-        step, at = grid[1], grid[tops]
-        inside = self._slope(at - step) * self._slope(at + step) < 0.0
-        if np.any(inside):
-            at[inside] = find_root(self._slope, (at[inside] - step, at[inside] + step)).x
-        at = np.mod(at, TWO_PI)
-        # A tiny negative angle rounds up to a whole turn.
-        return np.sort(np.where(at >= TWO_PI, 0.0, at))
+        return peaks_of(self._slope, *self._grid, 4.0 * self.error_bound)
 
     # -- the spectrum --------------------------------------------------------------------------------------
 
     def eigenvalues(self, k: int) -> npt.NDArray[np.complex128]:
         """The k eigenvalues of largest modulus, in falling order; the first is 1.
 
-        Fewer are returned only when the operator has fewer modes. Small operators are solved whole, large
-        ones by Arnoldi iteration (ARPACK), whose residuals are checked; ConvergenceError when they fail.
+        Fewer are returned only when the basis has fewer functions. Small operators are solved whole, large ones by
+        Arnoldi iteration (ARPACK), whose residuals are checked; ConvergenceError when they fail.
         """
-        count = whole_number("k", k, least=1)
-        if 2 * self.modes <= _DENSE or count + 4 >= self.modes:
-            found = np.asarray(self._all_eigenvalues)
-        else:
-            found = self._leading_eigenvalues(max(count, 8))
-        ordered = found[np.lexsort((-found.imag, -np.round(np.abs(found), 13)))]
-        return np.concatenate([[1.0 + 0.0j], ordered])[:count]
+        return leading_values(self.discretisation, whole_number("k", k, least=1))
+
+    def spectrum(self, k: int) -> Spectrum:
+        """The same with error bounds, condition numbers and vectors; see ``Spectrum``."""
+        finer = None if self._finer is None else self._finer.discretisation
+        return leading_spectrum(self.discretisation, finer, self._law, whole_number("k", k, least=1))
 
     @cached_property
-    def spectral_gap(self) -> float:
+    def spectral_gap(self) -> Estimate:
         """1 - |λ₂|, λ₂ the eigenvalue of second largest modulus."""
-        return max(0.0, 1.0 - float(np.abs(self.eigenvalues(2)[1])))
+        second = second_modulus(self._leading)
+        return Estimate(max(0.0, 1.0 - second), second.error_bound)
 
     @cached_property
-    def mixing_cycles(self) -> float:
+    def mixing_cycles(self) -> Estimate:
         """-1/ln|λ₂|: cycles in which the slowest departure from the law falls by e; ∞ if |λ₂| = 1."""
-        second = 1.0 - self.spectral_gap
-        if second <= 0.0:
-            return 0.0
-        return float("inf") if second >= 1.0 else float(-1.0 / np.log(second))
+        return mixing_time(second_modulus(self._leading))
+
+    # -- responses -----------------------------------------------------------------------------------------
+
+    def map_response(
+        self, tangent: Function, break_shifts: Any = None, *, tangent_slope: Function | None = None
+    ) -> Response:
+        """The derivative of law, moments, winding and gap when F moves as F + p·tangent, at p = 0.
+
+        tangent : ∂F/∂p, vectorised, radians a unit, as smooth as F between its breaks. break_shifts : rate of every
+            break of F, radians a unit, in the order of ``map.breaks``; None where none moves. tangent_slope : its
+            derivative in θ, needed only for the Lyapunov exponent's.
+        dc = (I - L)⁻¹ dL c: linear response, which noise makes hold for any map (Galatolo & Giulietti 2019).
+
+        >>> from cyclemap.maps.noise import WrappedNormal
+        >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
+        >>> round(turning.map_response(np.ones_like).rotation_number * 2 * np.pi, 12)
+        1.0
+        """
+        theta, _ = self.discretisation.rule()
+        return self._response(map_perturbation(self.map, theta, tangent, break_shifts, tangent_slope))
+
+    def noise_response(self) -> Response:
+        """The derivative of the same with respect to the noise's own parameter (sigma, r, kappa or halfwidth)."""
+        return self._response(Perturbation())
+
+    def _response(self, moving: Perturbation) -> Response:
+        level = ResponseLevel(self._system, self._law, self._leading, moving)
+        fine = self._finer
+        if fine is None:
+            return Response(level, None)
+        vectors = leading_spectrum(fine.discretisation, None, fine._law, _LEADING)
+        return Response(level, ResponseLevel(fine._system, fine._law, vectors, moving))
 
     # -- passages ------------------------------------------------------------------------------------------
 
@@ -189,109 +256,42 @@ class TransferOperator:
         return hitting_probability(self.map, self.noise, start, arc_a, arc_b)
 
     # -- inside --------------------------------------------------------------------------------------------
-    # Real form: the vector (E cos mθ, m = 1..M; E sin mθ, m = 1..M), without the constant mode.
 
     @cached_property
-    def _kappa(self) -> Array:
-        return np.tile(self.noise.coefficients(np.arange(1, self.modes + 1)), 2)
-
-    @cached_property
-    def _rule(self) -> tuple[Array, Array]:
-        return circle_rule(self.map, self.modes)
-
-    @cached_property
-    def _matrix(self) -> Array:
-        """One cycle's action on departures from uniform: κ_m (1/π) ∫ (cos, sin)(mF) (cos, sin)(kθ) dθ."""
-        theta, weight = self._rule
-        size = 2 * self.modes
-        matrix = np.zeros((size, size))
-        for at in range(0, theta.size, _BLOCK):
-            part = slice(at, at + _BLOCK)
-            after, before = self._waves(self.map(theta[part])), self._waves(theta[part])
-            matrix += after.T @ (before * weight[part, None])
-        matrix *= (self._kappa / np.pi)[:, None]
-        return matrix
-
-    @cached_property
-    def _factors(self) -> tuple[Array, npt.NDArray[np.int32]]:
-        lu, pivots = lu_factor(np.eye(2 * self.modes) - self._matrix)
-        return lu, pivots
+    def _system(self) -> BorderedSystem:
+        return BorderedSystem(self.discretisation)
 
     @cached_property
     def _law(self) -> Array:
-        theta, weight = self._rule
-        source = self._moments(theta, weight / TWO_PI)
-        law = np.asarray(lu_solve(self._factors, source))
-        if not np.all(np.isfinite(law)):
-            raise ConvergenceError("the stationary law is not unique to rounding: raise the noise")
-        return law
+        return self._system.solve(self.discretisation.uniform)
 
     @cached_property
-    def _inverse_norm(self) -> float:
-        size = float(np.max(np.sum(np.abs(np.eye(2 * self.modes) - self._matrix), axis=0)))
-        reciprocal, _ = lapack.dgecon(self._factors[0], size, norm="1")
-        return float("inf") if reciprocal <= 0.0 else float(1.0 / (reciprocal * size))
+    def _error(self) -> SolutionError:
+        return law_error(self._system, self._law)
 
-    def _moments(self, theta: Array, mass: Array) -> Array:
-        """Moments after one cycle of point masses at ``theta``."""
-        total = np.zeros(2 * self.modes)
-        for at in range(0, theta.size, _BLOCK):
-            part = slice(at, at + _BLOCK)
-            total += mass[part] @ self._waves(self.map(theta[part]))
-        return self._kappa * total
+    @cached_property
+    def _map_error(self) -> Array:
+        return map_error_of_density(self._system, self._law)
 
-    def _waves(self, theta: Array) -> Array:
-        phase = np.multiply.outer(theta, np.arange(1.0, self.modes + 1.0))
-        return np.concatenate([np.cos(phase), np.sin(phase)], axis=-1)
+    @cached_property
+    def _finer(self) -> TransferOperator | None:
+        finer = refined(self.discretisation)
+        return None if finer is None else TransferOperator(self.map, self.noise, finer)
 
-    def _slope(self, theta: Array) -> Array:
-        """Derivative of the density."""
-        order = np.arange(1.0, self.modes + 1.0)
-        cosine, sine = np.split(self._law, 2)
-        shape = theta.shape
-        return np.asarray(self._waves(theta.ravel()) @ np.concatenate([order * sine, -order * cosine]) / np.pi).reshape(
-            shape
-        )
-
-    def _excess_mass(self, theta: Array) -> Array:
-        """∫ of density - 1/2π from 0 to theta, up to a constant."""
-        order = np.arange(1.0, self.modes + 1.0)
-        cosine, sine = np.split(self._law, 2)
-        return np.asarray(self._waves(theta) @ np.concatenate([-sine / order, cosine / order]) / np.pi)
+    @cached_property
+    def _leading(self) -> Spectrum:
+        return self.spectrum(_LEADING)
 
     @cached_property
     def _grid(self) -> tuple[Array, Array]:
-        """A uniform grid of at least 16 points a mode, and the density there."""
-        count = 1 << int(np.ceil(np.log2(16 * self.modes)))
-        cosine, sine = np.split(self._law, 2)
-        spectrum = np.zeros(count // 2 + 1, dtype=np.complex128)
-        spectrum[0], spectrum[1 : self.modes + 1] = 1.0, cosine - 1j * sine
-        return TWO_PI * np.arange(count) / count, np.fft.irfft(spectrum, count) * count / TWO_PI
+        return density_grid(self.density, self.discretisation.size)
 
-    @cached_property
-    def _all_eigenvalues(self) -> npt.NDArray[np.complex128]:
-        return np.asarray(np.linalg.eigvals(self._matrix), dtype=np.complex128)
+    def _expected(self, function: Function, folds: bool, direct: float) -> Estimate:
+        rules = self.discretisation.rule(), self._error.basis.rule()
+        if folds:
+            rules = graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2)
+        return expected(self._error, function, rules, direct)
 
-    def _leading_eigenvalues(self, count: int) -> npt.NDArray[np.complex128]:
-        begin = np.random.default_rng(1).standard_normal(2 * self.modes)
-        basis = min(2 * self.modes, max(4 * count, 48))
-        values, vectors = eigs(self._matrix, count, v0=begin, ncv=basis, tol=1e-13, maxiter=2_000)
-        residual = np.linalg.norm(self._matrix @ vectors - vectors * values, axis=0)
-        if float(np.max(residual)) > 1e-8:
-            raise ConvergenceError(f"eigenvalues left a residual of {np.max(residual):.2g}: raise the noise")
-        return np.asarray(values, dtype=np.complex128)
-
-
-def _prominent(values: Array, margin: float) -> npt.NDArray[np.int64]:
-    """Indices of local maxima on a periodic grid that rise by ``margin`` above the dips beside them."""
-    before, after = np.roll(values, 1), np.roll(values, -1)
-    tops = np.flatnonzero((values > before) & (values >= after) & (values > margin))
-    while tops.size:
-        spans = zip(tops, np.append(tops[1:], tops[0] + values.size), strict=True)
-        lows = np.array([np.min(np.take(values, range(a, b + 1), mode="wrap")) for a, b in spans])
-        height = values[tops] - np.maximum(lows, np.roll(lows, 1))
-        least = int(np.argmin(height))
-        if height[least] > margin:
-            break
-        tops = np.delete(tops, least)
-    return tops
+    def _slope(self, theta: Array) -> Array:
+        """Derivative of the density, shape (m,)."""
+        return np.asarray(self.discretisation.slope(theta) @ self._law)

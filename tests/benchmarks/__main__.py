@@ -1,5 +1,6 @@
-"""Run the benchmarks: `python -m tests.benchmarks` from the repository's root, on one core, nothing else running."""
+"""Run the benchmarks: `python -m tests.benchmarks` from the repository's root, with nothing else running."""
 
-from tests.benchmarks.cycles import main
+from tests.benchmarks import circle_maps, cycles
 
-main()
+circle_maps.main()
+cycles.main()

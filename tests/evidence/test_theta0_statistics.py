@@ -1,21 +1,16 @@
 """Summaries of measured pairs, checked on pairs whose answers are known."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import (
     Theta0Pairs,
     angle_histogram,
     map_agreement,
     measured_overlay,
-    read_theta0_pairs,
-    scatter_about_harmonics,
     turn_bins,
 )
 
@@ -30,20 +25,6 @@ def noisy_pairs(sigma: float, count: int = 20_000) -> Theta0Pairs:
     random = np.random.default_rng(7)
     theta = random.uniform(-TURN, 3 * TURN, count)
     return Theta0Pairs(theta, theta + turn(theta) + sigma * random.standard_normal(count))
-
-
-def test_scatter_about_harmonics_recovers_the_noise() -> None:
-    # The relative standard error of a standard deviation is 1/sqrt(2n) = 0.5 %; four of them are allowed.
-    assert scatter_about_harmonics(noisy_pairs(0.02)) == pytest.approx(0.02, rel=0.02)
-
-
-def test_scatter_is_nothing_without_noise() -> None:
-    assert scatter_about_harmonics(noisy_pairs(0.0, 500)) < 1e-14
-
-
-def test_scatter_refuses_fewer_pairs_than_coefficients() -> None:
-    with pytest.raises(InvalidInput, match="13 coefficients"):
-        scatter_about_harmonics(noisy_pairs(0.1, 13))
 
 
 def test_bin_medians_follow_the_map_and_shrug_off_outliers() -> None:
@@ -96,8 +77,3 @@ def test_overlay_holds_the_summaries_of_its_pairs() -> None:
     assert overlay.agreement == map_agreement(pairs, turn)
     assert np.array_equal(overlay.bins.median, turn_bins(pairs).median)
     assert np.array_equal(overlay.histogram.density, angle_histogram(pairs.theta).density)
-
-
-def test_default_noise_is_the_scatter_of_measured_plywood(measured_data: Path) -> None:
-    pairs = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv")
-    assert scatter_about_harmonics(pairs) == pytest.approx(DEFAULT_SIGMA, rel=0.02)

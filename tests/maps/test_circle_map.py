@@ -1,5 +1,7 @@
 """CircleMap: lifts, breaks, one-sided limits, differences, samples."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -160,6 +162,71 @@ REFUSED = {
     "too few": lambda: CircleMap.from_samples([0, 1], [0, 1]),
     "two axes": lambda: CircleMap.from_samples([[0, 1, 2]], [[0, 1, 2]]),
 }
+
+
+NOT_A_LIFT = {
+    "is degree 1": lambda: CircleMap(lambda x: x + 0.1 * np.sin(x), degree=2),
+    "not wrapped": lambda: CircleMap(lambda x: np.mod(x + 1, TWO_PI)),
+    "jumps by 6.28": lambda: CircleMap(lambda x: TWO_PI * np.floor(x / TWO_PI) + np.mod(x + 2, TWO_PI)),
+    "jumps by 6.28.* none of its breaks": lambda: CircleMap(lambda x: np.mod(x + 1, TWO_PI), degree=0),
+    "nan at": lambda: CircleMap(lambda x: np.where(np.cos(x) > 0.9, np.nan, x)),
+    "inf at": lambda: CircleMap(lambda x: x, lambda x: np.where(np.cos(x) > 0.9, np.inf, 1.0)),
+    "complex128": lambda: CircleMap(lambda x: x + 0j),
+    "int64": lambda: CircleMap(lambda x: np.floor(x).astype(np.int64)),
+    "float32": lambda: CircleMap(lambda x: x.astype(np.float32)),
+    "object": lambda: CircleMap(lambda x: x.astype(object)),
+    "gives list": lambda: CircleMap(lambda x: x.tolist()),
+    "gives float for": lambda: CircleMap(lambda x: 1.0),
+    r"into \(1,\)": lambda: CircleMap(lambda x: np.ravel(x)[:1]),
+    "must be vectorised": lambda: CircleMap(lambda x: math.sin(x) + x),
+    "depending on the other entries": lambda: CircleMap(lambda x: x - x.mean() * (x.ndim == 2)),
+    "derivative turns shape": lambda: CircleMap(lambda x: x, lambda x: np.ones(3)),
+    "scalar form differs from the lift by": lambda: CircleMap.with_scalar(lambda x: x, None, lambda x: x + 1e-3),
+    "degree must be": lambda: CircleMap(lambda x: x, degree=0.5),
+}
+
+
+@pytest.mark.parametrize("message", NOT_A_LIFT)
+def test_the_refusal_names_what_is_wrong_with_the_lift(message):
+    with pytest.raises(InvalidInput, match=message):
+        NOT_A_LIFT[message]()
+
+
+def test_a_jump_of_many_radians_is_taken_where_it_is_a_break_and_steep_lifts_are_no_jumps():
+    def jumping(x):
+        return TWO_PI * np.floor(x / TWO_PI) + np.mod(x + 2, TWO_PI)
+
+    assert CircleMap(jumping, breaks=[0.0, TWO_PI - 2]).jumps()[0].size == 2
+    steep = CircleMap.moebius(1 - 1e-9, 0.3)
+    assert steep.derivative(0.0) > 1e9
+    assert CircleMap(lambda x: 2.0**30 * x, lambda x: np.full_like(x, 2.0**30), degree=2**30).degree == 2**30
+
+
+def test_a_tiny_negative_break_is_a_break_at_zero():
+    assert CircleMap(lambda x: x, breaks=[-1e-17, TWO_PI, 2 * TWO_PI]).breaks.tolist() == [0.0]
+
+
+# -- one-sided limits of maps with many breaks ------------------------------------------------------------
+
+
+def test_one_sided_limits_at_many_breaks_are_those_of_the_two_neighbouring_steps():
+    rng = np.random.default_rng(8)
+    at = np.sort(rng.uniform(0, TWO_PI, 40))
+    rise = rng.uniform(0.1, 0.4, 40)
+
+    def steps(x):
+        turns = np.floor(x / TWO_PI)
+        return (
+            np.append(0.0, np.cumsum(rise))[np.searchsorted(at, x - TWO_PI * turns, side="right")] + rise.sum() * turns
+        )
+
+    made = CircleMap(lambda x: steps(x) * TWO_PI / rise.sum(), breaks=at)
+    for lap in (-1, 0, 2):
+        gap = (made.right(at + TWO_PI * lap) - made.left(at + TWO_PI * lap)) * rise.sum() / TWO_PI
+        np.testing.assert_allclose(gap, rise, rtol=1e-12)
+    middle = 0.5 * (at[1:] + at[:-1])
+    assert np.array_equal(made.left(middle), made(middle)) and np.array_equal(made.right(middle), made(middle))
+    assert made.jumps()[0].size == 40
 
 
 @pytest.mark.parametrize("case", REFUSED)

@@ -10,7 +10,9 @@ from cyclemap.maps import (
     WrappedNormal,
     fixed_points,
     lyapunov_exponent,
+    periodic_orbits,
     sample_staircase,
+    transfer_operator,
 )
 
 TWO_PI = 2 * np.pi
@@ -19,7 +21,9 @@ TWO_PI = 2 * np.pi
 def test_known_exponents_under_noise():
     sticky = lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.05 * TWO_PI))
     assert abs(sticky + 0.97812914157904) < 1e-13
+    assert sticky.error_bound < 1e-12
     solvable = lyapunov_exponent(CircleMap.moebius(0.5, 0.3), WrappedCauchy(0.9))
+    assert abs(solvable + 0.0285247244779752248) <= solvable.error_bound < 1e-12
     assert abs(solvable + 0.0285247244779752248) < 1e-14
 
 
@@ -42,12 +46,110 @@ def test_a_folded_map_agrees_with_monte_carlo_despite_the_singular_logarithm():
 def test_a_folded_map_under_wide_noise_has_the_uniform_average():
     """With nearly uniform noise E ln|1 - K cos θ| = ln(K/2) for K > 1 (Jensen's formula)."""
     found = lyapunov_exponent(CircleMap.arnold(0.3, 3.0), WrappedNormal(8.0))
-    assert abs(found - np.log(1.5)) < 1e-12
+    assert abs(found - np.log(1.5)) <= found.error_bound < 1e-12
 
 
 def test_a_flat_piece_gives_minus_infinity():
     flat = CircleMap.from_samples([0, 1, 2, 6], [1, 1, 1, 7.2], [0, 0, 0, 0.3])
     assert lyapunov_exponent(flat, WrappedNormal(0.3)) == float("-inf")
+    assert lyapunov_exponent(flat) == float("-inf")
+
+
+def test_isolated_critical_points_do_not():
+    """F' = 1 - cos 2x vanishes at 0 and π; under wide noise E ln F' = ∫ ln(2 sin² x) dx/2π = -ln 2."""
+    critical = CircleMap(lambda x: x - 0.5 * np.sin(2 * x), lambda x: 2.0 * np.sin(x) ** 2)
+    found = lyapunov_exponent(critical, WrappedNormal(8.0))
+    assert abs(found + np.log(2)) <= found.error_bound < 1e-6
+
+
+@pytest.mark.parametrize("strength", [0.5, 0.99, 0.9999, 1.0, 1.0001, 1.5])
+def test_near_critical_slopes_are_integrated_too(strength):
+    """E ln|1 - K cos θ| under a uniform law is ln((1 + √(1 - K²))/2) up to K = 1 and ln(K/2) beyond (Jensen)."""
+    found = lyapunov_exponent(CircleMap.arnold(0.3, strength), WrappedNormal(8.0))
+    known = np.log((1 + np.sqrt(1 - strength**2)) / 2) if strength <= 1 else np.log(strength / 2)
+    assert abs(found - known) <= found.error_bound < (1e-6 if strength == 1.0 else 1e-11)
+
+
+def test_a_superstable_orbit_gives_minus_infinity():
+    """x - sin x holds 0, where its slope is 0; and the sine map of K = 1 at Ω = 0 is the same map."""
+    found = lyapunov_exponent(CircleMap.arnold(0.0, 1.0))
+    assert found == float("-inf") and found.error_bound == 0.0
+
+
+def test_stable_orbits_give_their_multiplier_whatever_their_period():
+    """Every attracting orbit of period 1 to 5 of the sine map on its tongues: ln|multiplier|/n, inside the bound."""
+    found = []
+    for omega, strength, period in ((0.02, 0.9, 1), (0.5, 0.9, 2), (0.34, 1.0, 3), (0.28, 1.0, 4), (0.41, 1.0, 5)):
+        sine = CircleMap.arnold(omega, strength)
+        stable = [orbit for orbit in periodic_orbits(sine, period) if orbit.stable]
+        assert len(stable) == 1
+        exponent = lyapunov_exponent(sine)
+        known = np.log(abs(stable[0].multiplier)) / period
+        assert abs(exponent - known) <= exponent.error_bound + 1e-13
+        assert exponent.error_bound < 1e-9
+        found.append(exponent)
+    assert len(found) == 5 and max(found) < 0
+
+
+def test_slowly_attracting_orbits_are_solved_all_the_same():
+    """Just inside the tongue's edge, where 2000 cycles are too few to settle: the stable point's multiplier."""
+    sine = CircleMap.arnold(0.9 / TWO_PI - 1e-6, 0.9)
+    (stable,) = (point for point in fixed_points(sine) if point.stable)
+    found = lyapunov_exponent(sine)
+    assert abs(found - np.log(stable.multiplier)) <= found.error_bound + 1e-12
+    assert 0.99 < stable.multiplier < 1.0 and found.error_bound < 1e-9
+
+
+def test_quasi_periodic_orbits_have_exponent_zero_within_the_bound():
+    for sine in (CircleMap.arnold(0.6, 0.5), CircleMap.moebius(0.5, 0.3), CircleMap.rigid(0.1234)):
+        found = lyapunov_exponent(sine)
+        assert abs(found) <= found.error_bound + 1e-15
+        assert found.error_bound < 1e-9
+
+
+def test_a_chaotic_orbit_has_a_statistical_bound():
+    """The Blaschke product e^{i} z(z - a)/(1 - az) keeps uniform measure: its exponent is ∫ ln F' dθ/2π."""
+    a = 0.4
+    doubling = CircleMap(
+        lambda x: 2 * x + 1 + 2 * np.arctan2(a * np.sin(x), 1 - a * np.cos(x)),
+        lambda x: 1 + (1 - a * a) / (1 - 2 * a * np.cos(x) + a * a),
+        degree=2,
+    )
+    grid = TWO_PI * np.arange(400) / 400
+    known = np.mean(np.log(doubling.derivative(grid)))
+    found = lyapunov_exponent(doubling)
+    assert abs(found - known) <= found.error_bound
+    assert 1e-4 < found.error_bound < 2e-2
+    noisy = lyapunov_exponent(doubling, WrappedNormal(0.2))
+    assert abs(noisy - known) <= noisy.error_bound < 1e-12
+
+
+def test_the_doubling_map_stretches_by_two_with_and_without_noise():
+    doubling = CircleMap(lambda x: 2 * x, lambda x: np.full_like(x, 2.0), degree=2)
+    for found in (lyapunov_exponent(doubling), lyapunov_exponent(doubling, WrappedNormal(0.3))):
+        assert abs(found - np.log(2)) <= found.error_bound < 1e-13
+
+
+def test_the_maps_own_error_counts_through_the_law():
+    """With max_error = ε the bound covers what a change of F by ε cos θ, its slope left alone, does."""
+    sine, noise, epsilon = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), 1e-6
+    plain = lyapunov_exponent(sine, noise)
+    claimed = lyapunov_exponent(CircleMap(sine, sine.derivative, max_error=epsilon), noise)
+    shifted = lyapunov_exponent(CircleMap(lambda x: sine(x) + epsilon * np.cos(x), sine.derivative), noise)
+    assert claimed == plain and plain.error_bound < 1e-12
+    assert 1e-8 < abs(shifted - plain) <= claimed.error_bound <= 30 * abs(shifted - plain)
+
+
+def test_few_modes_keep_the_bound():
+    """The exponent of a folded map, singular logarithm and all, with the modes cut to a third and to a half."""
+    folded, noise = CircleMap.arnold(0.3, 3.0), WrappedNormal(0.3)
+    truth = lyapunov_exponent(folded, noise)
+    assert truth.error_bound < 1e-12
+    for modes in (8, 12, 15):
+        law = transfer_operator(folded, noise, modes=modes)
+        found = law.expectation(lambda x: np.log(np.maximum(np.abs(folded.derivative(x)), 1e-18)), folds=True)
+        assert abs(found - truth) <= found.error_bound + truth.error_bound
+        assert found.error_bound <= 100 * abs(found - truth)
 
 
 def test_what_is_no_map_is_refused():

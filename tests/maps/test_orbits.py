@@ -196,6 +196,46 @@ def test_where_every_point_is_periodic_the_error_says_so():
     assert fixed_points(CircleMap.rigid(0.25)) == []
 
 
+def test_each_orbit_knows_how_far_its_points_may_be_off():
+    # Orbits of the doubling map in closed form: points k/(2ⁿ - 1) turns.
+    doubling = CircleMap(lambda x: 2 * x, lambda x: np.full_like(x, 2.0), degree=2)
+    orbits = periodic_orbits(doubling, 7)
+    assert len(orbits) == 18
+    for orbit in orbits:
+        truth = TWO_PI * np.round(orbit.points / TWO_PI * 127) / 127
+        assert np.max(np.abs(orbit.points - truth)) <= orbit.error_bound < 1e-13
+    (touch,) = fixed_points(CircleMap.arnold(0.9 / TWO_PI, 0.9))
+    # |g| ≤ tangency lets the roots be anywhere within √(2e-12/0.9).
+    assert 1e-6 < touch.error_bound < 4e-6
+    assert abs(touch.points[0] - np.pi / 2) < 1e-9
+
+
+def test_orbits_of_every_winding_of_a_map_of_higher_degree_are_found_once():
+    doubling = CircleMap(lambda x: 2 * x, lambda x: np.full_like(x, 2.0), degree=2)
+    every = periodic_orbits(doubling, 5)
+    by_winding = [o for w in range(31) for o in periodic_orbits(doubling, 5, w)]
+    assert len(every) == len(by_winding) == 6
+    assert [o.winding for o in by_winding] == [o.winding for o in every]
+
+
+def test_a_period_two_orbit_of_a_map_with_kinks_carries_one_sided_multipliers():
+    # A tent-like circle map: x → 1.5 min(x, 1 - x) turns + 0.1; the orbit that meets the kink at 1/2 has both slopes.
+    def tent(t):
+        x = np.mod(t, TWO_PI) / TWO_PI
+        return TWO_PI * (1.5 * np.minimum(x, 1 - x) + 0.1)
+
+    kinked = CircleMap(tent, lambda t: np.where(np.mod(t, TWO_PI) < np.pi, 1.5, -1.5), [0.0, np.pi], degree=0)
+    orbits = [o for n in (1, 2, 3, 4) for o in periodic_orbits(kinked, n)]
+    assert len(orbits) > 1
+    for orbit in orbits:
+        assert abs(abs(orbit.multiplier) - 1.5**orbit.period) < 1e-12
+        assert orbit.kind == "unstable"
+        image = orbit.points
+        for _ in range(orbit.period):
+            image = kinked(image)
+        np.testing.assert_allclose(image, orbit.points + TWO_PI * orbit.winding, atol=1e-12)
+
+
 def test_bad_requests_are_refused():
     sine = CircleMap.arnold(0.1, 0.5)
     for bad in (0, -1, 1.5, True):

@@ -6,17 +6,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
-from cyclemap.maps import (
-    CircleMap,
-    is_nondecreasing,
-    lower_envelope,
-    periodic_orbits,
-    rotation_interval,
-    rotation_number,
-    upper_envelope,
-)
-from cyclemap.maps.rotation import simplest_between
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.circle_map import CircleMap
+from cyclemap.maps.envelopes import is_nondecreasing, largest_descent, lower_envelope, upper_envelope
+from cyclemap.maps.orbits import periodic_orbits
+from cyclemap.maps.rotation import rotation_interval, rotation_number, simplest_between
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-9.0, 9.0, 4001)
@@ -50,6 +44,8 @@ def test_known_rotation_numbers_to_fourteen_digits(circle_map, truth):
     assert found.lower <= truth <= found.upper
     assert found.upper - found.lower < 1e-8
     assert found.locked is None
+    assert found.proof is None
+    assert abs(found.estimate - truth) <= found.estimate.error_bound < 1e-14
 
 
 def test_the_enclosure_holds_for_four_hundred_random_moebius_maps():
@@ -106,6 +102,81 @@ def test_at_a_tongue_edge_the_bounds_still_hold():
     found = rotation_number(CircleMap.arnold(0.9 / TWO_PI, 0.9))
     assert found.lower <= 0.0 <= found.upper
     assert found.upper < 1e-4
+
+
+def test_the_proof_of_locking_holds_in_extended_precision_and_its_orbit_lies_between():
+    """F^q - id - 2πp, evaluated anew, is negative at ``below`` and positive at ``above``."""
+    rng = np.random.default_rng(8)
+    two_pi, checked = 2 * np.arccos(np.longdouble(-1)), 0
+    for _ in range(120):
+        omega, strength = rng.uniform(-1, 2), rng.choice([1.0, rng.uniform(0.5, 1)])
+        found = rotation_number(CircleMap.arnold(omega, strength), iterates=3000)
+        if found.locked is None:
+            continue
+        p, q = found.locked.numerator, found.locked.denominator
+        ends = []
+        for start in (found.proof.below, found.proof.above):
+            theta = np.longdouble(start)
+            for _ in range(q):
+                theta = theta + two_pi * np.longdouble(omega) - np.longdouble(strength) * np.sin(theta)
+            ends.append(float(theta - np.longdouble(start) - two_pi * p))
+        assert ends[0] < 0 < ends[1]
+        assert found.proof.ratio == found.locked
+        assert found.estimate is None
+        orbits = periodic_orbits(CircleMap.arnold(omega, strength), q, p) if q < 6 else []
+        ahead = np.mod(found.proof.below - found.proof.above, TWO_PI)
+        if orbits:
+            between = [np.mod(orbit.points - found.proof.above, TWO_PI) < ahead for orbit in orbits if orbit.stable]
+            assert np.any(between)
+            checked += 1
+    assert checked > 40
+
+
+def test_a_locked_folded_map_has_a_proof_too():
+    found = rotation_number(CircleMap.arnold(0.0, 1.3))
+    assert found.locked == 0
+    sine = CircleMap.arnold(0.0, 1.3)
+    assert sine.turn(found.proof.below) < 0.0 < sine.turn(found.proof.above)
+
+
+def test_a_tolerance_saves_iterates():
+    """The lift is asked about once an iterate and orbit: far less often when two digits are enough."""
+    asked = []
+
+    def scalar(theta):
+        asked.append(theta)
+        return theta + 2.1 - 0.5 * np.sin(theta)
+
+    sine = CircleMap.with_scalar(lambda x: x + 2.1 - 0.5 * np.sin(x), lambda x: 1 - 0.5 * np.cos(x), scalar)
+    full = rotation_number(sine, iterates=4000)
+    long, asked[:] = len(asked), []
+    short = rotation_number(sine, iterates=4000, tolerance=0.01)
+    assert len(asked) < long / 10
+    assert short.upper - short.lower <= 0.02
+    assert short.lower <= full.lower <= full.upper <= short.upper
+
+
+def test_a_lift_that_jitters_is_enclosed_by_what_it_claims():
+    """Values off by up to 1e-3 radians from a rotation: the claim of 1e-3 covers them."""
+
+    def jitter(x):
+        return 2.0 * np.mod(np.sin(x * 1e5) * 1e5, 1.0) - 1.0
+
+    noisy = CircleMap(lambda x: x + 2.4 + 1e-3 * jitter(np.mod(x, TWO_PI)), np.ones_like, max_error=1e-3)
+    found = rotation_number(noisy, iterates=2000)
+    assert found.lower <= 2.4 / TWO_PI <= found.upper
+    assert found.upper - found.lower < 2e-3
+
+
+def test_a_fold_too_narrow_to_be_seen_is_found_out_by_bounds_that_contradict_each_other():
+    """One orbit falls into a slit 1e-5 wide right at its first image, the other passes beside it."""
+
+    def slit(x):
+        base = np.mod(x, TWO_PI)
+        return x + 2.4 - 2.0 * ((base >= 2.4) & (base < 2.4 + 1e-5))
+
+    with pytest.raises(ConvergenceError, match="folds unseen"):
+        rotation_number(CircleMap(slit, np.ones_like), iterates=2000)
 
 
 def test_piecewise_contractions_have_the_rotation_number_of_their_devils_staircase():
@@ -190,6 +261,27 @@ def test_envelopes_are_the_nearest_monotone_maps():
         assert is_nondecreasing(upper)
 
 
+def test_the_largest_descent_is_that_of_theory():
+    """Sine maps fall from -arccos(1/K) to arccos(1/K), by 2√(K² - 1) - 2 arccos(1/K); jumps by their height."""
+    for strength in (1.0, 1.5, 3.0, 9.0):
+        theory = 2 * np.sqrt(strength**2 - 1) - 2 * np.arccos(1 / strength)
+        assert abs(largest_descent(CircleMap.arnold(0.3, strength)) - theory) < 1e-12
+    for height in (-0.3, 0.4):
+        sawtooth = CircleMap.from_samples([0, 2, 2, 4], [0, 2, 2 + height, 4], [0.5] * 4)
+        assert abs(largest_descent(sawtooth) - max(0.0, -height)) < 0.05 + 1e-12
+
+
+def test_envelopes_claim_the_error_of_their_levels():
+    """Fold levels against the closed form of the sine map's extrema, F(∓arccos(1/K))."""
+    folded = CircleMap.arnold(0.3, 3.0)
+    raised, lowered = upper_envelope(folded), lower_envelope(folded)
+    crest = np.arccos(1 / 3)
+    top = -crest + TWO_PI * 0.3 + np.sqrt(8)
+    assert abs(raised(0.0) - top) <= raised.max_error + 4e-16
+    assert abs(lowered(0.0) - (TWO_PI * 0.6 - top)) <= lowered.max_error + 4e-16
+    assert 0.0 < raised.max_error < 1e-13
+
+
 def test_a_monotone_map_is_its_own_envelope():
     sine = CircleMap.arnold(0.3, 0.9)
     assert upper_envelope(sine) is sine
@@ -215,5 +307,13 @@ def test_other_degrees_and_bad_counts_are_refused():
     for ask in (rotation_number, rotation_interval, upper_envelope, lower_envelope):
         with pytest.raises(InvalidInput, match="degree"):
             ask(doubling)
-    with pytest.raises(InvalidInput):
-        rotation_number(CircleMap.rigid(0.1), iterates=0)
+    rigid = CircleMap.rigid(0.1)
+    for ask in (rotation_number, rotation_interval):
+        with pytest.raises(InvalidInput, match="iterates"):
+            ask(rigid, iterates=0)
+        with pytest.raises(InvalidInput, match="max_period"):
+            ask(rigid, max_period=0)
+        with pytest.raises(InvalidInput, match="tolerance"):
+            ask(rigid, tolerance=-1.0)
+        with pytest.raises(InvalidInput, match="CircleMap"):
+            ask(np.sin)

@@ -1,0 +1,53 @@
+"""`cyclemap staircase`: the predicted staircase of a material in sentences, as JSON, and as a picture."""
+
+from pathlib import Path
+
+from cyclemap.cli.commands import LoopOptions, RunRequest
+from cyclemap.cli.json_report import staircase_report
+from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json, write_whole
+from cyclemap.cli.settings import chosen_loop
+from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
+from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
+from cyclemap.evidence import read_theta0_pairs
+from cyclemap.evidence.measured_staircase import MeasuredStaircase, measured_staircase
+from cyclemap.views import staircase_sentences as sentences
+from cyclemap.views.staircase_page import staircase_page
+from cyclemap.views.style import render
+
+
+def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
+    """Predict the staircase, set the measured one beside it, draw both, and print them for people or as JSON."""
+    loop, sigma = chosen_loop(options)
+    measured = None if request.data is None else measured_staircase(read_theta0_pairs(request.data), request.seed)
+    forecast = _forecast(loop, DEFAULT_SIGMA if sigma is None else sigma, request, measured)
+    report = staircase_report(forecast, measured)
+    stem = request.out / f"staircase_{file_stem(loop.material.name)}"
+    write_json(stem.with_name(f"{stem.name}.json"), report)
+    picture = stem.with_name(f"{stem.name}.{request.picture_format}")
+    write_whole(picture, render(staircase_page(forecast, measured), request.picture_format))
+    if not publish_json(report, json_target):
+        _print_for_people(forecast, measured, picture)
+
+
+def _forecast(
+    loop: CollectionLoop, sigma: float, request: RunRequest, measured: MeasuredStaircase | None
+) -> StaircaseForecast:
+    """The forecast; its run starts where the data start and is as long, unless told otherwise."""
+    length = DEFAULT_CYCLES if measured is None else len(measured.path) - 1
+    start = 0.0 if measured is None else float(measured.path[0])
+    with progress_bar(f"staircase of {loop.material.name}") as report:
+        return staircase_forecast(
+            loop, sigma=sigma, cycles=request.cycles or length, start=start, seed=request.seed, progress=report
+        )
+
+
+def _print_for_people(forecast: StaircaseForecast, measured: MeasuredStaircase | None, picture: Path) -> None:
+    console = PeopleConsole()
+    console.print(sentences.forecast_sentence(forecast), style="bold")
+    console.print(sentences.run_sentence(forecast))
+    if measured is not None:
+        console.print(sentences.measured_sentence(measured))
+        console.print(sentences.fitted_sentence(measured))
+    console.print(f"picture: {picture}")

@@ -1,0 +1,91 @@
+"""The staircase a collection loop is going to climb: one noisy run of it, and what such runs have in common."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from cyclemap.checks import positive_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
+from cyclemap.errors import ConvergenceError
+from cyclemap.maps import (
+    CircleMap,
+    Estimate,
+    SlowZone,
+    Staircase,
+    StaircaseSummary,
+    StepComparison,
+    Steps,
+    WrappedNormal,
+    compare_steps,
+    find_steps,
+    log10_passage_time,
+    predict_staircase,
+    sample_staircase,
+    shifted,
+)
+
+WHOLE_TURN = 2 * np.pi - 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class StaircaseForecast:
+    """A predicted staircase.
+
+    map : the cycle map, θ in rad. noise : added to every cycle. prediction : what runs are like on average.
+    log10_residences : of each of the prediction's zones, log10 of its mean residence in cycles, beyond every float
+    too; None where it could not be certified. run : one noisy run. steps : the dwells and steps found in it.
+    comparison : these steps beside the prediction.
+    """
+
+    loop: CollectionLoop
+    map: CircleMap
+    noise: WrappedNormal
+    prediction: StaircaseSummary
+    log10_residences: tuple[Estimate | None, ...]
+    run: Staircase
+    steps: Steps
+    comparison: StepComparison
+
+
+def staircase_forecast(
+    loop: CollectionLoop,
+    *,
+    sigma: float = DEFAULT_SIGMA,
+    cycles: int = DEFAULT_CYCLES,
+    start: float = 0.0,
+    seed: int = 0,
+    tolerance: float = 1e-6,
+    progress: Callable[[float], None] | None = None,
+) -> StaircaseForecast:
+    """Predict the staircase of `loop`.
+
+    sigma : standard deviation (rad) of the noise of one cycle. cycles, start (rad), seed : of the run.
+    tolerance : of the cycle map (rad). progress : called with the fraction done, in [0, 1].
+
+    Raises InvalidInput for values that make no sense, ConvergenceError where a tolerance cannot be met.
+    """
+    report = progress or (lambda fraction: None)
+    noise = WrappedNormal(positive_number("sigma", sigma))
+    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(0.7 * fraction))
+    prediction = predict_staircase(cycle_map, noise)
+    report(0.8)
+    run = sample_staircase(cycle_map, noise, cycles, start, seed)
+    residences = tuple(_log10_residence(cycle_map, noise, zone) for zone in prediction.zones)
+    report(1.0)
+    steps = find_steps(run.theta)
+    comparison = compare_steps(steps, prediction)
+    return StaircaseForecast(loop, cycle_map, noise, prediction, residences, run, steps, comparison)
+
+
+def _log10_residence(cycle_map: CircleMap, noise: WrappedNormal, zone: SlowZone) -> Estimate | None:
+    """log10 of the zone's mean residence, from the point that `SlowZone.residence_cycles` starts from."""
+    if np.isfinite(zone.residence_cycles):
+        return Estimate(np.log10(zone.residence_cycles), 0.0)
+    still = shifted(cycle_map, -zone.winding)
+    whole = zone.arc[1] - zone.arc[0] > WHOLE_TURN
+    try:
+        return log10_passage_time(still, noise, zone.middle, zone.arc, lifted=whole)
+    except ConvergenceError:
+        return None

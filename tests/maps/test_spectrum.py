@@ -1,0 +1,100 @@
+"""Eigenvalues: exact spectra, bounds that hold, conditions and vectors."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, transfer_operator
+
+TWO_PI = 2 * np.pi
+Z_STAR = 0.2550616828143848456 - 0.2049307699033403712j
+
+
+def test_moebius_with_cauchy_noise_has_powers_of_its_multiplier_and_their_conjugates():
+    """With g = rB, B the Möbius map of the disc, the eigenvalues are g'(z*)^n and their conjugates."""
+    a, omega, r = 0.5, 0.3, 0.9
+    multiplier = r * np.exp(2j * np.pi * omega) * (1 - a * a) / (1 - a * Z_STAR) ** 2
+    known = np.array([multiplier**n for n in range(1, 5)])
+    found = transfer_operator(CircleMap.moebius(a, omega), WrappedCauchy(r)).spectrum(9)
+    assert found.values.size == 9 and found.values[0] == 1.0 and found.error_bounds[0] == 0.0
+    for value, bound in zip(found.values[1:], found.error_bounds[1:], strict=True):
+        error = min(np.min(np.abs(value - known)), np.min(np.abs(value - np.conj(known))))
+        assert error <= bound < 1e-10
+    assert found.error_bounds[1] < 1e-12
+
+
+def test_a_rotation_has_the_noises_coefficients_turned():
+    omega, noise = 0.17, WrappedNormal(0.3)
+    found = transfer_operator(CircleMap.rigid(omega), noise).spectrum(7)
+    m = np.array([1, 1, 2, 2, 3, 3])
+    np.testing.assert_allclose(np.abs(found.values[1:]), noise.coefficients(m), atol=1e-14)
+    np.testing.assert_allclose(
+        found.values[1::2],
+        noise.coefficients(m[::2]) * np.exp(2j * np.pi * np.array([1, 2, -3]) * omega),
+        atol=1e-13,
+    )
+    np.testing.assert_allclose(found.condition, 1.0, rtol=1e-10)
+    assert np.all(found.error_bounds < 1e-13)
+
+
+def test_vectors_belong_to_their_values_and_are_biorthogonal():
+    law = transfer_operator(CircleMap.arnold(0.3, 3.0), WrappedNormal(0.3))
+    found, matrix = law.spectrum(5), law.discretisation.matrix
+    np.testing.assert_allclose(matrix @ found.right, found.right * found.values, atol=1e-13)
+    np.testing.assert_allclose(matrix.T @ found.left, found.left * found.values, atol=1e-13)
+    np.testing.assert_allclose(found.left.T @ found.right, np.eye(5), atol=1e-11)
+    assert np.all(found.condition >= 1.0 - 1e-12)
+    np.testing.assert_array_equal(np.round(found.values, 12), np.round(law.eigenvalues(5), 12))
+
+
+def test_bounds_hold_with_few_modes():
+    """The three leading values with half the modes are as near the truth as their bounds say, and not much nearer."""
+    circle_map, checked = CircleMap.arnold(0.3, 3.0), 0
+    for noise in (WrappedNormal(0.3), WrappedNormal(0.15), WrappedCauchy(0.7)):
+        full = transfer_operator(circle_map, noise)
+        truth = full.eigenvalues(12)
+        few = transfer_operator(circle_map, noise, modes=full.modes // 2).spectrum(4)
+        for value, bound in zip(few.values[1:], few.error_bounds[1:], strict=True):
+            error = np.min(np.abs(truth - value))
+            assert error <= bound <= 100 * error + 1e-11
+            checked += 1
+    assert checked == 9
+
+
+def test_a_nilpotent_operator_admits_that_its_values_are_not_to_be_trusted():
+    """The doubling map halves frequencies: all eigenvalues but 1 are 0, and defective; rounding moves them far."""
+    found = transfer_operator(CircleMap(lambda x: 2 * x, degree=2), WrappedNormal(0.3)).spectrum(4)
+    assert np.all(np.abs(found.values[1:]) <= found.error_bounds[1:])
+    assert np.min(found.condition[1:]) > 1e4
+
+
+def test_large_operators_are_solved_by_arnoldi_to_the_same_values():
+    law = transfer_operator(CircleMap.arnold(0.3, 3.0), WrappedNormal(0.04))
+    assert law.discretisation.size > 320
+    whole = np.sort(np.abs(np.linalg.eigvals(law.discretisation.matrix)))[::-1][:4]
+    found = law.spectrum(4)
+    np.testing.assert_allclose(np.abs(found.values), whole, atol=1e-10)
+    assert np.all(found.error_bounds < 1e-9)
+
+
+def test_the_gap_and_the_mixing_time_are_one_number():
+    law = transfer_operator(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.2))
+    assert abs(np.exp(-1 / law.mixing_cycles) - (1 - law.spectral_gap)) < 1e-14
+    assert law.mixing_cycles.error_bound < 1e-9
+    assert law.spectral_gap.error_bound < 1e-11
+
+
+def test_slow_mixing_between_wells_is_the_rate_of_escape():
+    """For two equal wells 1 - λ₂ = 2/T, T the mean time from one well to the bottom of the other (Kramers 1940)."""
+    twin = CircleMap(lambda x: x - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
+    law = transfer_operator(twin, WrappedNormal(0.28))
+    hop = law.mean_passage_time(0.0, (0.5 - np.pi, np.pi - 0.5))
+    assert law.spectral_gap == pytest.approx(2.0 / hop, rel=1e-3)
+    assert 1e-6 < law.spectral_gap < 1e-4
+
+
+def test_what_makes_no_sense_is_refused():
+    law = transfer_operator(CircleMap.rigid(0.1), WrappedNormal(0.5))
+    for count in (0, -1, 1.5, None):
+        with pytest.raises(InvalidInput, match="k must"):
+            law.spectrum(count)
