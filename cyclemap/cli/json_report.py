@@ -9,8 +9,7 @@ import numpy as np
 from cyclemap.collection.loop import Cycle
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.staircase_forecast import StaircaseForecast
-from cyclemap.evidence import MeasuredOverlay
-from cyclemap.evidence.measured_staircase import MeasuredStaircase
+from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
 from cyclemap.maps import SlowZone, StaircaseSummary, Steps
 
 Json = dict[str, object]

@@ -1,6 +1,7 @@
 """Measured data: reading it, summarising it, and setting it beside a prediction."""
 
 from cyclemap.evidence.harmonic_map import HarmonicMap, harmonic_map
+from cyclemap.evidence.measured_staircase import MeasuredStaircase, measured_staircase
 from cyclemap.evidence.overlay import MeasuredOverlay, measured_overlay
 from cyclemap.evidence.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.theta0_statistics import (
@@ -17,12 +18,14 @@ __all__ = [
     "HarmonicMap",
     "MapAgreement",
     "MeasuredOverlay",
+    "MeasuredStaircase",
     "Theta0Pairs",
     "TurnBins",
     "angle_histogram",
     "harmonic_map",
     "map_agreement",
     "measured_overlay",
+    "measured_staircase",
     "read_theta0_pairs",
     "turn_bins",
 ]

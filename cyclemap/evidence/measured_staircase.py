@@ -22,6 +22,9 @@ from cyclemap.maps import (
 
 Array = NDArray[np.float64]
 
+# Radians: no angle is measured better than this.
+LEAST_SCATTER = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class MeasuredStaircase:
@@ -56,7 +59,7 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
     if pairs.path is None:
         raise InvalidInput("the pairs come in no known order: a staircase needs theta0_deg, one row a push in order")
     fitted = harmonic_map(pairs)
-    if fitted.sigma == 0.0:
+    if fitted.sigma < LEAST_SCATTER:
         raise InvalidInput("the measured turns lie exactly on a smooth curve: they are no measurement with noise")
     noise, fitted_map = WrappedNormal(fitted.sigma), fitted.map
     prediction = predict_staircase(fitted_map, noise)

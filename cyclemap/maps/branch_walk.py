@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -106,9 +106,9 @@ class BranchWalk:
                 state, found = smooth_bifurcation(self.equations, before, solved, self.direction, target)
                 self.states.append(state)
                 self.special.append(found)
-        closed = self._closes(before, solved, direction)
-        self.states.append(self.first if closed else solved)
-        self.reason = "closed" if closed else ""
+        again = self._closing(before, solved, direction)
+        self.states.append(solved if again is None else again)
+        self.reason = "" if again is None else "closed"
         self.direction, self.step = direction, min(_GROWTH * self.step, _LARGEST)
 
     def _halves(self, before: OrbitState, solved: OrbitState) -> bool:
@@ -120,10 +120,10 @@ class BranchWalk:
         gap = _short(old)
         return float(gap @ (gap + new - old)) <= 0.0 or float(np.max(np.abs(gap + new - old))) < 1e-9
 
-    def _closes(self, before: OrbitState, solved: OrbitState, direction: Array) -> bool:
-        """Whether the first state, up to whole turns and the choice of the first point, lies on this step."""
+    def _closing(self, before: OrbitState, solved: OrbitState, direction: Array) -> OrbitState | None:
+        """The first state, on this step's whole turns and choice of the first point, if it lies on the step."""
         if len(self.states) < 6 or abs(before.parameter - self.first.parameter) > self._reach(before, solved):
-            return False
+            return None
         step = self.equations.point(solved) - self.equations.point(before)
         for k in range(self.equations.period):
             back = _short(np.roll(self.first.theta, -k) - before.theta)
@@ -131,8 +131,11 @@ class BranchWalk:
             share = float(offset @ step) / float(step @ step)
             heading = np.append(np.roll(self.initial[:-1], -k), self.initial[-1])
             if 0.0 < share <= 1.0 and np.linalg.norm(offset - share * step) < 0.3 * np.linalg.norm(step):
-                return bool(heading @ direction > 0.5)
-        return False
+                rolled = replace(
+                    self.first, theta=before.theta + back, slopes=np.roll(self.first.slopes, -k), push=None
+                )
+                return rolled if heading @ direction > 0.5 else None
+        return None
 
     def _reach(self, before: OrbitState, solved: OrbitState) -> float:
         return 2.0 * abs(solved.parameter - before.parameter) + 1e-3 * float(self.equations.scales[-1])

@@ -143,5 +143,9 @@ def _error_bounds(
         return np.full(values.size, np.inf)
     if isinstance(finer, FourierDiscretisation) and finer.size == basis.size:
         return np.asarray(np.abs(np.sum(left * finer.cycle(right), axis=0) - values))
-    others = np.append(leading_values(finer, max(2 * values.size, 8)), 0.0)
-    return np.asarray(np.min(np.abs(values[:, None] - others), axis=1))
+    from scipy.optimize import linear_sum_assignment
+
+    # One to one, or to 0: the nearest finer value may be another's.
+    others = np.append(leading_values(finer, max(2 * values.size, 8)), np.zeros(values.size))
+    gaps = np.abs(values[:, None] - others)
+    return np.asarray(gaps[linear_sum_assignment(gaps)])

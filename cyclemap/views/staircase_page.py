@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
 from cyclemap.collection.staircase_forecast import StaircaseForecast
-from cyclemap.evidence.measured_staircase import MeasuredStaircase
+from cyclemap.evidence import MeasuredStaircase
 from cyclemap.views.record_panels import draw_staircase
 from cyclemap.views.staircase_sentences import fitted_sentence, forecast_sentence, measured_sentence, run_sentence
 from cyclemap.views.step_panels import draw_step_lengths, draw_steps

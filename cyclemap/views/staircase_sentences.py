@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from cyclemap.collection.staircase_forecast import StaircaseForecast
-from cyclemap.evidence.measured_staircase import MeasuredStaircase
+from cyclemap.evidence import MeasuredStaircase
 from cyclemap.maps import Estimate, SlowZone, StaircaseSummary, Steps
 from cyclemap.views.sentences import LONGEST_STAY, angle, cycles, number
 

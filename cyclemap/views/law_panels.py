@@ -1,0 +1,133 @@
+"""The law of a noisy map: its stationary density, spectrum, metastable sets, and how it moves with a parameter."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle
+from numpy.typing import NDArray
+
+from cyclemap.maps import MetastableSets, Response, Spectrum, TransferOperator
+from cyclemap.views.panel_curves import PER_DEGREE, density_curve
+from cyclemap.views.panel_parts import THETA, legend_above, name_tag, small
+from cyclemap.views.sentences import number
+from cyclemap.views.style import INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET, UNSTABLE, degree_axis
+
+Array = NDArray[np.float64]
+DENSITY = "probability per degree"
+# Names of neighbouring sets stand at different heights, in so many rows at most.
+MOST_ROWS = 4
+
+
+def draw_law(axes: Axes, operator: TransferOperator) -> None:
+    """The stationary density, its error bound in the legend, and the uniform density to compare with."""
+    theta_deg, density = density_curve(operator.density)
+    bound = f"± {small(PER_DEGREE * operator.error_bound)}" if operator.is_certain else "shares of its parts unknown"
+    axes.fill_between(theta_deg, density, color=PREDICTED_FILL, linewidth=0, zorder=1)
+    axes.plot(theta_deg, density, color=PREDICTED, linewidth=1.8, label=f"stationary density, {bound}", zorder=3)
+    axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=2)
+    _density_axes(axes, DENSITY)
+    axes.set_ylim(bottom=0.0)
+
+
+def draw_response(axes: Axes, response: Response, unit: str = "unit of the parameter") -> None:
+    """The derivative of the stationary density with respect to a parameter; `unit` names what it is a rate in."""
+    theta_deg, rate = density_curve(response.density)
+    bound = f"± {small(PER_DEGREE * response.density_error)}" if np.isfinite(response.density_error) else "no bound"
+    axes.axhline(0.0, color=QUIET, linewidth=0.9)
+    axes.fill_between(theta_deg, rate, color=PREDICTED_FILL, linewidth=0, zorder=1)
+    axes.plot(theta_deg, rate, color=PREDICTED, linewidth=1.8, label=f"derivative of the density, {bound}", zorder=3)
+    _density_axes(axes, f"{DENSITY}, a {unit}")
+
+
+def _density_axes(axes: Axes, label: str) -> None:
+    degree_axis(axes, THETA)
+    axes.set_ylabel(label)
+    legend_above(axes)
+
+
+# -- spectrum ----------------------------------------------------------------------------------------------
+
+
+def draw_spectrum(axes: Axes, spectrum: Spectrum) -> None:
+    """Eigenvalues in the unit disc with circles of their error bounds; open where there is none. The gap is told."""
+    axes.add_patch(Circle((0.0, 0.0), 1.0, fill=False, edgecolor=QUIET, linewidth=1.0, zorder=1))
+    known = np.isfinite(spectrum.error_bounds)
+    _draw_values(axes, spectrum.values[known], PREDICTED, _bound_name(spectrum.error_bounds[known]))
+    if not known.all():
+        _draw_values(axes, spectrum.values[~known], UNSTABLE, "eigenvalue, error unknown")
+    for value, bound in zip(spectrum.values[known], spectrum.error_bounds[known], strict=True):
+        axes.add_patch(Circle((value.real, value.imag), bound, facecolor=MEASURED, edgecolor=INK, alpha=0.5, zorder=3))
+    _draw_gap(axes, spectrum)
+    axes.set(xlabel="real part of λ", ylabel="imaginary part of λ", aspect="equal", xlim=(-1.1, 1.1), ylim=(-1.1, 1.1))
+    legend_above(axes, columns=2)
+
+
+def _bound_name(bounds: Array) -> str:
+    return f"eigenvalue, ± {small(float(bounds.max()))} at most" if bounds.size else "eigenvalue"
+
+
+def _draw_values(axes: Axes, values: NDArray[np.complex128], face: str, label: str) -> None:
+    look: dict[str, Any] = {"marker": "o", "markersize": 4.5, "markeredgecolor": PREDICTED, "linestyle": "none"}
+    axes.plot(values.real, values.imag, markerfacecolor=face, label=label, zorder=4, **look)
+
+
+def _draw_gap(axes: Axes, spectrum: Spectrum) -> None:
+    """The circle on which the second eigenvalue lies, its distance from 1 in the legend."""
+    if spectrum.values.size < 2:
+        return
+    second = float(abs(spectrum.values[1]))
+    label = f"|λ₂|: gap {max(0.0, 1.0 - second):.3g}"
+    around = np.exp(1j * np.linspace(0.0, 2 * np.pi, 361))
+    axes.plot(second * around.real, second * around.imag, color=INK, linestyle="--", linewidth=1.0, label=label)
+
+
+# -- metastable sets ---------------------------------------------------------------------------------------
+
+
+def draw_metastable_sets(axes: Axes, density: Callable[[Array], Array], sets: MetastableSets) -> None:
+    """`density` (per rad, as an operator's) with the sets' arcs shaded below it, every other one hatched."""
+    theta_deg, curve = density_curve(density)
+    axes.plot(theta_deg, curve, color=PREDICTED, linewidth=1.8, label="stationary density", zorder=3)
+    top = float(np.max(curve))
+    for index, arc in enumerate(sets.arcs):
+        _shade_set(axes, density, arc, hatched=index % 2 == 1)
+    rows = 1 if len(sets.arcs) < 3 else min(len(sets.arcs), MOST_ROWS)
+    for place, index in enumerate(np.argsort(_middles_deg(sets)).tolist()):
+        _name_set(axes, sets, index, (1.06 + 0.16 * (place % rows)) * top)
+    _density_axes(axes, DENSITY)
+    axes.set_ylim(0.0, (1.1 + 0.16 * rows) * top)
+
+
+def _middles_deg(sets: MetastableSets) -> Array:
+    return np.asarray(np.mod(np.degrees(sets.arcs.mean(axis=1)), 360.0))
+
+
+def _name_set(axes: Axes, sets: MetastableSets, index: int, height: float) -> None:
+    """The set's probabilities above its arc, and a line where it begins."""
+    start_deg, middle_deg = float(np.degrees(sets.arcs[index, 0])), float(_middles_deg(sets)[index])
+    if len(sets.arcs) > 1:
+        axes.axvline(start_deg % 360.0, color=QUIET, linewidth=1.0, linestyle=":", zorder=2)
+    side = "left" if middle_deg < 50 else "right" if middle_deg > 310 else "center"
+    name_tag(axes, middle_deg, height, _set_name(sets, index), ha=side, va="bottom")
+
+
+def _set_name(sets: MetastableSets, index: int) -> str:
+    leaving = float(sets.leaving[index])
+    chance = f"{1.0 - leaving:.4f}" if leaving >= 1e-4 or leaving == 0.0 else f"1 − {small(leaving)}"
+    residence = f" ({number(1.0 / leaving)} cycles)" if leaving > 0.0 else ""
+    return f"set {index + 1}: {100 * sets.weights[index]:.3g} %\nstays {chance}{residence}"
+
+
+def _shade_set(axes: Axes, density: Callable[[Array], Array], arc: Array, hatched: bool) -> None:
+    """Shade the density over one arc, in two parts where it runs across 360°."""
+    for low, high in _parts(float(np.mod(arc[0], 2 * np.pi)), float(arc[1] - arc[0])):
+        theta_deg, curve = density_curve(density, low, high)
+        look: dict[str, Any] = {"hatch": "///"} if hatched else {}
+        axes.fill_between(theta_deg, curve, facecolor=PREDICTED_FILL, edgecolor=QUIET, linewidth=0.5, zorder=1, **look)
+
+
+def _parts(start: float, length: float) -> list[tuple[float, float]]:
+    end = start + length
+    return [(start, end)] if end <= 2 * np.pi else [(start, 2 * np.pi), (0.0, end - 2 * np.pi)]

@@ -1,0 +1,194 @@
+"""Rotation numbers over one parameter and over two: the devil's staircase, the plane, and its Arnold tongues."""
+
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.patheffects import Normal, Stroke
+from numpy.typing import NDArray
+
+from cyclemap.maps import RotationNumbers, RotationPlane, TongueBoundaries
+from cyclemap.views.panel_parts import legend_above, name_beside_path, name_tag, small
+from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL
+
+Array = NDArray[np.float64]
+ROTATION = "rotation number (turns a cycle)"
+# Tongues of longer periods are too many and too narrow to outline in a plane.
+LONGEST_PERIOD = 6
+# Share of the panel's width from which a tongue or a plateau has room for its name.
+NAMED_WIDTH = 0.012
+# Names nearer than this share of the panel's width stand one above the other.
+CLOSE_NAMES = 0.045
+
+
+# -- over a plane ------------------------------------------------------------------------------------------
+
+
+def draw_rotation_plane(
+    axes: Axes,
+    plane: RotationPlane,
+    first_label: str = "first parameter",
+    second_label: str = "second parameter",
+    *,
+    longest_period: int = LONGEST_PERIOD,
+) -> None:
+    """Turns a cycle as colour, a colour bar; locked tongues outlined and named, cells of folded maps hatched."""
+    first, second = _cell_edges(plane.first_values), _cell_edges(plane.second_values)
+    mesh = axes.pcolormesh(first, second, plane.value.T, cmap="cividis", rasterized=True)
+    _hatch_folded(axes, plane, first, second)
+    _outline_tongues(axes, plane, first, second, longest_period)
+    _name_tongues(axes, plane, longest_period)
+    axes.set(xlabel=first_label, ylabel=second_label)
+    axes.set_xlim(float(first.min()), float(first.max()))
+    axes.set_ylim(float(second.min()), float(second.max()))
+    axes.grid(visible=False)
+    legend_above(axes)
+    axes.get_figure(root=True).colorbar(mesh, ax=axes, label=ROTATION)  # type: ignore[union-attr]
+
+
+def _cell_edges(values: Array) -> Array:
+    """The edges (m + 1,) of cells round `values` (m,)."""
+    if values.size == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middle = 0.5 * (values[:-1] + values[1:])
+    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
+
+
+def _hatch_folded(axes: Axes, plane: RotationPlane, first: Array, second: Array) -> None:
+    """Hatch the cells whose rotation numbers fill an interval, run by run along the first parameter."""
+    label = "folded: an interval of rotation numbers, one orbit's shown"
+    for column in np.flatnonzero(plane.folded.any(axis=0)).tolist():
+        runs = [(first[start], first[end] - first[start]) for start, end in _runs(plane.folded[:, column])]
+        height = (second[column], second[column + 1] - second[column])
+        # White dots show on dark colours, dark lines on light ones.
+        for color, hatch, told in ((INK, "//", label), ("white", "..", "")):
+            axes.broken_barh(
+                runs, height, facecolor="none", edgecolor=color, hatch=hatch, linewidth=0.0, label=told, zorder=3
+            )
+        label = ""
+
+
+def _outline_tongues(axes: Axes, plane: RotationPlane, first: Array, second: Array, longest: int) -> None:
+    """A line along every edge between cells of which one is locked at p/q with a short period and the other is not."""
+    shown = (plane.period > 0) & (plane.period <= longest)
+    name = np.where(shown, plane.winding / np.maximum(plane.period, 1), np.nan)
+    across = _differ(name[:-1], name[1:])
+    upward = _differ(name[:, :-1], name[:, 1:])
+    lines = [[(first[i + 1], second[j]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(across)]
+    lines += [[(first[i], second[j + 1]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(upward)]
+    edges = LineCollection(lines, colors=INK, linewidths=0.8, capstyle="projecting", zorder=4)
+    edges.set_path_effects([Stroke(linewidth=2.0, foreground="white"), Normal()])
+    axes.add_collection(edges, autolim=False)
+
+
+def _differ(one: Array, other: Array) -> NDArray[np.bool_]:
+    """Where two arrays differ, nan being equal to nan."""
+    return np.asarray((one != other) & ~(np.isnan(one) & np.isnan(other)))
+
+
+def _name_tongues(axes: Axes, plane: RotationPlane, longest: int) -> None:
+    """p/q in the middle of each tongue's widest row, where that has room for it."""
+    shown = (plane.period > 0) & (plane.period <= longest)
+    for winding, period in sorted(set(zip(plane.winding[shown].tolist(), plane.period[shown].tolist(), strict=True))):
+        inside = (plane.winding == winding) & (plane.period == period)
+        wide = np.flatnonzero(inside.sum(axis=0) > 0.8 * inside.sum(axis=0).max())
+        row = int(wide[wide.size // 2])
+        cells = np.flatnonzero(inside[:, row])
+        if cells.size > NAMED_WIDTH * plane.first_values.size:
+            first, second = plane.first_values[cells[cells.size // 2]], plane.second_values[row]
+            name_tag(axes, float(first), float(second), ratio_name(Fraction(winding, period)))
+
+
+def ratio_name(ratio: Fraction) -> str:
+    """p/q, also where it is whole."""
+    return f"{ratio.numerator}/{ratio.denominator}".replace("-", "−")
+
+
+def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """(first, last + 1) of every run of true entries."""
+    changes = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
+    return list(zip(changes[::2].tolist(), changes[1::2].tolist(), strict=True))
+
+
+# -- over one parameter ------------------------------------------------------------------------------------
+
+
+def draw_rotation_numbers(axes: Axes, parameter: Array, numbers: RotationNumbers, label: str = "parameter") -> None:
+    """Rotation numbers (m,) over `parameter` (m,), the band that encloses them, and the plateaus by name."""
+    widest = float(np.max(numbers.upper - numbers.lower))
+    band = f"enclosure, at most {small(widest)} wide"
+    axes.fill_between(parameter, numbers.lower, numbers.upper, color=PREDICTED_FILL, label=band, zorder=2)
+    axes.plot(parameter, numbers.value, color=PREDICTED, linewidth=1.0, label="middle of the enclosure", zorder=3)
+    axes.set(xlabel=label, ylabel=ROTATION)
+    axes.margins(x=0.0, y=0.08)
+    _draw_plateaus(axes, parameter, numbers)
+    legend_above(axes)
+
+
+def _draw_plateaus(axes: Axes, parameter: Array, numbers: RotationNumbers) -> None:
+    """Every stretch locked at one p/q as a thick line, named where it is wide."""
+    span, label = float(np.ptp(parameter)), "locked at p/q"
+    rises = numbers.value[-1] >= numbers.value[0]
+    for first, last in _plateaus(numbers):
+        low, high = float(parameter[first]), float(parameter[last])
+        value = float(numbers.value[first])
+        axes.plot([low, high], [value, value], color=INK, linewidth=3.0, label=label, zorder=4)
+        label = ""
+        if abs(high - low) >= NAMED_WIDTH * span:
+            ratio = Fraction(int(numbers.winding[first]), int(numbers.period[first]))
+            name_beside_path(axes, low, high, value, ratio_name(ratio), bool(rises))
+
+
+def _plateaus(numbers: RotationNumbers) -> list[tuple[int, int]]:
+    """(first, last) of every run of two or more neighbours locked at the same p/q."""
+    same = (numbers.period[1:] == numbers.period[:-1]) & (numbers.winding[1:] == numbers.winding[:-1])
+    return _runs(same & (numbers.period[1:] > 0))
+
+
+# -- Arnold tongues ----------------------------------------------------------------------------------------
+
+
+def draw_tongues(
+    axes: Axes,
+    boundaries: TongueBoundaries,
+    first_label: str = "first parameter",
+    second_label: str = "second parameter",
+) -> None:
+    """The tongues, filled between their edges, named above; edges dashed where maps fold and tongues overlap."""
+    second = boundaries.second
+    labels = {False: "edge of a tongue", True: "edge where the map folds"}
+    for left, right, folded in zip(boundaries.left, boundaries.right, boundaries.folded, strict=True):
+        axes.fill_betweenx(second, left, right, color=PREDICTED, alpha=0.22, linewidth=0, zorder=2)
+        for edge in (left, right):
+            _draw_edge(axes, edge, second, folded, labels)
+    axes.set(xlabel=first_label, ylabel=second_label)
+    axes.margins(x=0.02, y=0.0)
+    _name_above(axes, boundaries)
+    legend_above(axes)
+
+
+def _name_above(axes: Axes, boundaries: TongueBoundaries) -> None:
+    """p/q above the upper end of every tongue, in two rows where they stand close."""
+    top = int(np.argmax(boundaries.second))
+    middle = 0.5 * (boundaries.left + boundaries.right)[:, top]
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + 0.11 * (high - low))
+    before, raised = -np.inf, False
+    for index in np.argsort(middle).tolist():
+        raised = not raised and bool(middle[index] - before < CLOSE_NAMES * np.ptp(axes.get_xlim()))
+        before = float(middle[index])
+        name, offset = ratio_name(boundaries.ratios[index]), (0, 15 if raised else 3)
+        name_tag(axes, before, high, name, va="bottom", xytext=offset, textcoords="offset points")
+
+
+def _draw_edge(axes: Axes, edge: Array, second: Array, folded: NDArray[np.bool_], labels: dict[bool, str]) -> None:
+    """One edge in runs that fold or do not; each look gets its legend entry once."""
+    changes = (np.flatnonzero(np.diff(folded)) + 1).tolist()
+    for first, last in pairwise([0, *changes, edge.size]):
+        bent = bool(folded[first])
+        part = slice(max(first - 1, 0), last)
+        style = "--" if bent else "-"
+        label = labels.pop(bent, None)
+        axes.plot(edge[part], second[part], color=PREDICTED, linewidth=1.3, linestyle=style, label=label, zorder=3)

@@ -1,0 +1,45 @@
+"""What the tests of the panels share: an empty panel, its picture, and its artists picked by how they look."""
+
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+from matplotlib.lines import Line2D
+
+from cyclemap.views import style
+
+
+def panel(width: float = 6.0, height: float = 4.0) -> Axes:
+    with style.picture_style():
+        return style.new_figure(width, height).add_subplot()
+
+
+def png(axes: Axes) -> bytes:
+    """The picture; the legend must stand above the panel, where it covers nothing."""
+    figure = axes.get_figure()
+    picture = style.render(figure, "png", 60)
+    assert picture.startswith(b"\x89PNG")
+    legend = axes.get_legend()
+    if legend is not None:
+        renderer = figure.canvas.get_renderer()
+        assert legend.get_window_extent(renderer).y0 >= axes.get_window_extent(renderer).y1 - 1
+    return picture
+
+
+def legend_words(axes: Axes) -> list[str]:
+    return [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def written(axes: Axes) -> list[str]:
+    return [text.get_text() for text in axes.texts]
+
+
+def labelled(axes: Axes, start: str) -> Line2D:
+    """The one line whose legend entry starts so."""
+    found = [line for line in axes.lines if str(line.get_label()).startswith(start)]
+    assert len(found) == 1, f"{len(found)} lines are labelled {start!r}"
+    return found[0]
+
+
+def faces(axes: Axes, marker: str = "o") -> list[tuple[str, str, int]]:
+    """(colour of the markers' faces, fill style, number of markers) of every line with this marker and points."""
+    lines = [line for line in axes.lines if line.get_marker() == marker and len(line.get_xdata())]
+    return [(to_hex(line.get_markerfacecolor()), line.get_fillstyle(), len(line.get_xdata())) for line in lines]
