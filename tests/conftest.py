@@ -8,6 +8,9 @@ from typing import Any
 
 import pytest
 
+# As the command line does, and before numpy is imported: threads would only get in each other's way.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 REPOSITORY = Path(__file__).parents[1]
 
 

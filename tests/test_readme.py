@@ -1,18 +1,35 @@
-"""The README's example runs as it stands."""
+"""The README's examples run as they stand."""
 
 import re
 from pathlib import Path
 
+import pytest
+
+import cyclemap as cm
+
 README = Path(__file__).parents[1] / "README.md"
 
 
-def test_python_example_runs_and_is_short(tmp_path, monkeypatch, capsys) -> None:
+EXAMPLES = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), flags=re.DOTALL)
+
+
+@pytest.mark.parametrize(("index", "said"), [(0, "stable"), (1, "[4, 12, 36, 16]\nrotation numbers from 0 to 1/2\n")])
+def test_python_examples_run_and_are_short(tmp_path, monkeypatch, capsys, index, said) -> None:
     monkeypatch.chdir(tmp_path)
-    examples = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), flags=re.DOTALL)
-    assert len(examples) == 1
-    assert len(examples[0].strip().splitlines()) <= 15
-    exec(compile(examples[0], "README.md", "exec"), {})
-    assert "stable" in capsys.readouterr().out
+    assert len(EXAMPLES) == 2
+    assert len(EXAMPLES[index].strip().splitlines()) <= 15
+    exec(compile(EXAMPLES[index], "README.md", "exec"), {})
+    assert said in capsys.readouterr().out
+
+
+def test_every_function_named_in_the_readme_exists() -> None:
+    rows = re.findall(
+        r"^\| (?:maps|orbits|rotation|families|noise|passages|staircases) \| (.*) \|$", README.read_text(), re.M
+    )
+    names = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
+    assert len(rows) == 7
+    missing = {name for name in names if not hasattr(cm, name) and not hasattr(cm.CircleMap, name)}
+    assert missing == set()
 
 
 def test_named_files_exist() -> None:

@@ -14,6 +14,9 @@ import click
 from cyclemap.cli.commands import cycle_command, portrait_command, staircase_command
 from cyclemap.errors import CycleMapError, InvalidInput
 
+# One thread does small linear algebra fastest; two that share a busy core take several times as long.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 DONE, FAILED, BAD_USE, INTERRUPTED, NO_READER = 0, 1, 2, 130, 141
 
 

@@ -2,5 +2,16 @@
 
 from cyclemap.collection.loop import CollectionLoop, Cycle, Cycles, CycleSensitivity, CycleTrajectory
 from cyclemap.collection.portrait import Portrait, portrait
+from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
 
-__all__ = ["CollectionLoop", "Cycle", "CycleSensitivity", "CycleTrajectory", "Cycles", "Portrait", "portrait"]
+__all__ = [
+    "CollectionLoop",
+    "Cycle",
+    "CycleSensitivity",
+    "CycleTrajectory",
+    "Cycles",
+    "Portrait",
+    "StaircaseForecast",
+    "portrait",
+    "staircase_forecast",
+]

@@ -16,7 +16,7 @@ from cyclemap.maps.circle_map import CircleMap
 from cyclemap.maps.noise import Noise
 from cyclemap.maps.quadrature import circle_rule
 
-MAX_MODES = 1_500
+MAX_MODES = 2_000
 NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
 _ENTRIES = 2_000_000  # waves handled at a time: nodes times basis functions
 
@@ -26,7 +26,7 @@ Block = tuple[slice, Array, Array]
 def needed_modes(noise: Noise) -> int:
     """Fourier modes beyond which the noise's coefficients add up to less than 1e-17.
 
-    Raises InvalidInput where that takes more than 1500.
+    Raises InvalidInput where that takes more than 2000.
 
     >>> from cyclemap.maps.noise import WrappedNormal
     >>> needed_modes(WrappedNormal(0.5))
@@ -61,7 +61,7 @@ class FourierDiscretisation:
     κ_m E sin mF, κ_m the noise's coefficients: a Galerkin method, exact but for truncation and quadrature (the
     setting of Galatolo, Monge & Nisoli 2020). Integrals are taken branch by branch, so jumps and kinks cost nothing.
 
-    map, noise : whose cycle it is. modes : 1 to 1500. finer : how many times as many quadrature nodes as are needed.
+    map, noise : whose cycle it is. modes : 1 to 2000. finer : how many times as many quadrature nodes as are needed.
     Raises InvalidInput for a number of modes outside that range.
 
     >>> from cyclemap.maps.noise import WrappedNormal

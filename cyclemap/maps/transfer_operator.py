@@ -48,10 +48,10 @@ def transfer_operator(circle_map: CircleMap, noise: Noise, *, modes: int | None 
     through, to where the rest of its coefficients sum to less than 1e-17 (see ``FourierDiscretisation``; Galatolo,
     Monge & Nisoli 2020). ``UniformNoise`` has a basis of its own (see ``uniform_discretisation``).
 
-    modes : keep this many Fourier modes instead, at most 1500: fewer than needed show what the bounds are worth.
+    modes : keep this many Fourier modes instead, at most 2000: fewer than needed show what the bounds are worth.
 
-    Raises InvalidInput when the noise is missing or so narrow that more than 1500 modes would be needed (for
-    ``WrappedNormal`` below about 0.0064 rad), ConvergenceError when the map is too steep for it.
+    Raises InvalidInput when the noise is missing or so narrow that more than 2000 modes would be needed (for
+    ``WrappedNormal`` below about 0.0045 rad), ConvergenceError when the map is too steep for it.
 
     >>> from cyclemap.maps.noise import WrappedNormal
     >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
