@@ -85,13 +85,13 @@ def test_imports_never_run_upward_or_sideways(path: Path) -> None:
     ("source", "module"),
     [
         ("from cyclemap.maps import CircleMap", "cyclemap.mechanics.push"),
-        ("from cyclemap.mechanics import Slider", "cyclemap.maps.orbits"),
+        ("from cyclemap.mechanics import Slider", "cyclemap.maps.orbits.periodic_orbits"),
         ("import cyclemap.views.style as s", "cyclemap.evidence.tables"),
         ("from ..cli import main", "cyclemap.views.page"),
         ("from .. import views", "cyclemap.collection.loop"),
         ("def f():\n    from cyclemap.evidence import x", "cyclemap.collection.loop"),
         ("from cyclemap import CircleMap", "cyclemap.cli.main"),
-        ("import cyclemap", "cyclemap.maps.orbits"),
+        ("import cyclemap", "cyclemap.maps.orbits.periodic_orbits"),
         ("from importlib import import_module\nimport_module('cyclemap.cli.main')", "cyclemap.views.page"),
         ("from cyclemap.maps import CircleMap", "cyclemap.errors"),
     ],
@@ -107,7 +107,7 @@ def test_checker_catches_a_planted_violation(source: str, module: str) -> None:
         ("from .push import Push\nfrom . import drag", "cyclemap.mechanics.cycle"),
         ("from ..maps import CircleMap", "cyclemap.collection.loop"),
         ("from cyclemap.cli.main import main", "cyclemap.__main__"),
-        ("import numpy\nfrom scipy import optimize", "cyclemap.maps.orbits"),
+        ("import numpy\nfrom scipy import optimize", "cyclemap.maps.orbits.periodic_orbits"),
     ],
 )
 def test_checker_lets_downward_imports_pass(source: str, module: str) -> None:
@@ -117,3 +117,32 @@ def test_checker_lets_downward_imports_pass(source: str, module: str) -> None:
 def test_relative_import_inside_a_package_init_resolves_to_that_package() -> None:
     assert violations("from .portrait import x", "cyclemap.collection", is_package=True) == []
     assert violations("from ..views import x", "cyclemap.collection", is_package=True) != []
+
+
+# Within the room of maps: what the parts may import, themselves and those named before them in their row.
+MAPS_ROWS = (
+    ("lifts", "orbits", "algebra"),
+    ("lifts", "orbits", "rotation", "families"),
+    ("lifts", "orbits", "noise", "panels", "passages"),
+    ("lifts", "orbits", "rotation", "noise", "panels", "passages", "operator", "staircases"),
+)
+MAPS_SHARED = ("arcs", "estimate", "quadrature")
+
+
+def allowed_in_maps(part: str) -> set[str]:
+    rows = [row[: row.index(part) + 1] for row in MAPS_ROWS if part in row]
+    return {name for row in rows for name in row} | set(MAPS_SHARED)
+
+
+def test_the_parts_of_maps_import_one_way() -> None:
+    """A lift knows no orbit, a noise no operator; nothing inside the room goes through its door."""
+    found, seen = [], set()
+    for path in sorted((PACKAGE / "maps").glob("*/*.py")):
+        part, module = path.parent.name, ".".join(("cyclemap", *path.relative_to(PACKAGE).with_suffix("").parts))
+        seen.add(part)
+        for target in imported_modules(path.read_text(encoding="utf-8"), module, path.name == "__init__.py"):
+            inside = target.split(".")[2:3] if target.startswith("cyclemap.maps") else ["arcs"]
+            if not inside or inside[0] not in allowed_in_maps(part):
+                found.append(f"{module} imports {target}")
+    assert found == []
+    assert seen == {name for row in MAPS_ROWS for name in row}

@@ -3,42 +3,48 @@
 Angles are radians, maps are lifts, rotation numbers are in turns a cycle. Knows no mechanics.
 """
 
-from cyclemap.maps.basins import Basin, basins
-from cyclemap.maps.bifurcations import bifurcations, border_collisions, orbit_branches, period_doublings, saddle_nodes
-from cyclemap.maps.birkhoff import birkhoff_average
-from cyclemap.maps.branches import Branch, branches, preimages
-from cyclemap.maps.circle_map import CircleMap
-from cyclemap.maps.continuation import OrbitBranch, follow_orbit
-from cyclemap.maps.diagonal import JumpCrossing
-from cyclemap.maps.drifting_map import DriftingMap, DriftSummary, predict_drift
-from cyclemap.maps.envelopes import is_nondecreasing, lower_envelope, upper_envelope
+from cyclemap.maps.algebra.branches import Branch, branches, preimages
+from cyclemap.maps.algebra.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
 from cyclemap.maps.estimate import Estimate
-from cyclemap.maps.families import ParameterTangent, parameter_tangent
-from cyclemap.maps.log_passage import log10_passage_time
-from cyclemap.maps.lyapunov import lyapunov_exponent
-from cyclemap.maps.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
-from cyclemap.maps.metastable_sets import MetastableSets, metastable_sets
-from cyclemap.maps.noise import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
-from cyclemap.maps.orbits import Orbit, crossings_by_jump, fixed_points, periodic_orbits
-from cyclemap.maps.parametric_lift import ParametricLift, arnold_family, moebius_family
-from cyclemap.maps.passage import hitting_probability, mean_passage_time
-from cyclemap.maps.passage_response import HittingResponse, PassageResponse, hitting_response, passage_response
-from cyclemap.maps.periodic_points import PeriodicPoints, periodic_points
-from cyclemap.maps.quasi_stationary import QuasiStationaryLaw, quasi_stationary_law, survival_probabilities
-from cyclemap.maps.response import Response
-from cyclemap.maps.rotation import RotationInterval, RotationNumber, rotation_interval, rotation_number
-from cyclemap.maps.rotation_batch import RotationNumbers, rotation_numbers
-from cyclemap.maps.rotation_plane import RotationPlane, rotation_plane
-from cyclemap.maps.slips import Slip, slip_probabilities
-from cyclemap.maps.slow_passages import SlowPassage, slow_passages
-from cyclemap.maps.slow_zones import SlowZone, StaircaseSummary, predict_staircase
-from cyclemap.maps.special_points import Bifurcation
-from cyclemap.maps.spectrum import Spectrum
-from cyclemap.maps.staircase import Staircase, sample_staircase, sample_staircases
-from cyclemap.maps.step_comparison import StepComparison, compare_steps
-from cyclemap.maps.step_detection import Steps, find_steps
-from cyclemap.maps.tongues import Tongue, TongueBoundaries, tongue, tongues
-from cyclemap.maps.transfer_operator import TransferOperator, transfer_operator
+from cyclemap.maps.families.bifurcations import (
+    bifurcations,
+    border_collisions,
+    orbit_branches,
+    period_doublings,
+    saddle_nodes,
+)
+from cyclemap.maps.families.continuation import OrbitBranch, follow_orbit
+from cyclemap.maps.families.parameter_tangent import ParameterTangent, parameter_tangent
+from cyclemap.maps.families.special_points import Bifurcation
+from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.parametric_lift import ParametricLift, arnold_family, moebius_family
+from cyclemap.maps.noise.noise_law import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
+from cyclemap.maps.operator.lyapunov import lyapunov_exponent
+from cyclemap.maps.operator.metastable_sets import MetastableSets, metastable_sets
+from cyclemap.maps.operator.response import Response
+from cyclemap.maps.operator.spectrum import Spectrum
+from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
+from cyclemap.maps.orbits.basins import Basin, basins
+from cyclemap.maps.orbits.diagonal import JumpCrossing
+from cyclemap.maps.orbits.periodic_orbits import Orbit, crossings_by_jump, fixed_points, periodic_orbits
+from cyclemap.maps.orbits.periodic_points import PeriodicPoints, periodic_points
+from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
+from cyclemap.maps.passages.log_passage import log10_passage_time
+from cyclemap.maps.passages.passage_response import HittingResponse, PassageResponse, hitting_response, passage_response
+from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
+from cyclemap.maps.passages.quasi_stationary import QuasiStationaryLaw, quasi_stationary_law, survival_probabilities
+from cyclemap.maps.passages.slips import Slip, slip_probabilities
+from cyclemap.maps.rotation.birkhoff import birkhoff_average
+from cyclemap.maps.rotation.envelopes import is_nondecreasing, lower_envelope, upper_envelope
+from cyclemap.maps.rotation.rotation_batch import RotationNumbers, rotation_numbers
+from cyclemap.maps.rotation.rotation_number import RotationInterval, RotationNumber, rotation_interval, rotation_number
+from cyclemap.maps.rotation.rotation_plane import RotationPlane, rotation_plane
+from cyclemap.maps.staircases.drifting_map import DriftingMap, DriftSummary, predict_drift
+from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary, predict_staircase
+from cyclemap.maps.staircases.staircase import Staircase, sample_staircase, sample_staircases
+from cyclemap.maps.staircases.step_comparison import StepComparison, compare_steps
+from cyclemap.maps.staircases.step_detection import Steps, find_steps
 
 __all__ = [
     "Basin",

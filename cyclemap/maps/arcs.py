@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.checks import finite_array
+from cyclemap.checks import finite_array, finite_number
 from cyclemap.errors import InvalidInput
 
 Array = npt.NDArray[np.float64]
+Arc = tuple[float, float]
 TWO_PI = 2.0 * np.pi
 _ROUNDING = 1e-13  # radians beyond an arc's end that still count as its end
 
@@ -35,3 +36,21 @@ def into_arc(theta: float, arc: tuple[float, float]) -> float | None:
     if inside - TWO_PI > arc[0] - _ROUNDING:
         return arc[0]
     return min(inside, arc[1]) if inside <= arc[1] + _ROUNDING else None
+
+
+def required_inside(start: float, ends: Arc) -> float:
+    """``start``, moved by whole turns into the arc, or InvalidInput."""
+    inside = into_arc(finite_number("start", start), ends)
+    if inside is None:
+        raise InvalidInput(f"start is {start:g}, outside the arc ({ends[0]:g}, {ends[1]:g}): start inside it")
+    return inside
+
+
+def arcs_between(a: Arc, b: Arc) -> tuple[Arc, ...]:
+    """The arcs between two disjoint arcs (those of positive length), or InvalidInput."""
+    begin = a[1] + float(np.mod(b[0] - a[1], TWO_PI))
+    finish = begin + (b[1] - b[0])
+    if begin > a[0] + TWO_PI or finish > a[0] + TWO_PI + 1e-14:
+        raise InvalidInput(f"arc_a {a} and arc_b {b} overlap: give disjoint arcs")
+    rest = [(a[1], begin), (finish, a[0] + TWO_PI)]
+    return tuple(ends for ends in rest if ends[1] - ends[0] > 1e-14)

@@ -15,8 +15,8 @@ from scipy.optimize.elementwise import find_root
 from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.arcs import TWO_PI, Array
-from cyclemap.maps.circle_map import SNAP, CircleMap
-from cyclemap.maps.scan import Cells, monotone_cells
+from cyclemap.maps.lifts.circle_map import SNAP, CircleMap
+from cyclemap.maps.orbits.scan import Cells, monotone_cells
 
 MAX_NODES = 400_000
 _PANELS = 8  # panels a turn at least, where the map is given by formulas

@@ -1,0 +1,1 @@
+"""Maps made from maps: branches and preimages, composition, iterates, inverses, conjugates."""

@@ -1,0 +1,1 @@
+"""Families of maps: following orbits, locating bifurcations, tongue boundaries."""

@@ -1,0 +1,263 @@
+"""CircleMap: a lift θ → F(θ) with F(θ + 2π) = F(θ) + 2π·degree, smooth between its breaks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cyclemap.checks import finite_array, non_negative_number, read_only, whole_number
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.arcs import Array
+from cyclemap.maps.lifts import textbook_maps
+from cyclemap.maps.lifts.branched_lift import lift_from_branches
+from cyclemap.maps.lifts.lift_checks import Lift as Lift
+from cyclemap.maps.lifts.lift_checks import Scalar as Scalar
+from cyclemap.maps.lifts.lift_checks import base_angles, check_lift, check_scalar
+from cyclemap.maps.lifts.one_sided import JUMP as JUMP
+from cyclemap.maps.lifts.one_sided import SIDE_STEP as SIDE_STEP
+from cyclemap.maps.lifts.one_sided import SNAP as SNAP
+from cyclemap.maps.lifts.one_sided import differences, one_sided_limit
+from cyclemap.maps.lifts.piecewise_cubic import PiecewiseCubic, cubic_from_samples
+
+_NO_BREAKS = read_only(())
+
+
+@dataclass(frozen=True, init=False, eq=False, repr=False)
+class CircleMap:
+    """A map of the circle given by its lift, an ordinary function of the real line.
+
+    Parameters
+    ----------
+    lift : callable, radians to radians, F(θ + 2π) = F(θ) + 2π·degree; never wrapped. It takes float64 arrays
+        of any shape and gives float64 entry by entry.
+    derivative : such a callable for F', or None: then differences of fourth order that never reach across
+        a break; their error is about 1e-11 + 1e-13·|F⁽⁵⁾| in [-2π, 2π].
+    breaks : angles (radians, any order, any turn) where F jumps or F' does. F is taken to be continuous
+        from the right there: ``F(b)`` should be the limit from above.
+    degree : how often the image runs round while θ runs round once; any whole number.
+    max_error : a bound on |lift - truth| in radians that the maker of the map claims; 0 for an exact map.
+
+    Attributes: ``breaks`` (sorted, in [0, 2π)), ``degree``, ``max_error``, ``samples`` (number of sample
+    points; 0 for a map given by formulas). The value never changes after construction.
+
+    Raises InvalidInput when the lift is not a lift of that degree, jumps by more than π where no break is
+    given (a wrapped lift does), is not finite, not float64 or not vectorised. Checked at 89 points and beside
+    the breaks, in about 0.1 ms: faults between those points pass.
+
+    Example
+    -------
+    >>> import numpy as np
+    >>> tilted = CircleMap(lambda x: x + 0.5 + 0.3 * np.cos(x), lambda x: 1 - 0.3 * np.sin(x))
+    >>> round(float(tilted.turn(0.0)), 12)
+    0.8
+    """
+
+    breaks: Array
+    degree: int
+    max_error: float
+    samples: int
+    pieces: PiecewiseCubic | None
+    _lift: Lift
+    _derivative: Lift | None
+    _scalar: Scalar | None
+
+    def __init__(
+        self,
+        lift: Lift,
+        derivative: Lift | None = None,
+        breaks: Any = (),
+        degree: int = 1,
+        *,
+        max_error: float = 0.0,
+    ) -> None:
+        if not callable(lift) or (derivative is not None and not callable(derivative)):
+            raise InvalidInput(f"lift is {lift!r}: lift and derivative must be callables of an array of angles")
+        given = _NO_BREAKS if isinstance(breaks, tuple) and not breaks else finite_array("breaks", breaks, ndim=1)
+        self._set(
+            breaks=read_only(np.unique(base_angles(given))) if given.size else _NO_BREAKS,
+            degree=whole_number("degree", degree),
+            max_error=non_negative_number("max_error", max_error),
+            samples=0,
+            pieces=None,
+            _lift=lift,
+            _derivative=derivative,
+            _scalar=None,
+        )
+        check_lift(lift, derivative, self.breaks, self.degree)
+
+    def _set(self, **fields: Any) -> None:
+        for name, value in fields.items():
+            object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        return f"CircleMap(degree={self.degree}, samples={self.samples}, breaks={self.breaks.size})"
+
+    # -- values --------------------------------------------------------------------------------------------
+
+    def __call__(self, theta: Any) -> Array:
+        """The lift F(θ); ``theta`` in radians, any shape, any real numbers."""
+        return self._lift(np.asarray(theta, dtype=np.float64))
+
+    def turn(self, theta: Any) -> Array:
+        """F(θ) - θ, radians: how far one cycle turns."""
+        angles = np.asarray(theta, dtype=np.float64)
+        return self._lift(angles) - angles
+
+    def derivative(self, theta: Any) -> Array:
+        """F'(θ); at a break the derivative from the right."""
+        angles = np.asarray(theta, dtype=np.float64)
+        if self._derivative is not None:
+            return self._derivative(angles)
+        return differences(self._lift, self.breaks, angles)
+
+    def left(self, theta: Any) -> Array:
+        """The limit of F from below at ``theta``: differs from F(θ) only at breaks that jump."""
+        return one_sided_limit(self._lift, self.breaks, theta, -1, self.degree)
+
+    def right(self, theta: Any) -> Array:
+        """The limit of F from above at ``theta``."""
+        return one_sided_limit(self._lift, self.breaks, theta, 1, self.degree)
+
+    def left_derivative(self, theta: Any) -> Array:
+        """The limit of F' from below at ``theta``."""
+        return one_sided_limit(self.derivative, self.breaks, theta, -1, 0)
+
+    def right_derivative(self, theta: Any) -> Array:
+        """The limit of F' from above at ``theta``."""
+        return one_sided_limit(self.derivative, self.breaks, theta, 1, 0)
+
+    def jumps(self) -> tuple[Array, Array, Array]:
+        """(breaks where F jumps, its limits from the left, its limits from the right); kinks are left out."""
+        left, right = self.left(self.breaks), self.right(self.breaks)
+        jumping = np.abs(right - left) > JUMP
+        return self.breaks[jumping], left[jumping], right[jumping]
+
+    def scalar(self) -> Scalar:
+        """F as a function of one python float: for loops that follow one orbit."""
+        if self._scalar is not None:
+            return self._scalar
+        lift = self._lift
+        return lambda theta: float(lift(np.asarray(theta)))
+
+    # -- constructors --------------------------------------------------------------------------------------
+
+    @classmethod
+    def with_scalar(cls, lift: Lift, derivative: Lift | None, scalar: Scalar, **options: Any) -> CircleMap:
+        """A map with a second form of its lift for one python float (faster in loops); both must agree.
+
+        >>> CircleMap.with_scalar(lambda x: 2.0 * x, None, lambda x: 2.0 * x, degree=2).scalar()(0.5)
+        1.0
+        """
+        made = cls(lift, derivative, **options)
+        check_scalar(scalar, lift, derivative)
+        made._set(_scalar=scalar)
+        return made
+
+    @classmethod
+    def rigid(cls, turns: float) -> CircleMap:
+        """The rotation θ → θ + 2π·turns.
+
+        >>> round(float(CircleMap.rigid(0.25)(0.0)), 6)
+        1.570796
+        """
+        return cls.with_scalar(*textbook_maps.rigid_rotation(turns))
+
+    @classmethod
+    def arnold(cls, omega: float, K: float) -> CircleMap:
+        """The sine circle map θ → θ + 2πΩ - K sin θ, in turns x → x + Ω - (K/2π) sin 2πx (Arnold 1965).
+
+        A diffeomorphism for |K| < 1, folded for |K| > 1.
+
+        >>> float(CircleMap.arnold(0.0, 0.5).derivative(0.0))
+        0.5
+        """
+        return cls.with_scalar(*textbook_maps.sine_map(omega, K))
+
+    @classmethod
+    def moebius(cls, a: float, omega: float) -> CircleMap:
+        """The Möbius map z → e^{2πiΩ}(z - a)/(1 - a z) of the unit circle, 0 ≤ a < 1.
+
+        Its rotation number ρ is known: cos πρ = cos(πΩ)/√(1 - a²) where |sin πΩ| > a, else locked at 0.
+
+        >>> round(float(CircleMap.moebius(0.5, 0.0).derivative(0.0)), 12)
+        3.0
+        """
+        return cls.with_scalar(*textbook_maps.moebius_transformation(a, omega))
+
+    @classmethod
+    def blaschke(cls, zeros: Any, omega: float = 0.0) -> CircleMap:
+        """The finite Blaschke product z → e^{2πiΩ} Π (z - a)/(1 - conj(a) z), its degree the number of zeros.
+
+        zeros : one complex number with |a| < 1 or more; zeros at the origin give θ → kθ + 2πΩ. The derivative is
+        the sum of the Poisson kernels (1 - |a|²)/|z - a|² (Shub & Sullivan 1985); the map expands, F' > 1, when
+        a zero lies at the origin and there are two or more, or Σ (1 - |a|)/(1 + |a|) > 1.
+
+        >>> float(CircleMap.blaschke([0, 0])(1.25)), CircleMap.blaschke([0.5, 0.3j, -0.2]).degree
+        (2.5, 3)
+        """
+        checked = textbook_maps.blaschke_zeros(zeros)
+        return cls.with_scalar(*textbook_maps.blaschke_product(checked, omega), degree=len(checked))
+
+    @classmethod
+    def from_branches(cls, branches: Any, *, degree: int = 1, max_error: float = 0.0) -> CircleMap:
+        """The lift made of branches, each a function on its own interval.
+
+        branches : sequence of (start, end, lift, derivative) in order, radians, start < end, each starting
+            where the one before ends (to 1e-12), together one turn. Every lift and derivative is a callable
+            as for ``CircleMap`` but is called on its own [start, end] only; derivative None takes
+            differences of fourth order inside that interval.
+        degree : any whole number. F(θ + 2π) = F(θ) + 2π·degree carries the branches along the line, so the
+            last end meets the first start there, with or without a jump.
+
+        Breaks are the seams where the values differ (relative 1e-12) or the slopes do (relative 1e-9; 1e-6 by
+        differences); at a seam the map takes the value of the branch that starts there.
+
+        >>> import numpy as np
+        >>> tent = [(0, np.pi, lambda x: 2 * x, None), (np.pi, 2 * np.pi, lambda x: 4 * np.pi - 2 * x, None)]
+        >>> made = CircleMap.from_branches(tent, degree=0)
+        >>> made.breaks.round(6).tolist(), round(float(made(2 * np.pi + 0.5)), 12)
+        ([0.0, 3.141593], 1.0)
+        """
+        whole = whole_number("degree", degree)
+        lift, breaks = lift_from_branches(branches, whole)
+        options = {"breaks": breaks, "degree": whole, "max_error": max_error}
+        return cls.with_scalar(lift, lift.derivative, lift.scalar(), **options)
+
+    @classmethod
+    def from_samples(
+        cls, theta: Any, lifted: Any, slopes: Any = None, *, degree: int = 1, max_error: float = 0.0
+    ) -> CircleMap:
+        """The piecewise cubic Hermite lift through samples (θ_i, F(θ_i)) of one turn.
+
+        theta : shape (n,), radians, nondecreasing over [θ_0, θ_0 + 2π), with or without the end point.
+            An angle given twice is a break: its first entry is the limit from the left, its second from
+            the right; different values make a jump, equal values with different slopes a kink. An end
+            point whose value is not F(θ_0) + 2π·degree makes a break at θ_0.
+        lifted : shape (n,), radians, not wrapped.
+        slopes : shape (n,), F' there; None takes shape-preserving slopes on each branch (Fritsch & Butland
+            1984): monotone data give a monotone map. The error is O(h⁴) with slopes, O(h²) to O(h³) without.
+
+        >>> import numpy as np
+        >>> x = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+        >>> sampled = CircleMap.from_samples(x, x + 0.3 * np.sin(x), 1 + 0.3 * np.cos(x))
+        >>> bool(abs(sampled(1.0) - (1 + 0.3 * np.sin(1.0))) < 1e-9)
+        True
+        """
+        whole = whole_number("degree", degree)
+        cubic, breaks, count = cubic_from_samples(theta, lifted, slopes, whole)
+        return cls.from_pieces(cubic, breaks, count, max_error)
+
+    @classmethod
+    def from_pieces(cls, pieces: PiecewiseCubic, breaks: Any, samples: int, max_error: float = 0.0) -> CircleMap:
+        """The map whose lift is a piecewise cubic that is already there; ``samples`` is kept for the record.
+
+        >>> import numpy as np
+        >>> one = CircleMap.from_samples([0.0, 2.0, 4.0], [0.0, 2.0, 4.0])
+        >>> CircleMap.from_pieces(one.pieces, one.breaks, 3).samples
+        3
+        """
+        made = cls(pieces, pieces.derivative, breaks, pieces.degree, max_error=max_error)
+        made._set(_scalar=pieces.scalar(), pieces=pieces, samples=samples)
+        return made

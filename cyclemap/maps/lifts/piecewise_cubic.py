@@ -1,0 +1,212 @@
+"""Piecewise cubic Hermite lifts: the representation behind ``CircleMap.from_samples``."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import floor
+from typing import Any
+
+import numpy as np
+
+from cyclemap.checks import finite_array, read_only
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.lifts.lift_checks import base_angles
+
+
+@dataclass(frozen=True, eq=False)
+class PiecewiseCubic:
+    """A lift made of cubics on [0, 2π): piece i is Σ_j coefficients[j, i] (θ - knots[i])^j.
+
+    ``knots`` has shape (n + 1,), from 0 to 2π; ``coefficients`` has shape (4, n).
+    """
+
+    knots: Array
+    coefficients: Array
+    degree: int
+
+    def __call__(self, theta: Array) -> Array:
+        """The lift at ``theta`` (radians, any shape)."""
+        piece, offset, turns = self._locate(theta)
+        c0, c1, c2, c3 = (row[piece] for row in self.coefficients)
+        value = ((c3 * offset + c2) * offset + c1) * offset + c0
+        return np.asarray(value + (TWO_PI * self.degree) * turns)
+
+    def derivative(self, theta: Array) -> Array:
+        """The lift's slope at ``theta``."""
+        piece, offset, _ = self._locate(theta)
+        _, c1, c2, c3 = (row[piece] for row in self.coefficients)
+        return np.asarray((3.0 * c3 * offset + 2.0 * c2) * offset + c1)
+
+    def _locate(self, theta: Array) -> tuple[Any, Array, Array]:
+        turns = np.floor(theta / TWO_PI)
+        base = theta - TWO_PI * turns
+        piece = np.searchsorted(self.knots, base, side="right") - 1
+        piece = np.clip(piece, 0, self.knots.size - 2)
+        return piece, base - self.knots[piece], turns
+
+    def scalar(self) -> Callable[[float], float]:
+        """The same lift for one python float, without numpy's overhead."""
+        knots: list[float] = self.knots.tolist()
+        last = self.knots.size - 2
+        rows: list[list[float]] = self.coefficients.T.tolist()
+        climb = TWO_PI * self.degree
+
+        def lift(theta: float) -> float:
+            turns = floor(theta / TWO_PI)
+            base = theta - TWO_PI * turns
+            piece = bisect_right(knots, base) - 1
+            if piece > last:
+                piece = last
+            offset = base - knots[piece]
+            c0, c1, c2, c3 = rows[piece]
+            return ((c3 * offset + c2) * offset + c1) * offset + c0 + climb * turns
+
+        return lift
+
+    def shifted(self, along: float, up: float) -> PiecewiseCubic:
+        """θ → F(θ - along) + up, the same cubics at other places (radians).
+
+        >>> line = PiecewiseCubic(np.array([0.0, TWO_PI]), np.array([[0.0], [1.0], [0.0], [0.0]]), 1)
+        >>> round(float(line.shifted(1.0, 0.5)(np.array(2.0))), 12)
+        1.5
+        """
+        rows = self.coefficients.copy()
+        rows[0] += up
+        return _onto_base_period(self.knots[:-1] + along, rows, self.degree)
+
+
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """Checked samples over one period, end point included: a repeated theta holds its left entry first."""
+
+    theta: Array
+    lifted: Array
+    slopes: Array | None
+    closed: bool  # the end point is the same smooth point as the first
+
+
+def cubic_from_samples(theta: Any, lifted: Any, slopes: Any, degree: int) -> tuple[PiecewiseCubic, Array, int]:
+    """The piecewise cubic through the samples, its breaks in [0, 2π), and the number of sample points."""
+    given = np.size(theta)
+    samples = _one_period(*_checked(theta, lifted, slopes), degree)
+    nodal = _shape_preserving(samples, degree) if samples.slopes is None else samples.slopes
+    start, polynomials = _hermite(samples.theta, samples.lifted, nodal)
+    inner = samples.theta[1:][np.diff(samples.theta) == 0.0]
+    breaks = inner if samples.closed else np.append(inner, samples.theta[0])
+    pieces = _onto_base_period(start, polynomials, degree)
+    return pieces, np.unique(base_angles(breaks)), given
+
+
+def _checked(theta: Any, lifted: Any, slopes: Any) -> tuple[Array, Array, Array | None]:
+    angles = finite_array("theta", theta, ndim=1)
+    values = finite_array("lifted", lifted, ndim=1)
+    given = None if slopes is None else finite_array("slopes", slopes, ndim=1)
+    if values.shape != angles.shape or (given is not None and given.shape != angles.shape):
+        raise InvalidInput(f"theta has {angles.size} samples: lifted and slopes must have as many")
+    if angles.size < 3:
+        raise InvalidInput(f"theta has {angles.size} samples: give at least 3")
+    steps = np.diff(angles)
+    if np.any(steps < 0.0):
+        raise InvalidInput(f"theta decreases after entry {int(np.argmax(steps < 0.0))}: sort the samples")
+    if np.any((steps[1:] == 0.0) & (steps[:-1] == 0.0)):
+        raise InvalidInput("theta holds one angle three times: a break is one angle twice (left, right)")
+    if angles[-1] - angles[0] > TWO_PI + 1e-9:
+        raise InvalidInput(f"theta spans {angles[-1] - angles[0]:g}: the samples must cover one turn, 2π")
+    return angles, values, given
+
+
+def _one_period(angles: Array, values: Array, slopes: Array | None, degree: int) -> _Samples:
+    """Make the list run from the right side of its first angle to the left side of that angle plus 2π."""
+    tangents = np.zeros_like(angles) if slopes is None else slopes
+    table = np.stack([angles, values, tangents])
+    climb = np.array([TWO_PI, TWO_PI * degree, 0.0])
+    if angles[1] == angles[0]:
+        end, last = table[:, 0] + climb, table[:, -1]
+        if last[0] > end[0] - 1e-9 and abs(last[1] - end[1]) > 1e-9:
+            raise InvalidInput(f"the end point holds {last[1]:g}, the left entry of its angle {end[1]:g}")
+        table = _without_end(table[:, 1:])
+    elif angles[-1] - angles[0] > TWO_PI - 1e-9:
+        if angles[-2] == angles[-1]:
+            table = table[:, :-1]
+        end, table = table[:, -1], _without_end(table)
+    else:
+        end = table[:, 0] + climb
+    end[0] = table[0, 0] + TWO_PI
+    gap = np.abs(end - table[:, 0] - climb)
+    smooth = bool(gap[1] <= 1e-12 * (1.0 + abs(end[1])) and (slopes is None or gap[2] <= 1e-9))
+    closed = smooth and angles[1] != angles[0]
+    table = np.column_stack([table, end])
+    return _Samples(table[0], table[1], None if slopes is None else table[2], closed)
+
+
+def _without_end(table: Array) -> Array:
+    return table[:, table[0] < table[0, 0] + TWO_PI - 1e-9]
+
+
+def _shape_preserving(samples: _Samples, degree: int) -> Array:
+    """Slopes that keep monotone data monotone (Fritsch & Butland 1984), on each branch between breaks."""
+    theta, lifted = samples.theta, samples.lifted
+    cuts = np.flatnonzero(np.diff(theta) == 0.0) + 1
+    if samples.closed and cuts.size == 0:
+        reach = min(3, theta.size - 1)
+        x = np.concatenate([theta[-1 - reach : -1] - TWO_PI, theta, theta[1 : 1 + reach] + TWO_PI])
+        shift = TWO_PI * degree
+        y = np.concatenate([lifted[-1 - reach : -1] - shift, lifted, lifted[1 : 1 + reach] + shift])
+        return _pchip_slopes(x, y)[reach : reach + theta.size]
+    branches = list(np.split(np.arange(theta.size), cuts))
+    slopes = np.concatenate([_pchip_slopes(theta[part], lifted[part]) for part in branches])
+    if samples.closed:
+        # The branch that runs through the end point is one branch: its slopes come from both parts together.
+        last, first = branches[-1], branches[0]
+        x = np.concatenate([theta[last], theta[first[1:]] + TWO_PI])
+        y = np.concatenate([lifted[last], lifted[first[1:]] + TWO_PI * degree])
+        joined = _pchip_slopes(x, y)
+        slopes[last], slopes[first] = joined[: last.size], joined[last.size - 1 :]
+    return slopes
+
+
+def _pchip_slopes(x: Array, y: Array) -> Array:
+    if x.size == 1:
+        raise InvalidInput(f"theta has a break at {x[0]:g} with no sample beside it: add one on each side")
+    # Imported where it is needed: it takes longer to load than most maps take to build.
+    from scipy.interpolate import PchipInterpolator
+
+    return np.asarray(PchipInterpolator(x, y).derivative()(x), dtype=np.float64)
+
+
+def _hermite(theta: Array, lifted: Array, slopes: Array) -> tuple[Array, Array]:
+    """Start and power coefficients (4, n) of the cubic on each interval of positive width."""
+    use = np.diff(theta) > 0.0
+    start, width = theta[:-1][use], np.diff(theta)[use]
+    left, right = lifted[:-1][use], lifted[1:][use]
+    slope_left, slope_right = slopes[:-1][use], slopes[1:][use]
+    secant = (right - left) / width
+    c2 = (3.0 * secant - 2.0 * slope_left - slope_right) / width
+    c3 = (slope_left + slope_right - 2.0 * secant) / width**2
+    return start, np.stack([left, slope_left, c2, c3])
+
+
+def _onto_base_period(start: Array, rows: Array, degree: int) -> PiecewiseCubic:
+    """Move the pieces to [0, 2π), cutting the one that runs over 2π."""
+    base = base_angles(start)
+    turns = np.round((start - base) / TWO_PI)
+    rows = rows.copy()
+    rows[0] -= TWO_PI * degree * turns
+    order = np.argsort(base, kind="stable")
+    base, rows = base[order], rows[:, order]
+    if base[0] > 0.0:
+        wrapped = _recentred(rows[:, -1], TWO_PI - base[-1])
+        wrapped[0] -= TWO_PI * degree
+        base, rows = np.append(0.0, base), np.column_stack([wrapped, rows])
+    return PiecewiseCubic(read_only(np.append(base, TWO_PI)), read_only(rows), degree)
+
+
+def _recentred(row: Array, step: float) -> Array:
+    """Coefficients of the same cubic about a point ``step`` further on."""
+    c0, c1, c2, c3 = row
+    value = ((c3 * step + c2) * step + c1) * step + c0
+    slope = (3.0 * c3 * step + 2.0 * c2) * step + c1
+    return np.array([value, slope, c2 + 3.0 * c3 * step, c3])

@@ -1,0 +1,1 @@
+"""Laws of the noise that is added after each cycle."""

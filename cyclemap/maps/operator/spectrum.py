@@ -1,0 +1,151 @@
+"""Eigenvalues of a transfer operator, with the vectors on both sides and what they say of their errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from cyclemap.errors import ConvergenceError
+from cyclemap.maps.arcs import Array
+from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.operator.discretisation import Discretisation
+from cyclemap.maps.operator.fourier_discretisation import FourierDiscretisation
+
+Complex = npt.NDArray[np.complex128]
+
+_DENSE = 320  # below this many unknowns all eigenvalues are computed at once
+_TOO_SMALL = 1e-6  # left vectors are not smoothed where that divides by less
+_ROUNDING = 4.0 * float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Leading eigenvalues of a transfer operator, in falling order of modulus; the first is 1, exactly.
+
+    values : (k,), complex. error_bounds : (k,), bounds on |error| to first order in the residuals of both
+        vectors, with the second-order term estimated from the distance to the next eigenvalue found; inf where the
+        basis cannot tell. That no eigenvalue was overlooked is not proved.
+    condition : (k,), ‖w‖‖v‖/|wᵀv| ≥ 1, v and w the right and left vectors: how much faster than a change of the
+        operator the eigenvalue moves; large near a defective one (Wilkinson 1965).
+    right, left : (n, k), the vectors' coefficients, wᵀv = 1.
+    """
+
+    values: Complex
+    error_bounds: Array
+    condition: Array
+    right: Complex = field(repr=False)
+    left: Complex = field(repr=False)
+
+
+def leading_values(basis: Discretisation, count: int) -> Complex:
+    """The eigenvalues of largest modulus, 1 first, without vectors; fewer where the basis has fewer."""
+    deflated = _deflated(basis)
+    if basis.size <= _DENSE or 2 * count + 10 >= basis.size:
+        found = np.asarray(np.linalg.eigvals(deflated), dtype=np.complex128)
+    else:
+        found = _arnoldi(deflated, max(count, 8))[0]
+    return np.concatenate([[1.0 + 0.0j], found[_falling(found)]])[:count]
+
+
+def leading_spectrum(basis: Discretisation, finer: Discretisation | None, law: Array, count: int) -> Spectrum:
+    """The leading ``count`` eigenvalues on a basis, their vectors, and error bounds by a finer basis."""
+    values, right, left = _two_sided(_deflated(basis), count - 1, basis.size <= _DENSE)
+    values = np.concatenate([[1.0 + 0.0j], values])
+    # A left vector of the deflated matrix is one of L but for its share of the first, which is the mass.
+    left = left - np.multiply.outer(basis.mass, law @ left)
+    right = np.column_stack([law, right])
+    left = np.column_stack([basis.mass, left])
+    overlap = np.abs(np.sum(left * right, axis=0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left = left / np.sum(left * right, axis=0)
+        condition = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
+    condition = np.where(overlap > 0.0, condition, np.inf)
+    with np.errstate(all="ignore"):
+        rounding = _ROUNDING * condition * float(np.linalg.norm(basis.matrix))
+        bounds = np.nan_to_num(_error_bounds(basis, finer, values, right, left) + rounding, nan=np.inf, posinf=np.inf)
+    bounds[0] = 0.0
+    return Spectrum(values[:count], bounds[:count], condition[:count], right[:, :count], left[:, :count])
+
+
+def second_modulus(spectrum: Spectrum) -> Estimate:
+    """|λ₂|, with the bounds of every eigenvalue that could be the second largest."""
+    moduli, bounds = np.abs(spectrum.values[1:]), spectrum.error_bounds[1:]
+    if moduli.size == 0:
+        return Estimate(0.0, 0.0)
+    close = moduli + bounds >= moduli[0] - bounds[0]
+    return Estimate(
+        float(moduli[0]), float(np.max(np.where(close, moduli + bounds - moduli[0], 0.0), initial=bounds[0]))
+    )
+
+
+def mixing_time(second: Estimate) -> Estimate:
+    """-1/ln|λ₂|, cycles, with the bound that follows from that of |λ₂|; inf where |λ₂| may be 1."""
+    low, found, high = (_cycles(part) for part in (second.lower, float(second), second.upper))
+    return Estimate(found, max(high - found, found - low) if np.isfinite(high) else float("inf"))
+
+
+def _cycles(modulus: float) -> float:
+    if modulus <= 0.0:
+        return 0.0
+    return float("inf") if modulus >= 1.0 else float(-1.0 / np.log(modulus))
+
+
+def _deflated(basis: Discretisation) -> Array:
+    """L - u·massᵀ: the eigenvalue 1 moved to 0, all others left where they are."""
+    return np.asarray(basis.matrix - np.multiply.outer(basis.uniform, basis.mass))
+
+
+def _falling(values: Complex) -> npt.NDArray[np.int64]:
+    """Order by falling modulus, of a pair the one above the real line first."""
+    return np.lexsort((-values.imag, -np.round(np.abs(values), 13)))
+
+
+def _two_sided(matrix: Array, count: int, dense: bool) -> tuple[Complex, Complex, Complex]:
+    """The ``count`` leading eigenvalues (a few more where they are at hand), right and left vectors."""
+    if dense or 2 * count + 10 >= matrix.shape[0]:
+        from scipy.linalg import eig
+
+        found = eig(matrix, left=True)
+        values, left, right = (np.asarray(part, dtype=np.complex128) for part in found)
+        left = left.conj()
+    else:
+        values, right = _arnoldi(matrix, max(count, 8))
+        others, left = _arnoldi(matrix.T, max(count, 8))
+        left = left[:, [int(np.argmin(np.abs(others - value))) for value in values]]
+    order = _falling(values)[: max(count, 8)]
+    values, right, left = values[order], right[:, order], left[:, order]
+    # Balancing leaves errors where the noise's coefficients are tiny: one more cycle takes them away.
+    kept = np.abs(values) > _TOO_SMALL
+    left[:, kept] = matrix.T @ left[:, kept] / values[kept]
+    return values, right, left
+
+
+def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
+    """ARPACK's leading eigenvalues and vectors, residuals checked."""
+    from scipy.sparse.linalg import eigs
+
+    begin = np.random.default_rng(1).standard_normal(matrix.shape[0])
+    basis = min(matrix.shape[0], max(4 * count, 48))
+    values, vectors = eigs(matrix, count, v0=begin, ncv=basis, tol=1e-13, maxiter=2_000)
+    residual = float(np.max(np.linalg.norm(matrix @ vectors - vectors * values, axis=0)))
+    if residual > 1e-8:
+        raise ConvergenceError(f"eigenvalues left a residual of {residual:.2g}: raise the noise")
+    return np.asarray(values, dtype=np.complex128), np.asarray(vectors, dtype=np.complex128)
+
+
+def _error_bounds(
+    basis: Discretisation, finer: Discretisation | None, values: Complex, right: Complex, left: Complex
+) -> Array:
+    """How far the finer basis moves every eigenvalue, to first order where it has no further functions."""
+    if finer is None:
+        return np.full(values.size, np.inf)
+    if isinstance(finer, FourierDiscretisation) and finer.size == basis.size:
+        return np.asarray(np.abs(np.sum(left * finer.cycle(right), axis=0) - values))
+    from scipy.optimize import linear_sum_assignment
+
+    # One to one, or to 0: the nearest finer value may be another's.
+    others = np.append(leading_values(finer, max(2 * values.size, 8)), np.zeros(values.size))
+    gaps = np.abs(values[:, None] - others)
+    return np.asarray(gaps[linear_sum_assignment(gaps)])

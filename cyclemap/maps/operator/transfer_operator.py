@@ -1,0 +1,297 @@
+"""The transfer operator of a noisy circle map, θ' = F(θ) + ξ: its stationary law, and everything read off it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from cyclemap.checks import finite_array, whole_number
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.noise_law import Noise, UniformNoise
+from cyclemap.maps.operator.density_features import density_grid, distance_from_uniform, peaks_of
+from cyclemap.maps.operator.diffusion import diffusion_estimate
+from cyclemap.maps.operator.discretisation import Discretisation
+from cyclemap.maps.operator.expectation import expected
+from cyclemap.maps.operator.fourier_discretisation import FourierDiscretisation, needed_modes
+from cyclemap.maps.operator.operator_bounds import (
+    BorderedSystem,
+    SolutionError,
+    density_at,
+    law_error,
+    map_error_of_density,
+    map_error_of_moment,
+    refined,
+)
+from cyclemap.maps.operator.response import Perturbation, Response, ResponseLevel, map_perturbation
+from cyclemap.maps.operator.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
+from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
+from cyclemap.maps.quadrature import graded_rule
+
+Function = Callable[[Array], Array]
+
+_LEADING = 5  # eigenvalues among which the second largest is told from the rest
+_ROUNDING = 16.0 * float(np.finfo(float).eps)
+
+
+def transfer_operator(circle_map: CircleMap, noise: Noise, *, modes: int | None = None) -> TransferOperator:
+    """The transfer (Perron-Frobenius) operator of θ' = F(θ) + ξ: it carries the law of θ one cycle on.
+
+    Noise makes every law analytic or smooth, so Fourier modes are all but exact: as many are kept as the noise lets
+    through, to where the rest of its coefficients sum to less than 1e-17 (see ``FourierDiscretisation``; Galatolo,
+    Monge & Nisoli 2020). ``UniformNoise`` has a basis of its own (see ``uniform_discretisation``).
+
+    modes : keep this many Fourier modes instead, at most 2000: fewer than needed show what the bounds are worth.
+
+    Raises InvalidInput when the noise is missing or so narrow that more than 2000 modes would be needed (for
+    ``WrappedNormal`` below about 0.0045 rad), ConvergenceError when the map is too steep for it.
+
+    >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+    >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
+    >>> round(turning.rotation_number, 12), round(float(turning.density(1.0)) * 2 * np.pi, 12)
+    (0.3, 1.0)
+    """
+    if not isinstance(circle_map, CircleMap):
+        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    if not isinstance(noise, Noise):
+        raise InvalidInput(f"the noise is {noise!r}: a stationary density needs some, for example WrappedNormal(0.02)")
+    return TransferOperator(circle_map, noise, _discretisation(circle_map, noise, modes))
+
+
+def _discretisation(circle_map: CircleMap, noise: Noise, modes: int | None) -> Discretisation:
+    if isinstance(noise, UniformNoise):
+        if modes is not None:
+            raise InvalidInput(f"modes is {modes!r}, but uniform noise is not resolved in Fourier modes: leave it out")
+        from cyclemap.maps.panels.uniform_discretisation import uniform_discretisation
+
+        return cast(Discretisation, uniform_discretisation(circle_map, noise))
+    needed = needed_modes(noise)
+    kept = needed if modes is None else whole_number("modes", modes, least=1)
+    return cast(Discretisation, FourierDiscretisation(circle_map, noise, kept))
+
+
+@dataclass(frozen=True, eq=False)
+class TransferOperator:
+    """Made by ``transfer_operator``; everything is computed when first asked for, and kept.
+
+    map, noise : what it is the operator of. discretisation : the basis on which it is a matrix.
+
+    Every number knows its accuracy. The bounds come from what the computed law leaves over in L p = p (see
+    ``operator_bounds.law_error`` for what in them is proved and what measured); to first order they include the
+    map's own ``max_error``, except in the spectrum, the responses and the diffusion constant.
+    """
+
+    map: CircleMap
+    noise: Noise
+    discretisation: Discretisation
+
+    @property
+    def modes(self) -> int:
+        """Fourier modes on each side; for other bases half the number of functions."""
+        return self.discretisation.size // 2
+
+    # -- the stationary law --------------------------------------------------------------------------------
+
+    def density(self, theta: Any) -> Array:
+        """The stationary density per radian at ``theta`` (radians, any shape); see ``error_bound``."""
+        angles = finite_array("theta", theta)
+        return density_at(self.discretisation, angles.ravel(), self._law).reshape(angles.shape)
+
+    @cached_property
+    def error_bound(self) -> float:
+        """Bound on the error of the stationary density, per radian, anywhere on the circle.
+
+        With uniform noise the map's ``max_error`` is left out: where the law has steps they move with the map.
+        """
+        return self._error.largest + float(np.max(self._map_error))
+
+    @cached_property
+    def is_certain(self) -> bool:
+        """Whether the law is known to a tenth of the uniform density, or better.
+
+        It is not where the map has several basins that the noise hardly ever connects: the weights of their parts
+        then are beyond double precision, and the law is any mixture of them.
+        """
+        return bool(self.error_bound <= 0.1 / TWO_PI)
+
+    def moment(self, n: int) -> complex:
+        """E e^{inθ} of the stationary law; 0 beyond the modes kept. See ``moment_error``."""
+        return complex(self.discretisation.moments(whole_number("n", n)) @ self._law)
+
+    def moment_error(self, n: int) -> float:
+        """Bound on |error| of ``moment(n)``."""
+        order = whole_number("n", n)
+        changed = map_error_of_moment(self._system, self._law, order)
+        return self._error.of_moment(order) + _ROUNDING + changed
+
+    def expectation(self, function: Function, *, folds: bool = False) -> Estimate:
+        """E h(θ) under the stationary law.
+
+        function : h, vectorised, as smooth as F between F's breaks. folds : whether h may also be singular, like a
+            logarithm, where F' = 0; then the nodes crowd towards those points.
+        The bound adds to the law's the difference that twice as many nodes make (measured).
+        Raises InvalidInput where h is not finite.
+
+        >>> from cyclemap.maps.noise.noise_law import WrappedCauchy
+        >>> law = transfer_operator(CircleMap.rigid(0.1), WrappedCauchy(0.5))
+        >>> abs(law.expectation(lambda theta: np.cos(theta) ** 2) - 0.5) < 1e-15
+        True
+        """
+        return self._expected(function, folds, 0.0)
+
+    @cached_property
+    def rotation_number(self) -> Estimate:
+        """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law."""
+        if self.map.degree != 1:
+            raise InvalidInput(f"the map has degree {self.map.degree}: its mean winding is not defined")
+        return self._expected(lambda theta: self.map.turn(theta) / TWO_PI, False, 1.0 / TWO_PI)
+
+    @cached_property
+    def diffusion(self) -> Estimate:
+        """D = lim Var(θ_n)/2n, radians² a cycle, of the path on the line: see ``diffusion_constant``; inf for Cauchy.
+
+        The bound is measured, against D on a finer basis.
+
+        >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+        >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
+        0.08
+        """
+        finer = self._finer
+        return diffusion_estimate(self._system, self._law, None if finer is None else (finer._system, finer._law))
+
+    @cached_property
+    def tv_from_uniform(self) -> Estimate:
+        """Total variation distance of the law from uniform, ½ ∫ |density - 1/2π| dθ, in [0, 1].
+
+        0 where the density is nowhere further from uniform than four times its error bound.
+        """
+        grid, values = self._grid
+        known = np.pi * (self._error.largest + float(np.mean(self._map_error))) + _ROUNDING
+        farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
+        if farthest <= 4.0 * self.error_bound:
+            return Estimate(0.0, min(1.0, known + np.pi * farthest))
+        found = distance_from_uniform(self.density, self.map, grid, values, self.modes)
+        return Estimate(found, min(1.0, known))
+
+    def peaks(self) -> Array:
+        """Angles in [0, 2π) of the local maxima of the stationary density, sorted; none where it is uniform.
+
+        Maxima that rise above their neighbouring minima by less than the error bound are not told apart.
+        """
+        return peaks_of(self._slope, *self._grid, 4.0 * self.error_bound)
+
+    # -- the spectrum --------------------------------------------------------------------------------------
+
+    def eigenvalues(self, k: int) -> npt.NDArray[np.complex128]:
+        """The k eigenvalues of largest modulus, in falling order; the first is 1.
+
+        Fewer are returned only when the basis has fewer functions. Small operators are solved whole, large ones by
+        Arnoldi iteration (ARPACK), whose residuals are checked; ConvergenceError when they fail.
+        """
+        return leading_values(self.discretisation, whole_number("k", k, least=1))
+
+    def spectrum(self, k: int) -> Spectrum:
+        """The same with error bounds, condition numbers and vectors; see ``Spectrum``."""
+        finer = None if self._finer is None else self._finer.discretisation
+        return leading_spectrum(self.discretisation, finer, self._law, whole_number("k", k, least=1))
+
+    @cached_property
+    def spectral_gap(self) -> Estimate:
+        """1 - |λ₂|, λ₂ the eigenvalue of second largest modulus."""
+        second = second_modulus(self._leading)
+        return Estimate(max(0.0, 1.0 - second), second.error_bound)
+
+    @cached_property
+    def mixing_cycles(self) -> Estimate:
+        """-1/ln|λ₂|: cycles in which the slowest departure from the law falls by e; ∞ if |λ₂| = 1."""
+        return mixing_time(second_modulus(self._leading))
+
+    # -- responses -----------------------------------------------------------------------------------------
+
+    def map_response(
+        self, tangent: Function, break_shifts: Any = None, *, tangent_slope: Function | None = None
+    ) -> Response:
+        """The derivative of law, moments, winding and gap when F moves as F + p·tangent, at p = 0.
+
+        tangent : ∂F/∂p, vectorised, radians a unit, as smooth as F between its breaks. break_shifts : rate of every
+            break of F, radians a unit, in the order of ``map.breaks``; None where none moves. tangent_slope : its
+            derivative in θ, needed only for the Lyapunov exponent's.
+        dc = (I - L)⁻¹ dL c: linear response, which noise makes hold for any map (Galatolo & Giulietti 2019).
+
+        >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+        >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
+        >>> round(turning.map_response(np.ones_like).rotation_number * 2 * np.pi, 12)
+        1.0
+        """
+        theta, _ = self.discretisation.rule()
+        return self._response(map_perturbation(self.map, theta, tangent, break_shifts, tangent_slope))
+
+    def noise_response(self) -> Response:
+        """The derivative of the same with respect to the noise's own parameter (sigma, r, kappa or halfwidth)."""
+        return self._response(Perturbation())
+
+    def _response(self, moving: Perturbation) -> Response:
+        level = ResponseLevel(self._system, self._law, self._leading, moving)
+        fine = self._finer
+        if fine is None:
+            return Response(level, None)
+        vectors = leading_spectrum(fine.discretisation, None, fine._law, _LEADING)
+        return Response(level, ResponseLevel(fine._system, fine._law, vectors, moving))
+
+    # -- passages ------------------------------------------------------------------------------------------
+
+    def mean_passage_time(self, start: float, arc: tuple[float, float], *, lifted: bool = False) -> float:
+        """Mean number of cycles until the path from ``start`` is first outside ``arc``; see ``passage``."""
+        return mean_passage_time(self.map, self.noise, start, arc, lifted=lifted)
+
+    def hitting_probability(self, start: float, arc_a: tuple[float, float], arc_b: tuple[float, float]) -> float:
+        """Probability that the path from ``start`` reaches ``arc_a`` before ``arc_b``; see ``passage``."""
+        return hitting_probability(self.map, self.noise, start, arc_a, arc_b)
+
+    # -- inside --------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _system(self) -> BorderedSystem:
+        return BorderedSystem(self.discretisation)
+
+    @cached_property
+    def _law(self) -> Array:
+        return self._system.solve(self.discretisation.uniform)
+
+    @cached_property
+    def _error(self) -> SolutionError:
+        return law_error(self._system, self._law)
+
+    @cached_property
+    def _map_error(self) -> Array:
+        return map_error_of_density(self._system, self._law)
+
+    @cached_property
+    def _finer(self) -> TransferOperator | None:
+        finer = refined(self.discretisation)
+        return None if finer is None else TransferOperator(self.map, self.noise, finer)
+
+    @cached_property
+    def _leading(self) -> Spectrum:
+        return self.spectrum(_LEADING)
+
+    @cached_property
+    def _grid(self) -> tuple[Array, Array]:
+        return density_grid(self.density, self.discretisation.size)
+
+    def _expected(self, function: Function, folds: bool, direct: float) -> Estimate:
+        rules = self.discretisation.rule(), self._error.basis.rule()
+        if folds:
+            rules = graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2)
+        return expected(self._error, function, rules, direct)
+
+    def _slope(self, theta: Array) -> Array:
+        """Derivative of the density, shape (m,)."""
+        return np.asarray(self.discretisation.slope(theta) @ self._law)

@@ -1,0 +1,257 @@
+"""Basins of stable orbits: the immediate basin by its end points, the whole one by preimages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from cyclemap.checks import positive_number, read_only, whole_number
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.cells import INSET, Cells, Mask, Turns
+from cyclemap.maps.orbits.periodic_orbits import Orbit, periodic_orbits
+from cyclemap.maps.orbits.periodic_points import PeriodicPoints, periodic_points
+from cyclemap.maps.orbits.scan import monotone_cells, preimages
+
+MAX_PERIOD = 8
+LEFT_OVER = 1e-6  # share of the circle
+MAX_ARCS = 50_000
+_RESOLUTION = 512
+_LOCAL = 1024  # points between a stable point and the next periodic ones
+_PARTS = 64  # into which a bracket is cut at each step
+_LINEAR = 1e-8  # radians: this near a stable point the iterate contracts towards it
+_SETTLED = 1e-14  # radians
+_ROUNDS = 200
+_BATCH, _BATCHES = 512, 2_000  # arcs pulled back together, and how often
+_ROUNDING = 1e-13  # radians: what one end of an arc may be off
+
+
+@dataclass(frozen=True, eq=False)
+class Basin:
+    """The set of θ whose orbit tends to one stable orbit.
+
+    orbit : the stable orbit.
+    immediate : (period, 2), radians: row i is the open arc (start, end) around ``orbit.points[i]``, the connected
+        part of the basin that holds it; start < end ≤ start + 2π.
+    arcs : (m, 2), radians: all arcs found, disjoint, sorted by start in [0, 2π); an end may exceed 2π.
+    measure : the share of the circle that the arcs cover; its error bound is ``undecided`` and rounding.
+    undecided : the share of the circle that no basin holds (the same number in every basin of a map): it may
+        belong to arcs not yet found, to orbits of longer periods, or to none.
+    """
+
+    orbit: Orbit
+    immediate: Array
+    arcs: Array
+    measure: Estimate
+    undecided: float
+
+
+def basins(
+    circle_map: CircleMap,
+    *,
+    max_period: int = MAX_PERIOD,
+    left_over: float = LEFT_OVER,
+    max_arcs: int = MAX_ARCS,
+    resolution: int = _RESOLUTION,
+) -> tuple[Basin, ...]:
+    """The basins of all stable orbits of periods 1 to ``max_period``, sorted by period, then by angle.
+
+    Immediate basins: with G the iterate (its square where the multiplier is not positive) that fixes a point p, the
+    arc around p grows from both ends for as long as G(x) lies between x and the arc's far end; it stops at
+    periodic points, at preimages of its other end and at jumps, solved to about 1e-13 radians/(slope - 1). Exact for
+    homeomorphisms; else G is looked at at its extrema, its breaks and 1,024 points between p and the next
+    points that G fixes.
+    Whole basins: preimages of the immediate ones under F, arc by arc (a preimage of an arc of the basin is one too:
+    nothing is found that does not belong, down to the ends' rounding), until the share ``left_over`` is undecided or
+    nothing new comes, the longest arcs first, none shorter than a thousandth of it, about ``max_arcs`` at most. Where
+    orbits wander long before they settle (a repeller nearly as thick as the circle) much may stay undecided.
+    A homeomorphism's basins are the immediate ones.
+
+    Saddle-nodes and neutral orbits, which may attract from one side or slowly, have no basin here; what tends
+    to them stays undecided. An attracting jump is no orbit: what it gathers belongs to the stable orbits around it.
+    Definitions: Devaney, An Introduction to Chaotic Dynamical Systems, 1.11; Milnor, Dynamics in One Complex Variable.
+
+    Raises InvalidInput for a bad request or where every point of an arc is periodic, ConvergenceError when the
+    iterates up to ``max_period`` are too steep to scan.
+
+    >>> (only,) = basins(CircleMap.arnold(0.1, 0.9), max_period=1)
+    >>> only.arcs.round(6).tolist(), round(only.measure, 9)
+    ([[2.368808, 8.651993]], 1.0)
+    """
+    if not isinstance(circle_map, CircleMap):
+        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    longest, share = whole_number("max_period", max_period, least=1), positive_number("left_over", left_over)
+    cells_a_turn, most = whole_number("resolution", resolution, least=8), whole_number("max_arcs", max_arcs, least=1)
+    orbits, immediate = [], []
+    for period in range(1, longest + 1):
+        stable = [o for o in periodic_orbits(circle_map, period, resolution=cells_a_turn) if o.stable]
+        if stable:
+            orbits += stable
+            immediate += _immediate_basins(circle_map, stable, period, cells_a_turn)
+    if not orbits:
+        return ()
+    arcs, owner = _all_preimages(circle_map, immediate, share, most, cells_a_turn)
+    return _as_basins(orbits, immediate, arcs, owner)
+
+
+def _as_basins(orbits: list[Orbit], immediate: list[Array], arcs: Array, owner: Turns) -> tuple[Basin, ...]:
+    covered = np.bincount(owner, arcs[:, 1] - arcs[:, 0], len(orbits)) / TWO_PI
+    undecided = max(0.0, 1.0 - float(covered.sum()))
+    made = []
+    for number, orbit in enumerate(orbits):
+        own = arcs[owner == number]
+        rounding = _ROUNDING * own.size / TWO_PI
+        measure = Estimate(min(float(covered[number]), 1.0), undecided + rounding)
+        rows = read_only(own[np.argsort(own[:, 0])])
+        made.append(Basin(orbit, read_only(immediate[number]), rows, measure, undecided))
+    return tuple(made)
+
+
+# -- immediate basins ----------------------------------------------------------------------------------------
+
+
+def _immediate_basins(circle_map: CircleMap, orbits: list[Orbit], period: int, resolution: int) -> list[Array]:
+    """One (period, 2) array of arcs for each orbit."""
+    cells = monotone_cells(circle_map, period, 0.0, resolution)
+    found = periodic_points(circle_map, period, resolution=resolution)
+    return [
+        np.array([_immediate_arc(circle_map, cells, found, orbit, float(p)) for p in orbit.points]) for orbit in orbits
+    ]
+
+
+def _immediate_arc(
+    circle_map: CircleMap, cells: Cells, found: PeriodicPoints, orbit: Orbit, point: float
+) -> tuple[float, float]:
+    """The largest arc around ``point`` into which the iterate carries it, towards the point."""
+    fixed, winding = _fixed_on_line(circle_map, found, point)
+    below = max([point - TWO_PI, *fixed[fixed < point - _LINEAR]])
+    above = min([point + TWO_PI, *fixed[fixed > point + _LINEAR]])
+    local = _Local(circle_map, found.period, winding, min(orbit.multiplier, orbit.left_multiplier) <= 0.0)
+    nodes = _local_nodes(cells, point, below, above)
+    images = local(nodes)
+    low, high = point - _LINEAR, point + _LINEAR
+    for _ in range(_ROUNDS):
+        new_high = _reach(local, nodes, images, high, low, above)
+        new_low = _reach(local, nodes, images, low, new_high, below)
+        grown = (new_high - high) + (low - new_low)
+        low, high = new_low, new_high
+        if grown <= _SETTLED or high - low >= TWO_PI:
+            break
+    start = low % TWO_PI
+    return start, start + min(high - low, TWO_PI)
+
+
+def _fixed_on_line(circle_map: CircleMap, found: PeriodicPoints, point: float) -> tuple[Array, int]:
+    """The points of the line, up to a turn away, that the same lift Fⁿ - 2πw fixes, and that w."""
+    winding = int(found.winding[np.argmin(np.abs(found.theta - point))])
+    climb = circle_map.degree**found.period - 1
+    laps = np.array([-1, 0, 1])[:, None]
+    on_line = (found.theta + TWO_PI * laps)[found.winding + climb * laps == winding]
+    return np.sort(on_line), winding
+
+
+@dataclass(frozen=True, eq=False)
+class _Local:
+    """The lift Fⁿ - 2πw, or its square, which fixes the point in question."""
+
+    map: CircleMap
+    period: int
+    winding: int
+    squared: bool
+
+    def __call__(self, theta: Array) -> Array:
+        image = np.asarray(theta, dtype=np.float64)
+        for _ in range(2 if self.squared else 1):
+            for _ in range(self.period):
+                image = self.map(image)
+            image = image - TWO_PI * self.winding
+        return image
+
+
+def _local_nodes(cells: Cells, point: float, below: float, above: float) -> Array:
+    """Points between the limits: a grid, and the ends of the iterate's monotone cells, both sides of its breaks."""
+    edges = np.concatenate([cells.start - INSET * cells.cut, (cells.start + INSET)[cells.cut]])
+    around = np.concatenate([edges + TWO_PI * lap for lap in (-1, 0, 1)])
+    nodes = np.concatenate([np.linspace(below, above, _LOCAL + 1)[1:-1], around])
+    apart = np.abs(nodes - point) > _LINEAR
+    return np.unique(nodes[apart & (nodes > below + INSET) & (nodes < above - INSET)])
+
+
+def _reach(local: _Local, nodes: Array, images: Array, end: float, other: float, limit: float) -> float:
+    """How far the arc grows beyond ``end``, away from ``other``, at most to ``limit``."""
+    way = 1.0 if limit > end else -1.0
+    ahead = way * (nodes - end) > 0.0
+    x, image = nodes[ahead][:: int(way)], images[ahead][:: int(way)]
+    stays = _moves_back(x, image, other, way)
+    if np.all(stays):
+        return limit
+    first = int(np.argmin(stays))
+    low, high = (float(x[first - 1]) if first else end), float(x[first])
+    while abs(high - low) > _SETTLED * max(1.0, abs(low)):
+        inner = np.linspace(low, high, _PARTS + 1)
+        stays = _moves_back(inner[1:], local(inner[1:]), other, way)
+        first = int(np.argmin(stays)) if not np.all(stays) else _PARTS - 1
+        if inner[first + 1] == high and inner[first] == low:
+            break
+        low, high = float(inner[first]), float(inner[first + 1])
+    return low
+
+
+def _moves_back(x: Array, image: Array, other: float, way: float) -> Mask:
+    """Whether the image lies between the arc's other end and x."""
+    return np.asarray((way * image < way * x) & (way * image >= way * other))
+
+
+# -- whole basins --------------------------------------------------------------------------------------------
+
+
+def _all_preimages(
+    circle_map: CircleMap, immediate: list[Array], left_over: float, most: int, resolution: int
+) -> tuple[Array, Turns]:
+    """All arcs of all basins and the basin of each; the longest arcs are pulled back first."""
+    cells = monotone_cells(circle_map, 1, 0.0, resolution)
+    start = np.concatenate(immediate)
+    waiting, mark = start, np.repeat(np.arange(len(immediate)), [arcs.shape[0] for arcs in immediate])
+    found, marks, covered = [start], [mark], _total(start)
+    for _ in range(_BATCHES):
+        if waiting.size == 0 or covered >= TWO_PI * (1.0 - left_over) or sum(map(len, found)) > most:
+            break
+        order = np.argsort(waiting[:, 0] - waiting[:, 1])
+        now, later = np.split(order, [max(_BATCH, order.size // 4)])
+        new, new_mark = _preimage_arcs(circle_map, cells, waiting[now], mark[now])
+        fresh = (new[:, 1] - new[:, 0] > 1e-3 * left_over * TWO_PI) & (_holder(start, np.mean(new, axis=1)) < 0)
+        found.append(new[fresh])
+        marks.append(new_mark[fresh])
+        covered += _total(new[fresh])
+        waiting, mark = np.concatenate([waiting[later], new[fresh]]), np.append(mark[later], new_mark[fresh])
+    return np.concatenate(found), np.concatenate(marks)
+
+
+def _total(arcs: Array) -> float:
+    return float(np.sum(arcs[:, 1] - arcs[:, 0]))
+
+
+def _preimage_arcs(circle_map: CircleMap, cells: Cells, arcs: Array, mark: Turns) -> tuple[Array, Turns]:
+    """The arcs that F maps into the given disjoint arcs, with the marks of those."""
+    ends = np.unique(np.mod(arcs.ravel(), TWO_PI))
+    theta = np.mod(preimages(circle_map, cells, ends)[0], TWO_PI)
+    edges = np.unique(np.concatenate([theta, circle_map.breaks]))
+    if edges.size == 0:
+        return np.zeros((0, 2)), np.zeros(0, dtype=np.int64)
+    between = np.stack([edges, np.append(edges[1:], edges[0] + TWO_PI)], axis=1)
+    holder = _holder(arcs, circle_map(np.mean(between, axis=1)))
+    return between[holder >= 0], mark[holder[holder >= 0]]
+
+
+def _holder(arcs: Array, theta: Array) -> npt.NDArray[np.int64]:
+    """Index of the arc that holds each angle, or -1; the arcs are disjoint on the circle."""
+    order = np.argsort(arcs[:, 0])
+    start, end = arcs[order, 0], arcs[order, 1]
+    angle = np.mod(theta, TWO_PI)
+    place = np.searchsorted(start, angle, side="right") - 1
+    angle = np.where(place < 0, angle + TWO_PI, angle)
+    return np.where(angle < end[place], order[place], -1)

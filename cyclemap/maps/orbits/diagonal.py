@@ -1,0 +1,244 @@
+"""Where an iterate crosses the diagonal: whole turns counted at cell ends, touches and breaks settled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.cells import INSET, Cells, Mask, Turns, is_continuous, is_rising, iterate
+from cyclemap.maps.orbits.scan import UNIT, monotone_cells
+
+_IDENTITY = 1e-11  # radians: cells with |Fⁿ - id - 2πw| below this at both ends may be arcs of periodic points
+_FLAT = 1e-2  # radians: on a longer arc Fⁿ = id + 2πw to rounding is an arc of periodic points
+_MATE = 1e-4  # radians: how near an extremum the image of a touch must lie to be a touch of the same orbit
+
+
+@dataclass(frozen=True)
+class JumpCrossing:
+    """A jump of F across the diagonal: no fixed point, though orbits may gather or part there.
+
+    theta : the break, radians; winding : the w of the crossed line θ + 2πw.
+    left_turn, right_turn : F(θ) - θ - 2πw on both sides, radians.
+    attracting : True when both sides move towards the break (a downward jump): it acts as an attractor.
+    """
+
+    theta: float
+    winding: int
+    left_turn: float
+    right_turn: float
+    attracting: bool
+
+
+@dataclass(frozen=True, eq=False)
+class DiagonalScan:
+    """Cells with, at each end, how many whole turns lie below g: what counts as a crossing.
+
+    Beside them the points that lie at a node within the tangency: ``touch`` (g meets a whole turn without crossing
+    it), ``kink`` (a crossing on a kink) and ``border`` (g ends there at a jump), each a list of (θ, w).
+    """
+
+    cells: Cells
+    turn_start: Turns
+    turn_end: Turns
+    touch: list[tuple[float, int]] = field(default_factory=list)
+    kink: list[tuple[float, int]] = field(default_factory=list)
+    border: list[tuple[float, int]] = field(default_factory=list)
+    jumps: list[JumpCrossing] = field(default_factory=list)
+
+    @property
+    def lap(self) -> int:
+        """By how many whole turns g climbs while θ runs round once."""
+        return round(self.cells.climb / TWO_PI)
+
+
+def displacement(circle_map: CircleMap, theta: Array, period: int, winding: Turns) -> tuple[Array, Array, Array]:
+    """(Fⁿ(θ) - θ - 2πw, (Fⁿ)'(θ), a bound on the first one's rounding); whole turns are counted apart.
+
+    The bound adds up ``UNIT``·(2π + |F|) an iterate, and one rounding of θ itself, through the slopes.
+    """
+    image, slope = theta, np.ones_like(theta)
+    turns = np.zeros(theta.shape, dtype=np.int64)
+    rounding = 0.5 * np.spacing(np.abs(theta))
+    for _ in range(period):
+        steepness, lifted = circle_map.derivative(image), circle_map(image)
+        rounding = np.abs(steepness) * rounding + UNIT * (TWO_PI + np.abs(lifted))
+        laps = np.floor(lifted / TWO_PI)
+        turns = circle_map.degree * turns + laps.astype(np.int64)
+        slope, image = slope * steepness, lifted - TWO_PI * laps
+    return np.asarray(image - theta + TWO_PI * (turns - winding)), slope, rounding
+
+
+def diagonal_scan(circle_map: CircleMap, period: int, resolution: int, tangency: float) -> DiagonalScan:
+    """The crossings of Fⁿ - id with 2πw: touches within ``tangency`` (radians) are set apart."""
+    cells = monotone_cells(circle_map, period, 1.0, resolution)
+    _refuse_identity(circle_map, cells)
+    scan = DiagonalScan(cells, _whole_turns(cells.g_start), _whole_turns(cells.g_end))
+    joined = is_continuous(cells)
+    tolerance, seeds = _tolerance(circle_map, cells, joined, tangency)
+    ends = _Ends(scan, joined, tolerance)
+    settled: set[int] = set()
+    for seed in seeds.tolist():
+        if seed not in settled:
+            settled.update(ends.settle(seed))
+    _list_jumps(scan, joined)
+    return scan
+
+
+def _whole_turns(g: Array) -> Turns:
+    return np.floor(g / TWO_PI).astype(np.int64)
+
+
+def _refuse_identity(circle_map: CircleMap, cells: Cells) -> None:
+    width = cells.end - cells.start
+    near = (_gap(cells.g_start) <= _IDENTITY) & (_gap(cells.g_end) <= _IDENTITY) & (width > 1e-6)
+    if not np.any(near):
+        return
+    theta = cells.start[near] + np.linspace(0.01, 0.99, 5)[:, None] * width[near]
+    whole = np.round((iterate(circle_map, theta, cells.period) - theta) / TWO_PI).astype(np.int64)
+    residual, _, rounding = displacement(circle_map, theta, cells.period, whole)
+    near[near] = np.all(np.abs(residual) <= 2.0 * rounding, axis=0)
+    # A touch of high order is flat as well, but on a short stretch that no breaks bound.
+    stretch = np.cumsum(~near)
+    flat = near & ((np.bincount(stretch, width * near)[stretch] > _FLAT) | (cells.cut & np.roll(cells.cut, -1)))
+    if np.any(flat):
+        raise InvalidInput(
+            f"every point near θ = {cells.start[flat][0]:.6g} has period {cells.period}: the map's iterate is a "
+            "rotation by whole turns there, so they cannot be listed; perturb the map or ask for its rotation number"
+        )
+
+
+# -- cell ends that lie on the diagonal, within the tangency -------------------------------------------------
+
+
+def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask, tangency: float) -> tuple[Array, Turns]:
+    """How far from a whole turn each cell end still counts as on it, and the ends where that needs settling.
+
+    Ends are counted 0, 1, 2, ...: the start of cell 0, its end, the start of cell 1, ... Only at extrema and breaks
+    can plain counting lose or double a root. A touch of an iterate makes touches of the extrema next to its
+    images, so that all points of one orbit are judged alike.
+    """
+    rising = is_rising(cells)
+    special = np.flatnonzero((rising != np.roll(rising, 1)) | cells.cut)
+    tolerance = np.full(2 * cells.size, tangency)
+    if special.size == 0:
+        return tolerance, special
+    after, before = cells.g_start[special], np.roll(cells.g_end, 1)[special] - cells.climb * (special == 0)
+    inside = cells.start[special] + INSET * cells.cut[special]
+    _, _, rounding = displacement(circle_map, inside, cells.period, _whole_turns(after))
+    allowed = tangency + rounding + UNIT * np.abs(after) + np.where(joined[special], np.abs(after - before), 0.0)
+    gap = np.minimum(_gap(after), _gap(before))
+    if cells.period > 1:
+        allowed = _judged_alike(circle_map, cells, special, gap, allowed)
+    tolerance[2 * special], tolerance[2 * special - 1] = allowed, allowed
+    ends = np.concatenate([2 * special[_gap(after) <= allowed], 2 * special[_gap(before) <= allowed] - 1])
+    return tolerance, np.mod(ends, 2 * cells.size)
+
+
+def _gap(g: Array) -> Array:
+    return np.asarray(np.abs(g - TWO_PI * np.round(g / TWO_PI)))
+
+
+def _judged_alike(circle_map: CircleMap, cells: Cells, special: Turns, gap: Array, allowed: Array) -> Array:
+    """The tolerances, raised at the extrema that the orbits of touches come by."""
+    image, stretch = cells.start[special[gap <= allowed]], np.ones(np.count_nonzero(gap <= allowed))
+    reach, raised = 4.0 * (gap + allowed)[gap <= allowed], allowed.copy()
+    nodes = cells.start[special]
+    for _ in range(cells.period - 1 if image.size else 0):
+        stretch = stretch * np.abs(circle_map.derivative(image))
+        image = np.mod(circle_map(image), TWO_PI)
+        mate = nearest_on_circle(nodes, image)
+        away = np.abs(np.mod(nodes[mate] - image + np.pi, TWO_PI) - np.pi)
+        same = (away <= _MATE) & (gap[mate] <= reach * np.maximum(stretch, 1.0))
+        raised[mate[same]] = np.maximum(raised[mate[same]], 1.01 * gap[mate[same]])
+    return raised
+
+
+def nearest_on_circle(nodes: Array, theta: Array) -> Turns:
+    """Index of the sorted node in [0, 2π) nearest to each angle of [0, 2π], the short way round."""
+    around = np.concatenate([nodes[-1:] - TWO_PI, nodes, nodes[:1] + TWO_PI])
+    above = np.clip(np.searchsorted(around, theta), 1, around.size - 1)
+    pick = np.where(theta - around[above - 1] <= around[above] - theta, above - 1, above)
+    return np.asarray((pick - 1) % nodes.size)
+
+
+@dataclass(frozen=True, eq=False)
+class _Ends:
+    """Cell ends on the line: end e is end e mod 2·size, moved on by whole laps."""
+
+    scan: DiagonalScan
+    joined: Mask
+    tolerance: Array
+
+    def settle(self, seed: int) -> list[int]:
+        """Judge the run of ends around ``seed`` that lie on the same whole turn as one point; list the run."""
+        w = round(self._g(seed) / TWO_PI)
+        low, below = self._reach(seed, w, -1)
+        high, beyond = self._reach(seed, w, 1)
+        run = range(low, high + 1)
+        if below is None or beyond is None:
+            side = below if below is not None else bool(beyond)
+            self._record(self.scan.border, low if below is None else high, w)
+            self._count(run, w, side)
+        elif below == beyond:
+            worst = min(run, key=lambda e: self._g(e) if below else -self._g(e))
+            self._record(self.scan.touch, worst, w)
+            self._count(run, w, below)
+        else:
+            kinks = [e for e in run if e % 2 == 0 and e > low and self.scan.cells.cut[self._cell(e)]]
+            # On no kink the root is sought in the run's middle cell: where three roots merge, the middle one.
+            split = kinks[0] if kinks else (low + high + 1) // 2 | 1
+            if kinks:
+                self._record(self.scan.kink, split, w)
+            self._count(range(low, split), w, below)
+            self._count(range(split, high + 1), w, beyond)
+        return [e % (2 * self.scan.cells.size) for e in run]
+
+    def _cell(self, e: int) -> int:
+        return e // 2 % self.scan.cells.size
+
+    def _laps(self, e: int) -> int:
+        return e // (2 * self.scan.cells.size)
+
+    def _g(self, e: int) -> float:
+        cells = self.scan.cells
+        here = cells.g_end if e % 2 else cells.g_start
+        return float(here[self._cell(e)]) + cells.climb * self._laps(e)
+
+    def _reach(self, seed: int, w: int, step: int) -> tuple[int, bool | None]:
+        """The last end of the run this way, and whether g then lies above the line; None at a jump."""
+        e = seed
+        for _ in range(2 * self.scan.cells.size):
+            if max(e, e + step) % 2 == 0 and not self.joined[self._cell(max(e, e + step))]:
+                return e, None
+            off = self._g(e + step) - TWO_PI * w
+            if abs(off) > self.tolerance[(e + step) % self.tolerance.size]:
+                return e, off > 0.0
+            e += step
+        return e, None
+
+    def _record(self, found: list[tuple[float, int]], e: int, w: int) -> None:
+        cells, wraps = self.scan.cells, e % 2 == 1 and self._cell(e) == self.scan.cells.size - 1
+        theta = 0.0 if wraps else float((cells.end if e % 2 else cells.start)[self._cell(e)])
+        found.append((theta, w - self.scan.lap * (self._laps(e) + wraps)))
+
+    def _count(self, run: range, w: int, above: bool) -> None:
+        for e in run:
+            turns = self.scan.turn_end if e % 2 else self.scan.turn_start
+            turns[self._cell(e)] = w - self.scan.lap * self._laps(e) - (0 if above else 1)
+
+
+def _list_jumps(scan: DiagonalScan, joined: Mask) -> None:
+    """The lines that g crosses by a jump, lines that one side of the jump merely meets left out."""
+    cells, ends = scan.cells, dict.fromkeys(scan.border)
+    for i in np.flatnonzero(~joined):
+        back = scan.lap if i == 0 else 0
+        before, after = int(scan.turn_end[i - 1]) - back, int(scan.turn_start[i])
+        left, right = float(cells.g_end[i - 1]) - TWO_PI * back, float(cells.g_start[i])
+        theta = float(cells.start[i])
+        for w in range(min(before, after) + 1, max(before, after) + 1):
+            if (theta, w) not in ends:
+                scan.jumps.append(JumpCrossing(theta, w, left - TWO_PI * w, right - TWO_PI * w, before > after))

@@ -1,0 +1,292 @@
+"""Periodic points: every solution of Fⁿ(θ) = θ + 2πw in one turn, as arrays, with multipliers and error bounds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cyclemap.checks import positive_number, whole_number
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.lifts.circle_map import SNAP, CircleMap
+from cyclemap.maps.orbits.cells import Mask, Turns
+from cyclemap.maps.orbits.diagonal import DiagonalScan, diagonal_scan, displacement, nearest_on_circle
+from cyclemap.maps.orbits.scan import roots_between
+
+RESOLUTION = 512
+TANGENCY = 1e-12  # radians
+NEUTRAL = 1e-7
+_LINKED = 1e-9  # radians: the image of a point and the point it is, beyond both their error bounds
+_POLISH = 3  # Newton steps at most
+_WIDENINGS = 60
+_ARRAYS = ("theta", "winding", "multiplier", "left_multiplier", "prime_period", "kind", "error_bound")
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicPoints:
+    """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, whatever their prime period; each array has shape (count,).
+
+    theta : radians, sorted. winding : w of each point. multiplier, left_multiplier : (Fⁿ)' from the right and
+        from the left; they differ only where the orbit meets a kink.
+    prime_period : the least d with F^d(θ) = θ on the circle, a divisor of n.
+    kind : "stable", "unstable", "neutral", "saddle-node" or "border-collision", as for ``Orbit``.
+    error_bound : radians. Beyond θ ± error_bound, Fⁿ - id - 2πw has left the line for certain: it has opposite
+        signs at the two ends, by more than rounding (so a crossing lies between them); at a saddle-node it is
+        farther from zero than ``tangency`` on both sides. Takes the lift to be good to four units of rounding of
+        2π + |F|; the error of a sampled map is not in it. inf where no such bracket was found (at jumps).
+    image : index of the point that F maps each point to; -1 where that point is not in the list.
+    residual : the largest |Fⁿ(θ) - θ - 2πw| in units of what rounding, or the tangency at saddle-nodes, allows:
+        about 1 or less when every point is as good as double precision lets it be. 0 without points.
+    period : n. resolution, tangency : as they were asked for.
+    """
+
+    theta: Array
+    winding: Turns
+    multiplier: Array
+    left_multiplier: Array
+    prime_period: Turns
+    kind: npt.NDArray[np.str_]
+    error_bound: Array
+    image: Turns
+    period: int
+    resolution: int
+    tangency: float
+    residual: float
+
+    @property
+    def count(self) -> int:
+        """How many points there are."""
+        return int(self.theta.size)
+
+    def __len__(self) -> int:
+        return self.count
+
+    @property
+    def stable(self) -> Mask:
+        """Whether each point attracts from both sides."""
+        return np.asarray(self.kind == "stable")
+
+    @property
+    def touching(self) -> Mask:
+        """Whether Fⁿ - id only touches 2πw at each point."""
+        return np.asarray(self.kind == "saddle-node")
+
+
+def periodic_points(
+    circle_map: CircleMap,
+    period: int,
+    winding: int | None = None,
+    *,
+    resolution: int = RESOLUTION,
+    tangency: float = TANGENCY,
+) -> PeriodicPoints:
+    """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, n = ``period``: all w, or the one given.
+
+    One turn is cut into cells (at least ``resolution`` of them; the samples of a sampled map, the breaks of Fⁿ and
+    the folds of F with their preimages among their ends; no image longer than half a radian) until the cubic through
+    each cell's ends meets Fⁿ at two inner probes, and split at the extrema of Fⁿ - id. Then every sign change is
+    bracketed and solved to rounding (Chandrupatla 1997, and Newton's steps).
+    Complete unless Fⁿ hides two extrema from the ends and probes of one cell. Roots between which |Fⁿ - id - 2πw|
+    stays within ``tangency`` (radians; plus rounding) count as one: a "saddle-node" where the curve keeps its side,
+    a crossing where it changes it. All points of an orbit are judged alike.
+    A curve that ends within ``tangency`` of 2πw at a jump of Fⁿ gives a point of kind "border-collision".
+
+    Raises InvalidInput when a whole arc is periodic, ConvergenceError when Fⁿ needs more than 2,000,000 cells.
+
+    >>> doubling = CircleMap(lambda x: 2 * x, lambda x: 2 + 0 * x, degree=2)
+    >>> found = periodic_points(doubling, 12)
+    >>> found.count, int((found.prime_period == 12).sum())
+    (4095, 4020)
+    """
+    if not isinstance(circle_map, CircleMap):
+        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    n = whole_number("period", period, least=1)
+    wanted = None if winding is None else whole_number("winding", winding)
+    cells_a_turn, within = whole_number("resolution", resolution, least=8), positive_number("tangency", tangency)
+    scan = diagonal_scan(circle_map, n, cells_a_turn, within)
+    roots = _polished(circle_map, _roots(scan, circle_map), n)
+    return _selected(_described(circle_map, roots, n, cells_a_turn, within), wanted)
+
+
+def _described(circle_map: CircleMap, roots: _Roots, n: int, resolution: int, tangency: float) -> PeriodicPoints:
+    """The roots with all that the result tells of them."""
+    allowed = roots.rounding + tangency * roots.at_touch
+    residual = float(np.max(np.abs(roots.residual) / allowed, initial=0.0))
+    bound = _error_bounds(circle_map, roots, n, tangency)
+    image = _images(circle_map, roots.theta, bound)
+    right, left = (_multiplier(circle_map, roots.theta, image, n, side) for side in (1, -1))
+    prime = _prime_periods(circle_map, roots.theta, image, n, bound)
+    kind = _kinds(left, right, roots.role)
+    return PeriodicPoints(
+        roots.theta, roots.winding, right, left, prime, kind, bound, image, n, resolution, tangency, residual
+    )
+
+
+# -- roots -------------------------------------------------------------------------------------------------
+
+_CROSSING, _KINK, _TOUCH, _BORDER = range(4)
+
+
+@dataclass(frozen=True, eq=False)
+class _Roots:
+    """Sorted roots, what each is, and g = Fⁿ - id - 2πw with slope and rounding there."""
+
+    theta: Array
+    winding: Turns
+    role: Turns
+    residual: Array
+    slope: Array
+    rounding: Array
+
+    @property
+    def at_touch(self) -> Mask:
+        return np.asarray(self.role >= _TOUCH)
+
+
+def _roots(scan: DiagonalScan, circle_map: CircleMap) -> tuple[Array, Turns, Turns]:
+    theta, whole, _ = roots_between(circle_map, scan.cells, 0.0, scan.turn_start, scan.turn_end)
+    listed = [scan.kink, scan.touch, scan.border]
+    marked = np.array([pair for pairs in listed for pair in pairs]).reshape(-1, 2)
+    role = np.repeat(np.arange(4), [theta.size, *(len(pairs) for pairs in listed)])
+    theta = np.concatenate([theta, marked[:, 0]])
+    whole = np.concatenate([whole, np.round(marked[:, 1]).astype(np.int64)])
+    beyond = theta >= TWO_PI
+    return np.where(beyond, theta - TWO_PI, theta), whole - beyond * scan.lap, role
+
+
+def _polished(circle_map: CircleMap, found: tuple[Array, Turns, Turns], period: int) -> _Roots:
+    """Newton's steps with whole turns counted apart, as long as they help; then everything sorted."""
+    theta, whole, role = found
+    residual, slope, rounding = displacement(circle_map, theta, period, whole)
+    for _ in range(_POLISH):
+        active = np.flatnonzero((role == _CROSSING) & (np.abs(residual) > 0.25 * rounding) & (slope != 1.0))
+        moved = theta[active] - residual[active] / (slope[active] - 1.0)
+        inside = (np.abs(moved - theta[active]) < 1e-6) & (moved >= 0.0) & (moved < TWO_PI)
+        active, moved = active[inside], moved[inside]
+        if active.size == 0:
+            break
+        new = displacement(circle_map, moved, period, whole[active])
+        better = np.abs(new[0]) < np.abs(residual[active])
+        active = active[better]
+        theta[active], residual[active], slope[active] = moved[better], new[0][better], new[1][better]
+        rounding[active] = new[2][better]
+    order = np.argsort(theta, kind="stable")
+    return _Roots(theta[order], whole[order], role[order], residual[order], slope[order], rounding[order])
+
+
+def _error_bounds(circle_map: CircleMap, roots: _Roots, period: int, tangency: float) -> Array:
+    """The half width of the bracket around each root at whose ends g has left the line beyond doubt."""
+    margin = np.abs(roots.residual) + 2.0 * roots.rounding
+    with np.errstate(divide="ignore"):
+        half = np.minimum(1.5 * margin / np.abs(roots.slope - 1.0), 1e-8)
+    half = np.maximum(half, 2.0 * np.spacing(roots.theta) + 1e-300)
+    half[roots.at_touch] = np.maximum(half[roots.at_touch], tangency)
+    bound, left = np.full(half.shape, np.inf), np.flatnonzero(roots.role != _BORDER)
+    for _ in range(_WIDENINGS):
+        if left.size == 0:
+            break
+        done = _leaves(circle_map, roots, left, half[left], period, tangency)
+        bound[left[done]] = half[left[done]]
+        left = left[~done]
+        half[left] *= 2.0
+        left = left[half[left] < np.pi]
+    return bound
+
+
+def _leaves(circle_map: CircleMap, roots: _Roots, use: Turns, half: Array, period: int, tangency: float) -> Mask:
+    theta, whole, touch = roots.theta[use], roots.winding[use], roots.at_touch[use]
+    (low, _, low_noise), (high, _, high_noise) = (
+        displacement(circle_map, theta + side * half, period, whole) for side in (-1, 1)
+    )
+    sides = np.where(touch, low * high > 0.0, low * high < 0.0)
+    clear = (np.abs(low) > low_noise + tangency * touch) & (np.abs(high) > high_noise + tangency * touch)
+    return np.asarray(sides & clear)
+
+
+# -- orbits among the roots ----------------------------------------------------------------------------------
+
+
+def _images(circle_map: CircleMap, theta: Array, bound: Array) -> Turns:
+    """Index of the root that F maps each root to, or -1 where none lies within the error bounds."""
+    if theta.size == 0:
+        return np.zeros(0, dtype=np.int64)
+    image = np.mod(circle_map(theta), TWO_PI)
+    nearest = nearest_on_circle(theta, image)
+    away = np.abs(np.mod(image - theta[nearest] + np.pi, TWO_PI) - np.pi)
+    allowed = _LINKED + 4.0 * np.minimum(np.abs(circle_map.derivative(theta)) * bound + bound[nearest], 1e-3)
+    return np.where(away <= allowed, nearest, -1)
+
+
+def _prime_periods(circle_map: CircleMap, theta: Array, image: Turns, period: int, bound: Array) -> Turns:
+    """The least divisor d of n after which each root is back: by the links, or by iteration where they break."""
+    prime, own = np.full(theta.size, period), np.arange(theta.size)
+    reached, angle = own, theta
+    for d in range(1, period):
+        reached = np.where(reached >= 0, image[reached], -1)
+        angle = np.mod(circle_map(angle), TWO_PI)
+        back = reached == own
+        if np.any(reached < 0):
+            gap = np.abs(np.mod(angle - theta + np.pi, TWO_PI) - np.pi)
+            back |= (reached < 0) & (gap <= _LINKED + np.minimum(bound, 1e-6))
+        prime = np.where(back & (prime == period) & (period % d == 0), d, prime)
+    return prime
+
+
+def _multiplier(circle_map: CircleMap, theta: Array, image: Turns, period: int, side: int) -> Array:
+    """Product of the slopes on the side where a nearby orbit passes: a negative slope changes the side.
+
+    Taken at the roots themselves, each solved on its own, so that no digit is lost however expanding the map.
+    """
+    slopes = _slopes(circle_map, theta)
+    product, index, sides = np.ones(theta.size), np.arange(theta.size), np.full(theta.size, side)
+    angle = theta
+    for _ in range(period):
+        lost = index < 0
+        slope = np.where(sides > 0, slopes[0][index], slopes[1][index])
+        if np.any(lost):
+            apart = _slopes(circle_map, angle[lost])
+            slope[lost] = np.where(sides[lost] > 0, apart[0], apart[1])
+            angle = np.where(lost, angle, theta[index])
+            angle = np.mod(circle_map(angle), TWO_PI)
+        elif np.any(image < 0):
+            angle = np.mod(circle_map(theta[index]), TWO_PI)
+        product, sides = product * slope, np.where(slope >= 0.0, sides, -sides)
+        index = np.where(lost, -1, image[index])
+    return product
+
+
+def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:
+    """F' from the right and from the left; angles next to a break count as lying on it."""
+    plain = np.asarray(circle_map.derivative(theta))
+    if circle_map.breaks.size == 0 or theta.size == 0:
+        return plain, plain
+    nearest = circle_map.breaks[nearest_on_circle(circle_map.breaks, theta)]
+    on = np.flatnonzero(np.abs(np.mod(theta - nearest + np.pi, TWO_PI) - np.pi) <= max(_LINKED, SNAP))
+    right, left = plain.copy(), plain.copy()
+    if on.size:
+        right[on], left[on] = circle_map.right_derivative(nearest[on]), circle_map.left_derivative(nearest[on])
+    return right, left
+
+
+def _kinds(left: Array, right: Array, role: Turns) -> npt.NDArray[np.str_]:
+    # Stability of 0 under x → left·x (x < 0), right·x (x > 0).
+    flips = (left < 0.0) & (right < 0.0)
+    attracts = np.where(flips, left * right < 1.0, np.maximum(left, right) < 1.0)
+    neutral = np.minimum(np.abs(np.abs(left) - 1.0), np.abs(np.abs(right) - 1.0)) <= NEUTRAL
+    kind = np.where(neutral, "neutral", np.where(attracts, "stable", "unstable")).astype("<U16")
+    kind[role == _TOUCH], kind[role == _BORDER] = "saddle-node", "border-collision"
+    return kind
+
+
+def _selected(found: PeriodicPoints, wanted: int | None) -> PeriodicPoints:
+    """The points with the wanted winding, read-only; links to points left out are cut."""
+    keep = np.ones(found.count, dtype=bool) if wanted is None else found.winding == wanted
+    number = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)
+    arrays: dict[str, Any] = {name: getattr(found, name)[keep] for name in _ARRAYS}
+    arrays["image"] = number[found.image[keep]]
+    for array in arrays.values():
+        array.setflags(write=False)
+    return replace(found, **arrays)

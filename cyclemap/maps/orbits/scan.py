@@ -1,0 +1,257 @@
+"""Cells: one turn of θ cut so finely that each iterate Fⁿ runs monotonely through every cell.
+
+What root finding, envelopes and orbit counts share. Complete down to the resolution: the folds of F and their
+preimages are ends of cells, and a cell is cut until the cubic through its ends' values and slopes meets the iterate
+at two probes inside; that cubic's slope then tells how often the slope of Fⁿ - shift·id changes sign.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cyclemap.errors import ConvergenceError
+from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.bracketing import bracketed_root
+from cyclemap.maps.orbits.cells import (
+    INSET,
+    Cells,
+    Mask,
+    Turns,
+    in_order,
+    is_rising,
+    iterate,
+    iterate_slope,
+    joined,
+    taken,
+)
+
+__all__ = [
+    "INSET",
+    "MAX_CELLS",
+    "UNIT",
+    "Cells",
+    "crossings",
+    "iterate",
+    "iterate_breaks",
+    "iterate_slope",
+    "monotone_cells",
+    "preimages",
+    "roots_between",
+]
+
+MAX_CELLS = 2_000_000
+UNIT = 4.0 * np.finfo(float).eps  # a lift's value is taken to be good to this share of 2π + |F|
+_LONGEST_IMAGE = 0.5  # radians: no cell's image under any iterate is longer
+_PASSES = 60
+_PROBES = (0.38, 0.71)  # of a cell's width
+_MISFIT = 0.02  # of the cell's steepest rise: how far the probes may lie off the cubic
+_LEVELS_AT_ONCE = 2_048
+_NOTHING = 1e-13  # radians: smaller misfits and dips are of no account
+
+
+# -- cells -------------------------------------------------------------------------------------------------
+
+
+def monotone_cells(circle_map: CircleMap, period: int, shift: float, resolution: int) -> Cells:
+    """Cells on each of which g = Fⁿ - shift·id is monotone, down to the resolution."""
+    breaks = iterate_breaks(circle_map, period, resolution)
+    nodes = _base_nodes(circle_map, breaks, _iterate_folds(circle_map, period, resolution), resolution)
+    start, end = nodes[:-1], nodes[1:]
+    cut = np.isin(start, breaks)
+    cut_end, done, count = np.roll(cut, -1), [], 0
+    for _ in range(_PASSES):
+        cells, parts = _evaluated(circle_map, start, end, cut, cut_end, period, shift)
+        done.append(taken(cells, parts == 1))
+        owner, rank = np.repeat(np.arange(start.size), parts), _ranks(parts)
+        count += int(np.count_nonzero(parts == 1))
+        if count + owner.size > MAX_CELLS:
+            break
+        owner, rank = owner[parts[owner] > 1], rank[parts[owner] > 1]
+        if owner.size == 0:
+            return _split_at_extrema(circle_map, joined(in_order(done)))
+        share, first, last = parts[owner], rank == 0, rank + 1 == parts[owner]
+        cut, cut_end = cut[owner] & first, cut_end[owner] & last
+        low, step = start[owner], (end - start)[owner]
+        start, end = low + step * (rank / share), np.where(last, end[owner], low + step * ((rank + 1) / share))
+    raise ConvergenceError(
+        f"period {period} needs more than {MAX_CELLS} cells: the map is too steep; ask for a shorter period"
+    )
+
+
+def _ranks(count: Turns) -> Turns:
+    """0, 1, ..., count - 1 for each entry, one after the other."""
+    return np.asarray(np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count))
+
+
+def iterate_breaks(circle_map: CircleMap, period: int, resolution: int) -> Array:
+    """Breaks of Fⁿ in [0, 2π): those of F and their preimages up to n - 1 cycles back."""
+    if circle_map.breaks.size == 0 or period == 1:
+        return circle_map.breaks
+    return _pulled_back(circle_map, monotone_cells(circle_map, 1, 0.0, resolution), circle_map.breaks, period)
+
+
+def _iterate_folds(circle_map: CircleMap, period: int, resolution: int) -> Array:
+    """Smooth turning points of F and their preimages up to n - 1 cycles back; none asked for where n = 1."""
+    if period == 1:
+        return np.zeros(0)
+    once = monotone_cells(circle_map, 1, 0.0, resolution)
+    rising = is_rising(once)
+    return _pulled_back(circle_map, once, once.start[(rising != np.roll(rising, 1)) & ~once.cut], period)
+
+
+def _pulled_back(circle_map: CircleMap, once: Cells, marks: Array, period: int) -> Array:
+    found = latest = marks
+    for _ in range(period - 1 if marks.size else 0):
+        known, found = found, _merged(np.append(found, np.mod(preimages(circle_map, once, latest)[0], TWO_PI)))
+        latest = np.setdiff1d(found, known)
+        if latest.size == 0:
+            break
+        if found.size > MAX_CELLS // 8:
+            raise ConvergenceError(
+                f"period {period} has more than {found.size} breaks or folds: ask for a shorter period"
+            )
+    return found
+
+
+def _merged(angles: Array) -> Array:
+    """The angles sorted; of those that lie together the one given first."""
+    angles = np.where(angles > TWO_PI - 8.0 * INSET, 0.0, angles)
+    order = np.argsort(angles, kind="stable")
+    fresh = np.flatnonzero(np.append(True, np.diff(angles[order]) > 8.0 * INSET))
+    return np.asarray(angles[np.minimum.reduceat(order, fresh)])
+
+
+def _base_nodes(circle_map: CircleMap, breaks: Array, folds: Array, resolution: int) -> Array:
+    grid = np.linspace(0.0, TWO_PI, resolution + 1)
+    knots = circle_map.pieces.knots if circle_map.pieces is not None else np.zeros(0)
+    smooth = np.unique(np.concatenate([grid, knots, folds]))
+    if breaks.size:
+        around = np.concatenate([[-TWO_PI], breaks, [2.0 * TWO_PI]])
+        above = np.searchsorted(around, smooth)
+        nearest = np.minimum(around[above] - smooth, smooth - around[above - 1])
+        smooth = smooth[(nearest > 8.0 * INSET) | (smooth == 0.0) | (smooth == TWO_PI)]
+    nodes = np.union1d(smooth, breaks)
+    return np.asarray(nodes[np.append(np.diff(nodes) > 4.0 * INSET, True)])
+
+
+def _evaluated(
+    circle_map: CircleMap, start: Array, end: Array, cut: Mask, cut_end: Mask, period: int, shift: float
+) -> tuple[Cells, Turns]:
+    """The cells with their values, and into how many parts each must still be cut."""
+    width, size = end - start, start.size
+    here = np.concatenate([start + INSET * cut, end - INSET * cut_end])
+    image, slope, longest, rounding = here, np.ones_like(here), np.zeros(size), np.ones_like(here)
+    for _ in range(period):
+        steepness = circle_map.derivative(image)
+        slope, rounding = slope * steepness, np.abs(steepness) * rounding + 1.0
+        image = circle_map(image)
+        steepest = np.maximum(np.abs(slope[:size]), np.abs(slope[size:])) * width
+        longest = np.maximum(longest, np.maximum(steepest, np.abs(image[size:] - image[:size])))
+    g, g_slope = image - shift * here, slope - shift
+    g = g + INSET * g_slope * np.concatenate([-1.0 * cut, 1.0 * cut_end])
+    split = (g[:size], g[size:], g_slope[:size], g_slope[size:])
+    cells = Cells(start, end, *split, cut, period, shift, circle_map.degree)
+    parts = np.clip(np.ceil(longest / _LONGEST_IMAGE), 1, 64).astype(np.int64)
+    ready = np.flatnonzero((parts == 1) & (width >= 32.0 * INSET))
+    noise = 8.0 * UNIT * (TWO_PI + np.abs(g)) * rounding
+    parts[ready] += _unclear(circle_map, taken(cells, ready), np.maximum(noise[:size], noise[size:])[ready])
+    parts[width < 32.0 * INSET] = 1
+    return cells, parts
+
+
+def _unclear(circle_map: CircleMap, cells: Cells, noise: Array) -> Mask:
+    """Whether the cubic through a cell's ends misses the iterate, or turns twice inside the cell."""
+    width, rise = cells.end - cells.start, cells.g_end - cells.g_start
+    a, b = width * cells.slope_start, width * cells.slope_end
+    steepest, nothing = np.maximum(np.abs(a), np.abs(b)), _NOTHING + noise
+    misfit = np.zeros_like(width)
+    for t in _PROBES:
+        theta = cells.start + t * width
+        g = iterate(circle_map, theta, cells.period) - cells.shift * theta
+        cubic = cells.g_start + t * t * (3.0 - 2.0 * t) * rise + t * (1.0 - t) * ((1.0 - t) * a - t * b)
+        misfit = np.maximum(misfit, np.abs(g - cubic))
+    bend = 3.0 * (a + b - 2.0 * rise)  # the cubic's slope is a + 2(3 rise - 2a - b)t + bend t²
+    with np.errstate(divide="ignore", invalid="ignore"):
+        vertex = (2.0 * a + b - 3.0 * rise) / bend
+        least = a - bend * vertex * vertex
+    turns_twice = (a * b > 0.0) & (vertex > 0.0) & (vertex < 1.0) & (least * a < 0.0) & (np.abs(least) > nothing)
+    return np.asarray((misfit > _MISFIT * steepest + nothing) | turns_twice)
+
+
+def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
+    turning = np.flatnonzero(cells.slope_start * cells.slope_end < 0.0)
+    if turning.size == 0:
+        return cells
+    inner_start, inner_end = cells.inner()
+    theta = bracketed_root(
+        lambda x, _: iterate_slope(circle_map, x, cells.period) - cells.shift, inner_start[turning], inner_end[turning]
+    )
+    g = iterate(circle_map, theta, cells.period) - cells.shift * theta
+    flat = np.zeros_like(g)
+    after = turning + 1
+    return Cells(
+        np.insert(cells.start, after, theta),
+        np.insert(cells.end, turning, theta),
+        np.insert(cells.g_start, after, g),
+        np.insert(cells.g_end, turning, g),
+        np.insert(cells.slope_start, after, flat),
+        np.insert(cells.slope_end, turning, flat),
+        np.insert(cells.cut, after, False),
+        cells.period,
+        cells.shift,
+        cells.degree,
+    )
+
+
+# -- roots -------------------------------------------------------------------------------------------------
+
+
+def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> tuple[Array, Turns]:
+    """All θ in [0, 2π] with g(θ) = level + 2πw for some w, and the index of the level of each.
+
+    levels : shape (m,), radians. Sorted by level, then by angle.
+    """
+    found, owner = [np.zeros(0)], [np.zeros(0, dtype=np.int64)]
+    for first in range(0, levels.size, _LEVELS_AT_ONCE):
+        some = levels[first : first + _LEVELS_AT_ONCE]
+        start, end = (np.floor((g - some[:, None]) / TWO_PI).astype(np.int64) for g in (cells.g_start, cells.g_end))
+        level, cell = np.nonzero(start != end)
+        theta, _, pick = _solved(circle_map, cells, cell, some[level], start[level, cell], end[level, cell])
+        found.append(theta)
+        owner.append(first + level[pick])
+    return np.concatenate(found), np.concatenate(owner)
+
+
+def crossings(circle_map: CircleMap, cells: Cells, level: float) -> tuple[Array, Turns, Turns]:
+    """All θ in [0, 2π] with g(θ) = level + 2πw, their w, and the cell of each."""
+    low = np.floor((cells.g_start - level) / TWO_PI).astype(np.int64)
+    high = np.floor((cells.g_end - level) / TWO_PI).astype(np.int64)
+    return roots_between(circle_map, cells, level, low, high)
+
+
+def roots_between(
+    circle_map: CircleMap, cells: Cells, level: float, turn_start: Turns, turn_end: Turns
+) -> tuple[Array, Turns, Turns]:
+    """The roots of g = level + 2πw for every w in (min, max] of the whole turns at a cell's two ends."""
+    cell = np.flatnonzero(turn_start != turn_end)
+    theta, whole, pick = _solved(circle_map, cells, cell, np.float64(level), turn_start[cell], turn_end[cell])
+    return theta, whole, cell[pick]
+
+
+def _solved(
+    circle_map: CircleMap, cells: Cells, cell: Turns, level: Array | np.float64, turn_start: Turns, turn_end: Turns
+) -> tuple[Array, Turns, Turns]:
+    """The roots in the listed cells, their w, and which entry of the list each belongs to."""
+    count = np.abs(turn_end - turn_start)
+    owner = np.repeat(np.arange(count.size), count)
+    whole = np.minimum(turn_start, turn_end)[owner] + 1 + _ranks(count)
+    if owner.size == 0:
+        return np.zeros(0), whole, owner
+    inner_start, inner_end = cells.inner()
+    target = np.broadcast_to(level, count.shape)[owner] + TWO_PI * whole
+
+    def residual(theta: Array, index: Turns) -> Array:
+        return np.asarray(iterate(circle_map, theta, cells.period) - cells.shift * theta - target[index])
+
+    return bracketed_root(residual, inner_start[cell[owner]], inner_end[cell[owner]]), whole, owner

@@ -1,0 +1,176 @@
+"""Slow passages: places where an iterate comes near the diagonal without reaching it ("ghosts" of saddle-nodes)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cyclemap.checks import positive_number, whole_number
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.cells import Cells, Turns, is_continuous, is_rising
+from cyclemap.maps.orbits.diagonal import displacement
+from cyclemap.maps.orbits.periodic_points import RESOLUTION, TANGENCY
+from cyclemap.maps.orbits.scan import monotone_cells
+
+LEAST_CYCLES = 10.0
+REACH = 4.0  # widths on each side of the slowest point across which ``relative_error`` looks
+_SHARE = 0.5  # of the mean |Fⁿ - id - 2πw|: a larger gap is no bottleneck
+_STEP = 1e-3  # radians at most, of the differences that give the curvature
+_GAUSS = 48
+
+
+@dataclass(frozen=True)
+class SlowPassage:
+    """A bottleneck: near ``theta`` the n-th iterate moves by ε + a x² + ..., x the distance from ``theta``.
+
+    theta : radians in [0, 2π), where |Fⁿ - id - 2πw| is least. period : n. winding : w.
+    gap : ε, radians an n-fold cycle; its sign is the direction of motion. Good to rounding.
+    curvature : a, per radian, of the same sign as ε. Good to about 1e-8 of itself.
+    width : √(ε/a), radians: half the width of the stretch on which the move is less than doubled.
+    passage_cycles : nπ/√(aε), cycles of F: the time from far on one side to far on the other, to leading order.
+    direction : 1 when the orbit moves up through it, -1 down.
+    relative_error : |true/parabola - 1| for the number of cycles across ±4 widths, the stretch that takes 84 % of the
+        passage; of order ε as ε → 0 at a smooth quadratic bottleneck. Measured, not proved: the true number is the
+        integral of dx/v, v the flow that interpolates the map (see ``slow_passages``). inf where that stretch holds
+        a zero of v, a break, or more than a turn.
+    """
+
+    theta: float
+    winding: int
+    period: int
+    gap: float
+    curvature: float
+    width: float
+    passage_cycles: float
+    direction: int
+    relative_error: float
+
+
+def slow_passages(
+    circle_map: CircleMap,
+    period: int = 1,
+    winding: int | None = None,
+    *,
+    least_cycles: float = LEAST_CYCLES,
+    resolution: int = RESOLUTION,
+    tangency: float = TANGENCY,
+) -> list[SlowPassage]:
+    """All bottlenecks of Fⁿ, n = ``period``, by angle: what saddle-nodes leave behind when their orbits are gone.
+
+    A bottleneck is a local extremum of the move Fⁿ - id - 2πw that lies on its own side of zero (a least upward
+    or a least downward move), by more than ``tangency`` (radians; nearer it is a saddle-node, see
+    ``periodic_points``), such that
+    - the passage π/√(aε) takes at least ``least_cycles`` cycles of F in all, and
+    - |ε| is at most half the mean of |Fⁿ - id - 2πw| over the circle: elsewhere orbits are faster.
+    winding : keep only this w; None takes, at each extremum, the nearest line on the side that it does not cross.
+    A passage near an orbit of period n shows at each of its n points. Extrema where a divisor of n comes at least
+    as near are passages of that shorter period, and left out.
+    Extrema at kinks and jumps are left out: the parabola does not hold there (on a kink with slopes of the move
+    -s and t the passage takes about n(1/s + 1/t) ln(1/ε) cycles; no π/√(aε) applies).
+
+    x' = x + ε + a x² takes π/√(aε) steps (Pomeau & Manneville 1980; Strogatz, Nonlinear Dynamics and Chaos, 4.3).
+    The flow that interpolates x' = x + g(x) is v = g - gg'/2 + gg'²/3 + g²g''/12 + ..., so that dt = dx/v.
+
+    Raises InvalidInput for a bad request, ConvergenceError when Fⁿ is too steep to scan.
+
+    >>> (ghost,) = slow_passages(CircleMap.arnold(0.15, 0.9))
+    >>> round(ghost.theta, 6), ghost.direction, round(ghost.passage_cycles, 3)
+    (1.570796, 1, 22.723)
+    """
+    if not isinstance(circle_map, CircleMap):
+        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    n = whole_number("period", period, least=1)
+    wanted = None if winding is None else whole_number("winding", winding)
+    longest_short, within = positive_number("least_cycles", least_cycles), positive_number("tangency", tangency)
+    cells = monotone_cells(circle_map, n, 1.0, whole_number("resolution", resolution, least=8))
+    theta, whole, gap = _near_misses(circle_map, cells, wanted)
+    near = (np.abs(gap) > within) & ~_shorter(circle_map, theta, gap, n)
+    passages = [_passage(circle_map, n, *place) for place in zip(theta[near], whole[near], gap[near], strict=True)]
+    return [passage for passage in passages if passage and passage.passage_cycles >= longest_short]
+
+
+def _near_misses(circle_map: CircleMap, cells: Cells, wanted: int | None) -> tuple[Array, Turns, Array]:
+    """Smooth extrema of the move that face the line 2πw, w, and their distance ε from it where that is small."""
+    rising = is_rising(cells)
+    least = rising & ~np.roll(rising, 1)
+    place = np.flatnonzero((rising != np.roll(rising, 1)) & ~cells.cut)
+    place = place[is_continuous(cells)[place]]
+    theta, g, least = cells.start[place], cells.g_start[place], least[place]
+    line = np.where(least, np.floor(g / TWO_PI), np.ceil(g / TWO_PI)).astype(np.int64)
+    whole = line if wanted is None else np.full(place.size, wanted)
+    gap, _, _ = displacement(circle_map, theta, cells.period, whole)
+    middle, weight = 0.5 * (cells.g_start + cells.g_end), (cells.end - cells.start) / TWO_PI
+    mean = np.array([np.dot(weight, np.abs(middle - TWO_PI * w)) for w in whole])
+    keep = (np.where(least, gap, -gap) > 0.0) & (np.abs(gap) <= _SHARE * mean)
+    return theta[keep], whole[keep], gap[keep]
+
+
+def _shorter(circle_map: CircleMap, theta: Array, gap: Array, period: int) -> np.typing.NDArray[np.bool_]:
+    """Whether a divisor of the period comes at least as near to the diagonal."""
+    found, angle = np.zeros(theta.size, dtype=bool), theta
+    for d in range(1, period):
+        angle = np.mod(circle_map(angle), TWO_PI)
+        off = np.abs(np.mod(angle - theta + np.pi, TWO_PI) - np.pi)
+        found |= (period % d == 0) & (off <= np.abs(gap))
+    return found
+
+
+def _passage(circle_map: CircleMap, period: int, theta: float, whole: int, gap: float) -> SlowPassage | None:
+    """The passage at one extremum, or None where the curve is too flat for a parabola."""
+    curvature = _curvature(circle_map, period, float(theta))
+    if not curvature * gap > 0.0:
+        return None
+    width, cycles = float(np.sqrt(gap / curvature)), float(period * np.pi / np.sqrt(curvature * gap))
+    error = _relative_error(circle_map, period, float(theta), int(whole), width, float(gap), curvature)
+    direction = 1 if gap > 0.0 else -1
+    return SlowPassage(float(theta), int(whole), period, float(gap), curvature, width, cycles, direction, error)
+
+
+def _curvature(circle_map: CircleMap, period: int, theta: float) -> float:
+    """Half the second derivative of Fⁿ: fourth-order differences of its slope, twice, at a step that suits the map."""
+    found, step = [], _STEP
+    for _ in range(6):
+        nodes = theta + step * np.array([-2.0, -1.0, 1.0, 2.0])
+        slope = displacement(circle_map, nodes, period, np.zeros(4, dtype=np.int64))[1]
+        found.append(float(slope @ np.array([1.0, -8.0, 8.0, -1.0])) / (24.0 * step))
+        step *= 0.25
+    changes = np.abs(np.diff(found))
+    return found[int(np.argmin(changes)) + 1]
+
+
+def _relative_error(
+    circle_map: CircleMap, period: int, theta: float, whole: int, width: float, gap: float, curvature: float
+) -> float:
+    """How far the parabola's number of cycles across ±REACH widths is from the flow's."""
+    if 2.0 * REACH * width >= TWO_PI:
+        return float("inf")
+    # x = width·tan(s) makes the integrand of a parabola constant.
+    s, weight = np.polynomial.legendre.leggauss(_GAUSS)
+    edge = np.arctan(REACH)
+    x = width * np.append(np.tan(edge * s), [-REACH, REACH])
+    if circle_map.breaks.size and _meets_break(circle_map, theta + x, period):
+        return float("inf")
+    g, slope, _ = displacement(circle_map, theta + x, period, np.full(x.size, whole))
+    if np.any(g * gap <= 0.0):
+        return float("inf")
+    bend = slope - 1.0
+    stretch = edge * weight * width * (1.0 + (x[:-2] / width) ** 2)
+    # ∫dx/v = ∫dx/g + ½[ln g] - (1/12)∫g'²/g dx - (1/12)[g'] + ...
+    true = np.dot(stretch, (1.0 - bend[:-2] ** 2 / 12.0) / g[:-2])
+    true += 0.5 * np.log(g[-1] / g[-2]) - (bend[-1] - bend[-2]) / 12.0
+    parabola = 2.0 * edge / np.sqrt(curvature * gap)
+    return float(abs(abs(true) / parabola - 1.0))
+
+
+def _meets_break(circle_map: CircleMap, theta: Array, period: int) -> bool:
+    """Whether a break lies inside the stretch, or inside one of its images before the last."""
+    angle = theta
+    for _ in range(period):
+        low, high = float(np.min(angle)), float(np.max(angle))
+        if np.any(np.mod(circle_map.breaks - low, TWO_PI) < high - low):
+            return True
+        angle = circle_map(angle)
+    return False

@@ -1,0 +1,1 @@
+"""Laws and passages under uniform noise, on panels that end where they are not smooth."""

@@ -1,0 +1,1 @@
+"""Noisy paths over many cycles: sampling, slow zones, wear, steps found and compared."""

@@ -1,0 +1,244 @@
+"""Measured steps beside predicted ones: lengths with censoring, heights, their number, and tests of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import gammainc, stdtr
+
+from cyclemap.checks import finite_array
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary
+from cyclemap.maps.staircases.step_detection import Steps
+
+_FEWEST = 4  # exits below which their spacings are not tested
+_FEWEST_PERIODS = 8  # periods below which the number of steps is not tested
+_EXPONENTIAL = 0.1  # a zone whose predicted spread is within this share of its mean has an exponential law
+
+
+@dataclass(frozen=True)
+class VisitComparison:
+    """Visits to one slow zone, measured and predicted; numbers of cycles, None where too little was seen or predicted.
+
+    zone : the zone; exits : visits whose end was seen; exposure : cycles seen inside, the censored ones too.
+    mean, standard_error : measured mean length of a visit. For a zone that is escaped from ("stable", "jump")
+        exposure/exits, the maximum-likelihood value of an exponential law, its error mean/√exits; for a ghost
+        the Kaplan-Meier mean. The visit that the path begins in counts for the former only.
+    spread : measured standard deviation of the complete visits.
+    predicted, predicted_spread : the zone's ``visit_cycles`` and ``visit_spread``. ratio : mean/predicted.
+    mean_p_value : two-sided, of so few or so many exits in that exposure if visits are independent with the predicted
+        mean and spread: a renewal process of gamma-distributed visits (exact for exponential ones), mid-p value.
+    law_p_value : of the exponential shape itself, whatever its mean, by Durbin's (1961) ordered spacings of the exits
+        in the exposure and a Kolmogorov-Smirnov test: exact for exponential visits. None for ghosts and other
+        zones whose predicted spread is not within a tenth of the mean: compare ``spread``.
+    """
+
+    zone: SlowZone
+    exits: int
+    exposure: int
+    mean: float | None
+    standard_error: float | None
+    spread: float | None
+    predicted: float | None
+    predicted_spread: float | None
+    ratio: float | None
+    mean_p_value: float | None
+    law_p_value: float | None
+
+
+@dataclass(frozen=True)
+class StepComparison:
+    """Measured steps against a ``StaircaseSummary``; see ``compare_steps``. None where no comparison is possible.
+
+    mean_length, length_error : Kaplan-Meier mean of the dwells' lengths, cycles, and its standard error.
+    predicted_length : the prediction's mean residence, cycles; ratio : mean_length over it.
+    mean_height, height_error, predicted_height : radians, of the steps' absolute heights. The error takes heights as
+        independent; where all are one turn it is too large, since what one level adds the next takes away.
+    net_steps, expected_steps, net_error : climb of the path from its first to its last cycle in units of the predicted
+        step, the prediction's for as many cycles, and the standard error of their difference: over the periods from
+        one dwell to the next, height less predicted turn is a reward of mean 0, so the whole path's climb less
+        its expectation has their variance times the number of periods (renewal-reward theorem: Ross 1996, sec. 3.6).
+    pace_p_value : two-sided, Student's law for that difference over its error; None below 8 periods.
+    visits : one ``VisitComparison`` a zone; () unless the steps were found in the prediction's own zones.
+    """
+
+    steps: int
+    mean_length: float | None
+    length_error: float | None
+    predicted_length: float | None
+    ratio: float | None
+    mean_height: float | None
+    height_error: float | None
+    predicted_height: float | None
+    net_steps: float | None
+    expected_steps: float | None
+    net_error: float | None
+    pace_p_value: float | None
+    visits: tuple[VisitComparison, ...]
+
+
+def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
+    """Compare the steps found in a path with those predicted for a map and its noise.
+
+    Dwells found without zones have lengths that depend on the window: their ratio to the predicted residence is to
+    be read as a rough one, and no p-value is given for it. Heights, pace and number of steps do not depend on
+    it. Steps found with ``zones=prediction.zones`` also compare the visits, whose prediction is exact for the
+    stationary path, with p-values that are uniform if the prediction holds (as far as visits are independent,
+    which they are to the extent that the path forgets between them).
+
+    Raises InvalidInput unless given ``Steps`` and a ``StaircaseSummary``.
+
+    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+    >>> from cyclemap.maps.staircases.slow_zones import predict_staircase
+    >>> from cyclemap.maps.staircases.staircase import sample_staircase
+    >>> from cyclemap.maps.staircases.step_detection import find_steps
+    >>> sine, noise = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
+    >>> expected = predict_staircase(sine, noise)
+    >>> path = sample_staircase(sine, noise, 20_000)
+    >>> found = compare_steps(find_steps(path.theta, zones=expected.zones), expected)
+    >>> abs(found.visits[0].ratio - 1) < 0.02, found.visits[0].mean_p_value > 0.001
+    (True, True)
+    """
+    if not isinstance(steps, Steps) or not isinstance(prediction, StaircaseSummary):
+        raise InvalidInput("give Steps (find_steps) and a StaircaseSummary (predict_staircase), in this order")
+    length, length_error = kaplan_meier_mean(steps.lengths, steps.censored) if steps.lengths.size else (None, None)
+    heights = np.abs(steps.heights)
+    net, expected, error = _numbers(steps, prediction)
+    return StepComparison(
+        steps=steps.count,
+        mean_length=length,
+        length_error=length_error,
+        predicted_length=prediction.mean_residence_cycles,
+        ratio=_ratio(length, prediction.mean_residence_cycles),
+        mean_height=float(heights.mean()) if heights.size else None,
+        height_error=float(heights.std(ddof=1) / np.sqrt(heights.size)) if heights.size > 1 else None,
+        predicted_height=prediction.step,
+        net_steps=net,
+        expected_steps=expected,
+        net_error=error,
+        pace_p_value=_pace_p_value(net, expected, error, steps.count),
+        visits=_visits(steps, prediction),
+    )
+
+
+def kaplan_meier_mean(lengths: npt.ArrayLike, censored: npt.ArrayLike) -> tuple[float | None, float | None]:
+    """Mean and standard error of lengths of which some are only known to be at least so long.
+
+    lengths, censored : shape (n,), n ≥ 1. The integral of the product-limit survival function (Kaplan & Meier 1958)
+    up to the longest length, with Greenwood's (1926) variance. Where the longest is censored the integral stops there
+    and the mean is too small. (None, None) where every length is censored; the error is None for one alone.
+
+    >>> kaplan_meier_mean([2.0, 4.0, 6.0], [False, False, False])[0]
+    4.0
+    """
+    values, open_ended = finite_array("lengths", lengths, ndim=1), np.asarray(censored, dtype=bool)
+    if values.size == 0 or values.shape != open_ended.shape or np.any(values < 0.0):
+        raise InvalidInput(
+            f"lengths has shape {values.shape}, censored {open_ended.shape}: give n ≥ 1 of each, none < 0"
+        )
+    if np.all(open_ended):
+        return None, None
+    times, where = np.unique(values, return_inverse=True)
+    ended = np.bincount(where, weights=~open_ended)
+    at_risk = values.size - np.searchsorted(np.sort(values), times)
+    alive = np.cumprod(1.0 - ended / at_risk)
+    pieces = np.diff(np.r_[0.0, times]) * np.r_[1.0, alive[:-1]]
+    beyond = np.sum(pieces) - np.cumsum(pieces)
+    left = at_risk - ended
+    terms = np.where(left > 0, beyond**2 * ended / (at_risk * np.maximum(left, 1.0)), 0.0)
+    return float(np.sum(pieces)), float(np.sqrt(np.sum(terms))) if values.size > 1 else None
+
+
+# -- the number of steps -----------------------------------------------------------------------------------------
+
+
+def _numbers(steps: Steps, prediction: StaircaseSummary) -> tuple[float | None, float | None, float | None]:
+    """Steps climbed by the whole path, steps expected, and the standard error of the difference."""
+    if prediction.step is None:
+        return None, None, None
+    winding = steps.zones[0].winding if steps.zones else 0
+    turn = prediction.mean_turn - TWO_PI * winding
+    net, expected = steps.climb / prediction.step, turn * steps.cycles / prediction.step
+    if steps.count < 2:
+        return net, expected, None
+    surplus = steps.heights - turn * steps.periods
+    between = steps.cycles * float(np.mean(surplus**2) / np.mean(steps.periods))
+    within = 2.0 * float(np.mean(steps.scatter**2))
+    return net, expected, float(np.sqrt(between + within) / prediction.step)
+
+
+def _pace_p_value(net: float | None, expected: float | None, error: float | None, periods: int) -> float | None:
+    if net is None or expected is None or not error or periods < _FEWEST_PERIODS:
+        return None
+    return float(2.0 * stdtr(periods - 1, -abs(net - expected) / error))
+
+
+def _ratio(measured: float | None, predicted: float | None) -> float | None:
+    return None if measured is None or predicted is None or not predicted > 0.0 else float(measured / predicted)
+
+
+# -- visits --------------------------------------------------------------------------------------------------------
+
+
+def _visits(steps: Steps, prediction: StaircaseSummary) -> tuple[VisitComparison, ...]:
+    if not steps.zones or steps.zones != prediction.zones:
+        return ()
+    return tuple(_compared(steps, index, zone) for index, zone in enumerate(steps.zones))
+
+
+def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
+    """One zone: the visit that the path begins in is of unknown age, which only an exponential law forgives."""
+    escaped = zone.kind != "ghost"
+    mine = (steps.visit_zone == index) & (escaped | (steps.visit_start > 0))
+    lengths = (steps.visit_end - steps.visit_start + 1)[mine].astype(float)
+    closed = steps.visit_end[mine] < steps.cycles
+    exits, exposure = int(np.sum(closed)), float(np.sum(lengths))
+    mean, error = (exposure / exits, exposure / exits**1.5) if escaped and exits else (None, None)
+    if not escaped and lengths.size:
+        mean, error = kaplan_meier_mean(lengths, ~closed)
+    predicted, spread = zone.visit_cycles, zone.visit_spread
+    return VisitComparison(
+        zone=zone,
+        exits=exits,
+        exposure=int(exposure),
+        mean=mean,
+        standard_error=error,
+        spread=float(np.std(lengths[closed], ddof=1)) if exits > 1 else None,
+        predicted=predicted,
+        predicted_spread=spread,
+        ratio=_ratio(mean, predicted),
+        mean_p_value=_count_p_value(exits, exposure, predicted, spread),
+        law_p_value=_spacings_p_value(lengths, closed) if escaped and _is_exponential(predicted, spread) else None,
+    )
+
+
+def _is_exponential(mean: float | None, spread: float | None) -> bool:
+    return mean is not None and spread is not None and abs(spread - mean) <= _EXPONENTIAL * mean
+
+
+def _count_p_value(exits: int, exposure: float, mean: float | None, spread: float | None) -> float | None:
+    """P(at least so many exits) = P(that many visits take less than the exposure), with gamma-distributed sums."""
+    if mean is None or spread is None or not spread > 0.0 or not np.isfinite(mean) or exposure <= 0.0:
+        return None
+    shape, scale = (mean / spread) ** 2, spread**2 / mean
+    as_many = float(gammainc(shape * exits, exposure / scale)) if exits else 1.0
+    more = float(gammainc(shape * (exits + 1), exposure / scale))
+    middle = 0.5 * (as_many + more)
+    return min(1.0, 2.0 * min(middle, 1.0 - middle))
+
+
+def _spacings_p_value(lengths: Array, closed: npt.NDArray[np.bool_]) -> float | None:
+    """Kolmogorov-Smirnov test of Durbin's transformed spacings: uniform if exits come at a constant rate."""
+    from scipy.stats import kstest
+
+    if int(np.sum(closed)) < _FEWEST:
+        return None
+    # Half a cycle off each visit makes up for counting whole cycles; an exit ends every spacing but the last.
+    spacings = np.sort(np.maximum(lengths - 0.5, 0.25))
+    ordered = np.diff(np.r_[0.0, spacings]) * np.arange(spacings.size, 0, -1)
+    uniform = np.cumsum(ordered)[:-1] / np.sum(ordered)
+    return float(kstest(uniform, "uniform").pvalue)

@@ -1,0 +1,196 @@
+"""Following orbits: closed forms of whole branches, folds, kinks, jumps, halved periods, loops, bad input."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.families.continuation import follow_orbit
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.periodic_orbits import fixed_points, periodic_orbits
+
+TWO_PI = 2 * np.pi
+
+
+def arnold(K):
+    return lambda omega: CircleMap.arnold(omega, K)
+
+
+def jumping(delta):
+    """x → 0.6 x + δ mod 1 with an upward jump at the integers."""
+
+    def lift(theta):
+        x = theta / TWO_PI
+        whole = np.floor(x)
+        return TWO_PI * (0.6 * (x - whole) + delta + whole)
+
+    return CircleMap(lift, lambda theta: np.full_like(theta, 0.6), breaks=[0.0])
+
+
+KNOTS = np.array([-np.pi, -1.0, 0.0, np.pi])
+LEVELS = np.array([-np.pi / 2, 0.2, 0.0, -np.pi / 2])
+
+
+def broken_line(p, drift=0.0):
+    """θ + p + a periodic broken line with corners at -π, -1 and 0, all turned by drift·p."""
+
+    def lift(theta):
+        y = np.mod(theta - drift * p + np.pi, TWO_PI) - np.pi
+        return theta + p + np.interp(y, KNOTS, LEVELS)
+
+    return CircleMap(lift, None, breaks=drift * p + KNOTS[:-1])
+
+
+def test_the_fixed_points_of_the_sine_family_form_one_loop_given_in_closed_form():
+    for K, kinds in (
+        (0.9, ["saddle-node"] * 2),
+        (2.5, ["period-doubling", "saddle-node", "saddle-node", "period-doubling"]),
+    ):
+        branch = follow_orbit(arnold(K), 0.1, (-0.5, 0.5), at=0.0)
+        theta = branch.points[:, 0]
+        assert branch.ends == ("closed", "closed")
+        assert branch.parameter.size > 50
+        assert np.max(np.abs(TWO_PI * branch.parameter - K * np.sin(theta))) < 1e-14
+        assert np.max(np.abs(branch.multiplier - (1 - K * np.cos(theta)))) < 1e-13
+        assert np.array_equal(branch.stable, np.abs(branch.multiplier) < 1)
+        assert abs(abs(theta[-1] - theta[0]) - TWO_PI) < 1e-12
+        assert np.max(np.abs(np.diff(theta))) < 0.5
+        assert [found.kind for found in branch.special] == kinds
+        assert branch.residual < 1e-14
+        assert np.all(np.diff(branch.arclength) > 0)
+
+
+def test_a_branch_in_K_passes_its_saddle_node_and_its_period_doubling():
+    omega = 0.1
+    start = fixed_points(CircleMap.arnold(omega, 0.9))[0]
+    branch = follow_orbit(lambda K: CircleMap.arnold(omega, K), start, (0.0, 3.0), at=0.9)
+    fold, flip = branch.special
+    assert branch.ends == ("end of the range", "end of the range")
+    assert branch.parameter[0] == branch.parameter[-1] == 3.0
+    assert fold.kind == "saddle-node"
+    assert fold.parameter.holds(TWO_PI * omega)
+    assert abs(fold.theta - np.pi / 2) < 1e-12
+    assert flip.kind == "period-doubling"
+    assert flip.parameter.holds(np.hypot(2.0, TWO_PI * omega))
+    assert abs(flip.multiplier + 1.0) < 1e-14
+    assert max(fold.parameter.error_bound, flip.parameter.error_bound) < 1e-13
+    assert max(fold.residual, flip.residual) < 1e-14
+
+
+def test_every_orbit_of_a_branch_is_among_those_found_by_scanning():
+    start = periodic_orbits(CircleMap.arnold(0.34, 1.5), 3, 1)[0]
+    branch = follow_orbit(arnold(1.5), start, (0.2, 0.5), at=0.34)
+    checked = 0
+    for i in range(0, branch.parameter.size, 12):
+        listed = periodic_orbits(CircleMap.arnold(branch.parameter[i], 1.5), 3, 1)
+        apart = [np.max(np.abs(np.sort(np.mod(branch.points[i], TWO_PI)) - np.sort(orbit.points))) for orbit in listed]
+        best = int(np.argmin(apart))
+        assert apart[best] < 1e-9
+        assert abs(listed[best].multiplier - branch.multiplier[i]) < 1e-8
+        checked += 1
+    assert checked >= 3
+
+
+def test_a_doubled_orbit_ends_where_it_merges_with_the_orbit_of_half_its_period():
+    start = periodic_orbits(CircleMap.arnold(0.05, 2.3), 2, 0)[0]
+    branch = follow_orbit(lambda K: CircleMap.arnold(0.05, K), start, (1.5, 2.3), at=2.3)
+    assert sorted(branch.ends) == ["end of the range", "half the period"]
+    assert not any(found.kind == "saddle-node" for found in branch.special)
+    # It was born at the period doubling of the fixed point.
+    assert 0.0 < np.min(branch.parameter) - np.hypot(2.0, 0.1 * np.pi) < 0.02
+
+
+@pytest.mark.parametrize("drift", [0.0, 0.7])
+def test_a_broken_line_has_its_border_collisions_at_its_corners_moving_or_not(drift):
+    branch = follow_orbit(lambda p: broken_line(p, drift), 0.2 + 0.1 * drift, (-1.0, 2.0), at=0.1)
+    found = sorted(branch.special, key=lambda one: float(one.parameter))
+    assert [one.kind for one in found] == ["border collision"] * 3
+    assert branch.ends == ("closed", "closed")
+    for one, corner, level in zip(found, (-1.0, 0.0, np.pi), (0.2, 0.0, -np.pi / 2), strict=True):
+        assert one.parameter.holds(-level)
+        assert one.parameter.error_bound < 1e-13
+        assert abs(np.mod(one.theta - corner + drift * level + np.pi, TWO_PI) - np.pi) < 1e-13
+        assert not one.jump
+    # Two orbits vanish where 1 lies between the one-sided multipliers; at the middle corner one goes on as one.
+    assert [one.folds for one in found] == [True, False, True]
+    assert abs(found[1].multiplier - 0.5) < 1e-9
+    assert abs(found[1].left_multiplier - 0.8) < 1e-9
+    angles = np.mod(branch.points[:, 0] - drift * branch.parameter + np.pi, TWO_PI) - np.pi
+    assert np.max(np.abs(branch.parameter + np.interp(angles, KNOTS, LEVELS))) < 1e-13
+
+
+def test_a_branch_ends_where_a_point_meets_a_jump():
+    fixed = follow_orbit(jumping, np.pi, (-0.5, 1.5), at=0.2)
+    assert fixed.ends == ("jump", "jump")
+    low, high = sorted(fixed.special, key=lambda one: float(one.parameter))
+    assert low.parameter.holds(0.0)
+    assert high.parameter.holds(0.4)
+    assert low.jump and high.jump and not high.folds
+    assert np.max(np.abs(fixed.points[:, 0] - TWO_PI * fixed.parameter / 0.4)) < 1e-13
+    # Period 2 lives on (1 - λ)(1 + λ/(1 + λ))... between its two collisions; the right one in closed form.
+    double = follow_orbit(jumping, periodic_orbits(jumping(0.65), 2, 1)[0], (0.0, 1.5), at=0.65)
+    edge = max(float(one.parameter) for one in double.special)
+    k = np.arange(200)
+    assert abs(edge - 0.4 * (1 + np.sum(((k + 1) // 2 - k // 2) * 0.6**k))) < 1e-14
+    assert double.ends == ("jump", "jump")
+
+
+def test_a_symmetric_family_passes_a_pitchfork_as_a_branch_point():
+    def family(p):
+        return CircleMap(
+            lambda x: x + p * np.sin(x) + 0.3 * np.sin(2 * x), lambda x: 1 + p * np.cos(x) + 0.6 * np.cos(2 * x)
+        )
+
+    branch = follow_orbit(family, 0.0, (-1.0, 0.0), at=-0.9)
+    assert [found.kind for found in branch.special] == ["branch point"]
+    assert abs(branch.special[0].parameter + 0.6) < 1e-12
+    assert np.max(np.abs(branch.points)) < 1e-12
+
+
+def test_the_family_is_never_called_outside_the_range():
+    asked = []
+
+    def family(K):
+        asked.append(K)
+        return CircleMap.arnold(0.02, K)
+
+    follow_orbit(family, fixed_points(CircleMap.arnold(0.02, 0.5))[0], (0.2, 0.5), at=0.5)
+    assert len(asked) > 50
+    assert min(asked) >= 0.2
+    assert max(asked) <= 0.5
+
+
+def test_a_map_of_degree_two_is_followed_too():
+    def family(p):
+        return CircleMap(lambda x: 2 * x + p * np.sin(x), lambda x: 2 + p * np.cos(x), degree=2)
+
+    start = periodic_orbits(family(0.0), 3)[0]
+    branch = follow_orbit(family, start, (0.0, 0.5))
+    assert branch.ends == ("end of the range", "end of the range")
+    listed = periodic_orbits(family(0.5), 3)
+    end = np.sort(np.mod(branch.points[np.argmax(branch.parameter)], TWO_PI))
+    assert min(np.max(np.abs(end - np.sort(orbit.points))) for orbit in listed) < 1e-10
+
+
+def test_a_branch_can_be_started_on_its_saddle_node():
+    K = 0.5
+    branch = follow_orbit(arnold(K), np.pi / 2, (-0.2, 0.2), at=K / TWO_PI)
+    assert branch.ends == ("closed", "closed")
+    assert [found.kind for found in branch.special] == ["saddle-node"] * 2
+    assert np.max(np.abs(TWO_PI * branch.parameter - K * np.sin(branch.points[:, 0]))) < 1e-13
+
+
+def test_bad_starts_are_refused():
+    with pytest.raises(InvalidInput, match=r"no orbit of period 1 and winding 0"):
+        follow_orbit(arnold(0.9), 1.0, (0.0, 0.5), at=0.3)
+    with pytest.raises(InvalidInput, match="outside the parameters"):
+        follow_orbit(arnold(0.9), 0.0, (0.0, 0.5), at=0.7)
+    with pytest.raises(InvalidInput, match="low end must lie below"):
+        follow_orbit(arnold(0.9), 0.0, (0.5, 0.0))
+    with pytest.raises(InvalidInput, match="start must be a finite number"):
+        follow_orbit(arnold(0.9), np.nan, (0.0, 0.5))
+    with pytest.raises(InvalidInput, match="period must be at least 1"):
+        follow_orbit(arnold(0.9), 0.0, (0.0, 0.5), period=0)
+    with pytest.raises(InvalidInput, match="must return a CircleMap"):
+        follow_orbit(lambda p: p, 0.0, (0.0, 0.5))
+    with pytest.raises(InvalidInput, match="wind 1 times"):
+        follow_orbit(arnold(0.9), 2.68, (0.4, 0.6), at=0.5, period=2, winding=0)

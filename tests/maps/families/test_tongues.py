@@ -1,0 +1,300 @@
+"""Tongue edges: closed forms, an extended system solved in decimal arithmetic, symmetry, orders, bad input."""
+
+from decimal import Decimal, getcontext
+from fractions import Fraction
+from itertools import pairwise
+from math import gcd
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import rotation_number
+from cyclemap.maps.families.tongue_edges import displacement
+from cyclemap.maps.families.tongues import tongue, tongues
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.periodic_orbits import periodic_orbits
+
+TWO_PI = 2 * np.pi
+WIDE = (-0.5, 1.5)
+PI = Decimal("3.14159265358979323846264338327950288419716939937510582")
+
+
+def arnold(K):
+    return lambda omega: CircleMap.arnold(omega, K)
+
+
+def sine_and_cosine(x):
+    x -= 2 * PI * round(x / (2 * PI))
+    sine, cosine, term, k = Decimal(0), Decimal(0), Decimal(1), 0
+    while abs(term) > Decimal("1e-48"):
+        cosine, sine = (cosine + term, sine) if k % 2 == 0 else (cosine, sine + term)
+        k += 1
+        term = term * x / k
+        if k % 2 == 0:
+            term = -term
+    return sine, cosine
+
+
+def exact_edge(K, ratio, omega, theta):
+    """G = 0, G' = 0 of the sine family by Newton's method in 45 digits: a route without this package."""
+    getcontext().prec = 45
+    K, p, x = Decimal(K), Decimal(omega), Decimal(theta)
+    for _ in range(8):
+        y, d, dd, dp, ddp = x, Decimal(1), Decimal(0), Decimal(0), Decimal(0)
+        for _ in range(ratio.denominator):
+            s, c = sine_and_cosine(y)
+            slope, bend = 1 - K * c, K * s
+            dd, ddp = bend * d * d + slope * dd, bend * d * dp + slope * ddp
+            d, dp = slope * d, 2 * PI + slope * dp
+            y = y + 2 * PI * p - K * s
+        g, h = y - x - 2 * PI * ratio.numerator, d - 1
+        determinant = h * ddp - dp * dd
+        x, p = x - (g * ddp - dp * h) / determinant, p - (h * h - dd * g) / determinant
+    return p, max(abs(g), abs(h))
+
+
+# -- closed forms and known digits ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("K", [0.05, 0.9, 1.0, 2.0, 4.0])
+def test_the_zero_tongue_of_the_sine_family_is_omega_at_most_K_over_two_pi_folded_or_not(K):
+    found = tongue(arnold(K), 0, (-1.0, 1.0))
+    assert found.right.holds(K / TWO_PI)
+    assert found.left.holds(-K / TWO_PI)
+    assert found.width.error_bound < 1e-14
+    assert found.folded == (K > 1)
+
+
+def test_known_digits_of_the_sine_family():
+    assert tongue(arnold(1.0), (1, 2), WIDE).left.holds(0.46301722338218515819112389)
+    assert tongue(arnold(0.9), (1, 2), WIDE).left.holds(0.46966533712136485155447001)
+    third = tongue(arnold(1.0), (1, 3), WIDE)
+    assert abs(third.left - 0.33666500673079392496899187) < 1e-15
+    assert abs(third.right - 0.3672244987508916119875371) < 1e-15
+
+
+SOME = [(1, 4), (2, 5), (3, 8), (5, 13), (4, 21), (13, 34), (11, 40), (19, 40)]
+
+
+@pytest.mark.parametrize(("p", "q"), SOME)
+def test_edges_agree_with_the_extended_system_in_45_digits(p, q):
+    for K in ("0.9", "1"):
+        ratio = Fraction(p, q)
+        found = tongue(arnold(float(K)), ratio, WIDE)
+        for edge, theta in ((found.left, found.left_theta), (found.right, found.right_theta)):
+            exact, residual = exact_edge(Decimal(float(K)), ratio, edge, theta)
+            assert residual < Decimal("1e-30")
+            assert abs(Decimal(float(edge)) - exact) <= Decimal(edge.error_bound)
+            assert edge.error_bound < 1e-14
+
+
+def test_a_tongue_below_rounding_has_width_zero_with_a_bound():
+    found = tongue(arnold(0.3), (13, 40), WIDE)
+    assert found.width == 0.0
+    assert 0.0 < found.width.error_bound < 1e-13
+    # Both edges are the parameter at which the rotation number passes 13/40.
+    assert rotation_number(CircleMap.arnold(found.left - 1e-9, 0.3)).upper <= 13 / 40
+    assert rotation_number(CircleMap.arnold(found.right + 1e-9, 0.3)).lower >= 13 / 40 - 1e-15
+
+
+@pytest.mark.parametrize("a", [0.3, 0.9])
+def test_the_moebius_family_locks_at_zero_only(a):
+    family = lambda omega: CircleMap.moebius(a, omega)  # noqa: E731
+    zero = tongue(family, 0, (-0.5, 0.5))
+    assert zero.right.holds(np.arcsin(a) / np.pi)
+    for p, q in ((1, 2), (1, 3), (2, 7), (5, 11)):
+        found = tongue(family, (p, q), (0.0, 1.0))
+        assert found.width == 0.0 or found.width <= found.width.error_bound
+        # cos πρ = cos πΩ/√(1 - a²) at ρ = p/q
+        assert found.left.holds(np.arccos(np.sqrt(1 - a * a) * np.cos(np.pi * p / q)) / np.pi)
+
+
+def contraction(factor):
+    """x → λx + δ mod 1 as a lift with an upward jump at the integers."""
+
+    def family(delta):
+        def lift(theta):
+            x = theta / TWO_PI
+            whole = np.floor(x)
+            return TWO_PI * (factor * (x - whole) + delta + whole)
+
+        return CircleMap(lift, lambda theta: np.full_like(theta, factor), breaks=[0.0])
+
+    return family
+
+
+@pytest.mark.parametrize(
+    ("factor", "ratios"),
+    [(0.3, [(0, 1), (1, 2), (2, 5)]), (0.9, [(0, 1), (1, 2), (1, 3), (5, 8), (7, 40)])],
+)
+def test_the_piecewise_contraction_has_its_closed_form_right_edges(factor, ratios):
+    for p, q in ratios:
+        k = np.arange(4000)
+        digits = ((k + 1) * p) // q - (k * p) // q
+        edge = (1 - factor) * (1 + np.sum(digits * factor**k))
+        found = tongue(contraction(factor), (p, q), (-1.5, 2.5))
+        assert abs(found.right - edge) <= found.right.error_bound + 1e-15
+        assert found.right.error_bound < 1e-13
+        inside = 0.5 * (found.left + found.right)
+        assert rotation_number(contraction(factor)(inside), iterates=4000).locked == Fraction(p, q)
+
+
+def kinked(delta):
+    """A tent-like circle homeomorphism, slopes 1/2 and 3/2, kinks at 0 and π."""
+
+    def lift(theta):
+        y = np.mod(theta, TWO_PI)
+        return theta + TWO_PI * delta + 0.5 * (np.minimum(y, TWO_PI - y))
+
+    def slope(theta):
+        return np.where(np.mod(theta, TWO_PI) < np.pi, 1.5, 0.5)
+
+    return CircleMap(lift, slope, breaks=[0.0, np.pi])
+
+
+def test_a_kinked_family_has_the_edges_its_lines_give():
+    zero = tongue(kinked, 0, (-1.0, 1.0))
+    assert zero.right.holds(0.0)
+    assert zero.left.holds(-0.25)
+    # 1/2: F²(b) = b + 2π from both kinks gives the two edges, since G is linear between breaks.
+    found = tongue(kinked, (1, 2), (-1.0, 1.0))
+    edges = []
+    for start in (0.0, np.pi):
+        low, high = 0.0, 1.0
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            member = kinked(middle)
+            low, high = (middle, high) if member(member(start)) - start < TWO_PI else (low, middle)
+        edges.append(low)
+    assert abs(found.left - min(edges)) < 1e-14
+    assert abs(found.right - max(edges)) < 1e-14
+    assert found.width > 0.01
+
+
+# -- theorems --------------------------------------------------------------------------------------------------
+
+
+def test_turning_the_circle_round_maps_the_tongue_p_q_to_its_mirror_image():
+    checked = 0
+    for p, q in ((1, 3), (2, 5), (3, 7), (1, 11)):
+        here, there = tongue(arnold(0.9), (p, q), WIDE), tongue(arnold(0.9), (q - p, q), WIDE)
+        assert abs(here.left - (1 - there.right)) <= here.left.error_bound + there.right.error_bound
+        assert abs(here.right - (1 - there.left)) <= here.right.error_bound + there.left.error_bound
+        checked += 1
+    assert checked == 4
+
+
+@pytest.mark.parametrize("q", [1, 2, 3])
+def test_tongues_open_like_K_to_the_q(q):
+    strengths = np.array([0.05, 0.1, 0.2])
+    widths = tongues(CircleMap.arnold, [Fraction(1, q)], strengths, WIDE).width[0]
+    orders = np.diff(np.log(widths)) / np.diff(np.log(strengths))
+    assert np.all(np.abs(orders - q) < 0.05)
+
+
+def test_monotone_tongues_are_disjoint_and_ordered_and_lock():
+    ratios = sorted({Fraction(p, q) for q in range(1, 8) for p in range(q + 1) if gcd(p, q) == 1})
+    found = [tongue(arnold(0.9), ratio, WIDE) for ratio in ratios]
+    assert len(found) == 19
+    assert all(one.right < two.left for one, two in pairwise(found))
+    for one in found[::3]:
+        inside = 0.5 * (one.left + one.right)
+        assert rotation_number(CircleMap.arnold(inside, 0.9)).locked == one.ratio
+        assert not one.folded
+
+
+def test_a_folded_tongue_is_where_an_orbit_of_that_rotation_number_exists():
+    found = tongue(arnold(2.0), (1, 3), WIDE)
+    assert found.folded
+    for omega, inside in (
+        (found.left + 1e-6, True),
+        (found.left - 1e-6, False),
+        (found.right - 1e-6, True),
+        (found.right + 1e-6, False),
+    ):
+        assert bool(periodic_orbits(CircleMap.arnold(omega, 2.0), 3, 1)) == inside
+
+
+def test_the_orbit_of_an_edge_touches_the_diagonal_there():
+    found = tongue(arnold(0.9), (2, 5), WIDE)
+    for edge, theta in ((found.left, found.left_theta), (found.right, found.right_theta)):
+        member = CircleMap.arnold(edge, 0.9)
+        assert abs(displacement(member, np.array(theta), found.ratio)) < 1e-13
+        slope, point = 1.0, theta
+        for _ in range(5):
+            slope, point = slope * member.derivative(point), member(point)
+        assert abs(slope - 1.0) < 1e-5
+
+
+def test_displacement_loses_nothing_to_turns():
+    far = displacement(CircleMap.arnold(0.3, 0.9), np.array([1.0, 1.0 - TWO_PI]), Fraction(13, 40))
+    direct = CircleMap.arnold(0.3, 0.9)
+    image = np.array(1.0)
+    for _ in range(40):
+        image = direct(image)
+    assert abs(far[0] - (image - 1.0 - 13 * TWO_PI)) < 1e-11
+    assert abs(far[0] - far[1]) < 1e-12
+
+
+def test_boundaries_over_a_second_parameter_are_the_single_tongues():
+    strengths = np.linspace(0.3, 1.2, 7)
+    curves = tongues(CircleMap.arnold, [0, (1, 2), (1, 3)], strengths, WIDE)
+    assert curves.left.shape == curves.folded.shape == (3, 7)
+    for i, ratio in enumerate(curves.ratios):
+        for j in (0, 6):
+            single = tongue(arnold(strengths[j]), ratio, WIDE)
+            assert abs(single.left - curves.left[i, j]) <= single.left.error_bound + curves.left_error[i, j]
+            assert abs(single.right - curves.right[i, j]) <= single.right.error_bound + curves.right_error[i, j]
+    assert np.array_equal(np.any(curves.folded, axis=0), strengths > 1)
+    assert np.all(np.diff(curves.width, axis=1) > 0)
+
+
+def test_a_sampled_family_has_nearly_the_edges_of_the_family_it_samples():
+    x = np.linspace(0, TWO_PI, 400, endpoint=False)
+
+    def sampled(omega):
+        return CircleMap.from_samples(x, CircleMap.arnold(omega, 0.9)(x), CircleMap.arnold(omega, 0.9).derivative(x))
+
+    here, there = tongue(sampled, (1, 3), (0.0, 1.0)), tongue(arnold(0.9), (1, 3), (0.0, 1.0))
+    assert abs(here.left - there.left) < 1e-9
+    assert abs(here.right - there.right) < 1e-9
+
+
+# -- bad input -------------------------------------------------------------------------------------------------
+
+
+def test_bad_ratios_and_ranges_are_refused():
+    for ratio, message in (
+        ((2, 4), "lowest terms"),
+        ((1, 0), "lowest terms"),
+        ((1, -3), "lowest terms"),
+        (0.5, "give a Fraction"),
+        ((1, 2.5), "whole number"),
+    ):
+        with pytest.raises(InvalidInput, match=message):
+            tongue(arnold(0.9), ratio, WIDE)
+    with pytest.raises(InvalidInput, match="low end must lie below"):
+        tongue(arnold(0.9), 0, (1.0, 0.0))
+    with pytest.raises(InvalidInput, match="finite"):
+        tongue(arnold(0.9), 0, (float("nan"), 0.0))
+    with pytest.raises(InvalidInput, match="give some of each"):
+        tongues(CircleMap.arnold, [], [0.5], WIDE)
+
+
+def test_edges_outside_the_range_are_told():
+    with pytest.raises(InvalidInput, match=r"left edge of the tongue 0 lies below 0"):
+        tongue(arnold(0.9), 0, (0.0, 1.0))
+    with pytest.raises(InvalidInput, match=r"right edge of the tongue 0 lies above 0\.05"):
+        tongue(arnold(0.9), 0, (-0.5, 0.05))
+
+
+def test_families_that_are_no_families_for_tongues_are_refused():
+    with pytest.raises(InvalidInput, match="the family falls"):
+        tongue(lambda p: CircleMap.arnold(-p, 0.9), 0, (-0.5, 0.5))
+    with pytest.raises(InvalidInput, match="the family falls"):
+        tongue(lambda p: CircleMap.arnold(p + 0.3 * np.sin(40 * p), 0.9), (1, 3), (-0.5, 1.0))
+    with pytest.raises(InvalidInput, match="degree 2"):
+        tongue(lambda p: CircleMap(lambda x: 2 * x + p, degree=2), 0, (-0.5, 0.5))
+    with pytest.raises(InvalidInput, match="must return a CircleMap"):
+        tongue(lambda p: None, 0, (-0.5, 0.5))

@@ -1,0 +1,97 @@
+"""Diffusion of the lifted path: closed forms, Monte Carlo, hopping between wells."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, transfer_operator
+from cyclemap.maps.noise.noise_law import VonMises
+
+TWO_PI = 2 * np.pi
+
+
+def sampled_diffusion(circle_map, noise, chains=20_000, cycles=240):
+    """D and its standard error: half the growth of the variance over the second half of many paths."""
+    rng = np.random.default_rng(7)
+    theta = rng.uniform(0, TWO_PI, chains)
+    positions = []
+    for cycle in range(cycles + 41):
+        if cycle in (40, 40 + cycles // 2, 40 + cycles):
+            positions.append(theta)
+        theta = circle_map(theta) + noise.sample(rng, chains)
+    middle, end = positions[1] - positions[0], positions[2] - positions[0]
+    middle, end = (middle - middle.mean()) ** 2, (end - end.mean()) ** 2
+    growth = (end - middle) / cycles
+    return growth.mean(), growth.std() / np.sqrt(chains)
+
+
+@pytest.mark.parametrize("noise", [WrappedNormal(0.4), WrappedNormal(2.0), VonMises(0.5), VonMises(50.0)], ids=repr)
+@pytest.mark.parametrize("turns", [0.0, 0.3])
+def test_a_rotation_diffuses_by_its_noise_alone(noise, turns):
+    found = transfer_operator(CircleMap.rigid(turns), noise).diffusion
+    assert abs(found - 0.5 * noise.variance) <= found.error_bound < 1e-11
+
+
+@pytest.mark.parametrize("noise", [WrappedNormal(0.5), VonMises(2.0)], ids=repr)
+@pytest.mark.parametrize("strength", [0.9, 3.0])
+def test_monte_carlo_spreads_as_fast(noise, strength):
+    circle_map = CircleMap.arnold(0.3, strength)
+    found = transfer_operator(circle_map, noise).diffusion
+    mean, error = sampled_diffusion(circle_map, noise)
+    assert error < 0.05 * mean
+    assert abs(mean - found) < 5 * error
+    assert found.error_bound < 1e-10
+
+
+def test_jumps_of_the_map_diffuse_too():
+    circle_map = CircleMap(lambda x: x + np.where(np.mod(x, TWO_PI) < 3.0, 1.0, -0.8), np.ones_like, [0.0, 3.0])
+    for noise in (WrappedNormal(0.4), VonMises(3.0)):
+        found = transfer_operator(circle_map, noise).diffusion
+        mean, error = sampled_diffusion(circle_map, noise)
+        assert abs(mean - found) < 5 * error
+        assert found.error_bound < 1e-10
+
+
+def test_normal_kicks_have_two_routes():
+    """Narrow von Mises noise of variance s² diffuses like normal noise of that variance, up to its fourth moment."""
+    circle_map, gaps = CircleMap.arnold(0.2, 0.7), []
+    for kappa in (30.0, 60.0, 120.0):
+        narrow = VonMises(kappa)
+        twin = WrappedNormal(float(np.sqrt(narrow.variance)))
+        one, other = (transfer_operator(circle_map, noise).diffusion for noise in (narrow, twin))
+        gaps.append(abs(one / other - 1.0))
+    assert gaps[0] < 0.02 and gaps[2] < 0.5 * gaps[0]
+
+
+def test_two_equal_wells_make_a_walk_of_half_turns():
+    """Hops of ±π at rate Γ give D = π²Γ/2 and an eigenvalue 1 - 2Γ, so D = (π²/4)·gap where hops are rare."""
+    twin = CircleMap(lambda x: x - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
+    law = transfer_operator(twin, WrappedNormal(0.3))
+    assert law.spectral_gap < 1e-3
+    assert law.diffusion == pytest.approx(0.25 * np.pi**2 * law.spectral_gap, rel=1e-2)
+
+
+def test_turning_and_mirroring_the_map_change_nothing():
+    circle_map, noise, angle = CircleMap.arnold(0.13, 1.4), WrappedNormal(0.5), 0.8
+    turned = CircleMap(lambda x: circle_map(x - angle) + angle, lambda x: circle_map.derivative(x - angle))
+    mirrored = CircleMap.arnold(-0.13, 1.4)
+    whole = CircleMap(lambda x: circle_map(x) + TWO_PI, circle_map.derivative)
+    plain = transfer_operator(circle_map, noise).diffusion
+    for other in (turned, mirrored, whole):
+        assert abs(transfer_operator(other, noise).diffusion - plain) < 1e-12
+
+
+def test_bounds_hold_with_few_modes():
+    circle_map, noise = CircleMap.arnold(0.3, 3.0), WrappedNormal(0.3)
+    truth = transfer_operator(circle_map, noise).diffusion
+    for modes in (8, 11, 14):
+        few = transfer_operator(circle_map, noise, modes=modes).diffusion
+        assert abs(few - truth) <= few.error_bound + truth.error_bound
+        assert few.error_bound <= 100 * abs(few - truth)
+
+
+def test_cauchy_kicks_have_no_variance_and_other_degrees_no_path():
+    assert transfer_operator(CircleMap.rigid(0.1), WrappedCauchy(0.5)).diffusion == np.inf
+    doubling = transfer_operator(CircleMap(lambda x: 2 * x, degree=2), WrappedNormal(0.3))
+    with pytest.raises(InvalidInput, match="degree"):
+        _ = doubling.diffusion

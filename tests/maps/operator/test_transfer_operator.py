@@ -1,0 +1,216 @@
+"""Transfer operators: exact cases, known numbers, bounds that hold, Monte Carlo."""
+
+import numpy as np
+import pytest
+from scipy.special import jv
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, fixed_points, rotation_number, transfer_operator
+from cyclemap.maps.noise.noise_law import UniformNoise, VonMises
+
+TWO_PI = 2 * np.pi
+GRID = np.linspace(0, TWO_PI, 400, endpoint=False)
+STICKY = CircleMap.arnold(0.1, 0.9)
+
+
+def jumping_map():
+    """Three branches: two jumps (one upward, one downward) and a fold."""
+    x = np.concatenate([np.linspace(0.5, 2.0, 30), np.linspace(2.0, 5.0, 60), np.linspace(5.0, 6.5, 30)])
+    y = x + 0.3 + 0.2 * np.sin(2 * x)
+    y[30:90] += 0.7 * np.cos(3 * x[30:90])
+    slopes = 1 + 0.4 * np.cos(2 * x)
+    slopes[30:90] -= 2.1 * np.sin(3 * x[30:90])
+    return CircleMap.from_samples(x, y, slopes)
+
+
+def test_known_moments_of_the_sine_map():
+    law = transfer_operator(STICKY, WrappedNormal(0.05 * TWO_PI))
+    assert abs(law.moment(1) - (0.62356060578345 + 0.69564930010307j)) < 1e-13
+    assert abs(law.rotation_number - 3.5557770716e-4) < 1e-14
+    law = transfer_operator(CircleMap.arnold(0.3, 3.0), WrappedNormal(0.1 * TWO_PI))
+    assert abs(law.moment(1) - (0.18921693126040 + 0.38553752652743j)) < 1e-13
+    assert abs(law.rotation_number - 0.11591939071721) < 1e-13
+
+
+def test_the_matrix_of_the_sine_map_is_made_of_bessel_functions():
+    omega, strength, sigma = 0.23, 1.7, 0.4
+    m = np.arange(-25, 26)
+    exact = (
+        np.exp(-0.5 * (m * sigma) ** 2)[:, None]
+        * np.exp(-2j * np.pi * m * omega)[:, None]
+        * jv(m[:, None] - m[None, :], m[:, None] * strength)
+    )
+    values = np.linalg.eigvals(exact)
+    values = values[np.argsort(-np.abs(values))][:9]
+    found = transfer_operator(CircleMap.arnold(omega, strength), WrappedNormal(sigma)).eigenvalues(9)
+    np.testing.assert_allclose(np.sort(np.abs(found)), np.sort(np.abs(values)), atol=1e-12)
+
+
+def test_moebius_with_cauchy_noise_is_exactly_solvable():
+    a, omega, r = 0.5, 0.3, 0.9
+    law = transfer_operator(CircleMap.moebius(a, omega), WrappedCauchy(r))
+    z = 0.2550616828143848456 - 0.2049307699033403712j
+    exact = (1 - abs(z) ** 2) / (TWO_PI * np.abs(np.exp(1j * GRID) - z) ** 2)
+    error = np.max(np.abs(law.density(GRID) - exact))
+    assert error < 1e-14
+    assert error <= law.error_bound < 1e-11
+    for n in range(1, 6):
+        assert abs(law.moment(n) - z**n) < 1e-14
+        assert abs(law.moment(-n) - np.conj(z) ** n) < 1e-14
+    slope = r * np.exp(2j * np.pi * omega) * (1 - a * a) / (1 - a * z) ** 2
+    known = [1, slope, slope**2, slope**3]
+    found = law.eigenvalues(7)
+    np.testing.assert_allclose(np.abs(found[[0, 1, 3, 5]]), np.abs(known), atol=1e-11)
+    np.testing.assert_allclose(np.sort_complex(found[1:3]), np.sort_complex([slope, np.conj(slope)]), atol=1e-11)
+    assert abs(law.rotation_number - 0.2627872013171239726) < 1e-14
+
+
+def test_a_rotation_has_uniform_law_and_the_noises_own_spectrum():
+    noise = WrappedNormal(0.3)
+    law = transfer_operator(CircleMap.rigid(0.17), noise)
+    np.testing.assert_allclose(law.density(GRID), 0.5 / np.pi, rtol=1e-14)
+    np.testing.assert_allclose(np.abs(law.eigenvalues(7))[1::2], noise.coefficients([1, 2, 3]), atol=1e-13)
+    assert law.tv_from_uniform == 0.0
+    assert law.peaks().size == 0
+    assert abs(law.rotation_number - 0.17) < 1e-15
+    assert abs(law.mixing_cycles - 2 / 0.09) < 1e-9
+    assert abs(law.spectral_gap - (1 - np.exp(-0.045))) < 1e-13
+
+
+@pytest.mark.parametrize("sigma", [0.5, 0.1, 0.03])
+@pytest.mark.parametrize("circle_map", [STICKY, CircleMap.arnold(0.3, 3.0), jumping_map()], ids=repr)
+def test_the_law_is_a_density_that_one_cycle_leaves_unchanged(circle_map, sigma):
+    noise = WrappedNormal(sigma)
+    law = transfer_operator(circle_map, noise)
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    knots = np.linspace(0, TWO_PI, 801) if circle_map.pieces is None else circle_map.pieces.knots
+    x = (knots[:-1, None] + np.diff(knots)[:, None] * 0.5 * (1 + nodes)).ravel()
+    w = (0.5 * np.diff(knots)[:, None] * weights).ravel()
+    density = law.density(x)
+    assert abs(np.dot(w, density) - 1) < 1e-11
+    after = noise.density(GRID[:, None] - circle_map(x)) @ (w * density)
+    assert law.error_bound < 1e-8
+    np.testing.assert_allclose(after, law.density(GRID), rtol=0, atol=law.error_bound + 1e-10)
+    assert np.min(density) > -law.error_bound
+
+
+def test_the_law_turns_with_the_map():
+    angle = 0.9
+    turned = CircleMap(lambda x: STICKY(x - angle) + angle, lambda x: STICKY.derivative(x - angle))
+    one, other = (transfer_operator(m, WrappedNormal(0.2)) for m in (STICKY, turned))
+    np.testing.assert_allclose(one.density(GRID), other.density(GRID + angle), atol=1e-12)
+    assert abs(one.spectral_gap - other.spectral_gap) < 1e-11
+    assert abs(one.tv_from_uniform - other.tv_from_uniform) < 1e-11
+
+
+@pytest.mark.parametrize(("noise", "chains"), [(WrappedNormal(0.15), 100_000), (VonMises(3.0), 10_000)], ids=repr)
+def test_ten_million_steps_of_monte_carlo_agree_on_a_map_with_jumps_and_folds(noise, chains):
+    """Moments and mean winding of many chains of 100 cycles, after 60 to settle, within five standard errors."""
+    circle_map, rng, cycles = jumping_map(), np.random.default_rng(4), 100
+    law = transfer_operator(circle_map, noise)
+    theta = rng.uniform(0, TWO_PI, chains)
+    for _ in range(60):
+        theta = np.mod(circle_map(theta) + noise.sample(rng, chains), TWO_PI)
+    waves, turns = np.zeros((2, chains), dtype=complex), np.zeros(chains)
+    for _ in range(cycles):
+        image = circle_map(theta) + noise.sample(rng, chains)
+        turns += image - theta
+        theta = np.mod(image, TWO_PI)
+        wave = np.exp(1j * theta)
+        waves += [wave, wave**2]
+    for n in (1, 2):
+        assert abs(np.mean(waves[n - 1]) / cycles - law.moment(n)) < 5 * np.std(waves[n - 1]) / cycles / chains**0.5
+    error = np.std(turns) / cycles / chains**0.5
+    assert error < 2e-3 if chains > 10_000 else 6e-3
+    assert abs(turns.mean() / cycles - TWO_PI * law.rotation_number) < 5 * error
+
+
+def test_expectations_have_two_routes():
+    """E cos θ as an expectation is the real part of the first moment; E 1 = 1; E F' of the sine map from it too."""
+    law = transfer_operator(STICKY, WrappedNormal(0.2))
+    cosine = law.expectation(np.cos)
+    assert abs(cosine - law.moment(1).real) <= cosine.error_bound + law.moment_error(1) < 1e-13
+    assert abs(law.expectation(np.ones_like) - 1.0) < 1e-14
+    assert abs(law.expectation(STICKY.derivative) - (1 - 0.9 * law.moment(1).real)) < 1e-14
+    with pytest.raises(InvalidInput, match="entry"):
+        law.expectation(lambda theta: np.sum(theta))
+    with pytest.raises(InvalidInput, match="finite"):
+        law.expectation(lambda theta: np.full_like(theta, np.inf))
+    with pytest.raises(InvalidInput, match="callable"):
+        law.expectation(1.0)
+
+
+def test_small_noise_keeps_eight_digits_and_more():
+    """At σ = 0.005 turns the moments turned back by the map's symmetry, θ → -θ with Ω → -Ω, are the conjugates."""
+    noise = WrappedNormal(0.005 * TWO_PI)
+    one, other = (transfer_operator(CircleMap.arnold(omega, 3.0), noise) for omega in (0.3, -0.3))
+    assert abs(one.moment(1) - np.conj(other.moment(1))) < 1e-11
+    assert abs(one.rotation_number + other.rotation_number) < 1e-11
+    assert one.moment_error(1) < 1e-8 and one.rotation_number.error_bound < 1e-8 and one.error_bound < 1e-8
+
+
+def test_peaks_stand_at_the_stable_points_when_noise_is_small():
+    for sigma, allowed in ((0.05, 2e-3), (0.02, 3e-4)):
+        (peak,) = transfer_operator(STICKY, WrappedNormal(sigma)).peaks()
+        assert abs(peak - fixed_points(STICKY)[0].points[0]) < allowed
+    twin = CircleMap(lambda x: x - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
+    peaks = transfer_operator(twin, WrappedNormal(0.2)).peaks()
+    np.testing.assert_allclose(np.sort(np.mod(peaks + 0.5, TWO_PI)), [0.5, np.pi + 0.5], atol=1e-9)
+
+
+def test_total_variation_is_half_the_integral_of_the_difference():
+    law = transfer_operator(STICKY, WrappedNormal(0.3))
+    fine = TWO_PI * (np.arange(200_000) + 0.5) / 200_000
+    plain = 0.5 * np.mean(np.abs(law.density(fine) - 0.5 / np.pi)) * TWO_PI
+    assert abs(law.tv_from_uniform - plain) < 1e-9
+
+
+def test_small_noise_recovers_the_noiseless_rotation_number():
+    sine = CircleMap.arnold(0.6, 0.5)
+    truth = rotation_number(sine).value
+    errors = [abs(transfer_operator(sine, WrappedNormal(sigma)).rotation_number - truth) for sigma in (0.2, 0.1, 0.05)]
+    assert errors[2] < 2e-6
+    assert errors[2] < 0.35 * errors[1] < 0.35 * errors[0]
+
+
+def test_leading_eigenvalues_agree_with_the_whole_spectrum():
+    law = transfer_operator(STICKY, WrappedNormal(0.04))
+    assert 2 * law.modes > 400
+    whole = np.linalg.eigvals(law.discretisation.matrix)
+    whole = np.sort(np.abs(whole))[::-1][:5]
+    np.testing.assert_allclose(np.abs(law.eigenvalues(5)), whole, atol=1e-10)
+
+
+def test_uniform_noise_has_a_basis_of_its_own():
+    """A rotation with uniform noise: uniform law, |λ_m| = |sin(mh)/(mh)|, D = h²/6, and no number of modes to give."""
+    noise = UniformNoise(1.0)
+    law = transfer_operator(CircleMap.rigid(0.17), noise)
+    np.testing.assert_allclose(law.density(GRID), 0.5 / np.pi, rtol=1e-12)
+    np.testing.assert_allclose(np.abs(law.eigenvalues(5))[1::2], np.abs(noise.coefficients([1, 2])), atol=1e-12)
+    assert abs(law.rotation_number - 0.17) <= law.rotation_number.error_bound + 1e-15 < 1e-11
+    assert abs(law.diffusion - 1 / 6) < 1e-12
+    with pytest.raises(InvalidInput, match="modes"):
+        transfer_operator(CircleMap.rigid(0.17), noise, modes=10)
+
+
+def test_what_cannot_be_computed_is_refused():
+    for noise in (None, 0.1, "WrappedNormal"):
+        with pytest.raises(InvalidInput, match="noise"):
+            transfer_operator(STICKY, noise)
+    with pytest.raises(InvalidInput, match="raise its width"):
+        transfer_operator(STICKY, WrappedNormal(1e-3))
+    for modes in (0, 2.5, 2001):
+        with pytest.raises(InvalidInput, match="modes"):
+            transfer_operator(STICKY, WrappedNormal(0.1), modes=modes)
+    with pytest.raises(InvalidInput):
+        transfer_operator(lambda x: x, WrappedNormal(0.1))
+    doubling = transfer_operator(CircleMap(lambda x: 2 * x, degree=2), WrappedNormal(0.2))
+    np.testing.assert_allclose(doubling.density(GRID), 0.5 / np.pi, rtol=1e-12)
+    with pytest.raises(InvalidInput, match="degree"):
+        _ = doubling.rotation_number
+    with pytest.raises(InvalidInput):
+        doubling.density([np.nan])
+    with pytest.raises(InvalidInput):
+        doubling.eigenvalues(0)
+    with pytest.raises(InvalidInput):
+        doubling.moment(0.5)

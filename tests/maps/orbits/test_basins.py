@@ -1,0 +1,172 @@
+"""Basins against forward iteration of a fine grid, known end points, and invariance."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.basins import basins
+from cyclemap.maps.orbits.periodic_orbits import fixed_points, periodic_orbits
+
+TWO_PI = 2 * np.pi
+
+
+def logistic(r):
+    return CircleMap(
+        lambda t: TWO_PI * r * (np.mod(t, TWO_PI) / TWO_PI) * (1 - np.mod(t, TWO_PI) / TWO_PI),
+        lambda t: r * (1 - 2 * np.mod(t, TWO_PI) / TWO_PI),
+        [0.0],
+        degree=0,
+    )
+
+
+def twin_wells():
+    """Two stable orbits of period two, each with preimages of its immediate basin elsewhere."""
+    return CircleMap(
+        lambda x: x - 1.2 * np.sin(2 * x) - 0.3 * np.sin(x), lambda x: 1 - 2.4 * np.cos(2 * x) - 0.3 * np.cos(x)
+    )
+
+
+def contraction(x):
+    turns = np.floor(x / TWO_PI)
+    return 0.6 * (x - TWO_PI * turns) + 0.77 * TWO_PI + TWO_PI * turns
+
+
+GAPPED = CircleMap(contraction, lambda x: np.full_like(x, 0.6), [0.0])
+
+MAPS = {
+    "locked": CircleMap.arnold(0.1, 0.9),
+    "locked at 1/2": CircleMap.arnold(0.5, 0.9),
+    "folded": CircleMap.arnold(0.05, 1.6),
+    "period two behind a fold": CircleMap.arnold(0.3, 3.0),
+    "logistic 3.2": logistic(3.2),
+    "degree two": CircleMap(lambda x: 2 * x - 1.5 * np.sin(x), lambda x: 2 - 1.5 * np.cos(x), degree=2),
+    "with a gap": GAPPED,
+    "twin wells": twin_wells(),
+    "Möbius": CircleMap.moebius(0.5, 0.1),
+}
+
+
+def inside(arcs, theta):
+    return np.any(
+        ((theta[:, None] > arcs[:, 0]) & (theta[:, None] < arcs[:, 1])) | (theta[:, None] + TWO_PI < arcs[:, 1]), axis=1
+    )
+
+
+def reached(circle_map, found, theta, cycles=600):
+    for _ in range(cycles):
+        theta = np.mod(circle_map(theta), TWO_PI)
+    away = [
+        np.min(np.abs(np.mod(theta[:, None] - b.orbit.points + np.pi, TWO_PI) - np.pi), axis=1) < 1e-6 for b in found
+    ]
+    return np.array(away)
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_forward_iteration_of_a_grid_agrees_with_the_arcs_and_the_error_bound(name):
+    found = basins(MAPS[name], max_arcs=2000)
+    assert len(found) > 0
+    theta = (np.arange(3000) + 0.5003) * TWO_PI / 3000
+    truth = reached(MAPS[name], found, theta)
+    for basin, tends in zip(found, truth, strict=True):
+        claimed = inside(basin.arcs, theta)
+        assert not np.any(claimed & ~tends)  # nothing is claimed that does not tend there
+        missed = np.mean(tends & ~claimed)
+        assert missed <= basin.undecided + 3 * np.sqrt(basin.undecided / theta.size) + 1 / theta.size
+        sampling = 2 / theta.size + 3 * np.sqrt(basin.undecided / theta.size)
+        assert abs(np.mean(tends) - basin.measure) <= basin.measure.error_bound + sampling + basin.arcs.shape[0] * 1e-5
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_arcs_are_sorted_disjoint_and_add_up(name):
+    found = basins(MAPS[name], max_arcs=2000)
+    rows = np.concatenate([basin.arcs for basin in found])
+    rows = rows[np.argsort(rows[:, 0])]
+    assert np.all(rows[:, 0] >= 0)
+    assert np.all(rows[:, 0] < TWO_PI)
+    assert np.all(rows[1:, 0] >= rows[:-1, 1] - 1e-11)
+    assert rows[-1, 1] <= rows[0, 0] + TWO_PI + 1e-11
+    total = sum(float(basin.measure) for basin in found)
+    assert abs(total + found[0].undecided - 1) < 1e-12
+    assert abs(np.sum(rows[:, 1] - rows[:, 0]) / TWO_PI - total) < 1e-12
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_the_map_carries_the_immediate_basin_into_itself_in_the_order_of_the_orbit(name):
+    checked = 0
+    for basin in basins(MAPS[name], max_arcs=100):
+        assert basin.immediate.shape == (basin.orbit.period, 2)
+        for i, arc in enumerate(basin.immediate):
+            following = basin.immediate[(i + 1) % basin.orbit.period]
+            image = MAPS[name](np.linspace(*arc, 2003)[1:-1])
+            offset = np.mod(image - following[0], TWO_PI)
+            assert np.all((offset <= following[1] - following[0] + 1e-9) | (offset > TWO_PI - 1e-9))
+            assert inside(arc[None], basin.orbit.points[i : i + 1])[0]
+            checked += 1
+    assert checked > 0
+
+
+@pytest.mark.parametrize("name", ["locked", "locked at 1/2", "Möbius", "with a gap"])
+def test_basins_of_injective_maps_are_the_arcs_between_neighbouring_unstable_points_or_jumps(name):
+    found = basins(MAPS[name])
+    orbits = [o for n in (1, 2) for o in periodic_orbits(MAPS[name], n) if not o.stable]
+    edges = np.sort(np.concatenate([*[o.points for o in orbits], MAPS[name].breaks]))
+    if name == "with a gap":
+        # The jump and its one preimage part the two halves of the orbit of period two.
+        edges = np.array([0.0, (1 - 0.77) / 0.6 * TWO_PI])
+    ends = np.sort(np.mod(np.concatenate([b.immediate.ravel() for b in found]), TWO_PI))
+    ends = np.sort(np.where(ends > TWO_PI - 1e-9, 0.0, ends))
+    np.testing.assert_allclose(ends, np.repeat(edges, 2), atol=1e-11)
+    assert sum(b.arcs.shape[0] for b in found) == edges.size
+    assert abs(sum(b.measure for b in found) - 1) < 1e-12
+
+
+def test_the_logistic_maps_known_immediate_basins():
+    # For 1 < r < 3 all of (0, 1) tends to 1 - 1/r; the superstable orbit of period two is parted by 1 - 1/r.
+    (only,) = basins(logistic(2.9), max_period=2)
+    np.testing.assert_allclose(only.immediate, [[0, TWO_PI]], atol=1e-11)
+    r = 1 + np.sqrt(5.0)
+    (pair,) = basins(logistic(r), max_period=4)
+    assert pair.orbit.period == 2
+    unstable = 1 - 1 / r
+    np.testing.assert_allclose(pair.immediate[0] / TWO_PI, [1 / r, unstable], atol=1e-11)
+    assert abs(pair.immediate[1, 0] / TWO_PI - unstable) < 1e-11
+    # G = F² maps the far end of the upper arc onto its near end.
+    far = logistic(r)(logistic(r)(pair.immediate[1, 1])) / TWO_PI
+    assert abs(far - unstable) < 1e-9
+    assert pair.undecided < 1e-6
+
+
+def test_a_symmetric_map_has_symmetric_basins():
+    found = basins(twin_wells())
+    assert [b.orbit.period for b in found] == [2, 2]
+    grid = np.linspace(0.001, np.pi, 4001)
+    for basin in found:
+        assert np.mean(inside(basin.arcs, grid) != inside(basin.arcs, TWO_PI - grid)) <= 1e-3
+    assert abs(sum(b.measure for b in found) - 1) <= 1e-6
+
+
+def test_more_arcs_leave_less_undecided_and_the_first_ones_stand():
+    few, many = (basins(MAPS["period two behind a fold"], max_arcs=n)[0] for n in (500, 8000))
+    assert 0 < many.undecided < few.undecided < 1
+    assert few.measure <= many.measure <= few.measure + few.measure.error_bound
+    np.testing.assert_array_equal(few.immediate, many.immediate)
+
+
+def test_where_nothing_is_stable_there_is_no_basin():
+    doubling = CircleMap(lambda x: 2 * x, lambda x: 2 + 0 * x, degree=2)
+    assert basins(doubling, max_period=4) == ()
+    assert basins(CircleMap.rigid(0.1234), max_period=3) == ()
+    assert [p.kind for p in fixed_points(CircleMap.arnold(0.9 / TWO_PI, 0.9))] == ["saddle-node"]
+    assert basins(CircleMap.arnold(0.9 / TWO_PI, 0.9), max_period=2) == ()
+
+
+def test_bad_requests_are_refused():
+    with pytest.raises(InvalidInput, match="CircleMap"):
+        basins(np.sin)
+    with pytest.raises(InvalidInput, match="max_period"):
+        basins(MAPS["locked"], max_period=0)
+    with pytest.raises(InvalidInput, match="left_over"):
+        basins(MAPS["locked"], left_over=0.0)
+    with pytest.raises(InvalidInput, match="every point near"):
+        basins(CircleMap.rigid(0.5), max_period=2)

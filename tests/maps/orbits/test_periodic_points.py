@@ -1,0 +1,320 @@
+"""All solutions of Fⁿ(θ) = θ + 2πw: counts by two routes, tangencies never lost or doubled, bounds that hold."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.periodic_orbits import fixed_points, periodic_orbits
+from cyclemap.maps.orbits.periodic_points import periodic_points
+
+TWO_PI = 2 * np.pi
+DOUBLING = CircleMap(lambda x: 2 * x, lambda x: 2 + 0 * x, degree=2)
+
+
+def logistic(r):
+    """x → r x(1 - x) with x in [0, 1) in turns: a lift of degree 0 with a kink at 0."""
+    return CircleMap(
+        lambda t: TWO_PI * r * (np.mod(t, TWO_PI) / TWO_PI) * (1 - np.mod(t, TWO_PI) / TWO_PI),
+        lambda t: r * (1 - 2 * np.mod(t, TWO_PI) / TWO_PI),
+        [0.0],
+        degree=0,
+    )
+
+
+def counts(found):
+    return {int(w): int(np.sum(found.winding == w)) for w in np.unique(found.winding)}
+
+
+def sign_changes(circle_map, n, size=300_003):
+    """Crossings of Fⁿ - id with whole turns seen on a huge grid: each sign change is one."""
+    theta = TWO_PI * np.arange(size + 1) / size - 1e-7
+    image = theta
+    for _ in range(n):
+        image = circle_map(image)
+    turns = np.floor((image - theta) / TWO_PI).astype(int)
+    found = {}
+    for a, b in pairwise(turns.tolist()):
+        for w in range(min(a, b) + 1, max(a, b) + 1):
+            found[w] = found.get(w, 0) + 1
+    return found
+
+
+def test_the_doubling_map_has_the_exact_4095_points():
+    found = periodic_points(DOUBLING, 12)
+    assert found.count == len(found) == 4095
+    np.testing.assert_allclose(found.theta, TWO_PI * np.arange(4095) / 4095, atol=4e-15)
+    np.testing.assert_array_equal(found.winding, np.arange(4095))
+    np.testing.assert_array_equal(found.image, 2 * np.arange(4095) % 4095)
+    np.testing.assert_array_equal(found.multiplier, 4096)
+    # Möbius inversion: Σ over d | n of (points of prime period d) = 2ⁿ - 1.
+    assert {d: int(np.sum(found.prime_period == d)) for d in (1, 2, 3, 4, 6, 12)} == {
+        1: 1,
+        2: 2,
+        3: 6,
+        4: 12,
+        6: 54,
+        12: 4020,
+    }
+    assert found.residual <= 1.0
+    assert np.all(np.abs(found.theta - TWO_PI * np.arange(4095) / 4095) <= found.error_bound)
+
+
+def test_the_same_points_come_from_one_step_of_multiplying_by_4096():
+    steep = CircleMap(lambda x: 4096 * x, lambda x: 4096 + 0 * x, degree=4096)
+    np.testing.assert_allclose(periodic_points(steep, 1).theta, periodic_points(DOUBLING, 12).theta, atol=4e-15)
+    assert len(fixed_points(steep)) == 4095
+
+
+@pytest.mark.parametrize(
+    ("omega", "strength", "n", "known"),
+    [(0.5, 2.0, 8, {4: 64}), (0.3, 3.0, 6, {0: 4, 1: 12, 2: 36, 3: 16})],
+)
+def test_sine_map_counts_are_the_known_ones_and_those_of_a_huge_grid(omega, strength, n, known):
+    sine = CircleMap.arnold(omega, strength)
+    found = periodic_points(sine, n)
+    assert counts(found) == known == sign_changes(sine, n)
+    assert np.all(found.image >= 0)
+    for w, count in known.items():
+        alone = periodic_points(sine, n, w)
+        assert alone.count == count
+        np.testing.assert_array_equal(alone.theta, found.theta[found.winding == w])
+        np.testing.assert_array_equal(np.sort(alone.image), np.arange(count))
+
+
+def test_logistic_map_at_four_has_the_exact_2_to_the_n_points():
+    for n in (1, 3, 12):
+        found = periodic_points(logistic(4.0), n)
+        k = np.arange(2 ** (n - 1))
+        exact = np.concatenate([np.sin(np.pi * k / (2**n - 1)) ** 2, np.sin(np.pi * (k + 1) / (2**n + 1)) ** 2])
+        truth = TWO_PI * np.sort(exact)
+        assert found.count == 2**n
+        assert np.all(np.abs(found.theta - truth) <= found.error_bound)
+        assert np.max(np.abs(found.theta - truth)) < 1e-12
+        # |multiplier| is 2ⁿ at every point but 0, where it is 4ⁿ (conjugacy with the tent map).
+        np.testing.assert_allclose(np.abs(found.multiplier[1:]), 2.0**n, rtol=1e-8)
+        assert abs(found.multiplier[0] / 4.0**n - 1.0) < 1e-12
+
+
+def test_counts_of_full_branches_follow_from_the_transition_matrix():
+    # A full m-branch map has trace(Aⁿ) = mⁿ closed walks; on the circle the end points of the branches coincide.
+    for slope, n in ((3, 5), (-3, 4), (-2, 7), (5, 4)):
+        straight = CircleMap(lambda x, s=slope: s * x, lambda x, s=slope: s + 0 * x, degree=slope)
+        assert periodic_points(straight, n).count == abs(slope**n - 1)
+
+
+def test_markov_map_with_jumps_has_the_trace_of_its_transition_matrix():
+    # Golden-mean (beta) map x → βx mod 1, branches [0, 1/β), [1/β, 1): the second covers only the first.
+    beta = (1 + 5**0.5) / 2
+
+    def lift(t):
+        turns = np.floor(t / TWO_PI)
+        x = t - TWO_PI * turns
+        return beta * x - TWO_PI * (x >= TWO_PI / beta) + TWO_PI * turns
+
+    markov = CircleMap(lift, lambda t: beta + 0 * t, [0.0, TWO_PI / beta])
+    for n in (1, 2, 3, 5, 8):
+        trace = int(np.trace(np.linalg.matrix_power(np.array([[1, 1], [1, 0]]), n)))
+        found = periodic_points(markov, n)
+        # 0 and 1 are one point, so of the itineraries 0^∞, (01)^∞ → 1/β and (10)^∞ → 1 one is lost for even n.
+        assert found.count == trace - (n % 2 == 0)
+        # A jump of Fⁿ ends on the diagonal at 0 for odd n, at 1/β (from the left) for even n.
+        at = found.theta[found.kind == "border-collision"]
+        np.testing.assert_allclose(at, [0.0] if n % 2 else [TWO_PI / beta], atol=1e-13)
+
+
+# -- tangencies ------------------------------------------------------------------------------------------------
+
+
+def with_double_roots(rng):
+    """θ + g(θ): g a trigonometric polynomial with one or two double roots and up to four simple ones, well apart."""
+    doubles, pairs = rng.uniform(0, TWO_PI, rng.integers(1, 3)), rng.integers(0, 3)
+    singles = rng.uniform(0, TWO_PI, 2 * pairs)
+    roots = np.concatenate([doubles, singles])
+    apart = np.abs(np.mod(roots[:, None] - roots + np.pi, TWO_PI) - np.pi) + 9 * np.eye(roots.size)
+    if np.min(apart) < 0.3:
+        return with_double_roots(rng)
+
+    def factors(x):
+        values = [1 - np.cos(x - d) for d in doubles]
+        values += [np.sin((x - a) / 2) * np.sin((x - b) / 2) for a, b in singles.reshape(-1, 2)]
+        slopes = [np.sin(x - d) for d in doubles] + [np.sin(x - (a + b) / 2) / 2 for a, b in singles.reshape(-1, 2)]
+        return values, slopes
+
+    def g(x):
+        return np.prod(factors(x)[0], axis=0)
+
+    def slope(x):
+        values, slopes = factors(x)
+        terms = [np.prod([*values[:i], s, *values[i + 1 :]], axis=0) for i, s in enumerate(slopes)]
+        return np.sum(terms, axis=0)
+
+    scale = 1.5 / np.max(np.abs(g(np.linspace(0, TWO_PI, 2001))))
+    curvature = scale * (slope(doubles + 1e-4) - slope(doubles - 1e-4)) / 2e-4
+    return doubles, curvature, singles.size, lambda x: scale * g(x), lambda x: scale * slope(x)
+
+
+def test_double_roots_of_hundreds_of_random_maps_are_one_none_or_two_as_they_must_be():
+    rng, checked = np.random.default_rng(7), 0
+    shifts = [s * e for e in (1e-14, 1e-13, 4e-12, 1e-9, 1e-6) for s in (1, -1)]
+    for number in range(150):
+        doubles, curvature, simple, g, slope = with_double_roots(rng)
+        if np.min(np.abs(curvature)) < 1e-2:
+            continue
+        for shift in (0.0, shifts[number % 10], shifts[(number + 5) % 10])[: 1 + number % 3]:
+            shifted = CircleMap(lambda x, g=g, e=shift: x + g(x) + e, lambda x, s=slope: 1 + s(x))
+            found = periodic_points(shifted, 1)
+            merged = abs(shift) < 1e-12
+            each = 1 if merged else 2 * (curvature * shift < 0)
+            assert found.count == simple + np.sum(each * np.ones_like(curvature))
+            assert np.sum(found.touching) == (doubles.size if merged else 0)
+            assert np.all(np.isfinite(found.error_bound))
+            if merged:
+                np.testing.assert_allclose(found.theta[found.touching], np.sort(doubles), atol=1e-10)
+            checked += 1
+    assert checked > 230
+
+
+EDGES = [(2, 0.46966533712136485155447001, 0.9, 2), (2, 0.46301722338218515819112389, 1.0, 2)]
+EDGES += [(3, 0.33666500673073392496899187, 1.0, 3), (3, 0.3672244987508916119875371, 1.0, 3)]
+
+
+@pytest.mark.parametrize(("n", "edge", "strength", "points"), EDGES)
+def test_all_points_of_an_orbit_are_judged_alike_at_every_distance_from_a_tongue_edge(n, edge, strength, points):
+    seen = []
+    for distance in np.concatenate([[0.0], np.geomspace(1e-15, 1e-6, 19)]):
+        for side in (-1, 1):
+            sine = CircleMap.arnold(edge + side * distance, strength)
+            found, orbits = periodic_points(sine, n), periodic_orbits(sine, n)
+            assert (found.count, int(np.sum(found.touching)), len(orbits)) in (
+                (0, 0, 0),
+                (points, points, 1),
+                (2 * points, 0, 2),
+            )
+            seen.append(len(orbits))
+    assert seen[:2] == [1, 1]
+    assert sorted(seen[-2:]) == [0, 2]
+    assert set(seen) == {0, 1, 2}
+
+
+@pytest.mark.parametrize("centre", [0.0, 0.7, np.pi, 5.9])
+def test_degenerate_tangencies_are_one_point_of_the_documented_kind(centre):
+    turns = {
+        "cubic": (lambda x: 0.1 * np.sin(x) ** 3, lambda x: 0.3 * np.sin(x) ** 2 * np.cos(x)),
+        "quartic": (lambda x: 0.2 * (1 - np.cos(x)) ** 2, lambda x: 0.4 * (1 - np.cos(x)) * np.sin(x)),
+        "quintic": (lambda x: 0.1 * np.sin(x) ** 5, lambda x: 0.5 * np.sin(x) ** 4 * np.cos(x)),
+    }
+    for name, (g, slope) in turns.items():
+        for sign in (1, -1):
+            touch = CircleMap(
+                lambda x, g=g, s=sign: x + s * g(x - centre), lambda x, h=slope, s=sign: 1 + s * h(x - centre)
+            )
+            found = periodic_points(touch, 1)
+            assert found.kind.tolist() == (["saddle-node"] if name == "quartic" else ["neutral", "neutral"])
+            off = np.abs(np.mod(found.theta - centre + 0.5, np.pi) - 0.5)
+            assert np.all(off <= found.error_bound)
+            assert np.max(found.error_bound) < 0.03
+
+
+def test_period_doubling_merges_its_orbits_only_within_the_tangency():
+    # θ - K sin θ doubles at K = 2: 0 has multiplier 1 - K, the orbit of period two lies at ±√(6(K - 2)) or so.
+    assert [p.kind for p in fixed_points(CircleMap.arnold(0.0, 2.0))] == ["neutral", "unstable"]
+    expected = {-1e-3: 2, -1e-9: 2, 0.0: 2, 1e-12: 2, 1e-7: 4, 1e-3: 4}
+    for past, count in expected.items():
+        found = periodic_points(CircleMap.arnold(0.0, 2.0 + past), 2, 0)
+        assert found.count == count
+        assert found.theta[0] < 1e-9
+        np.testing.assert_array_equal(np.sort(found.prime_period), [1, 1] if count == 2 else [1, 1, 2, 2])
+
+
+# -- accuracy ----------------------------------------------------------------------------------------------------
+
+
+def test_error_bounds_hold_and_are_not_far_above_the_truth():
+    # Möbius maps: e^{iθ} solves a quadratic, known in closed form.
+    rng, ratios = np.random.default_rng(3), []
+    for _ in range(60):
+        a, omega = rng.uniform(0.2, 0.95), rng.uniform(-0.05, 0.05)
+        found = periodic_points(CircleMap.moebius(a, omega), 1)
+        half = np.arcsin(np.sin(np.pi * omega) / a)
+        # F(θ) = θ where a sin(θ - πΩ) = - sin πΩ, that is θ = πΩ - half and θ = πΩ + π + half.
+        truth = np.sort(np.mod([np.pi * omega - half, np.pi * omega + np.pi + half], TWO_PI))
+        assert found.count == 2
+        error = np.abs(found.theta - truth)
+        error = np.minimum(error, TWO_PI - error)
+        assert np.all(error <= found.error_bound + 1e-15)
+        assert np.all(found.error_bound < 1e-13 / np.abs(found.multiplier - 1) + 1e-13)
+        ratios.append(found.residual)
+    assert len(ratios) == 60
+    assert max(ratios) <= 1.0
+
+
+def test_the_bound_grows_as_the_multiplier_nears_one():
+    bounds = [np.max(periodic_points(CircleMap.arnold(0.9 / TWO_PI - e, 0.9), 1).error_bound) for e in (1e-3, 1e-7)]
+    assert 30 < bounds[1] / bounds[0] < 300
+
+
+def test_a_collision_with_a_jump_is_one_border_point():
+    def contraction(shift):
+        return CircleMap(
+            lambda t: 0.6 * np.mod(t, TWO_PI) + TWO_PI * (shift + np.floor(t / TWO_PI)), lambda t: 0.6 + 0 * t, [0.0]
+        )
+
+    # The fixed point shift/(1 - 0.6) turns leaves through the jump at shift = 0 and at shift = 0.4.
+    for shift, kinds in (
+        (-1e-9, []),
+        (0.0, ["border-collision"]),
+        (1e-9, ["stable"]),
+        (0.4 - 1e-9, ["stable"]),
+        (0.4, ["border-collision"]),
+        (0.4 + 1e-9, []),
+    ):
+        found = periodic_points(contraction(shift), 1)
+        assert found.kind.tolist() == kinds
+        assert [p.kind for p in fixed_points(contraction(shift))] == kinds
+
+
+def test_plateaus_folds_and_kinks_in_one_map_give_superstable_orbits():
+    def clipped(t):
+        turns = np.floor(t / TWO_PI)
+        return np.minimum(3.0 * (t - TWO_PI * turns), 4.0) + TWO_PI * turns
+
+    breaks = [0.0, 4.0 / 3.0]
+    flat = CircleMap(clipped, lambda t: 3.0 * (np.mod(t, TWO_PI) < 4.0 / 3.0), breaks)
+    found = periodic_points(flat, 1)
+    np.testing.assert_allclose(found.theta[found.kind == "stable"], [4.0])
+    np.testing.assert_array_equal(found.multiplier[found.kind == "stable"], [0.0])
+    for n in (2, 3):
+        again = periodic_points(flat, n)
+        assert np.all(again.prime_period == 1)
+        assert again.count == found.count
+
+
+def test_fine_features_met_by_a_steep_second_iterate_are_not_missed():
+    # A ripple of wavelength 0.16 behind a slope of 9: each of the two routes sees it in its own way.
+    rippled = CircleMap(lambda x: 9 * x + 0.02 * np.sin(40 * x), lambda x: 9 + 0.8 * np.cos(40 * x), degree=9)
+    assert counts(periodic_points(rippled, 2)) == sign_changes(rippled, 2)
+    folded = CircleMap(lambda x: 3 * x + 0.2 * np.sin(40 * x), lambda x: 3 + 8 * np.cos(40 * x), degree=3)
+    assert counts(periodic_points(folded, 2)) == sign_changes(folded, 2)
+
+
+def test_bad_requests_are_refused():
+    for bad in (0, -2, 1.5):
+        with pytest.raises(InvalidInput, match="period"):
+            periodic_points(DOUBLING, bad)
+    with pytest.raises(InvalidInput, match="winding"):
+        periodic_points(DOUBLING, 2, 0.5)
+    with pytest.raises(InvalidInput, match="CircleMap"):
+        periodic_points(np.sin, 1)
+    with pytest.raises(InvalidInput, match="tangency"):
+        periodic_points(DOUBLING, 1, tangency=0.0)
+    with pytest.raises(InvalidInput, match="every point near"):
+        periodic_points(CircleMap.rigid(0.2), 5)
+    with pytest.raises(ConvergenceError, match="shorter period"):
+        periodic_points(CircleMap(lambda x: 9 * x, lambda x: 9 + 0 * x, degree=9), 9)
+    empty = periodic_points(CircleMap.rigid(0.2), 3)
+    assert (len(empty), empty.residual) == (0, 0.0)
+    with pytest.raises(ValueError, match="read-only"):
+        periodic_points(DOUBLING, 2).theta[0] = 1.0

@@ -1,0 +1,105 @@
+"""Cells, preimages and bracketed roots: monotone pieces, closed forms, breaks of iterates."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import ConvergenceError
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.bracketing import bracketed_root
+from cyclemap.maps.orbits.scan import crossings, iterate, iterate_breaks, monotone_cells, preimages
+
+TWO_PI = 2 * np.pi
+
+
+def test_roots_in_many_brackets_are_found_to_rounding_and_few_evaluations():
+    calls = []
+    shift = np.linspace(0.1, 50.0, 1000)
+
+    def residual(x, index):
+        calls.append(x.size)
+        return x**3 - shift[index]
+
+    found = bracketed_root(residual, np.zeros(1000), np.full(1000, 4.0))
+    np.testing.assert_allclose(found, np.cbrt(shift), rtol=1e-15)
+    assert sum(calls) < 14 * 1000
+
+
+def test_a_bracket_without_a_sign_change_gives_its_end_nearer_to_zero():
+    found = bracketed_root(lambda x, _: x * x + 1.0, np.array([1.0, -3.0]), np.array([2.0, -1.0]))
+    assert found.tolist() == [1.0, -1.0]
+
+
+def test_a_jump_and_a_flat_root_are_bracketed_to_rounding():
+    (jump,) = bracketed_root(lambda x, _: np.where(x < 0.3, -1.0, 2.0), np.array([0.0]), np.array([1.0]))
+    assert abs(jump - 0.3) < 1e-15
+    (flat,) = bracketed_root(lambda x, _: (x - 0.3) ** 9, np.array([0.0]), np.array([1.0]))
+    assert abs(flat - 0.3) < 1e-8
+    assert bracketed_root(lambda x, _: x, np.zeros(0), np.zeros(0)).size == 0
+
+
+@pytest.mark.parametrize("shift", [0.0, 1.0])
+def test_the_iterate_is_monotone_in_every_cell_and_the_cells_tile_the_turn(shift):
+    folded = CircleMap.arnold(0.3, 3.0)
+    cells = monotone_cells(folded, 4, shift, 512)
+    assert (cells.start[0], cells.end[-1]) == (0.0, TWO_PI)
+    np.testing.assert_array_equal(cells.start[1:], cells.end[:-1])
+    np.testing.assert_array_equal(cells.g_start[1:], cells.g_end[:-1])
+    inside = cells.start + np.linspace(0, 1, 9)[:, None] * (cells.end - cells.start)
+    steps = np.diff(iterate(folded, inside, 4) - shift * inside, axis=0)
+    trend = np.sign(cells.g_end - cells.g_start)
+    assert np.all(steps * trend > -1e-11)
+
+
+def test_turning_points_of_the_iterate_are_counted_by_the_chain_rule():
+    # (Fⁿ)' = 0 where some image up to the n-th is a fold: count the preimages of the folds one by one.
+    folded = CircleMap.arnold(0.3, 3.0)
+    folds = np.array([1.0, -1.0]) * np.arccos(1 / 3)
+    once = monotone_cells(folded, 1, 0.0, 512)
+    generation, total = np.mod(folds, TWO_PI), 0
+    for n in (1, 2, 3, 4):
+        total += generation.size
+        cells = monotone_cells(folded, n, 0.0, 512)
+        rising = cells.g_end > cells.g_start
+        assert np.count_nonzero(rising != np.roll(rising, 1)) == total
+        generation = preimages(folded, once, generation)[0]
+    assert total > 30
+
+
+def test_preimages_invert_the_map_and_agree_with_the_crossings_of_one_level():
+    folded, levels = CircleMap.arnold(0.3, 3.0), np.array([0.1, 2.0, 4.5])
+    cells = monotone_cells(folded, 1, 0.0, 512)
+    theta, owner = preimages(folded, cells, levels)
+    off = np.mod(folded(theta) - levels[owner] + np.pi, TWO_PI) - np.pi
+    assert np.max(np.abs(off)) < 1e-14
+    for i, level in enumerate(levels):
+        np.testing.assert_array_equal(theta[owner == i], crossings(folded, cells, float(level))[0])
+    counted = [
+        np.count_nonzero(np.diff(np.floor((folded(np.linspace(0, TWO_PI, 100_001)) - x) / TWO_PI))) for x in levels
+    ]
+    assert np.bincount(owner).tolist() == counted
+
+
+def test_breaks_of_an_iterate_are_the_preimages_of_the_breaks():
+    # The tripling map with a mark at 0: marks of the n-th iterate at k/3ⁿ⁻¹ turns, each once.
+    tripling = CircleMap(lambda x: 3 * x, lambda x: 3 + 0 * x, [0.0], degree=3)
+    for n in (1, 2, 4, 7):
+        np.testing.assert_allclose(
+            iterate_breaks(tripling, n, 512), TWO_PI * np.arange(3 ** (n - 1)) / 3 ** (n - 1), atol=3e-12
+        )
+
+
+def test_two_folds_behind_one_steep_cell_are_both_found():
+    # G = F∘F, F steep where it leads into a fine ripple: compare the extrema of G with a huge grid.
+    rippled = CircleMap(
+        lambda x: x + 2.4 * np.sin(x) + 0.04 * np.sin(45 * x), lambda x: 1 + 2.4 * np.cos(x) + 1.8 * np.cos(45 * x)
+    )
+    cells = monotone_cells(rippled, 2, 0.0, 512)
+    rising = cells.g_end > cells.g_start
+    grid = iterate(rippled, TWO_PI * np.arange(1_000_001) / 1_000_000, 2)
+    climbing = np.diff(grid) > 0
+    assert np.count_nonzero(rising != np.roll(rising, 1)) == np.count_nonzero(climbing != np.roll(climbing, 1))
+
+
+def test_a_map_too_steep_is_refused():
+    with pytest.raises(ConvergenceError, match="too steep"):
+        monotone_cells(CircleMap(lambda x: 9 * x, lambda x: 9 + 0 * x, degree=9), 8, 0.0, 512)

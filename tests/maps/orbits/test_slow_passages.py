@@ -1,0 +1,153 @@
+"""Near-tangencies: gap, curvature and passage time against closed forms and counted iterates."""
+
+from math import atan, pi, sqrt
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.periodic_points import periodic_points
+from cyclemap.maps.orbits.slow_passages import REACH, slow_passages
+
+TWO_PI = 2 * np.pi
+EDGE_HALF = 0.46301722338218515819112389  # left edge of the sine map's tongue 1/2 at K = 1, turns
+
+
+def outside(gap, strength=0.9):
+    """The sine map that clears its tongue 0/1 by ``gap`` radians."""
+    return CircleMap.arnold((strength + gap) / TWO_PI, strength)
+
+
+def lopsided(gap):
+    """A bottleneck at 0 with curvature 0.2 and a cubic term 0.05."""
+    return CircleMap(
+        lambda x: x + gap + (1 - np.cos(x)) * (0.4 + 0.1 * np.sin(x)),
+        lambda x: 1 + np.sin(x) * (0.4 + 0.1 * np.sin(x)) + 0.1 * (1 - np.cos(x)) * np.cos(x),
+    )
+
+
+def cycles_across(circle_map, low, high):
+    """Iterates from ``low`` to ``high`` > low, the last one counted by its share."""
+    lift, x, count = circle_map.scalar(), low, 0.0
+    while True:
+        y = lift(x)
+        if y >= high:
+            return count + (high - x) / (y - x)
+        x, count = y, count + 1.0
+
+
+def test_the_sine_maps_bottleneck_has_the_closed_form():
+    for gap in (1e-1, 1e-4, 1e-8):
+        (found,) = slow_passages(outside(gap))
+        assert abs(found.theta - pi / 2) < 1e-12
+        assert abs(found.gap - gap) < 1e-15
+        assert abs(found.curvature / 0.45 - 1) < 1e-8
+        assert abs(found.width / sqrt(gap / 0.45) - 1) < 1e-6
+        assert abs(found.passage_cycles / (pi / sqrt(0.45 * gap)) - 1) < 1e-6
+        assert (found.winding, found.period, found.direction) == (0, 1, 1)
+
+
+def test_counted_iterates_across_the_bottleneck_confirm_the_relative_error_at_every_gap():
+    checked = 0
+    for make in (outside, lopsided):
+        for gap in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
+            circle_map = make(gap)
+            (found,) = slow_passages(circle_map)
+            reach = REACH * found.width
+            counted = cycles_across(circle_map, found.theta - reach, found.theta + reach)
+            parabola = 2 * atan(REACH) / sqrt(found.curvature * found.gap)
+            # The share of the last step is itself good to (slope of the move)/8 of a cycle.
+            slack = found.curvature * reach / parabola
+            assert abs(abs(counted / parabola - 1) - found.relative_error) <= slack
+            assert abs(counted / parabola - 1) <= found.relative_error + slack
+            checked += 1
+    assert checked == 10
+
+
+def test_the_relative_error_is_of_order_one_in_the_gap():
+    gaps = np.geomspace(1e-6, 1e-3, 7)
+    for make in (outside, lopsided):
+        errors = [slow_passages(make(gap))[0].relative_error for gap in gaps]
+        order = np.polyfit(np.log(gaps), np.log(errors), 1)[0]
+        assert abs(order - 1.0) < 0.02
+
+
+def test_a_whole_turn_takes_the_passage_time_as_the_gap_closes():
+    # The rest of the turn costs a bounded number of cycles: the difference to π/√(aε) stays bounded.
+    rest = []
+    for gap in (1e-3, 1e-4, 1e-5, 1e-6):
+        circle_map = outside(gap)
+        (found,) = slow_passages(circle_map)
+        turn = cycles_across(circle_map, found.theta - pi, found.theta + pi)
+        rest.append(turn - found.passage_cycles)
+    assert np.ptp(rest) < 0.5
+    assert max(np.abs(rest)) < 5
+
+
+def test_a_tongue_of_period_two_leaves_one_passage_at_each_point():
+    for distance in (1e-4, 1e-6, 1e-8):
+        found = slow_passages(CircleMap.arnold(EDGE_HALF - distance, 1.0), 2)
+        assert [(p.period, p.winding, p.direction) for p in found] == [(2, 1, -1), (2, 1, -1)]
+        times = [p.passage_cycles for p in found]
+        assert abs(times[0] / times[1] - 1) < 10 * distance + 1e-3 * sqrt(distance)
+        (saddle, mate) = periodic_points(CircleMap.arnold(EDGE_HALF, 1.0), 2).theta
+        assert abs(found[0].theta - saddle) < 10 * distance
+        assert abs(found[1].theta - mate) < 10 * distance
+    assert slow_passages(CircleMap.arnold(EDGE_HALF + 1e-6, 1.0), 2) == []
+
+
+def test_under_the_second_iterate_a_whole_turn_takes_the_two_passages_of_period_two():
+    for distance in (1e-5, 1e-6, 1e-7):
+        circle_map = CircleMap.arnold(EDGE_HALF - distance, 1.0)
+        first, second = slow_passages(circle_map, 2)
+        lift, theta, cycles = circle_map.scalar(), first.theta, 0
+        while theta > first.theta - TWO_PI:
+            theta, cycles = lift(lift(theta)) - TWO_PI, cycles + 2
+        assert abs(cycles - first.passage_cycles - second.passage_cycles) < 20
+
+
+def test_downward_passages_and_other_windings():
+    (down,) = slow_passages(CircleMap.arnold(-(0.9 + 1e-4) / TWO_PI, 0.9))
+    assert (down.direction, down.winding) == (-1, 0)
+    assert down.gap < 0 > down.curvature
+    (next_turn,) = slow_passages(CircleMap.arnold(1 + (0.9 + 1e-4) / TWO_PI, 0.9))
+    assert next_turn.winding == 1
+    assert slow_passages(CircleMap.arnold(1 + (0.9 + 1e-4) / TWO_PI, 0.9), winding=0) == []
+
+
+def test_what_is_no_bottleneck_is_left_out():
+    assert slow_passages(CircleMap.arnold(0.1, 0.9)) == []  # locked: the curve crosses the line
+    assert slow_passages(CircleMap.rigid(0.001)) == []
+    ripple = CircleMap(lambda x: x + 0.05 + 1e-6 * np.cos(x), lambda x: 1 - 1e-6 * np.sin(x))
+    assert slow_passages(ripple) == []
+    assert slow_passages(outside(1e-3), 2) == []  # a passage of period one
+    assert slow_passages(outside(1e-3), least_cycles=1e4) == []
+    assert slow_passages(outside(1e-14)) == []  # within the tangency: a saddle-node
+    x = np.linspace(0, TWO_PI, 9)
+    roof = CircleMap.from_samples(
+        np.insert(x, 4, x[4]), np.insert(x + 0.01 + 0.3 * np.abs(x - pi), 4, x[4] + 0.01), [0.7] * 5 + [1.3] * 5
+    )
+    assert slow_passages(roof) == []  # the extremum is a kink
+
+
+def test_a_break_inside_the_stretch_leaves_the_error_open():
+    def broken(x):
+        turns = np.floor(x / TWO_PI)
+        y = x - TWO_PI * turns
+        return y + 1e-3 + 0.45 * (1 - np.sin(y)) + 0.01 * (y > 1.6) + TWO_PI * turns
+
+    (found,) = slow_passages(CircleMap(broken, lambda x: 1 - 0.45 * np.cos(x), [0.0, 1.6]))
+    assert found.relative_error == np.inf
+    assert abs(found.passage_cycles - pi / sqrt(0.225e-3)) < 1e-4
+
+
+def test_bad_requests_are_refused():
+    with pytest.raises(InvalidInput, match="CircleMap"):
+        slow_passages(np.sin)
+    with pytest.raises(InvalidInput, match="period"):
+        slow_passages(outside(1e-3), 0)
+    with pytest.raises(InvalidInput, match="least_cycles"):
+        slow_passages(outside(1e-3), least_cycles=-1.0)
+    with pytest.raises(InvalidInput, match="winding"):
+        slow_passages(outside(1e-3), winding=0.5)

@@ -1,0 +1,67 @@
+"""Passages beyond every float: closed forms, the plain time where it is still a float, large deviations."""
+
+import numpy as np
+import pytest
+from scipy.special import log_ndtr
+
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps import CircleMap, WrappedNormal, fixed_points
+from cyclemap.maps.noise.von_mises import VonMises
+from cyclemap.maps.passages import log_passage
+from cyclemap.maps.passages.log_passage import log10_passage_time
+from cyclemap.maps.passages.passage_times import mean_passage_time
+
+TWO_PI = 2 * np.pi
+STICKY = CircleMap.arnold(0.1, 0.9)
+STABLE, UNSTABLE = (float(p.points[0]) for p in fixed_points(STICKY))
+
+
+@pytest.mark.parametrize("lifted", [True, False])
+def test_a_reset_leaves_with_its_exceedance_whatever_its_size(lifted):
+    """A map that sends the arc to 0.1: T = 1/P(ξ > 0.9 or ξ < -1.1), known by log_ndtr, up to 10^1761."""
+    x = np.array([-1.5, 1.5, 1.5, TWO_PI - 1.5])
+    reset = CircleMap.from_samples(x, [0.1, 0.1, 0.1, TWO_PI], [0, 0, 0, 0.0])
+    for sigma in (0.1, 0.02, 0.01):
+        exact = -np.logaddexp(log_ndtr(-0.9 / sigma), log_ndtr(-1.1 / sigma)) / np.log(10)
+        found = log10_passage_time(reset, WrappedNormal(sigma), 0.0, (-1.0, 1.0), lifted=lifted)
+        assert found.holds(exact)
+        assert found.error_bound < 1e-10
+
+
+def test_both_methods_agree_where_the_time_is_still_a_float(monkeypatch):
+    """At 1e98 and at 1e38 cycles, on the line and on the circle, from the bottom and from high up."""
+    judged = 0
+    for sigma, lifted, start in ((0.05, True, STABLE), (0.08, False, STABLE), (0.08, True, UNSTABLE - 0.02)):
+        ends, noise = (-3.0, UNSTABLE), WrappedNormal(sigma)
+        plain = mean_passage_time(STICKY, noise, start, ends, lifted=lifted)
+        with monkeypatch.context() as patched:
+            patched.setattr(log_passage, "LONGEST", 0.0)
+            found = log10_passage_time(STICKY, noise, start, ends, lifted=lifted)
+        assert abs(found - np.log10(plain)) < found.error_bound + plain.error_bound / plain
+        direct = log10_passage_time(STICKY, noise, start, ends, lifted=lifted)
+        assert direct == np.log10(plain) and direct.holds(float(found))
+        judged += 1
+    assert judged == 3
+
+
+def test_the_logarithm_grows_as_large_deviations_say():
+    """σ² ln T tends to the barrier: from 1e98 to 10^391 cycles its slope in 1/σ² stays."""
+    sigmas = np.array([0.05, 0.04, 0.032, 0.025])
+    logs = [log10_passage_time(STICKY, WrappedNormal(s), STABLE, (-1.5, UNSTABLE), lifted=True) for s in sigmas]
+    slopes = np.diff(logs) / np.diff(1 / sigmas**2)
+    assert logs[-1] > 390
+    assert np.max(np.abs(slopes / slopes[-1] - 1)) < 1e-3
+    assert max(value.error_bound for value in logs) < 1e-9
+
+
+def test_two_wells_that_are_both_endless_are_refused():
+    two = CircleMap(lambda x: x - 0.25 * np.sin(2 * x), lambda x: 1 - 0.5 * np.cos(2 * x))
+    with pytest.raises(ConvergenceError, match="two parts"):
+        log10_passage_time(two, WrappedNormal(0.025), 0.0, (-0.5 * np.pi, 1.5 * np.pi), lifted=True)
+
+
+def test_other_laws_are_refused_only_where_they_must_be():
+    found = log10_passage_time(STICKY, VonMises(10.0), STABLE, (-1.5, UNSTABLE))
+    assert found > 1
+    with pytest.raises(InvalidInput, match="more than 1e300"):
+        log10_passage_time(STICKY, VonMises(1_500.0), STABLE, (-1.5, UNSTABLE), lifted=True)

@@ -1,0 +1,334 @@
+"""Enclosures of rotation numbers against 10,000 random maps whose rotation number is known some other way."""
+
+from bisect import bisect_right
+from fractions import Fraction
+from math import ceil, floor
+
+import numpy as np
+import pytest
+
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.parametric_lift import arnold_family, moebius_family
+from cyclemap.maps.rotation.rotation_batch import rotation_numbers
+from cyclemap.maps.rotation.rotation_number import rotation_interval, rotation_number
+
+TWO_PI = 2 * np.pi
+ITERATES = 200
+MOEBIUS, SINE, CONTRACTIONS, CONJUGATES, FOLDED, AT_ONCE = 1200, 2700, 1000, 500, 100, 2250
+
+
+def judged(maps, truths):
+    """Every map's enclosure, after the check that each holds its truth (a pair of bounds on it, as floats)."""
+    found = [rotation_number(circle_map, iterates=ITERATES, max_period=100) for circle_map in maps]
+    missed = [
+        (i, one.lower, one.upper, low, high)
+        for i, (one, (low, high)) in enumerate(zip(found, truths, strict=True))
+        if not (one.lower - 1e-15 * abs(low) <= high and low <= one.upper + 1e-15 * abs(low))
+        or not one.lower <= one.value <= one.upper
+    ]
+    assert missed == []
+    return found
+
+
+def widths(found):
+    return np.array([one.upper - one.lower for one in found])
+
+
+def test_the_counts_add_up_to_ten_thousand():
+    assert MOEBIUS + SINE + CONTRACTIONS + CONJUGATES + FOLDED + 2 * AT_ONCE == 10_000
+
+
+# -- Möbius maps: cos πρ = cos πΩ/√(1 - a²) ----------------------------------------------------------------
+
+
+def moebius_truth(a, omega):
+    """Bounds on ρ that allow for rounding of sin πΩ - a: exact up to 1e-14 away from the tongue's edge."""
+    base = floor(omega)
+    part = omega - base
+    beyond = np.sin(np.pi * part) - a + np.array([-1e-15, 1e-15]) * (1 + abs(omega))
+    sine = np.sqrt(np.maximum(beyond, 0.0) * (beyond + 2 * a)) / np.sqrt(1 - a * a)
+    cosine = np.cos(np.pi * part) / np.sqrt(1 - a * a)
+    angles = np.arctan2(sine, cosine) / np.pi
+    angles = np.where(beyond <= 0.0, 0.0 if part < 0.5 else 1.0, angles)
+    slack = 1e-14 * (1 + abs(omega))
+    return base + angles.min() - slack, base + angles.max() + slack
+
+
+def random_moebius(rng):
+    a = rng.choice([rng.uniform(0, 1), 1 - 10 ** rng.uniform(-4, -1), 10 ** rng.uniform(-12, -1)])
+    omega = rng.choice([rng.uniform(-3, 3), np.arcsin(a) / np.pi, -np.arcsin(a) / np.pi, rng.uniform(-900, 900)])
+    near = Fraction(int(rng.integers(-9, 9)), int(rng.integers(1, 9)))
+    return a, rng.choice([omega, omega, omega, float(near) + rng.choice([-1, 1]) * 10 ** rng.uniform(-14, -2)])
+
+
+def test_moebius_maps_hold_the_closed_form():
+    rng = np.random.default_rng(1)
+    drawn = [random_moebius(rng) for _ in range(MOEBIUS)]
+    found = judged([CircleMap.moebius(*pair) for pair in drawn], [moebius_truth(*pair) for pair in drawn])
+    assert len(found) == MOEBIUS
+    assert widths(found).max() < 2.01 / ITERATES
+    assert np.quantile(widths(found), 0.9) < 1.01 / ITERATES
+    assert np.median(widths(found)) < 5e-4
+    assert sum(one.locked is not None for one in found) > 300
+    assert all(one.locked is None or one.locked.denominator == 1 for one in found)
+
+
+# -- sine maps: the tongue 0/1 exactly, else an independent enclosure twenty times as long ------------------
+
+
+def sine_enclosures(omega, strength, cycles=3000, start=2.0):
+    """[lower, upper] of many sine maps, |K| ≤ 1: orbits of F - 1e-12 and F + 1e-12 bound ρ by (whole turns)/n."""
+    whole = np.floor(omega)
+    shift = TWO_PI * (omega - whole)
+    low, high = np.full(omega.size, -np.inf), np.full(omega.size, np.inf)
+    under, over = np.full(omega.size, start), np.full(omega.size, start)
+    for n in range(1, cycles + 1):
+        under = under + (shift - 1e-12 - strength * np.sin(under))
+        over = over + (shift + 1e-12 - strength * np.sin(over))
+        low = np.maximum(low, np.floor((under - start) / TWO_PI) / n)
+        high = np.minimum(high, np.ceil((over - start) / TWO_PI) / n)
+    inside = np.abs(omega - np.round(omega)) < strength / TWO_PI - 1e-12 * (1 + np.abs(omega))
+    known = np.round(omega)
+    return np.where(inside, known, whole + low), np.where(inside, known, whole + high)
+
+
+def random_sine(rng):
+    strength = rng.choice([rng.uniform(0, 1), 10 ** rng.uniform(-14, -2), 1 - 10 ** rng.uniform(-9, -1), 1.0])
+    near = Fraction(int(rng.integers(-9, 9)), int(rng.integers(1, 9)))
+    edge = rng.choice([-1, 1]) * strength / TWO_PI
+    omegas = [rng.uniform(-2, 2), rng.uniform(0, 1), edge, float(near) + 10 ** rng.uniform(-14, -2), float(near)]
+    return rng.choice([*omegas, rng.uniform(-1000, 1000)]), strength
+
+
+def test_sine_maps_agree_with_a_longer_independent_enclosure():
+    rng = np.random.default_rng(2)
+    drawn = np.array([random_sine(rng) for _ in range(SINE)])
+    low, high = sine_enclosures(*drawn.T)
+    found = judged([CircleMap.arnold(*pair) for pair in drawn.tolist()], list(zip(low, high, strict=True)))
+    assert len(found) == SINE
+    assert np.median(high - low) < 0.3 * np.median(widths(found))
+    assert widths(found).max() < 2.01 / ITERATES
+    assert np.quantile(widths(found), 0.9) < 1.01 / ITERATES
+    assert sum(one.locked is not None for one in found) > 500
+
+
+def test_sine_maps_hold_the_weighted_birkhoff_average():
+    """Where its own two windows agree to 1e-11 it is the truth to that."""
+    rng = np.random.default_rng(3)
+    omega, strength = rng.uniform(0, 1, 300), rng.uniform(0, 0.8, 300)
+    t = np.arange(1, 6001) / 6001
+    weight = np.exp(-1 / (t * (1 - t)))
+    theta, steps = np.zeros(300), []
+    for _ in range(6000):
+        steps.append(TWO_PI * omega - strength * np.sin(theta))
+        theta = np.mod(theta + steps[-1], TWO_PI)
+    steps = np.array(steps) / TWO_PI
+    mean = weight @ steps / weight.sum()
+    shorter = weight[::2] @ steps[:3000] / weight[::2].sum()
+    sure = np.flatnonzero(np.abs(mean - shorter) < 1e-11)
+    for i in sure:
+        found = rotation_number(CircleMap.arnold(omega[i], strength[i]), iterates=2000)
+        assert found.lower - 1e-11 <= mean[i] <= found.upper + 1e-11
+        assert found.upper - found.lower < 2e-4
+    assert sure.size > 150
+
+
+def test_many_at_once_hold_the_same_truths():
+    rng = np.random.default_rng(9)
+    moebius = np.array([random_moebius(rng) for _ in range(AT_ONCE)])
+    sine = np.array([random_sine(rng) for _ in range(AT_ONCE)])
+    exact = np.array([moebius_truth(*pair) for pair in moebius]).T
+    for family, drawn, truth in ((moebius_family, moebius, exact), (arnold_family, sine, sine_enclosures(*sine.T))):
+        found = rotation_numbers(family, *drawn.T)
+        slack = 1e-15 * np.abs(truth[0])
+        assert np.all((found.lower - slack <= truth[1]) & (truth[0] <= found.upper + slack))
+        assert np.all(found.met)
+        assert np.sum(found.period > 0) > 400
+
+
+# -- contractions with a gap: plateaus of a devil's staircase, exact in fractions ---------------------------
+
+
+def plateau(slope, ratio):
+    """The δ, in exact fractions, where x → λx + δ (mod 1) has ρ = p/q: (left edge, right edge)."""
+    q = ratio.denominator
+    below = sum((floor((k + 1) * ratio) - floor(k * ratio)) * slope**k for k in range(q))
+    above = sum((ceil((k + 1) * ratio) - ceil(k * ratio)) * slope**k for k in range(q))
+    rest = 1 - slope**q
+    return (1 - slope) * above / rest, (1 - slope) * (1 + below / rest)
+
+
+def contraction(slope, shift):
+    def lift(theta):
+        turns = np.floor(theta / TWO_PI)
+        return slope * (theta - TWO_PI * turns) + TWO_PI * (shift + turns)
+
+    def scalar(theta):
+        turns = floor(theta / TWO_PI)
+        return slope * (theta - TWO_PI * turns) + TWO_PI * (shift + turns)
+
+    return CircleMap.with_scalar(lift, lambda theta: np.full_like(theta, slope), scalar, breaks=[0.0])
+
+
+def random_contraction(rng):
+    """(λ, δ, bounds on ρ): inside a plateau, on its edges to the last bit, or a rounding unit beyond."""
+    slope, ratio = rng.uniform(0.05, 0.95), Fraction(int(rng.integers(-15, 30)), int(rng.integers(1, 14)))
+    left, right = plateau(Fraction(slope), ratio)
+    shift = rng.choice([float(left + (right - left) * Fraction(rng.uniform())), float(left), float(right)])
+    shift = float(rng.choice([shift, np.nextafter(shift, np.inf), np.nextafter(shift, -np.inf)]))
+    if left <= Fraction(shift) < right:
+        return slope, shift, (float(ratio), float(ratio))
+    past = Fraction(shift) >= right
+    return slope, shift, ((float(ratio), np.inf) if past else (-np.inf, float(ratio)))
+
+
+def test_contractions_hold_their_plateau_of_the_devils_staircase():
+    rng = np.random.default_rng(4)
+    drawn = [random_contraction(rng) for _ in range(CONTRACTIONS)]
+    found = judged([contraction(slope, shift) for slope, shift, _ in drawn], [truth for *_, truth in drawn])
+    assert len(found) == CONTRACTIONS
+    sure = [one for one, (*_, truth) in zip(found, drawn, strict=True) if truth[0] == truth[1]]
+    assert len(sure) > 500
+    assert sum(one.locked is not None for one in sure) > 250
+    assert np.quantile(widths(found), 0.9) < 0.04
+    assert np.median(widths(found)) < 0.005
+
+
+# -- piecewise-linear maps ---------------------------------------------------------------------------------
+
+
+def piecewise_linear(nodes, values, max_error=0.0):
+    """The degree-1 lift through (nodes, values), in turns, nodes within [0, 1), straight between them."""
+    x = TWO_PI * np.concatenate([nodes[-1:] - 1, nodes, nodes[:1] + 1])
+    y = TWO_PI * np.concatenate([values[-1:] - 1, values, values[:1] + 1])
+    slopes = np.diff(y) / np.diff(x)
+    xs, ys, rates = x.tolist(), y.tolist(), slopes.tolist()
+
+    def scalar(theta):
+        turns = TWO_PI * floor(theta / TWO_PI)
+        piece = min(bisect_right(xs, theta - turns) - 1, len(rates) - 1)
+        return ys[piece] + rates[piece] * (theta - turns - xs[piece]) + turns
+
+    def piece_of(theta):
+        turns = TWO_PI * np.floor(theta / TWO_PI)
+        return np.minimum(np.searchsorted(x, theta - turns, side="right") - 1, slopes.size - 1), turns
+
+    def lift(theta):
+        piece, turns = piece_of(theta)
+        return y[piece] + slopes[piece] * (theta - turns - x[piece]) + turns
+
+    def derivative(theta):
+        return slopes[piece_of(theta)[0]]
+
+    return CircleMap.with_scalar(lift, derivative, scalar, breaks=x[1:-1], max_error=max_error)
+
+
+def random_conjugate(rng):
+    """h ∘ (rotation by ρ) ∘ h⁻¹ with a piecewise-linear h; its nodes are good to 1e-15 turns times ρ."""
+    sources, images = (np.sort(rng.uniform(0.0, 1.0, 4)) for _ in range(2))
+    u = np.concatenate([sources + k for k in range(-1, 3)])
+    v = np.concatenate([images + k for k in range(-1, 3)])
+    near = Fraction(int(rng.integers(-9, 9)), int(rng.integers(1, 9)))
+    rho = rng.choice([rng.uniform(-2, 2), float(near), float(near) + rng.choice([-1, 1]) * 10 ** rng.uniform(-13, -3)])
+    part = rho - floor(rho)
+    bends = np.unique(np.mod(np.concatenate([sources, sources - part]), 1.0))
+    nodes, values = np.interp(bends, u, v), np.interp(bends + part, u, v) + floor(rho)
+    turns = np.floor(nodes)
+    order = np.argsort(nodes - turns)
+    nodes, values = (nodes - turns)[order], (values - turns)[order]
+    if np.min(np.diff(np.append(nodes, nodes[0] + 1))) < 1e-3 or np.max(np.diff(v) / np.diff(u)) > 8:
+        return random_conjugate(rng)
+    return piecewise_linear(nodes, values, max_error=1e-13), rho
+
+
+def test_conjugates_of_rotations_keep_the_rotation_number():
+    rng = np.random.default_rng(5)
+    drawn = [random_conjugate(rng) for _ in range(CONJUGATES)]
+    found = judged([one for one, _ in drawn], [(rho, rho) for _, rho in drawn])
+    assert len(found) == CONJUGATES
+    assert widths(found).max() < 2.01 / ITERATES
+    assert np.median(widths(found)) < 0.5 / ITERATES
+    # Every orbit of a rational one is periodic and none attracts: nothing is locked.
+    assert all(one.locked is None for one in found)
+
+
+def tent_interval(slope, shift, period):
+    """The rotation interval of ω + tent of slopes ±s, ω = shift/period, by its exact monotone envelopes."""
+    grid = 2 * period
+
+    def rotation(level, begin):
+        # On [begin, begin + 1) the envelope is min(s·x, level) + ω; all in multiples of 1/grid.
+        x, seen = level, {}
+        for n in range(10 * grid):
+            turns = (x - begin) // grid
+            base = x - turns * grid
+            if base in seen:
+                start, lap = seen[base]
+                return Fraction(turns - lap, n - start)
+            seen[base] = (n, turns)
+            x = min(slope * base, level) + 2 * shift + turns * grid
+        raise AssertionError("no cycle on a finite grid")
+
+    top = period * (slope + 1)
+    return rotation(grid, 0), rotation(top, Fraction(top - grid, slope))
+
+
+def random_tent(rng):
+    slope, period = int(rng.integers(2, 6)), int(rng.integers(2, 40))
+    shift = int(rng.integers(-2 * period, 3 * period))
+    bend = (1 + slope) / (2 * slope)
+    made = piecewise_linear(np.array([0.0, bend]), np.array([0.0, slope * bend]) + shift / period)
+    return made, tent_interval(slope, shift, period)
+
+
+def test_folded_tents_hold_their_exact_rotation_interval():
+    rng = np.random.default_rng(6)
+    drawn = [random_tent(rng) for _ in range(FOLDED)]
+    locked = 0
+    for tent, (low, high) in drawn:
+        found = rotation_interval(tent, iterates=ITERATES, max_period=100)
+        assert found.lower_number.lower <= low <= found.lower_number.upper
+        assert found.upper_number.lower <= high <= found.upper_number.upper
+        locked += (found.lower_number.locked == low) + (found.upper_number.locked == high)
+    assert len(drawn) == FOLDED
+    assert locked > FOLDED
+    for tent, (low, high) in drawn[:20]:
+        number = rotation_number(tent, iterates=ITERATES)
+        assert number.lower <= low <= high <= number.upper
+
+
+# -- max_error ---------------------------------------------------------------------------------------------
+
+
+def test_max_error_covers_every_map_that_near():
+    """[lower, upper] of F with max_error e holds ρ(F + c) for all |c| ≤ e, and is hardly wider than they spread."""
+    rng = np.random.default_rng(7)
+    checked = 0
+    for _ in range(60):
+        omega, strength, error = rng.uniform(0, 1), rng.uniform(0, 1), 10 ** rng.uniform(-6, -2)
+        claimed = CircleMap(
+            lambda x, o=omega, k=strength: x + TWO_PI * o - k * np.sin(x),
+            lambda x, k=strength: 1 - k * np.cos(x),
+            max_error=error,
+        )
+        found = rotation_number(claimed, iterates=600)
+        shifts = omega + np.array([-1, -0.7, 0.2, 1]) * error / TWO_PI
+        spread = [rotation_number(CircleMap.arnold(shift, strength), iterates=600) for shift in shifts]
+        for one in spread:
+            assert found.lower <= one.upper
+            assert one.lower <= found.upper
+            checked += found.locked is None or found.locked == one.locked
+        assert found.lower <= spread[0].lower
+        assert spread[-1].upper <= found.upper
+        assert found.upper - found.lower <= spread[-1].upper - spread[0].lower + 1e-9
+    assert checked == 240
+
+
+@pytest.mark.parametrize("error", [1e-9, 1e-3])
+def test_a_lock_with_max_error_needs_the_whole_band_inside_the_tongue(error):
+    edge = 0.9 / TWO_PI
+    for omega, inside in ((edge - 2 * error / TWO_PI, True), (edge - 0.5 * error / TWO_PI, False)):
+        plain = CircleMap.arnold(omega, 0.9)
+        claimed = CircleMap(plain, plain.derivative, max_error=error)
+        assert rotation_number(plain, iterates=4000).locked == 0
+        assert (rotation_number(claimed, iterates=4000).locked == 0) == inside

@@ -1,0 +1,164 @@
+"""Maps that wear: blends of lifts, families on a schedule, and the staircase of slow drift."""
+
+import time
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.noise_law import WrappedNormal
+from cyclemap.maps.operator.transfer_operator import transfer_operator
+from cyclemap.maps.staircases.drifting_map import DriftingMap, predict_drift
+from cyclemap.maps.staircases.staircase import sample_staircase, sample_staircases
+
+TWO_PI = 2 * np.pi
+FRESH, WORN = CircleMap.arnold(0.15, 0.9), CircleMap.arnold(0.2, 0.9)
+WEAR = DriftingMap.between([(100, FRESH), (300, WORN)])
+
+
+def family(p):
+    return CircleMap.arnold(0.15 + 0.05 * p, 0.9)
+
+
+def test_a_frozen_map_is_the_blend_of_its_neighbours_and_a_lift():
+    x = np.linspace(-7.0, 9.0, 50)
+    for cycle, share in ((0, 0.0), (100, 0.0), (150, 0.25), (300, 1.0), (1000, 1.0)):
+        frozen = WEAR.at(cycle)
+        np.testing.assert_allclose(frozen(x), (1 - share) * FRESH(x) + share * WORN(x), rtol=0, atol=1e-13)
+        np.testing.assert_allclose(frozen(x + TWO_PI), frozen(x) + TWO_PI, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(frozen.derivative(x), 1 - 0.9 * np.cos(x), rtol=0, atol=1e-13)
+        assert abs(frozen.scalar()(1.3) - frozen(1.3)) < 1e-13
+
+
+def test_a_blend_keeps_the_breaks_of_both():
+    step = CircleMap(lambda x: x + 0.2 * np.floor((x - 1) / TWO_PI) * 0 + 0.1 * np.mod(x - 1, TWO_PI), breaks=[1.0])
+    both = DriftingMap.between([(0, step), (10, CircleMap(lambda x: x + 0.1 * np.mod(x, TWO_PI), breaks=[0.0]))])
+    assert both.at(5).breaks.tolist() == [0.0, 1.0]
+    assert both.at(0).breaks.tolist() == [1.0]
+
+
+def test_a_noise_free_path_goes_through_each_cycles_own_map():
+    for worn in (
+        WEAR,
+        DriftingMap.between([(10.5, FRESH), (11.2, WORN), (200, FRESH)]),
+        DriftingMap.between([(5, WORN)]),
+    ):
+        path = sample_staircase(worn, None, 400, start=0.3).theta
+        expected = [0.3]
+        for n in range(400):
+            expected.append(float(worn.at(n)(expected[-1])))
+        np.testing.assert_allclose(path, expected, rtol=0, atol=1e-9)
+        (same,) = sample_staircases(worn, None, 400, [0.3])
+        np.testing.assert_allclose(same, expected, rtol=0, atol=1e-9)
+
+
+def test_chunks_of_a_long_run_meet_without_a_seam():
+    worn = DriftingMap.between([(0, CircleMap.rigid(0.0)), (150_000, CircleMap.rigid(1e-4))])
+    path = sample_staircase(worn, None, 150_000)
+    turns = np.diff(path.theta)
+    np.testing.assert_allclose(turns, TWO_PI * 1e-4 * np.arange(150_000) / 150_000, rtol=0, atol=1e-10)
+
+
+def test_a_family_is_met_to_the_stated_tolerance_on_every_cycle_tried():
+    for schedule in (lambda n: np.sin(n / 90.0), lambda n: (n / 700.0) ** 3, lambda n: np.exp(-n / 50.0)):
+        worn = DriftingMap.of_family(family, schedule, 1_000, tolerance=1e-4)
+        x = np.linspace(0.0, TWO_PI, 97)
+        errors = [np.max(np.abs(worn.at(n)(x) - family(schedule(n))(x))) for n in range(0, 1_000, 7)]
+        assert len(errors) == 143
+        assert worn.max_error <= 1e-4
+        assert max(errors) < 1.3e-4
+        assert worn.cycles.size < 300
+
+
+def test_a_linear_schedule_of_a_linear_family_needs_no_more_maps_than_the_first():
+    worn = DriftingMap.of_family(family, lambda n: 0.001 * n, 10_000, tolerance=1e-9)
+    assert worn.cycles.size == 9
+    assert worn.max_error < 1e-12
+
+
+def test_a_schedule_that_jumps_is_followed_exactly():
+    values = np.where(np.arange(500) < 237, 0.0, 1.0)
+    worn = DriftingMap.of_family(family, values, 500, tolerance=1e-9)
+    jump = [float((worn.at(n)(0.0) - FRESH(0.0)) / (WORN(0.0) - FRESH(0.0))) for n in range(500)]
+    np.testing.assert_allclose(jump, values, rtol=0, atol=1e-9)
+
+
+def test_a_family_that_maps_cannot_follow_says_how_far_off_they_are():
+    rng = np.random.default_rng(1)
+    with pytest.raises(ConvergenceError, match="4096 maps still leave"):
+        DriftingMap.of_family(CircleMap.rigid, rng.uniform(size=10_000), 10_000)
+
+
+def test_sampling_through_wear_runs_at_a_hundred_thousand_cycles_a_second_or_more():
+    x = np.linspace(0, TWO_PI, 300, endpoint=False)
+    maps = [CircleMap.from_samples(x, m(x), m.derivative(x)) for m in (FRESH, WORN)]
+    worn = DriftingMap.between([(0, maps[0]), (100_000, maps[1])])
+    begin = time.process_time()
+    sample_staircase(worn, WrappedNormal(0.05), 100_000)
+    assert time.process_time() - begin < 1.0
+
+
+def test_the_adiabatic_climb_of_a_drifting_rotation_is_its_sum():
+    worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (400, CircleMap.rigid(0.2)), (600, CircleMap.rigid(0.0))])
+    found = predict_drift(worn, WrappedNormal(0.3), 700)
+    truth = sum(float(worn.at(n).turn(0.0)) for n in range(700)) / TWO_PI
+    # The sum and the integral differ by the kinks of the schedule alone, an eighth of each.
+    assert abs(found.turns - truth) < 1e-3
+    assert found.steps is None
+    assert np.all(np.isnan(found.step))
+    np.testing.assert_allclose(found.mean_turn[0], 0.2 * np.pi, rtol=0, atol=1e-10)
+
+
+def test_sampled_turns_under_slow_wear_agree_with_the_adiabatic_ones():
+    """Mean of 300 runs of 4,000 cycles, against the sum of the frozen maps' rotation numbers."""
+    noise, cycles = WrappedNormal(0.3), 4_000
+    worn = DriftingMap.between([(0, FRESH), (cycles, WORN)])
+    found = predict_drift(worn, noise, cycles)
+    paths = sample_staircases(worn, noise, cycles, np.linspace(0, TWO_PI, 300, endpoint=False), seed=2)
+    # Both runs start with the law forgotten, so a hundred cycles are left to the start.
+    turns = (paths[:, -1] - paths[:, 100]) / TWO_PI
+    skipped = 100 * transfer_operator(FRESH, noise).rotation_number
+    error = turns.std() / np.sqrt(turns.size)
+    assert abs(turns.mean() - (found.turns - skipped)) < 4 * error + found.turns.error_bound + 0.02
+    assert error < 1e-3 * found.turns
+    assert found.turns > 200
+    assert found.turns.error_bound < 0.01
+    assert 0.0 < found.lag_turns < 5.0
+
+
+def test_wear_that_opens_a_bottleneck_shortens_the_residence_and_hastens_the_climb():
+    found = predict_drift(WEAR, WrappedNormal(0.15), 400, points=3)
+    assert found.cycles.tolist() == [0.0, 199.5, 399.0]
+    assert np.all(np.diff(found.mean_turn) > 0)
+    assert np.all(np.diff(found.mean_residence_cycles) < 0)
+    np.testing.assert_allclose(found.step, TWO_PI)
+    assert found.steps == pytest.approx(float(found.turns))
+
+
+def test_a_family_on_a_schedule_and_the_blend_of_its_ends_predict_the_same():
+    noise = WrappedNormal(0.5)
+    blend = predict_drift(DriftingMap.between([(0, FRESH), (999, WORN)]), noise, 1_000, points=2)
+    worn = DriftingMap.of_family(family, lambda n: n / 999, 1_000)
+    assert abs(predict_drift(worn, noise, 1_000, points=2).turns - blend.turns) < 0.01
+
+
+def test_bad_requests_are_refused():
+    with pytest.raises(InvalidInput, match="each above the one before"):
+        DriftingMap.between([(10, FRESH), (10, WORN)])
+    with pytest.raises(InvalidInput, match="give one map a cycle"):
+        DriftingMap(np.array([0.0, 1.0]), (FRESH,))
+    with pytest.raises(InvalidInput, match="degree 1"):
+        DriftingMap.between([(0, CircleMap(lambda x: 2 * x, degree=2))])
+    with pytest.raises(InvalidInput, match="at least one"):
+        DriftingMap.between([])
+    with pytest.raises(InvalidInput, match="one entry for each of 20 cycles"):
+        DriftingMap.of_family(family, np.zeros(10), 20)
+    with pytest.raises(InvalidInput, match="family is 3"):
+        DriftingMap.of_family(3, np.zeros(10), 10)
+    with pytest.raises(InvalidInput, match="cycle must be a finite number"):
+        WEAR.at(np.nan)
+    with pytest.raises(InvalidInput, match="give a DriftingMap"):
+        predict_drift(FRESH, WrappedNormal(0.1), 100)
+    with pytest.raises(InvalidInput, match="cycles must be at least 2"):
+        predict_drift(WEAR, WrappedNormal(0.1), 1)

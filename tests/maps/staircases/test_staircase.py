@@ -1,0 +1,245 @@
+"""Staircases and what theory predicts of them."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.noise_law import WrappedNormal
+from cyclemap.maps.operator.transfer_operator import transfer_operator
+from cyclemap.maps.passages.passage_times import mean_passage_time
+from cyclemap.maps.staircases.drifting_map import DriftingMap
+from cyclemap.maps.staircases.staircase import SlowZone, predict_staircase, sample_staircase, sample_staircases
+
+TWO_PI = 2 * np.pi
+STICKY = CircleMap.arnold(0.1, 0.9)
+
+
+def sampled(circle_map, count=300):
+    x = np.linspace(0, TWO_PI, count, endpoint=False)
+    return CircleMap.from_samples(x, circle_map(x), circle_map.derivative(x))
+
+
+def test_a_path_without_noise_is_the_orbit():
+    for circle_map in (STICKY, sampled(STICKY), CircleMap(STICKY)):
+        path = sample_staircase(circle_map, None, 50, start=-20.0)
+        assert path.theta.shape == (51,)
+        assert path.cycles == 50
+        np.testing.assert_allclose(path.theta[1:], circle_map(path.theta[:-1]), rtol=0, atol=1e-12)
+
+
+def test_the_same_seed_gives_the_same_path_and_its_kicks_follow_the_noise():
+    noise = WrappedNormal(0.2)
+    path = sample_staircase(STICKY, noise, 100_000, start=1.0, seed=7)
+    again = sample_staircase(STICKY, noise, 100_000, start=1.0, seed=7)
+    other = sample_staircase(STICKY, noise, 100_000, start=1.0, seed=8)
+    assert np.array_equal(path.theta, again.theta)
+    assert not np.array_equal(path.theta, other.theta)
+    kicks = path.theta[1:] - STICKY(path.theta[:-1])
+    assert abs(kicks.mean()) < 5 * 0.2 / np.sqrt(kicks.size)
+    assert abs(kicks.std() - 0.2) < 5 * 0.2 / np.sqrt(2 * kicks.size)
+
+
+def test_the_mean_turn_is_the_operators():
+    sine, noise = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.1)
+    path = sample_staircase(sine, noise, 300_000, seed=3)
+    blocks = np.diff(path.theta).reshape(100, -1).mean(axis=1)
+    predicted = predict_staircase(sine, noise).mean_turn
+    assert abs(blocks.mean() - predicted) < 5 * blocks.std() / 10
+    assert abs(path.mean_turn - blocks.mean()) < 1e-12
+
+
+def test_a_stable_point_makes_steps_of_one_turn_and_its_escape_time():
+    noise = WrappedNormal(0.45)
+    found = predict_staircase(STICKY, noise, transfer_operator(STICKY, noise))
+    (zone,) = found.zones
+    assert (zone.kind, found.step) == ("stable", TWO_PI)
+    assert abs(zone.arc[1] - zone.arc[0] - TWO_PI) < 1e-9
+    rng = np.random.default_rng(6)
+    theta, lives = np.full(4000, zone.centre), np.zeros(4000)
+    alive = np.ones(4000, dtype=bool)
+    while np.any(alive):
+        lives[alive] += 1
+        theta[alive] = STICKY(theta[alive]) + noise.sample(rng, int(alive.sum()))
+        alive &= (theta >= zone.arc[0]) & (theta <= zone.arc[1])
+    assert abs(found.mean_residence_cycles - lives.mean()) < 5 * lives.std() / np.sqrt(lives.size)
+
+
+def test_two_stable_points_make_steps_of_half_a_turn():
+    twin = CircleMap(lambda x: x + 0.1 - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
+    found = predict_staircase(twin, WrappedNormal(0.3))
+    assert [zone.kind for zone in found.zones] == ["stable", "stable"]
+    assert abs(found.step - np.pi) < 1e-15
+    one, other = found.zones
+    assert abs(one.residence_cycles / other.residence_cycles - 1) < 1e-9
+    assert abs(other.centre - one.centre - np.pi) < 1e-9
+
+
+def test_a_ghost_holds_the_path_for_the_saddle_node_time():
+    """θ' = θ + ε + a(θ - θ₀)² passes its bottleneck in about π/√(aε) cycles."""
+    strength, gap = 0.6, 1e-3
+    sine = CircleMap.arnold((strength + gap) / TWO_PI, strength)
+    found = predict_staircase(sine, WrappedNormal(0.02))
+    (zone,) = found.zones
+    assert (zone.kind, found.step) == ("ghost", TWO_PI)
+    assert abs(zone.centre - np.pi / 2) < 2e-3
+    assert isinstance(found.mean_residence_cycles, Estimate)
+    assert isinstance(found.mean_turn, Estimate)
+    theory = np.pi / np.sqrt(0.5 * strength * gap)
+    assert 0.4 * theory < found.mean_residence_cycles < 1.1 * theory
+
+
+def test_the_ghosts_zone_is_where_the_turn_is_below_half_its_mean():
+    sine = CircleMap.arnold(0.2, 0.9)
+    (zone,) = predict_staircase(sine, WrappedNormal(0.05)).zones
+    np.testing.assert_allclose(sine.turn(np.array(zone.arc)), 0.5 * TWO_PI * 0.2, atol=1e-5)
+    assert zone.residence_cycles == mean_passage_time(sine, WrappedNormal(0.05), zone.arc[0], zone.arc)
+
+
+def test_whole_turns_added_to_the_map_change_only_the_mean_turn():
+    plain = predict_staircase(STICKY, WrappedNormal(0.3))
+    faster = predict_staircase(CircleMap.arnold(1.1, 0.9), WrappedNormal(0.3))
+    assert abs(faster.mean_turn - plain.mean_turn - TWO_PI) < 1e-12
+    assert abs(faster.mean_residence_cycles / plain.mean_residence_cycles - 1) < 1e-9
+
+
+def test_whole_turns_added_to_a_map_with_a_ghost_change_only_the_mean_turn():
+    plain = predict_staircase(CircleMap.arnold(0.15, 0.9), WrappedNormal(0.1))
+    faster = predict_staircase(CircleMap.arnold(-0.85, 0.9), WrappedNormal(0.1))
+    assert abs(faster.mean_turn - plain.mean_turn + TWO_PI) < 1e-10
+    assert [zone.winding for zone in faster.zones] == [-1]
+    assert abs(faster.zones[0].residence_cycles / plain.zones[0].residence_cycles - 1) < 1e-9
+    assert abs(faster.net_step - plain.net_step) < 1e-8
+    assert abs(faster.cycles_a_step / plain.cycles_a_step - 1) < 1e-9
+
+
+def visits_counted(path, zone):
+    """Lengths of the runs inside a copy of the arc that reach the core, and where they end, one cycle at a time."""
+    lengths, above, first, deep = [], 0, None, False
+    for n, theta in enumerate(path):
+        turns = np.floor((theta - zone.arc[0]) / TWO_PI)
+        place = theta - TWO_PI * turns
+        here = turns if place < zone.arc[1] else None
+        if first is not None and here != first[1]:
+            if deep and first[0] > 0:
+                lengths.append(n - first[0])
+                above += theta > first[1] * TWO_PI + zone.arc[1]
+            first, deep = None, False
+        if first is None and here is not None:
+            first = (n, here)
+        deep |= here is not None and zone.core[0] <= place <= zone.core[1]
+    return np.array(lengths), above
+
+
+@pytest.mark.parametrize(("omega", "K", "sigma"), [(0.15, 0.9, 0.3), (0.1, 0.9, 0.6), (0.03, 0.9, 0.8)])
+def test_visits_of_the_stationary_path_have_the_predicted_number_mean_spread_and_ends(omega, K, sigma):
+    """Two routes: integral equations on the arc, and 150,000 cycles counted one by one."""
+    circle_map, noise = CircleMap.arnold(omega, K), WrappedNormal(sigma)
+    (zone,) = predict_staircase(circle_map, noise).zones
+    cycles = 150_000
+    lengths, above = visits_counted(sample_staircase(circle_map, noise, cycles, seed=5).theta.tolist(), zone)
+    assert lengths.size > 500
+    error = lengths.std() / np.sqrt(lengths.size)
+    assert abs(lengths.mean() - zone.visit_cycles) < 4 * error
+    assert zone.visit_cycles.error_bound < 1e-3 * error
+    assert abs(lengths.std() / zone.visit_spread - 1) < 10 / np.sqrt(lengths.size)
+    assert abs(lengths.size / cycles / zone.visits_a_cycle - 1) < 4 / np.sqrt(lengths.size)
+    share = zone.upward
+    assert abs(above / lengths.size - share) < 4 * np.sqrt(max(share * (1 - share), 1e-6) / lengths.size) + 1e-3
+
+
+def test_a_ghosts_net_step_is_its_step_and_a_leaky_wells_is_smaller():
+    ghost = predict_staircase(CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05))
+    assert abs(ghost.net_step / ghost.step - 1) < 1e-9
+    well = predict_staircase(CircleMap.arnold(0.05, 0.9), WrappedNormal(0.6))
+    (zone,) = well.zones
+    assert 0.0 < well.net_step < (2 * zone.upward - 1) * TWO_PI
+
+
+def test_a_symmetric_well_is_left_both_ways_alike_and_has_no_net_step():
+    found = predict_staircase(CircleMap.arnold(0.0, 0.9), WrappedNormal(0.6))
+    assert abs(found.zones[0].upward - 0.5) < 1e-8
+    assert abs(found.net_step) < 1e-8
+
+
+def test_a_slow_stretch_that_the_path_hurries_through_is_no_zone():
+    """Where the pace is below half its mean, but the time spent is no more than at an even pace elsewhere."""
+    turn = lambda x: 0.24 - 0.045 * np.sin(x) + 0.17 * np.cos(2 * x)  # noqa: E731
+    found = predict_staircase(CircleMap(lambda x: x + turn(x)), WrappedNormal(0.05))
+    assert abs(found.step - TWO_PI) < 1e-12
+    slow = np.abs(turn(np.linspace(0, TWO_PI, 4096, endpoint=False))) < 0.12
+    assert np.sum(slow & ~np.roll(slow, 1)) == len(found.zones) + 1 == 2
+
+
+def test_many_paths_are_each_a_noisy_orbit_of_its_own():
+    noise, starts = WrappedNormal(0.2), np.linspace(-3.0, 9.0, 40)
+    paths = sample_staircases(STICKY, noise, 3_000, starts, seed=4)
+    assert paths.shape == (40, 3_001)
+    assert np.array_equal(paths[:, 0], starts)
+    assert np.array_equal(paths, sample_staircases(STICKY, noise, 3_000, starts, seed=4))
+    assert not np.array_equal(paths, sample_staircases(STICKY, noise, 3_000, starts, seed=5))
+    kicks = paths[:, 1:] - STICKY(paths[:, :-1])
+    assert abs(kicks.std() / 0.2 - 1) < 5 / np.sqrt(2 * kicks.size)
+    assert np.max(np.abs(np.corrcoef(kicks) - np.eye(40))) < 6 / np.sqrt(3_000)
+
+
+def test_one_of_many_is_the_single_path_to_rounding():
+    noise = WrappedNormal(0.05)
+    for circle_map in (CircleMap.arnold(0.15, 0.9), DriftingMap.between([(0, STICKY), (900, CircleMap.rigid(0.3))])):
+        (path,) = sample_staircases(circle_map, noise, 1_000, [0.5], seed=3)
+        single = sample_staircase(circle_map, noise, 1_000, 0.5, seed=3)
+        np.testing.assert_allclose(path, single.theta, rtol=0, atol=1e-8)
+
+
+def test_more_draws_than_fit_at_once_make_no_seam():
+    starts = np.zeros(3_000)
+    paths = sample_staircases(CircleMap.rigid(0.0), WrappedNormal(1.0), 200, starts, seed=1)
+    kicks = np.diff(paths, axis=1)
+    assert abs(kicks.var() - 1) < 5 * np.sqrt(2 / kicks.size)
+    assert len(np.unique(kicks)) == kicks.size
+
+
+def test_a_zones_core_is_half_as_far_from_the_centre_as_its_arc():
+    zone = SlowZone(6.0, (-1.0, 1.5), "stable", 10.0)
+    assert abs(zone.middle - (6.0 - TWO_PI)) < 1e-12
+    low, high = zone.core
+    assert abs((zone.middle - low) / (zone.middle + 1.0) - 0.5) < 1e-12
+    assert abs((high - zone.middle) / (1.5 - zone.middle) - 0.5) < 1e-12
+
+
+def test_an_attracting_jump_is_a_slow_zone():
+    turn = np.array([0.6, 0.4, -0.4, -0.3, 0.5])
+    x = np.array([0.5, 2.0, 2.0, 4.0, 5.5])
+    down = CircleMap.from_samples(x, x + turn)
+    found = predict_staircase(down, WrappedNormal(0.3))
+    assert [zone.kind for zone in found.zones] == ["jump"]
+    assert found.zones[0].centre == 2.0
+
+
+def test_a_rotation_has_no_steps():
+    found = predict_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1))
+    assert (found.mean_residence_cycles, found.step, found.zones) == (None, None, ())
+    assert abs(found.mean_turn - 0.2 * np.pi) < 1e-14
+
+
+def test_bad_requests_are_refused():
+    for bad in (0, 2.5, -3):
+        with pytest.raises(InvalidInput):
+            sample_staircase(STICKY, None, bad)
+    with pytest.raises(InvalidInput):
+        sample_staircase(STICKY, 0.1, 10)
+    with pytest.raises(InvalidInput):
+        sample_staircase(STICKY, None, 10, start=np.nan)
+    with pytest.raises(InvalidInput):
+        sample_staircase(STICKY, None, 10, seed=-1)
+    with pytest.raises(InvalidInput):
+        predict_staircase(STICKY, None)
+    with pytest.raises(InvalidInput, match="starts is empty"):
+        sample_staircases(STICKY, None, 10, [])
+    with pytest.raises(InvalidInput, match="starts must be finite"):
+        sample_staircases(STICKY, None, 10, [np.nan])
+    with pytest.raises(InvalidInput, match="give a CircleMap or a DriftingMap"):
+        sample_staircase(lambda x: x, None, 10)
+    with pytest.raises(InvalidInput, match="needs degree 1"):
+        predict_staircase(CircleMap(lambda x: 2 * x, degree=2), WrappedNormal(0.1))

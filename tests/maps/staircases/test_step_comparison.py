@@ -1,0 +1,233 @@
+"""Found steps against predicted ones: estimates with censoring, calibrated p-values, and the measured plywood run."""
+
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.noise_law import WrappedNormal
+from cyclemap.maps.staircases.slow_zones import predict_staircase
+from cyclemap.maps.staircases.staircase import sample_staircases
+from cyclemap.maps.staircases.step_comparison import compare_steps, kaplan_meier_mean
+from cyclemap.maps.staircases.step_detection import find_steps
+
+TWO_PI = 2 * np.pi
+RUNS = 200
+
+
+def comparisons(circle_map, noise, cycles):
+    """200 seeded runs from the stationary law, each compared with the prediction."""
+    summary = predict_staircase(circle_map, noise)
+    settled = sample_staircases(circle_map, noise, 400, np.linspace(0, TWO_PI, RUNS, endpoint=False), seed=8)[:, -1]
+    paths = sample_staircases(circle_map, noise, cycles, settled, seed=9)
+    return summary, [compare_steps(find_steps(path, zones=summary.zones), summary) for path in paths]
+
+
+@pytest.fixture(scope="module")
+def ghost():
+    return comparisons(CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05), 600)
+
+
+@pytest.fixture(scope="module")
+def well():
+    return comparisons(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.45), 3_000)
+
+
+def assert_uniform(p_values):
+    found = np.array(p_values, dtype=float)
+    assert found.size == RUNS
+    assert np.all((found >= 0.0) & (found <= 1.0))
+    assert 0.04 <= np.mean(found < 0.1) <= 0.18
+    assert 0.35 <= np.mean(found < 0.5) <= 0.65
+
+
+def test_p_values_of_a_ghosts_visits_and_pace_are_uniform_when_the_prediction_holds(ghost):
+    assert_uniform([one.visits[0].mean_p_value for one in ghost[1]])
+    assert_uniform([one.pace_p_value for one in ghost[1]])
+    assert all(one.visits[0].law_p_value is None for one in ghost[1])
+
+
+def test_p_values_of_a_wells_visits_their_law_and_pace_are_uniform_when_the_prediction_holds(well):
+    assert_uniform([one.visits[0].mean_p_value for one in well[1]])
+    assert_uniform([one.visits[0].law_p_value for one in well[1]])
+    assert_uniform([one.pace_p_value for one in well[1]])
+
+
+def test_measured_means_over_many_runs_are_the_predicted_ones(ghost, well):
+    for summary, found in (ghost, well):
+        zone = summary.zones[0]
+        means = np.array([one.visits[0].mean for one in found])
+        errors = np.array([one.visits[0].standard_error for one in found])
+        exits = np.array([one.visits[0].exits for one in found])
+        # Weighted by exits the maximum-likelihood means are unbiased to an exit's worth a run.
+        pooled = np.sum(means * exits) / np.sum(exits)
+        assert abs(pooled / zone.visit_cycles - 1) < 4 * zone.visit_spread / zone.visit_cycles / np.sqrt(exits.sum())
+        assert 0.8 < np.median(errors) / np.median(zone.visit_spread / np.sqrt(exits)) < 1.2
+        net = np.array([one.net_steps for one in found])
+        assert abs(net.mean() - found[0].expected_steps) < 4 * net.std() / np.sqrt(RUNS)
+        assert 0.7 < np.median([one.net_error for one in found]) / net.std() < 1.3
+
+
+def test_a_ghosts_spread_is_the_predicted_one_and_far_from_exponential(ghost):
+    zone = ghost[0].zones[0]
+    spreads = np.array([one.visits[0].spread for one in ghost[1]])
+    assert abs(spreads.mean() / zone.visit_spread - 1) < 0.05
+    assert zone.visit_spread < 0.3 * zone.visit_cycles
+
+
+def test_heights_are_the_predicted_step(ghost):
+    for one in ghost[1]:
+        assert one.predicted_height == TWO_PI
+        assert abs(one.mean_height - TWO_PI) < 5 * one.height_error
+        assert one.steps == pytest.approx(one.expected_steps, abs=6)
+
+
+def test_a_wrong_prediction_is_told_by_its_p_values():
+    noise, right = WrappedNormal(0.05), CircleMap.arnold(0.15, 0.9)
+    path = sample_staircases(right, noise, 3_000, [0.0], seed=1)[0]
+    summary = predict_staircase(right, noise)
+    (zone,) = summary.zones
+    wrong = replace(summary, mean_turn=1.1 * summary.mean_turn, zones=(replace(zone, visit_cycles=16.0),))
+    found = compare_steps(find_steps(path, zones=wrong.zones), wrong)
+    assert found.visits[0].mean_p_value < 1e-4
+    assert found.pace_p_value < 1e-4
+
+
+def test_regular_visits_are_told_from_exponential_ones():
+    """Exits like clockwork from a zone that should be left at a constant rate."""
+    noise, well = WrappedNormal(0.45), CircleMap.arnold(0.1, 0.9)
+    summary = predict_staircase(well, noise)
+    length = round(summary.zones[0].visit_cycles)
+    path = np.repeat(summary.zones[0].middle + TWO_PI * np.arange(25), length)
+    found = compare_steps(find_steps(path, zones=summary.zones), summary)
+    assert found.visits[0].exits == 24
+    assert found.visits[0].law_p_value < 1e-4
+    assert found.visits[0].mean_p_value > 0.5
+
+
+def test_the_kaplan_meier_mean_without_censoring_is_the_mean():
+    rng = np.random.default_rng(2)
+    lengths = rng.integers(1, 50, 80).astype(float)
+    mean, error = kaplan_meier_mean(lengths, np.zeros(80, dtype=bool))
+    assert abs(mean - lengths.mean()) < 1e-10
+    assert abs(error - lengths.std() / np.sqrt(80)) < 1e-10
+
+
+def test_the_kaplan_meier_mean_undoes_censoring_and_knows_its_error():
+    rng = np.random.default_rng(3)
+    means, errors = [], []
+    for _ in range(300):
+        lengths, limits = rng.gamma(4.0, 5.0, 200), rng.uniform(0.0, 100.0, 200)
+        mean, error = kaplan_meier_mean(np.minimum(lengths, limits), lengths > limits)
+        means.append(mean)
+        errors.append(error)
+    assert abs(np.mean(means) - 20.0) < 4 * np.std(means) / np.sqrt(300) + 0.05
+    assert abs(np.mean(errors) / np.std(means) - 1) < 0.2
+
+
+def test_the_kaplan_meier_mean_of_the_textbook_remission_times():
+    """6-MP arm of Freireich et al. (1963): S falls to .8571 at 6, .8067 at 7, .4482 at 23 weeks."""
+    weeks = [6, 6, 6, 6, 7, 9, 10, 10, 11, 13, 16, 17, 19, 20, 22, 23, 25, 32, 32, 34, 35]
+    ended = [1, 1, 1, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0]
+    mean, error = kaplan_meier_mean(weeks, np.logical_not(ended))
+    drops = [(0, 1.0), (6, 0.857143), (7, 0.806723), (10, 0.752941), (13, 0.690196), (16, 0.627451), (22, 0.537815)]
+    drops += [(23, 0.448179), (35, 0.0)]
+    area = sum(height * (later - week) for (week, height), (later, _) in pairwise(drops))
+    assert abs(mean - area) < 1e-4
+    assert abs(error - 2.828) < 0.01
+
+
+def test_what_cannot_be_compared_is_none():
+    summary = predict_staircase(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.4))
+    still = compare_steps(find_steps(np.full(100, summary.zones[0].centre)), summary)
+    assert (still.steps, still.mean_length, still.mean_height, still.net_error, still.pace_p_value) == (0, *[None] * 4)
+    assert still.visits == ()
+    zoned = compare_steps(find_steps(np.full(100, summary.zones[0].centre), zones=summary.zones), summary)
+    assert (zoned.visits[0].exits, zoned.visits[0].exposure, zoned.visits[0].mean) == (0, 100, None)
+    assert zoned.visits[0].mean_p_value == pytest.approx(np.exp(-100 / zoned.visits[0].predicted), rel=0.1)
+    turning = predict_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1))
+    none = compare_steps(find_steps(0.2 * np.pi * np.arange(50)), turning)
+    assert (none.predicted_height, none.predicted_length, none.net_steps, none.expected_steps) == (None,) * 4
+
+
+def test_bad_requests_are_refused():
+    summary = predict_staircase(CircleMap.arnold(0.15, 0.9), WrappedNormal(0.1))
+    with pytest.raises(InvalidInput, match="in this order"):
+        compare_steps(summary, find_steps(np.zeros(5)))
+    with pytest.raises(InvalidInput, match="give n ≥ 1 of each"):
+        kaplan_meier_mean([1.0, 2.0], [True])
+    with pytest.raises(InvalidInput, match="give n ≥ 1 of each"):
+        kaplan_meier_mean([], [])
+    assert kaplan_meier_mean([3.0], [True]) == (None, None)
+
+
+# -- the measured run on plywood ---------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def plywood(measured_data: Path):
+    rows = np.genfromtxt(measured_data / "plywood_rect1_theta0_2000.csv", delimiter=",", names=True, dtype=None)
+    return np.deg2rad(rows["theta0_accum_deg"]), rows["flag"] == ""
+
+
+def fitted(plywood, first, last):
+    """The least-squares map of six harmonics through the unflagged pairs, and its residual scatter, radians."""
+    path, good = plywood
+    pairs = first + np.flatnonzero(good[first : last - 1])
+    order = np.arange(1, 7)
+
+    def basis(theta):
+        waves = np.multiply.outer(theta, order)
+        return np.concatenate([np.ones((*np.shape(theta), 1)), np.cos(waves), np.sin(waves)], axis=-1)
+
+    def slope(theta):
+        waves = np.multiply.outer(theta, order)
+        return 1 + np.concatenate([-order * np.sin(waves), order * np.cos(waves)], axis=-1) @ fit[1:]
+
+    turn = path[pairs + 1] - path[pairs]
+    fit = np.linalg.lstsq(basis(path[pairs]), turn, rcond=None)[0]
+    scatter = np.sqrt(np.sum((turn - basis(path[pairs]) @ fit) ** 2) / (turn.size - 13))
+    return CircleMap(lambda theta: theta + basis(theta) @ fit, slope), float(scatter)
+
+
+def test_the_fitted_plywood_map_predicts_steps_of_a_turn_and_their_pace(plywood):
+    path, _ = plywood
+    circle_map, sigma = fitted(plywood, 0, 2_000)
+    summary = predict_staircase(circle_map, WrappedNormal(sigma))
+    assert [zone.kind for zone in summary.zones] == ["ghost"]
+    assert summary.step == TWO_PI
+    assert 85 < np.rad2deg(summary.zones[0].centre) < 105
+    assert 70 < summary.mean_residence_cycles < 95
+    found = compare_steps(find_steps(path, zones=summary.zones), summary)
+    assert 17.9 < found.net_steps < 18.1
+    assert abs(found.net_steps - found.expected_steps) < 2.5
+    # Wear makes the measured visits, 480 cycles long early on and 26 late, far more uneven than one map allows.
+    assert found.visits[0].spread > 1.5 * found.visits[0].predicted_spread
+    assert 0.7 < found.visits[0].ratio < 1.2
+
+
+def test_steps_found_without_a_model_on_plywood_are_turns_that_shorten(plywood):
+    path, _ = plywood
+    found = find_steps(path)
+    assert found.count == 16
+    assert np.median(np.abs(np.rad2deg(found.heights) - 360)) < 3
+    assert found.lengths[0] > 400
+    assert np.all(found.lengths[-5:] < 40)
+
+
+def test_the_plywood_bottleneck_opens_as_the_surface_wears(plywood):
+    """Each half fitted by itself, with one noise for both: the map alone makes the difference."""
+    path, _ = plywood
+    noise = WrappedNormal(fitted(plywood, 0, 2_000)[1])
+    early, late = (fitted(plywood, first, first + 1_000)[0] for first in (0, 1_000))
+    slowest = [float(np.min(half.turn(np.linspace(1.2, 2.0, 400)))) for half in (early, late)]
+    assert slowest[0] < 0.2 * slowest[1]
+    summaries = [predict_staircase(half, noise) for half in (early, late)]
+    assert summaries[0].cycles_a_step > 3 * summaries[1].cycles_a_step
+    measured = [TWO_PI * 1_000 / (path[first + 999] - path[first]) for first in (0, 1_000)]
+    assert measured[0] > 3 * measured[1]
+    assert abs(summaries[1].cycles_a_step / measured[1] - 1) < 0.15

@@ -1,0 +1,199 @@
+"""Steps found in a path: exact where the steps are known, none where there are none, and what symmetry asks."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.noise_law import WrappedNormal
+from cyclemap.maps.staircases.slow_zones import SlowZone, predict_staircase
+from cyclemap.maps.staircases.staircase import sample_staircase
+from cyclemap.maps.staircases.step_detection import find_steps
+
+TWO_PI = 2 * np.pi
+GHOST, GHOST_NOISE = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
+WELL, WELL_NOISE = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.45)
+
+
+def same_dwells(found, other, heights=1.0):
+    assert found.start.size > 3
+    assert np.array_equal(found.start, other.start)
+    assert np.array_equal(found.end, other.end)
+    np.testing.assert_allclose(other.heights, heights * found.heights, rtol=0, atol=1e-9)
+
+
+def test_a_staircase_without_noise_is_found_exactly():
+    rng = np.random.default_rng(1)
+    for height in (0.2, 1.0, TWO_PI):
+        lengths = rng.integers(10, 200, 60)
+        levels = height * np.cumsum(rng.choice([-1, 1, 1, 1, 2], 60))
+        found = find_steps(np.repeat(levels, lengths))
+        assert np.array_equal(found.lengths, lengths)
+        np.testing.assert_allclose(found.levels, levels, rtol=0, atol=1e-12)
+        assert found.count == 59
+        assert np.max(found.scatter) < 1e-12
+        assert np.all(found.durations == 1)
+        assert np.flatnonzero(found.censored).tolist() == [0, 59]
+
+
+def test_steps_that_take_several_cycles_are_found_with_their_dwells():
+    dwell, rise = np.zeros(40), np.linspace(0, TWO_PI, 9)[1:-1]
+    path = np.concatenate([TWO_PI * k + np.r_[dwell, rise] for k in range(20)])
+    found = find_steps(path)
+    assert np.all(found.lengths == 40)
+    assert np.all(found.durations == 8)
+    assert np.all(found.periods == 47)
+    np.testing.assert_allclose(found.heights, TWO_PI, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("sigma", [0.02, 0.1])
+def test_noise_on_a_known_staircase_moves_no_step(sigma):
+    rng = np.random.default_rng(2)
+    lengths = rng.integers(30, 300, 30)
+    path = np.repeat(2.0 * np.arange(30), lengths)
+    found = find_steps(path + rng.normal(0, sigma, path.size))
+    assert found.count == 29
+    assert np.max(np.abs(found.start - np.r_[0, np.cumsum(lengths)[:-1]])) <= 2
+    np.testing.assert_allclose(found.heights, 2.0, rtol=0, atol=4 * sigma * np.sqrt(2 / 30))
+    np.testing.assert_allclose(np.median(found.scatter), sigma, rtol=0.1)
+
+
+def test_a_rotation_and_a_pure_drift_have_no_dwells():
+    n = np.arange(3_000.0)
+    paths = [0.01 * n, -0.3 * n, 4e-4 * n, sample_staircase(CircleMap.rigid(0.13), None, 3_000).theta]
+    paths.append(0.02 * n + 1e-6 * n**2)
+    for path in paths:
+        for window in (None, 0.05, 0.5):
+            assert find_steps(path, window=window).start.size == 0
+
+
+def test_noisy_drifts_and_random_walks_have_no_dwells():
+    rng = np.random.default_rng(3)
+    n = np.arange(1_500.0)
+    found = []
+    for speed in (0.01, 0.05, 0.2):
+        for sigma in (0.02, 0.1, 0.3):
+            found.append(find_steps(speed * n + rng.normal(0, sigma, n.size)))
+            found.append(find_steps(np.cumsum(rng.normal(speed, sigma, n.size))))
+    assert len(found) == 18
+    assert sum(steps.count > 0 for steps in found) == 0
+
+
+def test_a_path_that_never_leaves_its_level_is_one_dwell_open_at_both_ends():
+    rng = np.random.default_rng(4)
+    for path in (np.full(50, 3.0), rng.normal(0, 0.1, 800)):
+        found = find_steps(path)
+        assert (found.start.tolist(), found.end.tolist()) == ([0], [path.size - 1])
+        assert found.count == 0
+        assert found.heights.size == 0
+        assert found.censored.tolist() == [True]
+
+
+@pytest.mark.parametrize(("circle_map", "noise"), [(GHOST, GHOST_NOISE), (WELL, WELL_NOISE)])
+def test_a_constant_a_mirror_and_reading_backwards_only_move_the_dwells(circle_map, noise):
+    path = sample_staircase(circle_map, noise, 6_000, seed=3).theta
+    found = find_steps(path)
+    same_dwells(found, find_steps(path + 1.2345))
+    same_dwells(found, find_steps(-path), -1.0)
+    back, last = find_steps(path[::-1]), path.size - 1
+    assert np.array_equal(back.start, (last - found.end)[::-1])
+    assert np.array_equal(back.end, (last - found.start)[::-1])
+    np.testing.assert_allclose(back.levels, found.levels[::-1], rtol=0, atol=1e-9)
+
+
+def test_angles_mod_a_turn_rotate_freely_and_give_the_steps_of_the_lifted_path():
+    path = sample_staircase(GHOST, GHOST_NOISE, 3_000, seed=4).theta
+    lifted = find_steps(path)
+    for turned in (0.0, 1.0, 2.5, -4.0):
+        same_dwells(lifted, find_steps(np.mod(path + turned, TWO_PI), wrapped=True))
+
+
+def test_zones_turn_mirror_and_run_backwards_with_the_path():
+    zones = predict_staircase(WELL, WELL_NOISE).zones
+    path = sample_staircase(WELL, WELL_NOISE, 20_000, seed=5).theta
+    found = find_steps(path, zones=zones)
+    turned = [SlowZone(z.centre + 2.0, (z.arc[0] + 2.0, z.arc[1] + 2.0), z.kind, 1.0) for z in zones]
+    same_dwells(found, find_steps(path + 2.0, zones=turned))
+    mirrored = [SlowZone(-z.centre, (-z.arc[1], -z.arc[0]), z.kind, 1.0) for z in zones]
+    same_dwells(found, find_steps(-path, zones=mirrored), -1.0)
+    back, last = find_steps(path[::-1], zones=zones), path.size - 1
+    assert np.array_equal(back.visit_start, (last - found.visit_end)[::-1])
+    assert np.array_equal(back.start, (last - found.end)[::-1])
+
+
+def test_a_ghosts_steps_are_a_turn_high_and_its_visits_as_long_as_predicted():
+    summary = predict_staircase(GHOST, GHOST_NOISE)
+    path = sample_staircase(GHOST, GHOST_NOISE, 40_000, seed=6).theta
+    free, zoned = find_steps(path), find_steps(path, zones=summary.zones)
+    for found in (free, zoned):
+        assert abs(found.count - 40_000 / summary.cycles_a_step) < 5
+        error = found.scatter.mean() * np.sqrt(2) / found.count
+        assert abs(np.mean(found.heights) - TWO_PI) < 5 * error + 1e-3
+        assert np.all(np.round(found.heights / TWO_PI) == 1)
+    lengths = zoned.lengths[~zoned.censored]
+    error = lengths.std() / np.sqrt(lengths.size)
+    assert abs(lengths.mean() - summary.zones[0].visit_cycles) < 4 * error
+    assert error < 0.01 * lengths.mean()
+
+
+def test_a_wells_steps_are_whole_turns_and_its_visits_as_long_as_predicted():
+    summary = predict_staircase(WELL, WELL_NOISE)
+    path = sample_staircase(WELL, WELL_NOISE, 100_000, seed=7).theta
+    zoned, free = find_steps(path, zones=summary.zones), find_steps(path)
+    turns = zoned.heights / TWO_PI
+    assert np.all(np.round(turns) != 0)
+    assert abs(np.mean(turns / np.round(turns)) - 1) < 0.01
+    visits = (zoned.visit_end - zoned.visit_start + 1)[1:-1]
+    assert visits.size > 500
+    assert abs(visits.mean() - summary.zones[0].visit_cycles) < 4 * visits.std() / np.sqrt(visits.size)
+    assert visits.size > zoned.start.size
+    assert abs(np.median(free.heights) / TWO_PI - 1) < 0.02
+
+
+def test_jitter_at_the_edge_of_an_arc_makes_no_visit_and_a_return_no_step():
+    zone = SlowZone(1.0, (0.0, 2.0), "stable", 10.0)
+    path = np.array(
+        [-0.1, 0.1, -0.1, 0.1, 1.0, 1.0, 2.1, 1.9, 2.1, 1.9, 1.2, 2.2, 4.0, TWO_PI + 1.0, 6.0, TWO_PI + 0.1]
+    )
+    found = find_steps(path, zones=[zone])
+    assert found.visit_start.tolist() == [3, 9, 13]
+    assert found.visit_end.tolist() == [5, 10, 13]
+    assert found.visit_dwell.tolist() == [0, 0, 1]
+    assert (found.start.tolist(), found.end.tolist()) == ([3, 13], [10, 13])
+    assert found.levels[0] == pytest.approx(np.mean([0.1, 1.0, 1.0, 1.9, 1.2]))
+    assert found.count == 1
+
+
+def test_zones_that_turn_along_are_found_in_the_turning_frame():
+    faster = CircleMap.arnold(1.1, 0.9)
+    zones = predict_staircase(faster, WELL_NOISE).zones
+    path = sample_staircase(faster, WELL_NOISE, 20_000, seed=5).theta
+    plain = find_steps(path - TWO_PI * np.arange(path.size), zones=predict_staircase(WELL, WELL_NOISE).zones)
+    same_dwells(plain, find_steps(path, zones=zones))
+
+
+def test_a_path_outside_every_zone_has_no_dwells():
+    found = find_steps(np.full(30, 3.0), zones=[SlowZone(1.0, (0.0, 2.0), "ghost", 10.0)])
+    assert (found.count, found.start.size, found.levels.size, found.censored.size) == (0, 0, 0, 0)
+
+
+def test_bad_requests_are_refused():
+    zone = SlowZone(1.0, (0.0, 2.0), "ghost", 10.0)
+    with pytest.raises(InvalidInput, match="give 2 cycles at least"):
+        find_steps([1.0])
+    with pytest.raises(InvalidInput, match="theta must be finite"):
+        find_steps([1.0, np.nan, 2.0])
+    with pytest.raises(InvalidInput, match="theta must have 1 axes"):
+        find_steps(np.zeros((2, 3)))
+    with pytest.raises(InvalidInput, match="leave out window"):
+        find_steps(np.zeros(9), zones=[zone], window=0.1)
+    with pytest.raises(InvalidInput, match="window must be positive"):
+        find_steps(np.zeros(9), window=-0.1)
+    with pytest.raises(InvalidInput, match="least_cycles must be at least 1"):
+        find_steps(np.zeros(9), least_cycles=0)
+    with pytest.raises(InvalidInput, match="give one SlowZone or more"):
+        find_steps(np.zeros(9), zones=[])
+    with pytest.raises(InvalidInput, match="give one SlowZone or more"):
+        find_steps(np.zeros(9), zones=[(0.0, 1.0)])
+    with pytest.raises(InvalidInput, match="of the same winding"):
+        find_steps(np.zeros(9), zones=[zone, SlowZone(4.0, (3.0, 5.0), "ghost", 10.0, 1)])
