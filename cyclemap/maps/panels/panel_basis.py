@@ -50,10 +50,10 @@ def _reference() -> _Reference:
 
 @dataclass(frozen=True, eq=False)
 class Panels:
-    """Intervals [start, end] in rising order, gaps allowed; on each the basis P_0(t) ... P_15(t), t in [-1, 1].
+    """Intervals [start, end] in rising order, gaps allowed; on each the basis P_0(t), P_1(t) ... of ``ORDER`` functions, t in [-1, 1].
 
     On a straight panel θ runs linearly with t; on a bent one θ = middle + half·sin(πt/2), which makes half-integer
-    powers of the distance to either end analytic in t. A function is its coefficients, shape (16·panels,).
+    powers of the distance to either end analytic in t. A function is its coefficients, shape (size,).
     """
 
     start: Array
@@ -74,6 +74,12 @@ class Panels:
     def half(self) -> Array:
         """Half the panels' lengths."""
         return 0.5 * (self.end - self.start)
+
+    def halved(self) -> Panels:
+        """Every panel cut in two at its middle."""
+        middle = 0.5 * (self.start + self.end)
+        start, end = np.stack([self.start, middle], axis=1), np.stack([middle, self.end], axis=1)
+        return Panels(start.ravel(), end.ravel(), np.repeat(self.bent, 2))
 
     @cached_property
     def nodes(self) -> Array:
@@ -160,7 +166,7 @@ class Panels:
         return matrix.reshape(rows, self.size)
 
     def _partial(self, theta: Array) -> tuple[Indices, Array]:
-        """The panel of each angle and, shape (m, 16), the integrals of its functions from its start to there."""
+        """The panel of each angle and, shape (m, ORDER), the integrals of its functions from its start to there."""
         panel, t = self.locate(theta)
         tables = _reference().antiderivative
         waves = legendre.legvander(t, tables.shape[1] - 1)

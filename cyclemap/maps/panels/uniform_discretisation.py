@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -139,6 +139,10 @@ class UniformDiscretisation:
         return self.panels.rule(resolving_cuts(self.map, self.panels), ORDER + 8)
 
     # -- how good it is ------------------------------------------------------------------------------------
+
+    def refined(self) -> UniformDiscretisation:
+        """The same with every panel cut in two: what changes by it was not resolved."""
+        return replace(self, panels=self.panels.halved())
 
     def residual(self, law: Array) -> float:
         """Twice the largest |(Lp)(θ) - p(θ)| at three times as many angles as collocation has, plus rounding.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, transfer_operator
+from cyclemap.maps import CircleMap, UniformNoise, WrappedCauchy, WrappedNormal, transfer_operator
 
 TWO_PI = 2 * np.pi
 Z_STAR = 0.2550616828143848456 - 0.2049307699033403712j
@@ -98,3 +98,31 @@ def test_what_makes_no_sense_is_refused():
     for count in (0, -1, 1.5, None):
         with pytest.raises(InvalidInput, match="k must"):
             law.spectrum(count)
+
+
+@pytest.mark.parametrize("halfwidth", [0.5, 2.0])
+def test_eigenvalues_under_uniform_noise_are_the_coefficients_of_a_rotation_within_their_bounds(halfwidth):
+    """A rotation by Ω has the eigenvalues e^{2πimΩ} sin(mh)/(mh), whatever the panels."""
+    found = transfer_operator(CircleMap.rigid(0.3), UniformNoise(halfwidth)).spectrum(5)
+    order = np.array([1.0, 2.0])
+    moduli = np.sort(np.repeat(np.abs(np.sin(order * halfwidth) / (order * halfwidth)), 2))[::-1]
+    assert np.all(np.isfinite(found.error_bounds)) and np.all(found.error_bounds < 1e-7)
+    assert np.all(np.abs(np.abs(found.values[1:]) - moduli) <= found.error_bounds[1:] + 1e-12)
+
+
+def test_gap_and_response_under_uniform_noise_have_bounds_that_hold_against_fourier_modes():
+    """Fourier modes, whose coefficients fall as 1/m, come near the panels' gap as their number grows."""
+    sine, noise = CircleMap.arnold(0.3, 0.5), UniformNoise(1.0)
+    found = transfer_operator(sine, noise)
+    modes = np.arange(-300, 301)
+    grid = TWO_PI * np.arange(2_048) / 2_048
+    waves = np.exp(1j * np.multiply.outer(modes, grid))
+    matrix = noise.coefficients(modes)[:, None] * (np.exp(-1j * np.multiply.outer(modes, sine(grid))) @ waves.T) / 2_048
+    second = np.sort(np.abs(np.linalg.eigvals(matrix)))[-2]
+    assert abs(found.spectral_gap - (1.0 - second)) < found.spectral_gap.error_bound + 1e-9
+    assert found.spectral_gap.error_bound < 1e-9
+    moved = transfer_operator(CircleMap.arnold(0.3 + 1e-4 / TWO_PI, 0.5), noise).rotation_number
+    back = transfer_operator(CircleMap.arnold(0.3 - 1e-4 / TWO_PI, 0.5), noise).rotation_number
+    response = found.map_response(np.ones_like).rotation_number
+    assert response.error_bound < 1e-9
+    assert abs(response - (moved - back) / 2e-4) < 1e-7
