@@ -5,8 +5,8 @@ from pathlib import Path
 
 from rich.table import Table
 
-from cyclemap.cli.commands import LoopOptions
 from cyclemap.cli.json_report import cycles_report
+from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, publish_json, write_json
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole

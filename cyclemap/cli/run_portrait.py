@@ -5,8 +5,8 @@ from pathlib import Path
 
 from rich.table import Table
 
-from cyclemap.cli.commands import LoopOptions, RunRequest
 from cyclemap.cli.json_report import portrait_report
+from cyclemap.cli.options import LoopOptions, RunRequest
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json, write_whole
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole

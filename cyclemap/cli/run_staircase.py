@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from cyclemap.cli.commands import LoopOptions, RunRequest
 from cyclemap.cli.json_report import staircase_report
+from cyclemap.cli.options import LoopOptions, RunRequest
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json, write_whole
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from cyclemap.checks import positive_number
-from cyclemap.cli.commands import LoopOptions
+from cyclemap.cli.options import LoopOptions
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import SETTING_KEYS
 from cyclemap.errors import DataFileError, InvalidInput

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from cyclemap.cli.commands import LoopOptions
+from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.settings import chosen_loop, protocol_settings, set_settings
 from cyclemap.errors import DataFileError, InvalidInput
 

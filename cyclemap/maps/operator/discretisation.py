@@ -16,8 +16,13 @@ class Discretisation(Protocol):
     A density p(θ) = Σ_j c_j φ_j(θ), per radian, is its coefficients c, shape (n,), real, or complex where said.
     """
 
-    map: CircleMap
-    noise: Noise
+    @property
+    def map(self) -> CircleMap:
+        """The map of the cycle."""
+
+    @property
+    def noise(self) -> Noise:
+        """The noise of the cycle."""
 
     @property
     def size(self) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -140,7 +140,7 @@ def law_error(system: BorderedSystem, law: Array) -> SolutionError:
     correction = defect + once + fine.cycle(resolved)
     left = float(np.sum(np.abs(fine.cycle(correction) - correction + defect))) + fine.left_out(density)
     growth = 1.0 + _NORM_SAFETY * system.inverse_norm
-    return SolutionError(system, law, cast(Discretisation, fine), correction, left, growth * left / np.pi)
+    return SolutionError(system, law, fine, correction, left, growth * left / np.pi)
 
 
 def map_error_of_integral(system: BorderedSystem, law: Array, moments: Array, direct: Any = 0.0) -> float:

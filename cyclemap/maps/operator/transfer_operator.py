@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -71,10 +71,10 @@ def _discretisation(circle_map: CircleMap, noise: Noise, modes: int | None) -> D
             raise InvalidInput(f"modes is {modes!r}, but uniform noise is not resolved in Fourier modes: leave it out")
         from cyclemap.maps.panels.uniform_discretisation import uniform_discretisation
 
-        return cast(Discretisation, uniform_discretisation(circle_map, noise))
+        return uniform_discretisation(circle_map, noise)
     needed = needed_modes(noise)
     kept = needed if modes is None else whole_number("modes", modes, least=1)
-    return cast(Discretisation, FourierDiscretisation(circle_map, noise, kept))
+    return FourierDiscretisation(circle_map, noise, kept)
 
 
 @dataclass(frozen=True, eq=False)

@@ -50,7 +50,7 @@ def _reference() -> _Reference:
 
 @dataclass(frozen=True, eq=False)
 class Panels:
-    """Intervals [start, end] in rising order, gaps allowed; on each the basis P_0(t), P_1(t) ... of ``ORDER`` functions, t in [-1, 1].
+    """Intervals [start, end] in rising order, gaps allowed; on each ``ORDER`` Legendre polynomials of t in [-1, 1].
 
     On a straight panel θ runs linearly with t; on a bent one θ = middle + half·sin(πt/2), which makes half-integer
     powers of the distance to either end analytic in t. A function is its coefficients, shape (size,).

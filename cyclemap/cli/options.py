@@ -1,0 +1,96 @@
+"""The options that commands share, and what they come to: which loop, which run."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+
+
+@dataclass(frozen=True)
+class LoopOptions:
+    """Which loop a command is about: the options shared by every command."""
+
+    material: str
+    protocol: Path | None
+    settings: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """What is asked of a command that predicts a run: its measured data, its length, and where results go."""
+
+    data: Path | None
+    cycles: int | None
+    seed: int
+    out: Path
+    picture_format: str
+
+
+def loop_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give `command` the MATERIAL argument and the options shared by every command."""
+    decorators: list[Callable[[Any], Any]] = [
+        click.argument("material", required=False),
+        click.option("--material", "material_file", metavar="TOML", help="A material file, in place of MATERIAL."),
+        click.option(
+            "--protocol",
+            metavar="TOML",
+            type=click.Path(path_type=Path),
+            help="The --set keys in TOML tables.",
+        ),
+        click.option(
+            "--set",
+            "settings",
+            metavar="KEY=VALUE",
+            multiple=True,
+            help="One fact of the experiment; repeatable.",
+        ),
+    ]
+    return _decorated(command, decorators)
+
+
+def run_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give `command` the options of a command that predicts a run of cycles."""
+    decorators: list[Callable[[Any], Any]] = [
+        click.option("--data", metavar="CSV", type=click.Path(path_type=Path), help="Measured θ0 to set beside it."),
+        click.option(
+            "--cycles", type=click.IntRange(min=1), help="Length of the staircase. [default: 2000, or the data's]"
+        ),
+        click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of its noise."),
+        click.option(
+            "--out",
+            metavar="DIR",
+            type=click.Path(path_type=Path),
+            default="out",
+            show_default=True,
+            help="Where COMMAND_MATERIAL.png and .json go.",
+        ),
+        click.option(
+            "--format",
+            "picture_format",
+            type=click.Choice(["png", "pdf", "svg"]),
+            default="png",
+            show_default=True,
+            help="Format of the picture.",
+        ),
+        click.option(
+            "--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else."
+        ),
+    ]
+    return _decorated(command, decorators)
+
+
+def _decorated(command: Callable[..., None], decorators: list[Callable[[Any], Any]]) -> Callable[..., None]:
+    for decorate in reversed(decorators):
+        command = decorate(command)
+    return command
+
+
+def chosen_options(
+    material: str | None, material_file: str | None, protocol: Path | None, settings: tuple[str, ...]
+) -> LoopOptions:
+    """The loop that a command is about; a UsageError unless exactly one material is given."""
+    if (material is None) == (material_file is None):
+        raise click.UsageError("give one material: a name or a TOML file, as MATERIAL or with --material")
+    return LoopOptions(material or material_file or "", protocol, settings)
