@@ -248,11 +248,11 @@ class TransferOperator:
     # -- passages ------------------------------------------------------------------------------------------
 
     def mean_passage_time(self, start: float, arc: tuple[float, float], *, lifted: bool = False) -> Estimate:
-        """Mean number of cycles until the path from ``start`` is first outside ``arc``; see ``passage``."""
+        """Mean number of cycles until the path from ``start`` is first outside ``arc``; see ``passage_times``."""
         return mean_passage_time(self.map, self.noise, start, arc, lifted=lifted)
 
     def hitting_probability(self, start: float, arc_a: tuple[float, float], arc_b: tuple[float, float]) -> Estimate:
-        """Probability that the path from ``start`` reaches ``arc_a`` before ``arc_b``; see ``passage``."""
+        """Probability that the path from ``start`` reaches ``arc_a`` before ``arc_b``; see ``passage_times``."""
         return hitting_probability(self.map, self.noise, start, arc_a, arc_b)
 
     # -- inside --------------------------------------------------------------------------------------------
