@@ -121,7 +121,7 @@ def test_ten_million_steps_of_monte_carlo_agree_on_a_map_with_jumps_and_folds(no
     for n in (1, 2):
         assert abs(np.mean(waves[n - 1]) / cycles - law.moment(n)) < 5 * np.std(waves[n - 1]) / cycles / chains**0.5
     error = np.std(turns) / cycles / chains**0.5
-    assert error < 2e-3 if chains > 10_000 else 6e-3
+    assert error < (2e-3 if chains > 10_000 else 6e-3)
     assert abs(turns.mean() / cycles - TWO_PI * law.rotation_number) < 5 * error
 
 
