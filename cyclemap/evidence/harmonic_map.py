@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.checks import read_only, whole_number
-from cyclemap.errors import InvalidInput
+from cyclemap.evidence.periodic_basis import fourier_columns, fourier_slopes
+from cyclemap.evidence.periodic_law import fit_periodic_law
 from cyclemap.evidence.theta0_pairs import Theta0Pairs
 from cyclemap.maps import CircleMap
 
@@ -35,13 +36,14 @@ class HarmonicMap:
         return CircleMap(self._lift, self._slope)
 
     def _lift(self, theta: Array) -> Array:
-        angle = np.multiply.outer(theta, np.arange(self.cosine.size))
-        return np.asarray(theta + np.cos(angle) @ self.cosine + np.sin(angle) @ self.sine)
+        return np.asarray(theta + fourier_columns(theta, self.cosine.size - 1) @ self._coefficients)
 
     def _slope(self, theta: Array) -> Array:
-        order = np.arange(self.cosine.size)
-        angle = np.multiply.outer(theta, order)
-        return np.asarray(1.0 + np.cos(angle) @ (order * self.sine) - np.sin(angle) @ (order * self.cosine))
+        return np.asarray(1.0 + fourier_slopes(theta, self.cosine.size - 1) @ self._coefficients)
+
+    @property
+    def _coefficients(self) -> Array:
+        return np.append(self.cosine[0], np.stack([self.cosine[1:], self.sine[1:]], axis=-1).ravel())
 
 
 def harmonic_map(pairs: Theta0Pairs, harmonics: int = HARMONICS) -> HarmonicMap:
@@ -54,15 +56,5 @@ def harmonic_map(pairs: Theta0Pairs, harmonics: int = HARMONICS) -> HarmonicMap:
     >>> (fitted.cosine.round(9) + 0.0).tolist(), round(fitted.sigma, 9)
     ([0.2, 0.0, 0.1], 0.0)
     """
-    unknowns = 2 * whole_number("harmonics", harmonics, least=0) + 1
-    if pairs.theta.size <= unknowns:
-        raise InvalidInput(f"{pairs.theta.size} pairs cannot fix {unknowns} coefficients; use fewer harmonics")
-    angle = np.multiply.outer(pairs.theta, np.arange(harmonics + 1))
-    design = np.hstack([np.cos(angle), np.sin(angle[:, 1:])])
-    coefficients, _, rank, _ = np.linalg.lstsq(design, pairs.turn, rcond=None)
-    if rank < unknowns:
-        raise InvalidInput(f"the measured directions fix {rank} of {unknowns} coefficients; use fewer harmonics")
-    residual = pairs.turn - design @ coefficients
-    scatter = float(np.sqrt(residual @ residual / (pairs.theta.size - unknowns)))
-    cosine, sine = coefficients[: harmonics + 1], np.append(0.0, coefficients[harmonics + 1 :])
-    return HarmonicMap(read_only(cosine), read_only(sine), scatter, pairs.theta.size)
+    law = fit_periodic_law(pairs.theta, pairs.turn, harmonics=whole_number("harmonics", harmonics, least=0))
+    return HarmonicMap(read_only(law.cosine), read_only(law.sine), law.sigma, law.count)
