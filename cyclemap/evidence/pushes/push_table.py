@@ -1,0 +1,184 @@
+"""A collection of pushes as one table: a file, a folder or a tree of the MIT layout, or CSV, bad files reported."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
+from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
+from cyclemap.evidence.pushes.push_csv import read_push_csv
+from cyclemap.evidence.pushes.push_files import SUFFIXES, read_push_file
+from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
+
+if TYPE_CHECKING:
+    import pandas
+
+_PUSH_SET = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
+_POSES = ("x0", "y0", "theta0", "x1", "y1", "theta1", "dx", "dy", "dtheta")
+PUSH_COLUMNS = (*_PUSH_SET, "repetition", *_POSES, "theta_next", "force_ratio", "samples", "path")
+_SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
+SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
+CSV_SUFFIX = ".csv"
+_TEXT = ("surface", "object", "path")
+
+
+@dataclass(frozen=True)
+class UnreadableFile:
+    """A file (or folder) that could not be read, and why."""
+
+    path: Path
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class PushTable:
+    """Pushes and friction scans, a row each, and the files that could not be read.
+
+    table : a row a push. `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`, `fraction`,
+        `angle` (rad), `repetition`: from the file's name. `x0`, `y0` (m), `theta0` (rad): first pose in the world.
+        `x1`, `y1`, `theta1`: last pose, theta1 = theta0 + dtheta. `dx`, `dy` (m): displacement in the object's
+        initial frame. `dtheta` (rad): its turn, counted along the series, so never wrapped. `theta_next` (rad): start
+        of the next repetition of the same set (same folder or CSV table, same facts), on the lift nearest to theta1; so
+        theta_next - theta0 is the turn of the cycle where the drag back turns by less than half a turn.
+        `force_ratio`: median of |tangential| over normal contact force (see `contact_force_ratio`).
+        `samples`: poses of the object, 0 in a CSV table. `path`: the file.
+    scans : a row a friction scan. `direction` (rad) of the motion in the world, by the name; `force_along` and
+        `force_across` (N): of the rod on the object, along its motion and to the left of it (see `scan_forces`);
+        `ratio`: force_across / force_along, zero where friction is isotropic; `samples`: wrenches; the rest as above.
+    unreadable : the files left out, in order of their paths.
+
+    What is unknown is NaN: facts of a file whose name is not of the layout, the repetition of a single push,
+    theta_next of the last of a set, the force ratio of an object that is no MIT shape or without contact.
+    """
+
+    table: pandas.DataFrame
+    scans: pandas.DataFrame
+    unreadable: tuple[UnreadableFile, ...]
+
+
+def load_pushes(path: str | Path, *, progress: Callable[[float], None] | None = None) -> PushTable:
+    """Read pushes and friction scans in the MIT layout (.h5, .hdf5, .json) or as CSV: a file, a folder or a tree.
+
+    progress : called with the fraction done, in (0, 1]. Other files are passed over; links to folders are not
+    followed. Rows are sorted by the facts in the order of their columns, then by path, then as in their file. For
+    CSV tables of poses or of θ0 see `read_push_csv`; a push that stands in two files makes two rows.
+
+    A file that cannot be read - cut short, damaged, a table missing, wrong columns, text or NaN among the numbers,
+    a clock that runs backwards, a size that its file cannot hold - is listed in `unreadable` with the reason, and
+    the rest is kept. Raises InvalidInput where there is nothing at `path`, or no file of push data below it.
+
+    >>> import json, pathlib, tempfile
+    >>> poses = [[0.0, 0.3, 0.0, 1.5], [0.1, 0.3, 0.05, 1.6]]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     tables = {"object_pose": poses, "tip_pose": poses, "ft_wrench": poses}
+    ...     name = "motion_surface=abs_shape=hex_a=0_v=20_i=0.000_s=0.700_t=0.000_rep=0000.json"
+    ...     _ = pathlib.Path(folder, name).write_text(json.dumps(tables))
+    ...     _ = pathlib.Path(folder, "cut.json").write_text(json.dumps(tables)[:50])
+    ...     pushes = load_pushes(folder)
+    >>> pushes.table[["object", "speed", "dtheta"]].round(9).values.tolist(), pushes.unreadable[0].path.name
+    ([['hex', 0.02, 0.1]], 'cut.json')
+    """
+    files, unreadable = _files(Path(path))
+    report = progress or (lambda fraction: None)
+    pushes: list[dict[str, Any]] = []
+    scans: list[dict[str, Any]] = []
+    for done, file in enumerate(files, 1):
+        try:
+            found = _rows(file)
+        except DataFileError as error:
+            unreadable.append(UnreadableFile(file, str(error).removeprefix(f"{file}").lstrip(":, ")))
+        else:
+            pushes += found[0]
+            scans += found[1]
+        report(done / len(files))
+    table = _sorted_frame(pushes, PUSH_COLUMNS, (*_PUSH_SET, "repetition", "path"))
+    table["theta_next"] = table["theta_next"].fillna(_theta_next(table))
+    unreadable.sort(key=lambda entry: entry.path)
+    return PushTable(table, _sorted_frame(scans, SCAN_COLUMNS, (*_SCAN_ORDER, "path")), tuple(unreadable))
+
+
+def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
+    """The files of push data at or below `path`, in order, and the folders that could not be entered."""
+    if not path.exists():
+        raise InvalidInput(f"{path}: there is nothing there; give a file or a folder of pushes")
+    if not path.is_dir():
+        return [path], []
+    closed: list[UnreadableFile] = []
+
+    def note(error: OSError) -> None:
+        closed.append(UnreadableFile(Path(error.filename), f"the folder cannot be entered ({error.strerror})"))
+
+    kinds = (*SUFFIXES, CSV_SUFFIX)
+    below = [Path(folder, name) for folder, _, names in os.walk(path, onerror=note) for name in names]
+    files = sorted(file for file in below if file.suffix.lower() in kinds)
+    if not files:
+        raise InvalidInput(f"{path}: the folder holds no push data ({', '.join(kinds)}); check the path")
+    return files, closed
+
+
+def _rows(path: Path) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """The rows of pushes and of scans that a file holds."""
+    if path.suffix.lower() == CSV_SUFFIX:
+        if not path.is_file():
+            raise DataFileError(f"{path}: there is no such file; check the path")
+        return read_push_csv(path), []
+    record = read_push_file(path)
+    if isinstance(record, PushRecord):
+        return [_push_row(path, record)], []
+    return [], [_scan_row(path, record)]
+
+
+def _push_row(path: Path, push: PushRecord) -> dict[str, Any]:
+    facts = push_facts(path) or PushFacts()
+    outline = _mit_outline(facts.object)
+    ratio = math.nan if outline is None else contact_force_ratio(push, outline)
+    poses = dict(zip(_POSES, (*push.start, *push.end, *push.displacement, push.turn), strict=True))
+    rest = {"force_ratio": ratio, "samples": push.samples, "path": str(path)}
+    return asdict(facts) | poses | rest
+
+
+def _scan_row(path: Path, scan: ScanRecord) -> dict[str, Any]:
+    along, across = scan_forces(scan)
+    ratio = across / along if along else math.nan
+    measured = {"force_along": along, "force_across": across, "ratio": ratio}
+    return asdict(scan_facts(path) or ScanFacts()) | measured | {"samples": len(scan.ft_wrench), "path": str(path)}
+
+
+@cache
+def _mit_outline(name: str | None) -> NDArray[np.float64] | None:
+    """The closed outline of an MIT shape as a polyline, m; None for any other object."""
+    from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Slider
+
+    return Slider.mit(name).outline_points(360) if name in MIT_SHAPE_NAMES else None
+
+
+def _sorted_frame(rows: list[dict[str, Any]], columns: tuple[str, ...], order: tuple[str, ...]) -> pandas.DataFrame:
+    import pandas
+
+    kinds = {name: "str" if name in _TEXT else "int64" if name == "samples" else "float64" for name in columns}
+    frame = pandas.DataFrame(rows, columns=list(columns)).astype(kinds)
+    return frame.sort_values(list(order), kind="stable", ignore_index=True)
+
+
+def _theta_next(table: pandas.DataFrame) -> pandas.Series:
+    """Start angle (rad) of the next repetition of each push's set, on the lift nearest to its end angle."""
+    import pandas
+
+    homes = [path if path.lower().endswith(CSV_SUFFIX) else os.path.split(path)[0] for path in table["path"]]
+    sets = [tuple(map(str, facts)) for facts in zip(homes, *(table[name] for name in _PUSH_SET), strict=True)]
+    repetition, start, end = (table[name].to_numpy() for name in ("repetition", "theta0", "theta1"))
+    first: dict[tuple[tuple[str, ...], float], float] = {}
+    for key, number, angle in zip(sets, repetition, start, strict=True):
+        first.setdefault((key, number), angle)
+    following = [first.get((key, number + 1.0), math.nan) for key, number in zip(sets, repetition, strict=True)]
+    return pandas.Series(end + np.remainder(np.array(following) - end + np.pi, 2.0 * np.pi) - np.pi)

@@ -1,0 +1,1 @@
+"""Measured θ0, push after push: pairs, summaries, and the staircase they make."""

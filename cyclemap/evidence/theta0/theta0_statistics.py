@@ -1,0 +1,88 @@
+"""Summaries of measured (θ0, next θ0) pairs: medians by bin, histogram, distance from a map."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
+
+Array = NDArray[np.float64]
+FULL_TURN = 2 * np.pi
+DEFAULT_BINS = 72
+
+
+@dataclass(frozen=True, eq=False)
+class TurnBins:
+    """The median turn in equal bins of θ0; only bins that hold at least `fewest` pairs are listed.
+
+    centre : (k,) rad in [0, 2π). median : (k,) rad. count : (k,) pairs.
+    """
+
+    centre: Array
+    median: Array
+    count: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class AngleHistogram:
+    """How often each direction was recorded. edges : (k + 1,) rad over [0, 2π]. density : (k,) per rad."""
+
+    edges: Array
+    density: Array
+
+
+@dataclass(frozen=True)
+class MapAgreement:
+    """How far measured turns lie from a map's: root mean squares over pairs and over bin medians (rad)."""
+
+    pairs: int
+    rms: float
+    bins: int
+    bin_rms: float
+
+
+def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS, fewest: int = 3) -> TurnBins:
+    """Median turn of the pairs in `bins` equal bins of θ0 over [0, 2π)."""
+    index = _bin_index(pairs.theta, bins)
+    count = np.bincount(index, minlength=bins)
+    filled = np.flatnonzero(count >= fewest)
+    median = np.array([np.median(pairs.turn[index == k]) for k in filled])
+    return TurnBins((filled + 0.5) * FULL_TURN / bins, median, count[filled])
+
+
+def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
+    """Probability density (per rad) of the directions `theta` (n,) rad in `bins` equal bins over [0, 2π).
+
+    >>> angle_histogram(np.array([0.1, 0.2, 3.3, 6.2]), bins=2).density * np.pi
+    array([0.5, 0.5])
+    """
+    if theta.size == 0:
+        raise InvalidInput("no direction to make a histogram of; give at least one")
+    count = np.bincount(_bin_index(theta, bins), minlength=bins)
+    return AngleHistogram(np.linspace(0.0, FULL_TURN, bins + 1), count * (bins / FULL_TURN) / theta.size)
+
+
+def map_agreement(pairs: Theta0Pairs, turn: Callable[[Array], Array], bins: int = DEFAULT_BINS) -> MapAgreement:
+    """Distance of the pairs from a map whose turn at θ (rad) is `turn(θ)` (rad).
+
+    The bin figure is over the medians of `turn_bins`, each bin counting once: it weighs rarely visited
+    directions as much as crowded ones.
+    """
+    medians = turn_bins(pairs, bins)
+    over_pairs = _root_mean_square(pairs.turn - turn(pairs.theta))
+    over_bins = _root_mean_square(medians.median - turn(medians.centre)) if medians.centre.size else np.nan
+    return MapAgreement(pairs.theta.size, over_pairs, medians.centre.size, over_bins)
+
+
+def _bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
+    if bins < 1:
+        raise InvalidInput(f"bins is {bins}; it must be at least 1")
+    # An angle a hair below 0 wraps to exactly 2π and would fall past the last bin.
+    return np.minimum((np.mod(theta, FULL_TURN) * (bins / FULL_TURN)).astype(np.int64), bins - 1)
+
+
+def _root_mean_square(values: Array) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))

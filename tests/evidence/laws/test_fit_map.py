@@ -1,0 +1,218 @@
+"""The fitted cycle map and its wear: made series whose map is known, and the measured plywood staircase."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.fit_map import FittedMap, fit_map
+from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.evidence.laws.wear import fit_worn_law
+from cyclemap.evidence.theta0.theta0_pairs import read_theta0_pairs
+from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, fixed_points, sample_staircase, sample_staircases
+
+TURN = 2 * np.pi
+GRID = np.linspace(0.0, TURN, 90, endpoint=False)
+STAIRCASE = "plywood_rect1_theta0_2000.csv"
+
+
+def worn_turn(theta: np.ndarray, cycle: np.ndarray | float) -> np.ndarray:
+    return 0.5 + 0.3 * np.cos(theta) + 0.1 * np.sin(2 * theta) + 2e-4 * cycle * (1.0 + np.cos(theta - 1.0))
+
+
+def worn_pairs(seed: int, sigma: float, count: int = 1000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A path under a map that wears linearly, every cycle from where the last one ended."""
+    cycle, kicks = np.arange(float(count)), sigma * np.random.default_rng(seed).standard_normal(count)
+    path = [0.0]
+    for n in range(count):
+        path.append(path[-1] + float(worn_turn(np.array(path[-1]), float(n))) + kicks[n])
+    return np.array(path[:-1]), np.array(path[1:]), cycle
+
+
+def test_a_map_without_noise_is_found_exactly_with_its_derivative_and_fixed_points() -> None:
+    truth = CircleMap.arnold(0.05, 0.8)
+    theta = np.random.default_rng(0).uniform(-9.0, 9.0, 200)
+    fitted = fit_map(theta, truth(theta))
+    assert fitted.law.harmonics == 1
+    assert np.allclose(fitted.map(GRID), truth(GRID), atol=1e-13)
+    assert np.allclose(fitted.map.derivative(GRID), truth.derivative(GRID), atol=1e-13)
+    assert fitted.map.scalar()(2.5) == pytest.approx(float(truth(2.5)), abs=1e-13)
+    found, true = fixed_points(fitted.map), fixed_points(truth)
+    assert len(found) == len(true) == 2
+    assert all(np.allclose(a.points, b.points, atol=1e-11) for a, b in zip(found, true, strict=True))
+
+
+def test_pairs_of_a_noisy_staircase_give_back_map_and_noise() -> None:
+    truth = CircleMap.arnold(0.2, 0.5)
+    path = sample_staircase(truth, WrappedNormal(0.03), 3000, seed=2).theta
+    fitted = fit_map(path[:-1], path[1:], noise_harmonics=None)
+    assert fitted.law.harmonics == 1
+    assert fitted.pairs == 3000
+    assert fitted.sigma == pytest.approx(0.03, rel=0.05)
+    assert np.allclose(fitted.noise(GRID), 0.03, rtol=0.15)
+    band = fitted.band(GRID, level=0.9999)
+    assert np.all((band.mean_lower <= truth.turn(GRID)) & (truth.turn(GRID) <= band.mean_upper))
+
+
+def test_turning_the_world_conjugates_the_fitted_map() -> None:
+    theta, theta_next, _ = worn_pairs(0, 0.02)
+    one, turned = fit_map(theta, theta_next), fit_map(theta + 1.1, theta_next + 1.1)
+    assert turned.law.harmonics == one.law.harmonics
+    assert np.allclose(turned.map(GRID + 1.1), one.map(GRID) + 1.1, atol=1e-10)
+    assert turned.sigma == pytest.approx(one.sigma, rel=1e-9)
+
+
+def test_a_whole_turn_added_to_both_angles_changes_nothing() -> None:
+    theta, theta_next, _ = worn_pairs(0, 0.02)
+    lifts = TURN * np.random.default_rng(0).integers(-3, 4, theta.size)
+    one, other = fit_map(theta, theta_next), fit_map(theta + lifts, theta_next + lifts)
+    assert np.allclose(other.map(GRID), one.map(GRID), atol=1e-10)
+
+
+def test_wear_without_noise_is_found_exactly_with_its_degree() -> None:
+    theta, theta_next, cycle = worn_pairs(0, 0.0)
+    fitted = fit_map(theta, theta_next, cycle=cycle)
+    assert fitted.wear is not None
+    assert (fitted.wear.harmonics, fitted.wear.degree) == (2, 1)
+    for n in (0.0, 400.0, 999.0):
+        assert np.allclose(fitted.map_at(n).turn(GRID), worn_turn(GRID, n), atol=1e-10)
+    assert np.allclose(fitted.map_at(5000.0).turn(GRID), worn_turn(GRID, 999.0), atol=1e-10)
+    drifting = fitted.drifting_map(500, first=300)
+    assert isinstance(drifting, DriftingMap)
+    assert np.allclose(drifting.at(200).turn(GRID), worn_turn(GRID, 500.0), atol=1e-10)
+
+
+def test_wear_and_its_degree_are_recovered_under_noise_and_the_bands_cover() -> None:
+    runs, degrees, covered = 50, [], []
+    for seed in range(runs):
+        theta, theta_next, cycle = worn_pairs(seed, 0.03)
+        degrees.append(fit_worn_law(theta, theta_next - theta, cycle, max_harmonics=4, max_degree=3, seed=seed).degree)
+        law = fit_worn_law(theta, theta_next - theta, cycle, harmonics=2, degree=1)
+        bands = [law.at(n).band(GRID) for n in (0.0, 600.0, 999.0)]
+        truth = np.stack([worn_turn(GRID, n) for n in (0.0, 600.0, 999.0)])
+        lower, upper = np.stack([b.mean_lower for b in bands]), np.stack([b.mean_upper for b in bands])
+        covered.append((lower <= truth) & (truth <= upper))
+        assert law.sigma == pytest.approx(0.03, rel=0.1)
+    assert degrees.count(1) >= 0.9 * runs
+    assert np.mean(covered) == pytest.approx(0.95, abs=0.03)
+
+
+def test_a_map_that_does_not_wear_is_found_to_have_degree_nought() -> None:
+    chosen = []
+    for seed in range(20):
+        path = sample_staircase(CircleMap.arnold(0.2, 0.5), WrappedNormal(0.03), 600, seed=seed).theta
+        worn = fit_map(path[:-1], path[1:], cycle=np.arange(600), max_harmonics=5, max_wear_degree=3).wear
+        assert worn is not None
+        chosen.append((worn.harmonics, worn.degree))
+    assert chosen.count((1, 0)) >= 18
+
+
+def test_worn_paths_are_those_of_the_drifting_map() -> None:
+    """Two samplers, two streams of noise: mean climbs agree within their standard errors."""
+    theta, theta_next, cycle = worn_pairs(1, 0.03)
+    fitted = fit_map(theta, theta_next, cycle=cycle)
+    assert fitted.wear is not None
+    starts = np.zeros(400)
+    own = fitted.paths(starts, 300, first=200, seed=1)
+    blend = fitted.drifting_map(300, first=200)
+    other = sample_staircases(blend, WrappedNormal(fitted.wear.sigma), 300, starts, seed=2)
+    climbs = np.stack([own[:, -1], other[:, -1]])
+    error = float(np.sqrt(np.sum(np.var(climbs, axis=1)) / 400))
+    assert own.shape == (400, 301)
+    assert abs(np.diff(np.mean(climbs, axis=1))[0]) < 4 * error
+
+
+def test_bad_input_is_refused_by_name() -> None:
+    theta, theta_next, cycle = worn_pairs(0, 0.02, 100)
+    with pytest.raises(InvalidInput, match="theta and theta_next have 100 and 99 entries"):
+        fit_map(theta, theta_next[:-1])
+    with pytest.raises(InvalidInput, match="theta_next must be finite, but entry 0 is nan"):
+        fit_map(theta, np.append(np.nan, theta_next[1:]))
+    with pytest.raises(InvalidInput, match="cycle has 99 entries for 100 pairs"):
+        fit_map(theta, theta_next, cycle=cycle[1:])
+    with pytest.raises(InvalidInput, match="every cycle is 3"):
+        fit_map(theta, theta_next, cycle=np.full(100, 3.0))
+    with pytest.raises(InvalidInput, match="degree must be at least 0"):
+        fit_map(theta, theta_next, cycle=cycle, wear_degree=-1)
+    with pytest.raises(InvalidInput, match="max_degree must be at least 0"):
+        fit_map(theta, theta_next, cycle=cycle, max_wear_degree=-1)
+    with pytest.raises(InvalidInput, match="too few to choose"):
+        fit_map(theta[:10], theta_next[:10])
+    for asked in (lambda one: one.map_at(3), lambda one: one.drifting_map(3), lambda one: one.paths([0.0], 3)):
+        with pytest.raises(InvalidInput, match="fitted without cycle numbers"):
+            asked(fit_map(theta, theta_next, harmonics=2))
+    with pytest.raises(InvalidInput, match="cycles must be at least 1"):
+        fit_map(theta, theta_next, cycle=cycle, harmonics=2, wear_degree=1).paths([0.0], 0)
+
+
+# -- the measured plywood staircase -----------------------------------------------------------------------------
+
+
+@cache
+def plywood(folder: Path) -> tuple[FittedMap, np.ndarray]:
+    """The map fitted with wear and with scatter that depends on the angle, and the measured path."""
+    pairs = read_theta0_pairs(folder / STAIRCASE)
+    rows = [line.rstrip("\n").split(",") for line in (folder / STAIRCASE).read_text().splitlines()[1:]]
+    cycle = [float(row[0]) for row in rows if row[3] and not row[4]]
+    assert pairs.path is not None
+    return fit_map(pairs.theta, pairs.theta_next, cycle=cycle, noise_harmonics=None), pairs.path
+
+
+def test_the_plywood_turn_is_known_to_a_degree_and_better_with_wear(measured_data: Path) -> None:
+    fitted, path = plywood(measured_data)
+    pairs = read_theta0_pairs(measured_data / STAIRCASE)
+    assert (fitted.pairs, path.size) == (1996, 2000)
+    six = fit_map(pairs.theta, pairs.theta_next, harmonics=6)
+    assert np.rad2deg(six.law.rmse) == pytest.approx(1.1, abs=0.05)
+    assert fitted.wear is not None
+    assert fitted.wear.degree >= 1
+    assert np.rad2deg(fitted.wear.rmse) < 0.75
+    # Where the robot waits it scatters least: the bottleneck is far quieter than the steep flanks.
+    assert np.all(fitted.wear.whole.noise(np.deg2rad([20.0, 200.0])) > 3 * fitted.wear.whole.noise(np.deg2rad(95.0)))
+
+
+def test_the_plywood_bottleneck_lies_near_95_degrees_and_opens(measured_data: Path) -> None:
+    fitted, _ = plywood(measured_data)
+    theta = np.deg2rad(np.arange(0.0, 360.0, 0.1))
+    narrow = [fitted.map_at(n).turn(theta) for n in (300, 1000, 1700)]
+    least = np.rad2deg(np.min(narrow, axis=1))
+    assert np.all(np.abs(np.rad2deg(theta[np.argmin(narrow, axis=1)]) - 92.0) <= 8.0)
+    assert np.all(np.diff(least) > 0.0)
+    assert np.all((least > -0.5) & (least < 1.0))
+
+
+def test_the_worn_plywood_map_predicts_the_turns_and_the_peak_of_pushes_500_to_2000(measured_data: Path) -> None:
+    fitted, path = plywood(measured_data)
+    assert fitted.wear is not None
+    cycles, starts = path.size - 501, np.full(200, path[500])
+    measured = (path[-1] - path[500]) / TURN
+    own = fitted.paths(starts, cycles, first=500)
+    drifting = fitted.drifting_map(cycles, first=500)
+    constant = sample_staircases(drifting, WrappedNormal(fitted.wear.sigma), cycles, starts)
+    for paths in (own, constant):
+        assert np.mean(paths[:, -1] - paths[:, 0]) / TURN == pytest.approx(measured, rel=0.15)
+    for paths in (own, path[500:]):
+        count = np.histogram(np.rad2deg(np.mod(paths, TURN)), bins=72, range=(0.0, 360.0))[0]
+        assert 90.0 <= 5.0 * np.argmax(count) <= 95.0
+
+
+def test_the_worn_plywood_map_takes_fewer_and_fewer_pushes_a_turn_as_measured(measured_data: Path) -> None:
+    """From 110° to 470°: from pushes in the hundreds early on to the measured 50 of the last three turns."""
+    fitted, path = plywood(measured_data)
+    first, last = np.deg2rad(110.0), np.deg2rad(470.0)
+    arrivals = [int(np.argmax(path >= first + TURN * turn)) for turn in range(14, 18)]
+    measured = float(np.mean(np.diff(arrivals)))
+    assert measured == pytest.approx(50.0, abs=2.0)
+    taken = []
+    for push in (300, 1000, 1900):
+        paths = fitted.paths(np.full(100, first), 600, first=push)
+        taken.append(float(np.median(np.where(paths[:, -1] >= last, np.argmax(paths >= last, axis=1), 600))))
+    assert taken[0] > 1.5 * taken[1] > 2.25 * taken[2]
+    assert taken[2] == pytest.approx(measured, rel=0.2)
+
+
+def test_basis_of_nested_orders_is_orthogonal_over_equal_angles() -> None:
+    columns = fourier_columns(GRID, 5)
+    assert np.allclose(columns.T @ columns, np.diag([90.0] + [45.0] * 10), atol=1e-12)

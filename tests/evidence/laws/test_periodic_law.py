@@ -1,0 +1,263 @@
+"""Periodic laws fitted to made values whose law, order and scatter are known."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import i0
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.linear_fit import fit_linear
+from cyclemap.evidence.laws.order_choice import cycle_folds, nested_errors, simplest_good
+from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
+from cyclemap.evidence.laws.periodic_noise import fit_log_variance
+
+TURN = 2 * np.pi
+GRID = np.linspace(0.0, TURN, 72, endpoint=False)
+
+
+def truth(theta: np.ndarray) -> np.ndarray:
+    return 0.5 + 0.2 * np.cos(theta - 0.4) - 0.15 * np.sin(2 * theta) + 0.05 * np.cos(3 * theta)
+
+
+def made(seed: int, count: int = 400, sigma: float = 0.05) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    theta = rng.uniform(-TURN, TURN, count)
+    return theta, truth(theta) + sigma * rng.standard_normal(count)
+
+
+def worst(law: PeriodicLaw) -> float:
+    return float(np.max(np.abs(law(GRID) - truth(GRID))))
+
+
+def test_without_noise_the_law_its_order_and_its_slope_are_found_exactly() -> None:
+    theta, value = made(0, sigma=0.0)
+    for kind in ({}, {"robust": True}, {"correlated": True}, {"noise_harmonics": None}):
+        law = fit_periodic_law(theta, value, **kind)
+        assert law.harmonics == 3
+        assert worst(law) < 1e-13
+        assert law.rmse < 1e-13
+    step = 1e-5
+    assert np.allclose(law.slope(GRID), (truth(GRID + step) - truth(GRID - step)) / (2 * step), atol=1e-9)
+
+
+def test_the_chosen_order_is_the_true_one_in_nine_of_ten_runs() -> None:
+    chosen = np.array([fit_periodic_law(*made(seed), seed=seed).harmonics for seed in range(50)])
+    assert np.sum(chosen == 3) >= 45
+    assert np.min(chosen) >= 3
+
+
+def test_cross_validation_is_the_error_of_refitting_without_each_fold() -> None:
+    """Two routes: one QR a fold for all orders, and a plain least-squares fit for each fold and order."""
+    theta, value = made(1, count=90)
+    design, fold = fourier_columns(theta, 4), cycle_folds(90, seed=5)
+    found = nested_errors(design, value, np.array([1, 5, 9]), fold)
+    for j, size in enumerate((1, 5, 9)):
+        for one in range(10):
+            kept = np.linalg.lstsq(design[fold != one, :size], value[fold != one])[0]
+            assert np.allclose(found[fold == one, j], (value - design[:, :size] @ kept)[fold == one] ** 2, rtol=1e-9)
+
+
+def test_folds_are_equal_shares_made_of_blocks_of_successive_values() -> None:
+    fold = cycle_folds(2000, seed=3)
+    assert np.bincount(fold).tolist() == [200] * 10
+    changes = np.flatnonzero(np.diff(fold)) + 1
+    assert changes.size <= 49
+    assert np.all(changes % 40 == 0)
+    assert not np.array_equal(fold, cycle_folds(2000, seed=4))
+
+
+def test_the_one_standard_error_rule_takes_the_simplest_that_is_not_clearly_worse() -> None:
+    rng = np.random.default_rng(0)
+    common = rng.exponential(size=1000)
+    sideways = 0.1 * np.repeat(rng.permutation(np.tile([1.0, -1.0], 50)), 10)
+    errors = np.stack([common + 1.0, common + 0.001 + sideways - sideways.mean(), common], axis=1)
+    fold = np.repeat(np.arange(10), 100)
+    assert simplest_good(errors, np.array([1, 3, 5]), fold)[0] == 1
+    errors[:, 1] = common + 0.001
+    assert simplest_good(errors, np.array([1, 3, 5]), fold)[0] == 2
+
+
+def test_bands_cover_the_truth_and_new_values_as_often_as_they_say() -> None:
+    """200 runs: at 72 angles, the 95 % band of the mean holds the truth, the prediction band a new value."""
+    inside, ahead, runs = np.zeros(GRID.size), np.zeros(GRID.size), 200
+    for seed in range(runs):
+        band = fit_periodic_law(*made(seed, count=60), harmonics=3).band(GRID)
+        new = truth(GRID) + 0.05 * np.random.default_rng(10_000 + seed).standard_normal(GRID.size)
+        inside += (band.mean_lower <= truth(GRID)) & (truth(GRID) <= band.mean_upper)
+        ahead += (band.lower <= new) & (new <= band.upper)
+    assert np.all((inside / runs >= 0.90) & (inside / runs <= 0.99))
+    assert np.mean(inside) / runs == pytest.approx(0.95, abs=0.015)
+    # 14,400 new values: the standard error of the share is 0.2 %, a little more as 72 share a fit.
+    assert np.mean(ahead) / runs == pytest.approx(0.95, abs=0.01)
+
+
+def test_with_correlated_residuals_only_the_covariance_made_for_them_covers() -> None:
+    """Autoregressive scatter (0.7) over angles that move slowly: plain bands are far too narrow."""
+    runs, plain, right = 200, 0, 0
+    theta = 0.05 * np.arange(1000.0)
+    for seed in range(runs):
+        kick = np.random.default_rng(seed).standard_normal(1100)
+        scatter = np.array([kick[k : k + 1000] * 0.7**j for j, k in enumerate(range(100, 60, -1))]).sum(axis=0)
+        value = truth(theta) + 0.05 * scatter
+        for correlated in (False, True):
+            band = fit_periodic_law(theta, value, harmonics=3, correlated=correlated).band(1.0)
+            hit = bool(band.mean_lower <= truth(np.array(1.0)) <= band.mean_upper)
+            right, plain = right + (hit and correlated), plain + (hit and not correlated)
+    assert plain / runs < 0.75
+    assert 0.88 <= right / runs <= 0.99
+
+
+def test_the_correlation_of_successive_residuals_is_told() -> None:
+    theta, value = made(3, count=4000)
+    assert abs(fit_periodic_law(theta, value, harmonics=3).lag_correlation) < 4 / np.sqrt(4000)
+    kick = np.random.default_rng(0).standard_normal(4001)
+    smeared = truth(theta) + 0.05 * (kick[1:] + kick[:-1])
+    assert fit_periodic_law(theta, smeared, harmonics=3).lag_correlation == pytest.approx(0.5, abs=0.06)
+
+
+def test_scatter_that_depends_on_the_angle_is_recovered_with_its_order() -> None:
+    rng = np.random.default_rng(4)
+    theta = rng.uniform(0.0, TURN, 4000)
+    sigma = lambda angle: 0.05 * np.exp(0.8 * np.cos(angle - 1.0))  # noqa: E731
+    value = truth(theta) + sigma(theta) * rng.standard_normal(4000)
+    law = fit_periodic_law(theta, value, noise_harmonics=None)
+    assert law.harmonics == 3
+    assert law.log_variance.size == 3
+    # Standard errors of two log-standard-deviation coefficients of 1/√n each and one of half: four of them.
+    assert np.max(np.abs(np.log(law.noise(GRID) / sigma(GRID)))) < 4 * np.sqrt(1.5 / 4000)
+    # The root mean square of it over the angles, in closed form.
+    assert law.sigma == pytest.approx(0.05 * np.sqrt(i0(1.6)), rel=0.05)
+
+
+def predicted_errors(theta: np.ndarray, variance: np.ndarray) -> list[float]:
+    """Mean squared errors over the angles of weighted and of plain least squares, three harmonics (Aitken 1935)."""
+    design, grid = fourier_columns(theta, 3), fourier_columns(GRID, 3)
+    weighted = np.linalg.inv(design.T @ (design / variance[:, np.newaxis]))
+    inverse = np.linalg.inv(design.T @ design)
+    plain = inverse @ (design.T @ (design * variance[:, np.newaxis])) @ inverse
+    return [float(np.mean(np.sum(grid @ one * grid, axis=1))) for one in (weighted, plain)]
+
+
+def test_weighing_by_the_scatter_makes_the_law_as_sure_as_theory_says_and_its_bands_cover() -> None:
+    covered, errors, theory, runs = 0.0, [], [], 200
+    for seed in range(runs):
+        rng = np.random.default_rng(seed)
+        theta = rng.uniform(0.0, TURN, 500)
+        sigma = 0.05 * np.exp(np.cos(theta))
+        value = truth(theta) + sigma * rng.standard_normal(500)
+        theory.append(predicted_errors(theta, sigma**2))
+        weighed = fit_periodic_law(theta, value, harmonics=3, noise_harmonics=1)
+        band = weighed.band(GRID)
+        covered += float(np.mean((band.mean_lower <= truth(GRID)) & (truth(GRID) <= band.mean_upper))) / runs
+        plain = fit_periodic_law(theta, value, harmonics=3)
+        errors.append([np.mean((law(GRID) - truth(GRID)) ** 2) for law in (weighed, plain)])
+    assert covered == pytest.approx(0.95, abs=0.025)
+    (weighed_error, plain_error), expected = np.mean(errors, axis=0), np.mean(theory, axis=0)
+    assert expected[0] < 0.85 * expected[1]
+    # A mean of 200 squared errors of seven coefficients is good to about 5 %.
+    assert weighed_error == pytest.approx(expected[0], rel=0.15)
+    assert plain_error == pytest.approx(expected[1], rel=0.15)
+
+
+def test_constant_scatter_is_mostly_found_constant() -> None:
+    sizes = [fit_periodic_law(*made(seed), harmonics=3, noise_harmonics=None).log_variance.size for seed in range(30)]
+    assert sizes.count(1) >= 27
+
+
+def test_the_fitted_log_variance_makes_the_likelihood_stationary() -> None:
+    columns = fourier_columns(np.linspace(0.0, 5.0, 50), 2)
+    squares = np.random.default_rng(0).standard_normal(50) ** 6
+    gamma = fit_log_variance(columns, squares)
+    assert np.max(np.abs(columns.T @ (1.0 - squares * np.exp(-columns @ gamma)))) < 1e-3
+
+
+def test_robust_fits_withstand_outliers_and_cover_on_clean_data() -> None:
+    theta, value = made(5, count=1000)
+    spoilt = value.copy()
+    spoilt[::20] += 3.0
+    assert worst(fit_periodic_law(theta, spoilt, harmonics=3)) > 0.1
+    law = fit_periodic_law(theta, spoilt, robust=True)
+    assert law.harmonics == 3
+    assert worst(law) < 0.03
+    assert law.sigma == pytest.approx(0.05, rel=0.15)
+    bands = [(fit_periodic_law(*made(s, 200), harmonics=3, robust=True).band(GRID)) for s in range(60)]
+    covered = np.mean([(b.mean_lower <= truth(GRID)) & (truth(GRID) <= b.mean_upper) for b in bands])
+    assert covered == pytest.approx(0.95, abs=0.03)
+
+
+@pytest.mark.parametrize("kind", [{}, {"robust": True}, {"correlated": True}, {"noise_harmonics": 1}])
+def test_turning_the_angles_turns_the_law_and_changes_nothing_else(kind: dict[str, Any]) -> None:
+    theta, value = made(6)
+    one, turned = fit_periodic_law(theta, value, **kind), fit_periodic_law(theta + 0.7, value, **kind)
+    assert turned.harmonics == one.harmonics == 3
+    assert turned.rmse == pytest.approx(one.rmse, rel=1e-6)
+    assert np.allclose(turned(GRID + 0.7), one(GRID), atol=1e-7)
+    assert np.allclose(turned.standard_error(GRID + 0.7), one.standard_error(GRID), rtol=1e-5)
+    assert np.allclose(turned.noise(GRID + 0.7), one.noise(GRID), rtol=1e-5)
+
+
+@pytest.mark.parametrize("kind", [{}, {"robust": True}, {"noise_harmonics": 1}])
+def test_the_order_of_the_values_does_not_matter_for_a_fixed_order(kind: dict[str, Any]) -> None:
+    theta, value = made(7)
+    shuffled = np.random.default_rng(0).permutation(theta.size)
+    one = fit_periodic_law(theta, value, harmonics=4, **kind)
+    other = fit_periodic_law(theta[shuffled], value[shuffled], harmonics=4, **kind)
+    assert np.allclose(other.coefficients, one.coefficients, atol=1e-7)
+    assert np.allclose(other.covariance, one.covariance, rtol=1e-4, atol=1e-10)
+
+
+def test_scaling_the_values_scales_the_law_and_leaves_percentages() -> None:
+    theta, value = made(8)
+    one, large = fit_periodic_law(theta, value), fit_periodic_law(theta, 1000.0 * value)
+    assert large.harmonics == one.harmonics
+    assert large.rmse == pytest.approx(1000.0 * one.rmse, rel=1e-9)
+    assert large.percent == pytest.approx(one.percent, rel=1e-9)
+    assert one.percent == pytest.approx(100 * 0.05 / np.mean(value), rel=0.1)
+    assert one.total_percent == pytest.approx(100 * np.std(value, ddof=1) / np.mean(value), rel=1e-12)
+    assert one.count == 400
+
+
+def test_the_covariance_is_that_of_refits_to_new_noise() -> None:
+    theta, _ = made(9, count=100)
+    rng = np.random.default_rng(1)
+    refits = [fit_periodic_law(theta, truth(theta) + 0.05 * rng.standard_normal(100), harmonics=3) for _ in range(400)]
+    measured = np.std([law.coefficients for law in refits], axis=0)
+    told = np.sqrt(np.mean([np.diag(law.covariance) for law in refits], axis=0))
+    # The relative standard error of a standard deviation of 400 is 3.5 %.
+    assert np.allclose(told, measured, rtol=0.15)
+
+
+def test_bad_input_is_refused_by_name() -> None:
+    theta, value = made(10)
+    with pytest.raises(InvalidInput, match="400 and 399 entries"):
+        fit_periodic_law(theta, value[:-1])
+    with pytest.raises(InvalidInput, match="entry 2 is nan"):
+        fit_periodic_law(theta, np.where(np.arange(400) == 2, np.nan, value))
+    with pytest.raises(InvalidInput, match="too few to choose"):
+        fit_periodic_law(theta[:19], value[:19])
+    with pytest.raises(InvalidInput, match="7 pairs cannot fix 7 coefficients"):
+        fit_periodic_law(theta[:7], value[:7], harmonics=3)
+    with pytest.raises(InvalidInput, match="fix 1 of 3 coefficients"):
+        fit_periodic_law(np.ones(50), value[:50], harmonics=1)
+    for name in ("harmonics", "max_harmonics", "noise_harmonics", "seed"):
+        with pytest.raises(InvalidInput, match=f"{name} must be at least 0"):
+            fit_periodic_law(theta, value, **{name: -1})
+    with pytest.raises(InvalidInput, match="need noise_harmonics=0"):
+        fit_periodic_law(theta, value, robust=True, noise_harmonics=1)
+    with pytest.raises(InvalidInput, match="exactly on a smooth curve"):
+        fit_periodic_law(theta, truth(theta), harmonics=3, noise_harmonics=1)
+    with pytest.raises(InvalidInput, match="level is 95"):
+        fit_periodic_law(theta, value, harmonics=3).band(GRID, level=95)
+    with pytest.raises(InvalidInput, match="entries; give equally many"):
+        fit_periodic_law([], [])
+
+
+def test_a_plain_linear_fit_agrees_with_numpy() -> None:
+    theta, value = made(11)
+    design = fourier_columns(theta, 3)
+    fit = fit_linear(design, value)
+    coefficients, squares, _, _ = np.linalg.lstsq(design, value)
+    assert np.allclose(fit.coefficients, coefficients, atol=1e-13)
+    assert np.allclose(fit.covariance, np.linalg.inv(design.T @ design) * squares[0] / 393, rtol=1e-9)

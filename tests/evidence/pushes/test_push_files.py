@@ -1,0 +1,256 @@
+"""One file of push data: what is read, every way in which it can be bad, and damage at random."""
+
+import json
+import os
+import random
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from made_pushes import PUSH_NAME, SCAN_NAME, made_push, made_scan, write
+
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
+from cyclemap.evidence.pushes.push_files import read_push_file
+from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
+from cyclemap.mechanics.slider import Slider
+
+RECT1 = Slider.mit("rect1").outline_points()
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(DataFileError) as refused:
+        read_push_file(path)
+    assert str(refused.value).startswith(f"{path}: ")
+    return str(refused.value).removeprefix(f"{path}: ")
+
+
+@pytest.mark.parametrize("name", ["a.h5", "a.hdf5", "a.json", "a.JSON"])
+def test_what_was_written_is_read_back_to_the_last_bit(tmp_path, name) -> None:
+    tables = made_push()
+    path = write(tmp_path / name.lower(), tables).rename(tmp_path / name)
+    push = read_push_file(path)
+    assert isinstance(push, PushRecord)
+    for table, rows in tables.items():
+        assert np.array_equal(getattr(push, table), rows)
+        assert not getattr(push, table).flags.writeable
+
+
+@pytest.mark.parametrize("turn", [0.0, 1.2, -2.9, 3.5, -7.0, 20.0])
+def test_motion_is_that_of_the_object_in_its_initial_frame_and_whole_turns_count(turn) -> None:
+    push = PushRecord(**made_push(start=(0.3, 0.1, -2.5), moved=(0.03, -0.09), turn=turn))
+    assert push.displacement == pytest.approx((0.03, -0.09), abs=1e-12)
+    assert push.turn == pytest.approx(turn, abs=1e-9)
+    assert push.end[2] == pytest.approx(-2.5 + turn, abs=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.12, -0.3])
+@pytest.mark.parametrize("turn", [0.3, 5.0])
+def test_force_ratio_is_tangential_over_normal_force_at_the_contact(ratio, turn) -> None:
+    push = PushRecord(**made_push(ratio=ratio, turn=turn))
+    assert contact_force_ratio(push, RECT1) == pytest.approx(abs(ratio), abs=1e-9)
+
+
+def test_on_a_disc_the_normal_points_to_its_centre() -> None:
+    tables = made_push(turn=0.5)
+    towards = tables["object_pose"][:, 1:3] - tables["tip_pose"][:, 1:3]
+    distance = np.hypot(*towards.T)[:, None]
+    tables["tip_pose"][:, 1:3] += towards * (1.0 - (0.0525 + 0.00475) / distance)
+    left = np.column_stack([-towards[:, 1], towards[:, 0]])
+    tables["ft_wrench"][:, 1:3] = -(towards + 0.2 * left) * 60.0
+    ratio = contact_force_ratio(PushRecord(**tables), Slider.mit("ellip1").outline_points(720))
+    assert ratio == pytest.approx(0.2, abs=0.005)
+
+
+def test_without_contact_there_is_no_force_ratio() -> None:
+    pulling, far, unheard, few = made_push(), made_push(), made_push(), made_push(samples=9)
+    pulling["ft_wrench"][:, 1:] *= -1.0
+    far["tip_pose"][:, 1] += 0.05
+    unheard["ft_wrench"][:, 0] += 100.0
+    inside = made_push()
+    inside["tip_pose"][:, 1:3] = inside["object_pose"][:, 1:3]
+    cases = [pulling, far, unheard, few, inside]
+    assert len(cases) == 5
+    assert np.isnan([contact_force_ratio(PushRecord(**tables), RECT1) for tables in cases]).all()
+
+
+@pytest.mark.parametrize("degrees", [0, 75, 210, 333])
+def test_a_scan_gives_the_force_along_and_across_its_motion(tmp_path, degrees) -> None:
+    scan = read_push_file(write(tmp_path / f"{SCAN_NAME}.h5", made_scan(np.deg2rad(degrees), 2.0, -0.3)))
+    assert isinstance(scan, ScanRecord)
+    assert scan_forces(scan) == pytest.approx((2.0, -0.3), abs=1e-9)
+
+
+def test_a_stroke_that_goes_nowhere_has_no_direction() -> None:
+    tables = made_scan()
+    tables["tip_array"][:, 1:3] = 0.1
+    assert np.isnan(scan_forces(ScanRecord(tables["tip_array"], tables["ft_wrench"]))).all()
+
+
+def test_a_scan_is_known_by_its_name_or_by_its_tables(tmp_path) -> None:
+    scan = made_scan()
+    as_push = {"tip_pose": scan["tip_array"], "ft_wrench": scan["ft_wrench"], "object_pose": scan["tip_array"]}
+    assert isinstance(read_push_file(write(tmp_path / "any.h5", scan)), ScanRecord)
+    assert isinstance(read_push_file(write(tmp_path / f"{SCAN_NAME}.h5", as_push)), ScanRecord)
+    assert isinstance(read_push_file(write(tmp_path / "any2.h5", as_push)), PushRecord)
+
+
+def test_a_scan_that_also_turns_the_object_is_no_push(tmp_path) -> None:
+    name = "record_surface=plywood_shape=rect1_a=0_v=20_deg=30_rotdeg=80_radius=0.050_rep=000.h5"
+    assert "not that of a straight one" in refusal(write(tmp_path / name, made_push()))
+
+
+def changed(table, change):
+    tables = made_push()
+    tables[table] = change(tables[table])
+    return tables
+
+
+def put(row, column, value):
+    def change(rows):
+        rows[row, column] = value
+        return rows
+
+    return change
+
+
+BAD_TABLES = [
+    (lambda: {k: v for k, v in made_push().items() if k != "tip_pose"}, "table tip_pose is missing; the file has ft_"),
+    (lambda: {}, "table object_pose, tip_pose, ft_wrench is missing; the file has none"),
+    (lambda: changed("tip_pose", lambda rows: rows[:, :3]), "4 columns"),
+    (lambda: changed("ft_wrench", lambda rows: rows.ravel()), "4 columns"),
+    (lambda: changed("object_pose", lambda rows: rows[:1]), r"object_pose has shape \(1, 4\)"),
+    (lambda: changed("object_pose", put(7, 2, np.nan)), "object_pose, row 7, column 2 is nan"),
+    (lambda: changed("ft_wrench", put(3, 1, -np.inf)), "ft_wrench, row 3, column 1 is -inf"),
+    (lambda: changed("tip_pose", put(5, 0, 9e8)), "tip_pose: the clock runs backwards by 1e[+]08 s behind row 4"),
+    (lambda: changed("tip_pose", lambda rows: rows[::-1]), "tip_pose: the clock runs backwards"),
+    (lambda: changed("object_pose", put(0, 1, 350.0)), "column 1 is 350; it must be a number within 100 .SI units"),
+    (lambda: changed("object_pose", lambda rows: rows.astype(str).astype(object)), "number"),
+]
+
+
+@pytest.mark.parametrize("suffix", ["h5", "json"])
+@pytest.mark.parametrize(("tables", "said"), BAD_TABLES)
+def test_bad_tables_are_refused_with_the_reason(tmp_path, suffix, tables, said) -> None:
+    with pytest.raises(DataFileError, match=said):
+        read_push_file(write(tmp_path / f"bad.{suffix}", tables()))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (b"", "the file is empty"),
+        (b"{", "not JSON, or cut short"),
+        (json.dumps({"object_pose": [[0, 0, 0, 0]] * 3})[:-9].encode(), "cut short"),
+        (b"[1, 2]", "holds a list"),
+        (b"\xff\xfe\x00", "not JSON"),
+        (b"[" * 100_000, "not JSON of push data"),
+        (b'{"object_pose": ' + b"9" * 5000 + b"}", "not JSON of push data"),
+        (b'{"object_pose": [[0,0,0,0],[1,0,0]], "tip_pose": 1, "ft_wrench": 1}', "rows of different lengths"),
+        (b'{"object_pose": [[0,0,0,null]], "tip_pose": 1, "ft_wrench": 1}', "other than numbers"),
+        (b'{"object_pose": [[0,0,0,"1"]], "tip_pose": 1, "ft_wrench": 1}', "other than numbers"),
+        (b'{"object_pose": {"a": 1}, "tip_pose": 1, "ft_wrench": 1}', "other than numbers"),
+    ],
+)
+def test_bad_json_is_refused(tmp_path, text, said) -> None:
+    path = tmp_path / "bad.json"
+    path.write_bytes(text)
+    assert said in refusal(path)
+
+
+def test_a_header_that_claims_gigabytes_is_refused_before_anything_is_read(tmp_path) -> None:
+    for name, options in {"chunked": {"chunks": (1000, 4)}, "packed": {"compression": "gzip"}, "plain": {}}.items():
+        path = tmp_path / f"{name}.h5"
+        with h5py.File(path, "w") as file:
+            for table in made_push():
+                file.create_dataset(table, shape=(2**26, 4), dtype="f8", **options)
+        assert path.stat().st_size < 20_000
+        assert "object_pose claims 2147483648 bytes, which a file of" in refusal(path)
+
+
+def test_a_chunk_that_claims_gigabytes_is_refused(tmp_path) -> None:
+    path = tmp_path / "chunk.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("object_pose", shape=(10, 4), maxshape=(None, 4), chunks=(2**26, 4), dtype="f8")
+    assert "claims 2147483648 bytes" in refusal(path)
+
+
+def test_rows_that_were_never_written_do_not_pass_for_zeros(tmp_path) -> None:
+    unwritten, partly = write(tmp_path / "a.h5", made_push()), write(tmp_path / "b.h5", made_push())
+    for path, rows in ((unwritten, 0), (partly, 20)):
+        with h5py.File(path, "a") as file:
+            del file["object_pose"]
+            table = file.create_dataset("object_pose", shape=(60, 4), dtype="f8", chunks=(20, 4))
+            table[60 - rows :] = made_push()["object_pose"][60 - rows :]
+        assert "object_pose has rows that are not in the file" in refusal(path)
+
+
+def test_tables_that_lie_outside_the_file_are_not_followed(tmp_path) -> None:
+    other = write(tmp_path / "other.h5", made_push())
+    soft, group, external = (write(tmp_path / f"{name}.h5", made_push()) for name in ("soft", "group", "external"))
+    with h5py.File(soft, "a") as file:
+        del file["object_pose"]
+        file["object_pose"] = h5py.ExternalLink(str(other), "object_pose")
+    with h5py.File(group, "a") as file:
+        del file["object_pose"]
+        file.create_group("object_pose")
+    with h5py.File(external, "a") as file:
+        del file["object_pose"]
+        file.create_dataset("object_pose", shape=(2, 4), dtype="f8", external=[(str(other), 0, 64)])
+    assert "a link to elsewhere" in refusal(soft)
+    assert "no table" in refusal(group)
+    assert "no table" in refusal(external)
+
+
+def test_what_is_no_file_of_push_data_is_refused(tmp_path) -> None:
+    (tmp_path / "notes.txt").write_text("pushed a lot")
+    os.mkfifo(tmp_path / "pipe.h5")
+    (tmp_path / "text.h5").write_text("no HDF5")
+    assert "'.txt' is no suffix" in refusal(tmp_path / "notes.txt")
+    assert "there is no such file" in refusal(tmp_path / "pipe.h5")
+    assert "there is no such file" in refusal(tmp_path / "none.h5")
+    assert "not a whole HDF5 file" in refusal(tmp_path / "text.h5")
+
+
+def test_every_truncation_of_an_hdf5_file_is_refused(tmp_path) -> None:
+    whole = write(tmp_path / "whole.h5", made_push(samples=12)).read_bytes()
+    path, lengths = tmp_path / "cut.h5", range(1, len(whole), 37)
+    assert len(lengths) > 50
+    for length in lengths:
+        path.write_bytes(whole[:length])
+        assert refusal(path)
+
+
+def open_files() -> int:
+    return len(list(Path("/proc/self/fd").iterdir())) if Path("/proc/self/fd").is_dir() else 0
+
+
+@pytest.mark.parametrize(
+    ("suffix", "options"), [("h5", {}), ("h5", {"compression": "gzip"}), ("json", {})], ids=["plain", "packed", "json"]
+)
+def test_damage_at_random_is_refused_or_loads_finite_poses_and_leaves_no_file_open(tmp_path, suffix, options) -> None:
+    whole = write(tmp_path / f"whole.{suffix}", made_push(samples=12), **options).read_bytes()
+    path, before, outcome = tmp_path / f"{PUSH_NAME}.{suffix}", open_files(), {True: 0, False: 0}
+    for seed in range(500):
+        chance, damaged = random.Random(seed), bytearray(whole)
+        for _ in range(chance.choice([1, 2, 8])):
+            damaged[chance.randrange(len(damaged))] = chance.choice([0, 255, *b"059", chance.randrange(256)])
+        path.write_bytes(damaged[: chance.choice([len(damaged), chance.randrange(len(damaged))])])
+        try:
+            push = read_push_file(path)
+        except DataFileError as error:
+            assert str(path) in str(error)
+            outcome[False] += 1
+        else:
+            assert isinstance(push, PushRecord)
+            assert np.isfinite([*push.start, *push.end, *push.displacement, push.turn]).all()
+            assert not np.isinf(contact_force_ratio(push, RECT1))
+            outcome[True] += 1
+    assert outcome[True] > 10 and outcome[False] > 100
+    assert open_files() == before
+
+
+def test_a_record_refuses_what_a_file_may_not_hold() -> None:
+    with pytest.raises(InvalidInput, match="object_pose has shape"):
+        PushRecord(np.zeros((3, 5)), np.zeros((3, 4)), np.zeros((3, 4)))
