@@ -119,30 +119,34 @@ def test_relative_import_inside_a_package_init_resolves_to_that_package() -> Non
     assert violations("from ..views import x", "cyclemap.collection", is_package=True) != []
 
 
-# Within the room of maps: what the parts may import, themselves and those named before them in their row.
-MAPS_ROWS = (
-    ("lifts", "orbits", "algebra"),
-    ("lifts", "orbits", "rotation", "families"),
-    ("lifts", "orbits", "noise", "panels", "passages"),
-    ("lifts", "orbits", "rotation", "noise", "panels", "passages", "operator", "staircases"),
-)
-MAPS_SHARED = ("arcs", "estimate", "quadrature")
+# What the parts of a crowded room may import: themselves, those before them in their row, and what all share.
+ROWS = {
+    "maps": (
+        ("lifts", "orbits", "algebra"),
+        ("lifts", "orbits", "rotation", "families"),
+        ("lifts", "orbits", "noise", "panels", "passages"),
+        ("lifts", "orbits", "rotation", "noise", "panels", "passages", "operator", "staircases"),
+    ),
+    "evidence": (("theta0", "laws", "orientations"), ("theta0", "pushes")),
+}
+PARTS_SHARED = {"maps": {"arcs", "estimate", "quadrature"}, "evidence": set()}
 
 
-def allowed_in_maps(part: str) -> set[str]:
-    rows = [row[: row.index(part) + 1] for row in MAPS_ROWS if part in row]
-    return {name for row in rows for name in row} | set(MAPS_SHARED)
+def allowed(place: str, part: str) -> set[str]:
+    before = [row[: row.index(part) + 1] for row in ROWS[place] if part in row]
+    return {name for row in before for name in row} | PARTS_SHARED[place]
 
 
-def test_the_parts_of_maps_import_one_way() -> None:
-    """A lift knows no orbit, a noise no operator; nothing inside the room goes through its door."""
+@pytest.mark.parametrize("place", ROWS)
+def test_the_parts_of_a_room_import_one_way(place: str) -> None:
+    """A lift knows no orbit, a noise no operator; nothing inside a room goes through its door."""
     found, seen = [], set()
-    for path in sorted((PACKAGE / "maps").glob("*/*.py")):
+    for path in sorted((PACKAGE / place).glob("*/*.py")):
         part, module = path.parent.name, ".".join(("cyclemap", *path.relative_to(PACKAGE).with_suffix("").parts))
         seen.add(part)
         for target in imported_modules(path.read_text(encoding="utf-8"), module, path.name == "__init__.py"):
-            inside = target.split(".")[2:3] if target.startswith("cyclemap.maps") else ["arcs"]
-            if not inside or inside[0] not in allowed_in_maps(part):
+            inside = (*target.split(".")[2:3], "")[0]
+            if room(target) == place and inside not in allowed(place, part):
                 found.append(f"{module} imports {target}")
     assert found == []
-    assert seen == {name for row in MAPS_ROWS for name in row}
+    assert seen == {name for row in ROWS[place] for name in row}

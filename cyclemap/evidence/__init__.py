@@ -6,6 +6,7 @@ from cyclemap.evidence.laws.law_bands import LawBand
 from cyclemap.evidence.laws.order_choice import OrderScores
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
 from cyclemap.evidence.laws.wear import WornLaw, fit_worn_law
+from cyclemap.evidence.measured_staircase import MeasuredStaircase, measured_staircase
 from cyclemap.evidence.orientations.chain_null import chain_p_value, chain_p_values, refit_harmonic_map
 from cyclemap.evidence.orientations.circular_distance import circular_wasserstein, total_variation
 from cyclemap.evidence.orientations.circular_law import CircularLaw
@@ -25,7 +26,6 @@ from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
 from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, load_pushes
-from cyclemap.evidence.theta0.measured_staircase import MeasuredStaircase, measured_staircase
 from cyclemap.evidence.theta0.overlay import MeasuredOverlay, measured_overlay
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.theta0.theta0_statistics import (

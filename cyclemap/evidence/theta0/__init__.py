@@ -1,1 +1,1 @@
-"""Measured θ0, push after push: pairs, summaries, and the staircase they make."""
+"""Measured θ0, push after push: pairs, their summaries, and what a picture lays over a prediction."""
