@@ -125,7 +125,7 @@ ROWS = {
         ("lifts", "orbits", "algebra"),
         ("lifts", "orbits", "rotation", "families"),
         ("lifts", "orbits", "noise", "panels", "passages"),
-        ("lifts", "orbits", "rotation", "noise", "panels", "passages", "operator", "staircases"),
+        ("lifts", "orbits", "algebra", "rotation", "noise", "panels", "passages", "operator", "staircases"),
     ),
     "evidence": (("theta0", "laws", "orientations"), ("theta0", "pushes")),
 }

@@ -26,8 +26,6 @@ from cyclemap.maps import (
     shifted,
 )
 
-WHOLE_TURN = 2 * np.pi - 1e-9
-
 
 @dataclass(frozen=True, eq=False)
 class StaircaseForecast:
@@ -84,8 +82,7 @@ def _log10_residence(cycle_map: CircleMap, noise: WrappedNormal, zone: SlowZone)
     if np.isfinite(zone.residence_cycles):
         return Estimate(np.log10(zone.residence_cycles), 0.0)
     still = shifted(cycle_map, -zone.winding)
-    whole = zone.arc[1] - zone.arc[0] > WHOLE_TURN
     try:
-        return log10_passage_time(still, noise, zone.middle, zone.arc, lifted=whole)
+        return log10_passage_time(still, noise, zone.middle, zone.arc, lifted=zone.whole_turn)
     except ConvergenceError:
         return None

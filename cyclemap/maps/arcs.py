@@ -54,3 +54,8 @@ def arcs_between(a: Arc, b: Arc) -> tuple[Arc, ...]:
         raise InvalidInput(f"arc_a {a} and arc_b {b} overlap: give disjoint arcs")
     rest = [(a[1], begin), (finish, a[0] + TWO_PI)]
     return tuple(ends for ends in rest if ends[1] - ends[0] > 1e-14)
+
+
+def shorter_way(angle: Any) -> Array:
+    """The same angles, radians, any shape, taken the shorter way round: in [-π, π)."""
+    return np.asarray(np.mod(np.asarray(angle) + np.pi, TWO_PI) - np.pi)

@@ -17,7 +17,7 @@ LOST: dict[str, Any] = {"color": QUIET, "linewidth": 1.3, "linestyle": "--", "zo
 MARKERS: dict[str, dict[str, Any]] = {
     "saddle-node": {"marker": "o", "markerfacecolor": UNSTABLE},
     "period-doubling": {"marker": "D", "markerfacecolor": MEASURED},
-    "border collision": {"marker": "^", "markerfacecolor": INK},
+    "border-collision": {"marker": "^", "markerfacecolor": INK},
     "branch point": {"marker": "X", "markerfacecolor": UNSTABLE},
 }
 

@@ -12,6 +12,7 @@ import numpy as np
 from cyclemap.evidence.pushes.mit_names import PushFacts
 from cyclemap.evidence.pushes.push_record import LARGEST_ANGLE, LARGEST_POSITION
 from cyclemap.evidence.theta0.theta0_pairs import read_theta0_pairs
+from cyclemap.maps.arcs import shorter_way
 from cyclemap.text_files import CsvRow, CsvTable, read_csv_table
 
 # A column of the push table, the names it goes by in a file, and the factor to SI units.
@@ -71,14 +72,10 @@ def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
 def _motion(pose: dict[str, float], facts: dict[str, float]) -> dict[str, float]:
     x, y, theta, dtheta = pose["x1"] - pose["x0"], pose["y1"] - pose["y0"], pose["theta0"], facts["dtheta"]
     if math.isnan(dtheta):
-        dtheta = _shorter_way(pose["theta1"] - theta)
+        dtheta = float(shorter_way(pose["theta1"] - theta))
     theta1, c, s = theta + dtheta, math.cos(theta), math.sin(theta)
-    ahead = theta1 + _shorter_way(facts["theta_next"] - theta1)
+    ahead = theta1 + float(shorter_way(facts["theta_next"] - theta1))
     return {"dx": c * x + s * y, "dy": c * y - s * x, "dtheta": dtheta, "theta1": theta1, "theta_next": ahead}
-
-
-def _shorter_way(turn: float) -> float:
-    return (turn + math.pi) % (2.0 * math.pi) - math.pi
 
 
 def _pair_rows(table: CsvTable) -> list[dict[str, Any]]:

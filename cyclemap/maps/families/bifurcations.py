@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cyclemap.checks import whole_number
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.families.continuation import OrbitBranch, follow_orbit
 from cyclemap.maps.families.orbit_equations import OrbitEquations
 from cyclemap.maps.families.parameter_tangent import Family, Range, family_member, parameter_range
@@ -60,7 +60,7 @@ def _holds(family: Family, branch: OrbitBranch, p: float, member: CircleMap, orb
 
 
 def _same_orbit(one: Array, other: Array, tolerance: float) -> bool:
-    gaps = (np.mod(np.roll(one, -k) - other + np.pi, TWO_PI) - np.pi for k in range(one.size))
+    gaps = (shorter_way(np.roll(one, -k) - other) for k in range(one.size))
     return any(float(np.max(np.abs(gap))) <= tolerance for gap in gaps)
 
 
@@ -136,4 +136,4 @@ def border_collisions(
     [(True, True)]
     """
     found = bifurcations(family, parameters, period, winding, resolution=resolution)
-    return [one for one in found if one.kind == "border collision"]
+    return [one for one in found if one.kind == "border-collision"]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.arcs import Array, shorter_way
 from cyclemap.maps.families.break_collisions import Collision, border_collision
 from cyclemap.maps.families.orbit_equations import OrbitEquations, OrbitState, crossed_break
 from cyclemap.maps.families.parameter_tangent import break_motion
@@ -117,7 +117,7 @@ class BranchWalk:
         if self.equations.period != 2 * half:
             return False
         old, new = (np.roll(state.theta, -half) - state.theta for state in (before, solved))
-        gap = _short(old)
+        gap = shorter_way(old)
         return float(gap @ (gap + new - old)) <= 0.0 or float(np.max(np.abs(gap + new - old))) < 1e-9
 
     def _closing(self, before: OrbitState, solved: OrbitState, direction: Array) -> OrbitState | None:
@@ -126,7 +126,7 @@ class BranchWalk:
             return None
         step = self.equations.point(solved) - self.equations.point(before)
         for k in range(self.equations.period):
-            back = _short(np.roll(self.first.theta, -k) - before.theta)
+            back = shorter_way(np.roll(self.first.theta, -k) - before.theta)
             offset = np.append(back, self.first.parameter - before.parameter) / self.equations.scales
             share = float(offset @ step) / float(step @ step)
             heading = np.append(np.roll(self.initial[:-1], -k), self.initial[-1])
@@ -173,7 +173,3 @@ class BranchWalk:
             return
         self.states[-1] = hit.beyond
         self.direction, self.step = hit.outward, min(self.step, _FIRST)
-
-
-def _short(angle: Array) -> Array:
-    return np.asarray(np.mod(angle + np.pi, TWO_PI) - np.pi)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.arcs import Array, shorter_way
 from cyclemap.maps.families.orbit_equations import OrbitEquations, OrbitState
 from cyclemap.maps.families.parameter_tangent import ParameterTangent, break_motion, limit_at_break
 from cyclemap.maps.families.special_points import Bifurcation, recorded
@@ -63,7 +63,7 @@ class _OneSided:
 
     def condition(self) -> Array:
         """Derivative of θ_point - break with respect to (θ, p)."""
-        gaps = np.abs(np.mod(self.theta[self.point] - self.member.breaks + np.pi, TWO_PI) - np.pi)
+        gaps = np.abs(shorter_way(self.theta[self.point] - self.member.breaks))
         rate = self.tangent.break_rates[int(np.argmin(gaps))]
         return np.append(np.arange(self.theta.size) == self.point, -rate)
 
@@ -83,7 +83,7 @@ def border_collision(
     Newton's method on the extended system: the orbit's equations with the map of the side it comes from, and
     θ_point on the break, which itself moves with the parameter.
     """
-    gap = float(np.mod(before.theta[point] - before.member.breaks[which] + np.pi, TWO_PI) - np.pi)
+    gap = float(shorter_way(before.theta[point] - before.member.breaks[which]))
     theta, p, last = np.array(near[0]), near[1], np.inf
     for _ in range(_ITERATIONS):
         if not equations.within[0] <= p <= equations.within[1]:
@@ -114,7 +114,7 @@ def _collision(held: _OneSided) -> Collision:
     state, far, jump = held.state(), held.across(), held.jumps()
     sides = {held.side: state.multiplier, far.side: far.state().multiplier}
     bifurcation = recorded(
-        "border collision",
+        "border-collision",
         held.equations,
         state,
         held.push(),

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.families.branch_walk import BranchWalk
 from cyclemap.maps.families.orbit_equations import OrbitEquations, OrbitState, orbit_equations
 from cyclemap.maps.families.parameter_tangent import Family, Range, family_member, parameter_range
@@ -148,5 +148,5 @@ def _branch(
 
 
 def _on_jump(state: OrbitState) -> bool:
-    gaps = np.mod(state.theta[:, None] - state.member.breaks + np.pi, TWO_PI) - np.pi
+    gaps = shorter_way(state.theta[:, None] - state.member.breaks)
     return bool(np.any(np.abs(gaps) < 1e-9))

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.families.parameter_tangent import Family, ParameterTangent, Range, family_member, parameter_tangent
 from cyclemap.maps.lifts.circle_map import CircleMap
 
@@ -168,7 +168,7 @@ def crossed_break(before: OrbitState, theta: Array, motion: Array) -> tuple[int,
     """
     if motion.size == 0:
         return None
-    old = np.mod(before.theta[:, None] - before.member.breaks + np.pi, TWO_PI) - np.pi
+    old = shorter_way(before.theta[:, None] - before.member.breaks)
     new = old + (theta - before.theta)[:, None] - motion
     crossed: npt.NDArray[np.bool_] = (old * new < 0.0) & (np.abs(old) < 1.0) & (np.abs(old) > 1e-11)
     if not np.any(crossed):

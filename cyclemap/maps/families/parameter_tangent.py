@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from cyclemap.checks import finite_number, positive_number, read_only
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.lifts.circle_map import SIDE_STEP, CircleMap
 
 Family = Callable[..., CircleMap]
@@ -67,13 +67,9 @@ def break_motion(breaks: Array, moved: Array) -> Array:
         )
     if breaks.size == 0:
         return np.zeros(0)
-    first = int(np.argmin(np.abs(_short_way(moved - breaks[0]))))
-    motions = [_short_way(np.roll(moved, k - first) - breaks) for k in (0, 1, -1)]
+    first = int(np.argmin(np.abs(shorter_way(moved - breaks[0]))))
+    motions = [shorter_way(np.roll(moved, k - first) - breaks) for k in (0, 1, -1)]
     return min(motions, key=lambda motion: float(np.sum(np.abs(motion))))
-
-
-def _short_way(angle: Array) -> Array:
-    return np.asarray(np.mod(angle + np.pi, TWO_PI) - np.pi)
 
 
 def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:

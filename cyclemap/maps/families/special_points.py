@@ -22,7 +22,7 @@ _TRANSVERSE = 1e-6  # a saddle-node's orbit moves with the parameter by more tha
 class Bifurcation:
     """A parameter at which a periodic orbit changes.
 
-    kind : "saddle-node" (two orbits merge, multiplier 1), "period-doubling" (multiplier -1), "border collision" (a
+    kind : "saddle-node" (two orbits merge, multiplier 1), "period-doubling" (multiplier -1), "border-collision" (a
         point of the orbit meets a break of the map) or "branch point" (multiplier 1 where branches cross).
     parameter : where, with a bound on its error. points : shape (period,), radians in [0, 2π), in order of visit,
         the smallest first; of a border collision the one on the break first.
@@ -53,7 +53,7 @@ class Bifurcation:
 
         At a kink that is so where 1 lies between the one-sided multipliers (di Bernardo et al. 2008, ch. 3).
         """
-        if self.kind != "border collision":
+        if self.kind != "border-collision":
             return self.kind == "saddle-node"
         return not self.jump and (self.multiplier - 1.0) * (self.left_multiplier - 1.0) < 0.0
 

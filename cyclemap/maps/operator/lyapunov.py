@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise_law import Noise
@@ -89,7 +89,7 @@ def _along_orbit(circle_map: CircleMap) -> Estimate:
 def _on_periodic_orbit(circle_map: CircleMap, visited: Array) -> Estimate | None:
     """The exponent of the attracting orbit that ``visited`` approaches, or None where it approaches none."""
     last = visited[-1]
-    back = np.abs(np.mod(visited[-2 : -2 - MAX_PERIOD : -1] - last + np.pi, TWO_PI) - np.pi)
+    back = np.abs(shorter_way(visited[-2 : -2 - MAX_PERIOD : -1] - last))
     nearest = np.minimum.accumulate(back)
     for period in 1 + np.flatnonzero((back <= nearest) & (back < _NEAR)):
         orbit = _attracting_orbit(circle_map, float(last), int(period))
@@ -121,7 +121,7 @@ def _once_round(circle_map: CircleMap, theta: float, period: int) -> tuple[Array
         points.append(at)
         at = lift(at)
         at -= TWO_PI * np.floor(at / TWO_PI)
-    return np.array(points), float(np.mod(at - theta + np.pi, TWO_PI) - np.pi)
+    return np.array(points), float(shorter_way(at - theta))
 
 
 def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:

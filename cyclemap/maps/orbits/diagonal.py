@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.cells import INSET, Cells, Mask, Turns, is_continuous, is_rising, iterate
 from cyclemap.maps.orbits.scan import UNIT, monotone_cells
@@ -151,7 +151,7 @@ def _judged_alike(circle_map: CircleMap, cells: Cells, special: Turns, gap: Arra
         stretch = stretch * np.abs(circle_map.derivative(image))
         image = np.mod(circle_map(image), TWO_PI)
         mate = nearest_on_circle(nodes, image)
-        away = np.abs(np.mod(nodes[mate] - image + np.pi, TWO_PI) - np.pi)
+        away = np.abs(shorter_way(nodes[mate] - image))
         same = (away <= _MATE) & (gap[mate] <= reach * np.maximum(stretch, 1.0))
         raised[mate[same]] = np.maximum(raised[mate[same]], 1.01 * gap[mate[same]])
     return raised

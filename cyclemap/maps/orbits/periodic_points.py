@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.lifts.circle_map import SNAP, CircleMap
 from cyclemap.maps.orbits.cells import Mask, Turns
 from cyclemap.maps.orbits.diagonal import DiagonalScan, diagonal_scan, displacement, nearest_on_circle
@@ -215,7 +215,7 @@ def _images(circle_map: CircleMap, theta: Array, bound: Array) -> Turns:
         return np.zeros(0, dtype=np.int64)
     image = np.mod(circle_map(theta), TWO_PI)
     nearest = nearest_on_circle(theta, image)
-    away = np.abs(np.mod(image - theta[nearest] + np.pi, TWO_PI) - np.pi)
+    away = np.abs(shorter_way(image - theta[nearest]))
     allowed = _LINKED + 4.0 * np.minimum(np.abs(circle_map.derivative(theta)) * bound + bound[nearest], 1e-3)
     return np.where(away <= allowed, nearest, -1)
 
@@ -229,7 +229,7 @@ def _prime_periods(circle_map: CircleMap, theta: Array, image: Turns, period: in
         angle = np.mod(circle_map(angle), TWO_PI)
         back = reached == own
         if np.any(reached < 0):
-            gap = np.abs(np.mod(angle - theta + np.pi, TWO_PI) - np.pi)
+            gap = np.abs(shorter_way(angle - theta))
             back |= (reached < 0) & (gap <= _LINKED + np.minimum(bound, 1e-6))
         prime = np.where(back & (prime == period) & (period % d == 0), d, prime)
     return prime
@@ -264,7 +264,7 @@ def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:
     if circle_map.breaks.size == 0 or theta.size == 0:
         return plain, plain
     nearest = circle_map.breaks[nearest_on_circle(circle_map.breaks, theta)]
-    on = np.flatnonzero(np.abs(np.mod(theta - nearest + np.pi, TWO_PI) - np.pi) <= max(_LINKED, SNAP))
+    on = np.flatnonzero(np.abs(shorter_way(theta - nearest)) <= max(_LINKED, SNAP))
     right, left = plain.copy(), plain.copy()
     if on.size:
         right[on], left[on] = circle_map.right_derivative(nearest[on]), circle_map.left_derivative(nearest[on])

@@ -8,7 +8,7 @@ import numpy as np
 
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.cells import Cells, Turns, is_continuous, is_rising
 from cyclemap.maps.orbits.diagonal import displacement
@@ -113,7 +113,7 @@ def _shorter(circle_map: CircleMap, theta: Array, gap: Array, period: int) -> np
     found, angle = np.zeros(theta.size, dtype=bool), theta
     for d in range(1, period):
         angle = np.mod(circle_map(angle), TWO_PI)
-        off = np.abs(np.mod(angle - theta + np.pi, TWO_PI) - np.pi)
+        off = np.abs(shorter_way(angle - theta))
         found |= (period % d == 0) & (off <= np.abs(gap))
     return found
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -10,6 +9,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from cyclemap.errors import InvalidInput
+from cyclemap.maps.algebra.map_algebra import shifted
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
@@ -22,7 +22,6 @@ from cyclemap.maps.quadrature import arc_rule
 _GRID = 4_096
 _INSIDE = 257  # angles at which the density in a ghost's arc is averaged
 _FLAT = 1e-9  # radians: a turn that varies by less has no slow zone
-_PASSAGE_AGREEMENT = 1e-6  # relative: what ``mean_passage_time`` has checked when it gives a plain number
 _CORE = 0.5  # a visit must come this much nearer the centre than the arc's ends are
 _FINE, _COARSE = 1e-10, 1e-6  # noise coefficients neglected by the visits' law and by its check
 _MAX_BANDWIDTH, _MAX_NODES = 4_000.0, 2_000
@@ -48,12 +47,17 @@ class SlowZone:
     centre: float
     arc: tuple[float, float]
     kind: str
-    residence_cycles: float
+    residence_cycles: Estimate
     winding: int = 0
     visits_a_cycle: float | None = None
     visit_cycles: float | None = None
     visit_spread: float | None = None
     upward: float | None = None
+
+    @property
+    def whole_turn(self) -> bool:
+        """Whether the arc is a whole turn: the path then leaves it on the lifted line only."""
+        return self.arc[1] - self.arc[0] > TWO_PI - 1e-9
 
     @property
     def middle(self) -> float:
@@ -110,12 +114,7 @@ def predict_staircase(
     net_step : mean_turn (less 2πw) over the number of visits that begin per cycle in all zones together, exact for
         the stationary path by the ergodic theorem. Equal to ``step`` when every climb stops once in every zone;
         smaller where a path falls back (into the zone it left, or a step down), larger where it misses zones.
-    Visits : π the stationary density, B the arc, K the noisy map's kernel between points of B on the lifted line,
-        ν = π - πK the law of run starts; moments of a run are ν·(I - K)⁻¹1 and the like, less those of runs that
-        never reach the core (renewal theory: Kemeny & Snell 1960, ch. 3). ``visit_cycles`` is an ``Estimate``:
-        its bound is measured, from coarser nodes. A residence beyond 1e5 cycles is put in its place, and in the
-        spread's, as is right for rare escapes (exponential law), with a bound of inf: the difference, a few
-        relaxation times, is not computed.
+    The visits' numbers are exact for the stationary path; how they are found is said at ``_with_visits``.
     A turn that is constant to 1e-9 rad has no slow zone: all but mean_turn are None.
 
     ``operator`` may pass a ``transfer_operator(circle_map, noise)`` that is already there.
@@ -128,7 +127,7 @@ def predict_staircase(
     known = transfer_operator(circle_map, noise) if operator is None else operator
     if circle_map.degree != 1:
         raise InvalidInput(f"the map has degree {circle_map.degree}: a staircase needs degree 1")
-    mean_turn = _scaled(known.rotation_number, TWO_PI)
+    mean_turn = Estimate(TWO_PI * known.rotation_number, TWO_PI * known.rotation_number.error_bound)
     grid = TWO_PI * np.arange(_GRID) / _GRID
     turn = circle_map.turn(grid)
     if np.ptp(turn) <= _FLAT:
@@ -139,13 +138,9 @@ def predict_staircase(
     if not found:
         return StaircaseSummary(mean_turn, None, None, ())
     zones = tuple(_with_visits(zone, circle_map, noise, known) for zone in found)
-    residence = _average(zone.residence_cycles for zone in zones)
+    residence = _average([zone.residence_cycles for zone in zones])
     climb = mean_turn - TWO_PI * zones[0].winding
     return StaircaseSummary(mean_turn, residence, TWO_PI / len(zones), zones, _net_step(climb, zones))
-
-
-def _scaled(value: float, factor: float) -> float:
-    return Estimate(factor * value, factor * value.error_bound) if isinstance(value, Estimate) else factor * value
 
 
 def _lingers(operator: TransferOperator, arc: tuple[float, float]) -> bool:
@@ -153,16 +148,9 @@ def _lingers(operator: TransferOperator, arc: tuple[float, float]) -> bool:
     return bool(TWO_PI * np.mean(operator.density(inside)) >= _LINGERING)
 
 
-def _average(residences: Iterable[float]) -> Estimate:
-    known = [_with_bound(residence) for residence in residences]
-    mean = float(np.mean(known))
-    return Estimate(mean, float(np.mean([one.error_bound for one in known])) if np.isfinite(mean) else 0.0)
-
-
-def _with_bound(residence: float) -> Estimate:
-    if isinstance(residence, Estimate):
-        return residence
-    return Estimate(residence, _PASSAGE_AGREEMENT * residence if np.isfinite(residence) else 0.0)
+def _average(residences: list[Estimate]) -> Estimate:
+    mean = float(np.mean(residences))
+    return Estimate(mean, float(np.mean([one.error_bound for one in residences])) if np.isfinite(mean) else 0.0)
 
 
 def _net_step(climb: float, zones: tuple[SlowZone, ...]) -> float | None:
@@ -197,17 +185,9 @@ def _stable_zone(circle_map: CircleMap, noise: Noise, centre: float, winding: in
     below = centre - float(np.min(np.mod(centre - edges, TWO_PI)))
     whole = above - below > TWO_PI - 1e-9
     arc = (above - TWO_PI, above) if whole else (below, above)
-    still = _without_turns(circle_map, winding)
+    still = shifted(circle_map, -winding)
     residence = mean_passage_time(still, noise, centre, arc, lifted=whole)
-    return SlowZone(centre, arc, kind, _with_bound(residence), winding)
-
-
-def _without_turns(circle_map: CircleMap, winding: int) -> CircleMap:
-    """The map in a frame that makes whole turns along, where the zone stays where it is."""
-    if winding == 0:
-        return circle_map
-    shift = TWO_PI * winding
-    return CircleMap(lambda theta: circle_map(theta) - shift, circle_map.derivative, circle_map.breaks)
+    return SlowZone(centre, arc, kind, residence, winding)
 
 
 # -- ghosts ----------------------------------------------------------------------------------------------------
@@ -215,7 +195,7 @@ def _without_turns(circle_map: CircleMap, winding: int) -> CircleMap:
 
 def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> list[SlowZone]:
     winding = round(float(np.mean(turn)) / TWO_PI)
-    still, turn = _without_turns(circle_map, winding), turn - TWO_PI * winding
+    still, turn = shifted(circle_map, -winding), turn - TWO_PI * winding
     slowness = np.abs(turn)
     level = 0.5 * float(np.mean(slowness))
     slow = slowness < level
@@ -237,7 +217,7 @@ def _ghost(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array, level:
     forward = np.roll(turn, -first)[slowest] >= 0.0
     residence = mean_passage_time(circle_map, noise, start if forward else end, (start, end))
     centre = float((begin + step * slowest) % TWO_PI)
-    return SlowZone(centre, (float(start), float(end)), "ghost", _with_bound(residence))
+    return SlowZone(centre, (float(start), float(end)), "ghost", residence)
 
 
 def _share(level: float, inside: float, outside: float) -> float:
@@ -249,7 +229,15 @@ def _share(level: float, inside: float, outside: float) -> float:
 
 
 def _with_visits(zone: SlowZone, circle_map: CircleMap, noise: Noise, operator: TransferOperator) -> SlowZone:
-    residence, still = float(zone.residence_cycles), _without_turns(circle_map, zone.winding)
+    """The zone with its visits by the stationary path.
+
+    π the stationary density, B the arc, K the noisy map's kernel between points of B on the lifted line, ν = π - πK
+    the law of run starts: moments of a run are ν·(I - K)⁻¹1 and the like, less those of runs that never reach the
+    core (renewal theory: Kemeny & Snell 1960, ch. 3). The bound of the length is measured, from coarser nodes. A
+    residence beyond 1e5 cycles is put in its place, and in the spread's, as is right for rare escapes (exponential
+    law), with a bound of inf: the difference, a few relaxation times, is not computed.
+    """
+    residence, still = float(zone.residence_cycles), shifted(circle_map, -zone.winding)
     if residence > _LONGEST_VISIT:
         bound = np.inf if np.isfinite(residence) else 0.0
         return replace(zone, visit_cycles=Estimate(residence, bound), visit_spread=residence)

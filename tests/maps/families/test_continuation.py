@@ -103,7 +103,7 @@ def test_a_doubled_orbit_ends_where_it_merges_with_the_orbit_of_half_its_period(
 def test_a_broken_line_has_its_border_collisions_at_its_corners_moving_or_not(drift):
     branch = follow_orbit(lambda p: broken_line(p, drift), 0.2 + 0.1 * drift, (-1.0, 2.0), at=0.1)
     found = sorted(branch.special, key=lambda one: float(one.parameter))
-    assert [one.kind for one in found] == ["border collision"] * 3
+    assert [one.kind for one in found] == ["border-collision"] * 3
     assert branch.ends == ("closed", "closed")
     for one, corner, level in zip(found, (-1.0, 0.0, np.pi), (0.2, 0.0, -np.pi / 2), strict=True):
         assert one.parameter.holds(-level)
