@@ -127,7 +127,15 @@ ROWS = {
         ("lifts", "orbits", "noise", "panels", "passages"),
         ("lifts", "orbits", "algebra", "rotation", "noise", "panels", "passages", "operator", "staircases"),
     ),
-    "evidence": (("theta0", "laws", "orientations"), ("theta0", "pushes")),
+    "evidence": (
+        ("theta0", "laws", "orientations", "tables"),
+        ("theta0", "pushes", "replay"),
+        ("theta0", "pushes", "simulation"),
+        ("theta0", "pushes", "tables"),
+        ("theta0", "pushes", "identification"),
+        ("theta0", "laws", "orientations", "tables", "comparison"),
+        ("theta0", "pushes", "comparison"),
+    ),
 }
 PARTS_SHARED = {"maps": {"arcs", "estimate", "quadrature"}, "evidence": set()}
 

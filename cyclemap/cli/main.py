@@ -11,6 +11,10 @@ from typing import NoReturn
 
 import click
 
+from cyclemap.cli.command_compare import compare_command
+from cyclemap.cli.command_fit import fit_command
+from cyclemap.cli.command_replay import replay_command
+from cyclemap.cli.command_simulate import simulate_command
 from cyclemap.cli.commands import cycle_command, portrait_command, staircase_command
 from cyclemap.errors import CycleMapError, InvalidInput
 
@@ -26,9 +30,11 @@ def cli() -> None:
     """What a robot that pushes an object and drags it back will record, predicted from friction."""
 
 
-cli.add_command(cycle_command)
-cli.add_command(portrait_command)
-cli.add_command(staircase_command)
+for _command in (
+    *(cycle_command, portrait_command, staircase_command),
+    *(simulate_command, fit_command, compare_command, replay_command),
+):
+    cli.add_command(_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:

@@ -1,5 +1,12 @@
 """Measured data: reading it, fitting laws to it, and setting it beside a prediction."""
 
+from cyclemap.evidence.comparison.compare import Comparison, compare
+from cyclemap.evidence.comparison.verdicts import Verdict
+from cyclemap.evidence.identification.data_block import DataBlock, FunctionBlock
+from cyclemap.evidence.identification.identification import Identification
+from cyclemap.evidence.identification.identify import identify
+from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
+from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map
 from cyclemap.evidence.laws.harmonic_map import HarmonicMap, harmonic_map
 from cyclemap.evidence.laws.law_bands import LawBand
@@ -10,6 +17,7 @@ from cyclemap.evidence.measured_staircase import MeasuredStaircase, measured_sta
 from cyclemap.evidence.orientations.chain_null import chain_p_value, chain_p_values, refit_harmonic_map
 from cyclemap.evidence.orientations.circular_distance import circular_wasserstein, total_variation
 from cyclemap.evidence.orientations.circular_law import CircularLaw
+from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
 from cyclemap.evidence.orientations.goodness_of_fit import (
     kuiper_critical_value,
     kuiper_p_value,
@@ -26,6 +34,18 @@ from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
 from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, load_pushes
+from cyclemap.evidence.replay.replay_push import Replay, replay_push
+from cyclemap.evidence.replay.replay_table import ReplayedPushes, replay_pushes
+from cyclemap.evidence.replay.shapes import dataset_sliders
+from cyclemap.evidence.simulation.friction_wear import worn_friction
+from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
+from cyclemap.evidence.simulation.simulated_collection import SimulatedCollection, simulate_collection
+from cyclemap.evidence.tables.law_table import SetLaws, set_laws
+from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
+from cyclemap.evidence.tables.push_sets import PushSet, push_sets
+from cyclemap.evidence.tables.push_statistics import PushStatistics, push_statistics
+from cyclemap.evidence.tables.set_fit import SetFit, fit_set
+from cyclemap.evidence.tables.turn_histogram import TurnHistogram, turn_histogram
 from cyclemap.evidence.theta0.overlay import MeasuredOverlay, measured_overlay
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.theta0.theta0_statistics import (
@@ -40,48 +60,82 @@ from cyclemap.evidence.theta0.theta0_statistics import (
 __all__ = [
     "AngleHistogram",
     "CircularLaw",
+    "CollectionModel",
+    "Comparison",
+    "DataBlock",
     "FittedMap",
+    "FunctionBlock",
     "HarmonicMap",
+    "Identification",
     "LawBand",
     "MapAgreement",
+    "MeasuredCycleMap",
     "MeasuredOverlay",
     "MeasuredStaircase",
     "OrderScores",
     "OrientationComparison",
     "PValue",
+    "Parameter",
+    "ParameterSpace",
     "PeriodicLaw",
     "PushRecord",
+    "PushSet",
+    "PushStatistics",
     "PushTable",
+    "RecordingNoise",
+    "Replay",
+    "ReplayedPushes",
     "ScanRecord",
+    "SetFit",
+    "SetLaws",
+    "SimulatedCollection",
+    "SurfaceParameters",
     "Theta0Pairs",
     "TurnBins",
+    "TurnHistogram",
     "UnreadableFile",
+    "Verdict",
     "WornLaw",
     "angle_histogram",
     "chain_p_value",
     "chain_p_values",
     "circular_wasserstein",
+    "collection_p_values",
+    "compare",
     "compare_orientations",
     "contact_force_ratio",
+    "dataset_sliders",
     "fit_map",
     "fit_periodic_law",
+    "fit_set",
     "fit_worn_law",
     "harmonic_map",
+    "identify",
     "kernel_modes",
     "kuiper_critical_value",
     "kuiper_p_value",
     "kuiper_statistic",
     "load_pushes",
     "map_agreement",
+    "measured_cycle_map",
     "measured_overlay",
     "measured_staircase",
     "permutation_p_value",
+    "push_sets",
+    "push_statistics",
     "read_push_file",
     "read_theta0_pairs",
     "refit_harmonic_map",
+    "replay_push",
+    "replay_pushes",
+    "set_laws",
+    "simulate_collection",
+    "simulated_ensemble",
     "total_variation",
     "turn_bins",
+    "turn_histogram",
     "watson_critical_value",
     "watson_p_value",
     "watson_statistic",
+    "worn_friction",
 ]

@@ -63,7 +63,9 @@ def chain_p_value(
         what made ``circle_map`` and ``noise`` of ``theta``; otherwise p is too small or too large.
 
     Without ``refit`` the value is exact: P(p ≤ a) ≤ a under the null for any n and ``runs`` (Davison & Hinkley 1997,
-    chapter 4). With ``refit`` it is so to first order in the error of the fit.
+    chapter 4). With ``refit`` it is so to first order in the error of the fit: true models of a slow chain of 300
+    orientations, fitted with two harmonics, are measured to be rejected at the 5 % level in 2 to 5 % of runs, at 10 %
+    in 7 to 10 %, the Wasserstein distance least often.
     Raises InvalidInput for a path or counts that cannot be used, ConvergenceError where a stationary law is not known
     to a tenth of the uniform density; what ``refit`` raises passes through.
 

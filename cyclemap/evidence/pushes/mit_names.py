@@ -2,8 +2,12 @@
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from decimal import Decimal
 from pathlib import PurePath
+
+from cyclemap.checks import finite_number, whole_number
+from cyclemap.errors import InvalidInput
 
 _NUMBER = r"[-+]?\d+(?:\.\d+)?"
 _PUSH = re.compile(
@@ -16,6 +20,7 @@ _SCAN = re.compile(
     rf"_deg=(?P<deg>{_NUMBER})(?:_rep=(?P<rep>\d+))?",
     re.ASCII,
 )
+_SUFFIX = re.compile(r"\.[A-Za-z][A-Za-z0-9]*")
 
 
 @dataclass(frozen=True)
@@ -70,7 +75,7 @@ def push_facts(path: str | PurePath) -> PushFacts | None:
     return PushFacts(
         surface=found["surface"],
         object=found["object"],
-        acceleration=float(found["a"]) / 1000.0,
+        acceleration=_from_thousandths(found["a"]),
         speed=_speed(found["v"]),
         side=float(found["i"]),
         fraction=float(found["s"]),
@@ -95,21 +100,88 @@ def scan_facts(path: str | PurePath) -> ScanFacts | None:
     return ScanFacts(
         surface=found["surface"],
         object=found["object"],
-        acceleration=float(found["a"]) / 1000.0,
+        acceleration=_from_thousandths(found["a"]),
         speed=_speed(found["v"]),
         direction=math.radians((float(found["deg"]) + 180.0) % 360.0),
         repetition=_repetition(found["rep"]),
     )
 
 
+def push_name(facts: PushFacts) -> str:
+    """Return the name of a push file, without folder and suffix, that says these facts: the inverse of `push_facts`.
+
+    Numbers have the decimals that names of the dataset have, and more where the exact number needs them. Raises
+    InvalidInput where a fact is missing (only the repetition may be) or no name could say it.
+
+    >>> push_name(PushFacts("plywood", "rect1", 0.0, 0.02, 0.0, 0.7, 0.0, 12.0))
+    'motion_surface=plywood_shape=rect1_a=0_v=20_i=0.000_s=0.700_t=0.000_rep=0012'
+    >>> push_facts("motion_surface=pu_shape=hex_a=0_v=5.5_i=1.000_s=0.250_t=-0.349").speed
+    0.0055
+    """
+    motion = f"a={_decimal('acceleration', facts.acceleration, 3)}_v={_decimal('speed', facts.speed, 3)}"
+    place = f"i={_decimal('side', facts.side, 0, 3)}_s={_decimal('fraction', facts.fraction, 0, 3)}"
+    angle = f"t={_decimal('angle', facts.angle, 0, 3)}"
+    end = _repetition_text(facts.repetition, 4)
+    name = f"motion_surface={facts.surface}_shape={facts.object}_{motion}_{place}_{angle}{end}"
+    return _unless_misread(name, facts, push_facts(name))
+
+
+def scan_name(facts: ScanFacts) -> str:
+    """Return the name of a friction scan, without folder and suffix: the inverse of `scan_facts`.
+
+    The direction is written in degrees to nine decimals. Raises InvalidInput as `push_name` does.
+
+    >>> scan_name(ScanFacts("pu", "rect1", 0.0, 0.02, math.radians(90.0), 1.0))
+    'record_surface=pu_shape=rect1_a=0_v=20_deg=270_rep=001'
+    """
+    motion = f"a={_decimal('acceleration', facts.acceleration, 3)}_v={_decimal('speed', facts.speed, 3)}"
+    degrees = round(math.degrees(finite_number("direction", facts.direction)) + 180.0, 9) % 360.0
+    turned = f"deg={_decimal('direction', degrees)}"
+    end = _repetition_text(facts.repetition, 3)
+    name = f"record_surface={facts.surface}_shape={facts.object}_{motion}_{turned}{end}"
+    return _unless_misread(name, facts, scan_facts(name))
+
+
+def _decimal(name: str, value: float, shift: int = 0, decimals: int = 0) -> str:
+    """The exact decimal number value 10^shift without exponent, with at least so many decimals."""
+    exact = Decimal(repr(finite_number(name, value) + 0.0)).scaleb(shift).normalize()
+    return f"{exact:.{max(decimals, -int(exact.as_tuple().exponent))}f}"
+
+
+def _repetition_text(repetition: float, digits: int) -> str:
+    if math.isnan(repetition):
+        return ""
+    number = int(repetition) if float(repetition).is_integer() else repetition
+    return f"_rep={whole_number('repetition', number, 0):0{digits}d}"
+
+
+def _unless_misread(name: str, facts: PushFacts | ScanFacts, read: PushFacts | ScanFacts | None) -> str:
+    """Return the name, or raise InvalidInput where reading it gives other facts."""
+    if read is None or not all(_same(value, getattr(read, fact)) for fact, value in asdict(facts).items()):
+        raise InvalidInput(f"no file name can say {facts}: it would be read as {read}; mend the texts and numbers")
+    return name
+
+
+def _same(value: str | float | None, read: str | float | None) -> bool:
+    if isinstance(value, (int, float)) and isinstance(read, (int, float)):
+        # Directions are written to nine decimals of a degree, and are the same a full turn on.
+        return abs(math.remainder(value - read, 2.0 * math.pi)) < 1e-10 or (math.isnan(value) and math.isnan(read))
+    return value == read
+
+
 def _stem(path: str | PurePath) -> str:
-    """The file's name without its suffix; a name without one ends in a number, whose decimals are no suffix."""
+    """The file's name without its suffix, letters and digits behind a point: decimals of a number are none."""
     name = PurePath(path)
-    return name.name if name.suffix[1:].isdigit() else name.stem
+    return name.stem if _SUFFIX.fullmatch(name.suffix) else name.name
+
+
+def _from_thousandths(text: str) -> float:
+    """The number nearest to a thousandth of the text's: dividing would round a second time."""
+    return float(f"{text}e-3")
 
 
 def _speed(text: str) -> float:
-    speed = float(text) / 1000.0
+    speed = _from_thousandths(text)
     return speed if speed >= 0.0 else math.nan
 
 

@@ -30,12 +30,15 @@ class Theta0Pairs:
     theta, theta_next : (n,) rad. `theta_next` is lifted: `theta_next - theta` is the turn of that cycle.
     path : (m,) rad, the unwrapped θ0 of every push in order, flagged ones too; None where order is unknown.
     dropped : how many pairs were left out, by reason.
+    cycle : (n,) the number of each pair's push; path_cycle : (m,) that of each entry of `path`. None where unknown.
     """
 
     theta: Array
     theta_next: Array
     path: Array | None = None
     dropped: Mapping[str, int] = field(default_factory=dict)
+    cycle: Array | None = None
+    path_cycle: Array | None = None
 
     def __post_init__(self) -> None:
         if self.theta.ndim != 1 or self.theta.shape != self.theta_next.shape or not self.theta.size:
@@ -43,6 +46,8 @@ class Theta0Pairs:
             raise InvalidInput(f"theta and theta_next have shapes {shapes}; give two equally long lists")
         if not (np.isfinite(self.theta).all() and np.isfinite(self.theta_next).all()):
             raise InvalidInput("theta and theta_next hold a number that is not finite; remove those pairs")
+        _check_numbers("cycle", self.cycle, self.theta)
+        _check_numbers("path_cycle", self.path_cycle, self.path)
 
     @property
     def turn(self) -> Array:
@@ -55,13 +60,22 @@ class Theta0Pairs:
         return sum(self.dropped.values())
 
 
+def _check_numbers(name: str, cycle: Array | None, angles: Array | None) -> None:
+    """Raise InvalidInput unless there is one finite cycle number an angle, or none at all."""
+    if cycle is None:
+        return
+    if angles is None or cycle.shape != angles.shape or not np.isfinite(cycle).all():
+        shape = None if angles is None else angles.shape
+        raise InvalidInput(f"{name} has shape {cycle.shape} for angles of shape {shape}; give one number an angle")
+
+
 def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
     """Read measured pairs from a CSV file, in one of three layouts told apart by the header.
 
     - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row with a flag makes
       no pair and is counted in `dropped`; the last row has no next θ0.
     - `theta0_deg,theta_next_deg`: pairs in any order; the turn is the shorter way round.
-    - `theta0_deg`: the pushes in order; the turn is the shorter way round.
+    - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round.
 
     DataFileError names the file, the line and the mend.
     """
@@ -79,14 +93,16 @@ def _from_staircase(table: CsvTable) -> Theta0Pairs:
     require_columns(table, STAIRCASE_COLUMNS)
     path = np.array([table.number(row, "theta0_accum_deg") for row in table.rows])
     turns = np.array([_staircase_turn(table, row) for row in table.rows])
-    _check_staircase(table, path, turns)
+    number = np.array([table.number(row, "rep") for row in table.rows])
+    _check_staircase(table, number, path, turns)
     flags = np.array([table.text(row, "flag") for row in table.rows])
     kept = (flags == "") & ~np.isnan(turns)
     if not kept.any():
         raise table.error(table.rows[-1].line, "no row without a flag has a next θ0; nothing to compare with")
     theta = np.deg2rad(path[kept])
     dropped = Counter(flag for flag in flags.tolist() if flag)
-    return Theta0Pairs(theta, theta + np.deg2rad(turns[kept]), np.deg2rad(path), MappingProxyType(dropped))
+    theta_next, reasons = theta + np.deg2rad(turns[kept]), MappingProxyType(dropped)
+    return Theta0Pairs(theta, theta_next, np.deg2rad(path), reasons, number[kept], number)
 
 
 def _staircase_turn(table: CsvTable, row: CsvRow) -> float:
@@ -94,9 +110,8 @@ def _staircase_turn(table: CsvTable, row: CsvRow) -> float:
     return table.number(row, "dtheta_to_next_deg") if table.text(row, "dtheta_to_next_deg") else np.nan
 
 
-def _check_staircase(table: CsvTable, path: Array, turns: Array) -> None:
+def _check_staircase(table: CsvTable, number: Array, path: Array, turns: Array) -> None:
     wrapped = np.array([table.number(row, "theta0_mod360_deg") for row in table.rows])
-    number = np.array([table.number(row, "rep") for row in table.rows])
     off_circle = np.abs(_shorter_way(path - wrapped)) > CONSISTENT_DEG
     off_next = (np.diff(number) == 1) & (np.abs(np.diff(path) - turns[:-1]) > CONSISTENT_DEG)
     if not np.isnan(turns[-1]):
@@ -123,7 +138,8 @@ def _from_ordered(table: CsvTable) -> Theta0Pairs:
     if theta.size < 2:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
     path = np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(_shorter_way(np.diff(theta)))]))
-    return Theta0Pairs(path[:-1], path[1:], path)
+    number = np.arange(float(path.size))
+    return Theta0Pairs(path[:-1], path[1:], path, cycle=number[:-1], path_cycle=number)
 
 
 def _shorter_way(turn_deg: Array) -> Array:

@@ -30,7 +30,9 @@ class VisitComparison:
     spread : measured standard deviation of the complete visits.
     predicted, predicted_spread : the zone's ``visit_cycles`` and ``visit_spread``. ratio : mean/predicted.
     mean_p_value : two-sided, of so few or so many exits in that exposure if visits are independent with the predicted
-        mean and spread: a renewal process of gamma-distributed visits (exact for exponential ones), mid-p value.
+        mean and spread: a renewal process of gamma-distributed visits (exact for exponential ones), mid-p value. Over
+        some 15 visits it is measured to reject a true prediction at the 5 % level in 3.5 % of runs (a ghost) and
+        in 6.3 % (a stable point).
     law_p_value : of the exponential shape itself, whatever its mean, by Durbin's (1961) ordered spacings of the exits
         in the exposure and a Kolmogorov-Smirnov test: exact for exponential visits. None for ghosts and other
         zones whose predicted spread is not within a tenth of the mean: compare ``spread``.
@@ -61,7 +63,9 @@ class StepComparison:
         step, the prediction's for as many cycles, and the standard error of their difference: over the periods from
         one dwell to the next, height less predicted turn is a reward of mean 0, so the whole path's climb less
         its expectation has their variance times the number of periods (renewal-reward theorem: Ross 1996, sec. 3.6).
-    pace_p_value : two-sided, Student's law for that difference over its error; None below 8 periods.
+    pace_p_value : two-sided, Student's law for that difference over its error; None below 8 periods. Over 12 to 18
+        periods it is measured to reject a true prediction in 3.5 % of runs at the 5 % level, in 8 % at 10 %: it is a
+        little too large, and not uniform, since a short climb is nearly a whole number of steps.
     visits : one ``VisitComparison`` a zone; () unless the steps were found in the prediction's own zones.
     """
 

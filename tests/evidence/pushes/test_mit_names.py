@@ -1,11 +1,15 @@
 """What the names of MIT files say."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, push_name, scan_facts, scan_name
 
 
 def test_the_name_of_a_repeated_push_gives_every_fact_in_si_units() -> None:
@@ -63,3 +67,80 @@ def test_any_other_name_says_nothing(name) -> None:
 def test_facts_that_no_name_gives_are_unknown() -> None:
     for facts in (PushFacts(), ScanFacts()):
         assert facts.surface is None and math.isnan(facts.speed) and math.isnan(facts.repetition)
+
+
+TEXTS = st.from_regex(r"[A-Za-z][\w.-]{0,12}", fullmatch=True, alphabet=st.characters(codec="ascii"))
+NUMBERS = st.floats(0.0, 1e4) | st.decimals(0, 2000, places=3).map(float)
+SIGNED = st.floats(-1e3, 1e3) | st.decimals(-2, 2, places=3).map(float)
+REPETITIONS = st.integers(0, 99_999).map(float) | st.just(math.nan)
+
+
+def same(facts: object, others: object) -> bool:
+    """Equal fact by fact, NaN equal to itself."""
+    return repr(facts) == repr(others)
+
+
+@settings(deadline=None, derandomize=True)
+@given(TEXTS, TEXTS, NUMBERS, NUMBERS, st.integers(0, 40).map(float), NUMBERS, SIGNED, REPETITIONS)
+def test_any_facts_of_a_push_come_back_from_its_name_to_the_last_bit(
+    surface, shape, a, v, side, fraction, angle, repetition
+) -> None:
+    facts = PushFacts(surface, shape, a, v, side, fraction, angle + 0.0, repetition)
+    try:
+        name = push_name(facts)
+    except InvalidInput:
+        # Only texts that hold the layout's own words cannot stand in a name.
+        assert "_a=" in shape or "_shape" in surface + shape
+        return
+    assert same(push_facts(name), facts)
+    assert same(push_facts(f"{name}.h5"), facts)
+    assert push_name(push_facts(name)) == name
+
+
+@settings(deadline=None, derandomize=True)
+@given(TEXTS, st.integers(0, 359), NUMBERS, REPETITIONS)
+def test_any_facts_of_a_scan_come_back_from_its_name(surface, degrees, speed, repetition) -> None:
+    facts = ScanFacts(surface, "rect1", 0.0, speed, math.radians(degrees), repetition)
+    name = scan_name(facts)
+    assert f"_deg={(degrees + 180) % 360}" in name
+    read = scan_facts(name)
+    assert read is not None and read.direction == pytest.approx(facts.direction, abs=1e-12)
+    assert same(replace(read, direction=facts.direction), facts)
+    assert scan_name(read) == name
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "motion_surface=plywood_shape=rect1_a=0_v=20_i=0.000_s=0.700_t=0.000_rep=0123",
+        "motion_surface=abs_shape=hex_a=0_v=50_i=4.000_s=0.700_t=-0.349",
+    ],
+)
+def test_names_of_the_dataset_are_written_as_they_are(name) -> None:
+    assert push_name(push_facts(name)) == name
+
+
+def test_every_name_of_the_measured_files_is_written_as_it_is(measured_data) -> None:
+    names = [path.stem for path in (measured_data / "mit_files").iterdir() if path.suffix in (".h5", ".json")]
+    assert len(names) == 91
+    assert [push_name(push_facts(f"{name}.h5")) for name in names] == names
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"surface": None}, "no file name"),
+        ({"surface": "a/b"}, "no file name"),
+        ({"object": "x_shape=y"}, "no file name"),
+        ({"speed": math.nan}, "speed must be a finite number"),
+        ({"speed": -0.1}, "no file name"),
+        ({"side": 1.5}, "no file name"),
+        ({"repetition": 1.5}, "repetition must be a whole number"),
+        ({"repetition": -1.0}, "repetition must be at least 0"),
+    ],
+)
+def test_facts_that_no_name_could_say_are_refused(changes, message) -> None:
+    facts = PushFacts("plywood", "rect1", 0.0, 0.02, 0.0, 0.7, 0.0, 3.0)
+    assert push_facts(push_name(facts)) == facts
+    with pytest.raises(InvalidInput, match=message):
+        push_name(replace(facts, **changes))

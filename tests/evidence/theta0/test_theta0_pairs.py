@@ -136,3 +136,23 @@ def test_measured_plywood_cut_in_the_middle_of_a_line_is_refused(measured_data: 
     for cut in range(len(whole) // 2, len(whole) // 2 + 60):
         with pytest.raises(DataFileError, match="cut off"):
             read_theta0_pairs(csv(whole[:cut]))
+
+
+def test_pairs_know_the_number_of_their_push_and_the_path_that_of_every_push(csv) -> None:
+    pairs = read_theta0_pairs(csv(STAIRCASE))
+    assert pairs.cycle.tolist() == [1.0, 2.0]
+    assert pairs.path_cycle.tolist() == [0.0, 1.0, 2.0, 3.0]
+    ordered = read_theta0_pairs(csv("theta0_deg\n350\n10\n40\n"))
+    assert (ordered.cycle.tolist(), ordered.path_cycle.tolist()) == ([0.0, 1.0], [0.0, 1.0, 2.0])
+    unordered = read_theta0_pairs(csv("theta0_deg,theta_next_deg\n1,2\n5,7\n"))
+    assert (unordered.cycle, unordered.path_cycle) == (None, None)
+
+
+def test_numbers_that_do_not_match_the_angles_are_refused() -> None:
+    theta = np.array([0.0, 1.0])
+    with pytest.raises(InvalidInput, match=r"cycle has shape \(1,\) for angles of shape \(2,\)"):
+        Theta0Pairs(theta, theta, cycle=np.array([0.0]))
+    with pytest.raises(InvalidInput, match=r"cycle has shape \(2,\)"):
+        Theta0Pairs(theta, theta, cycle=np.array([0.0, np.nan]))
+    with pytest.raises(InvalidInput, match="path_cycle has shape"):
+        Theta0Pairs(theta, theta, path_cycle=theta)

@@ -1,0 +1,77 @@
+"""`cyclemap compare`: its options, and the one call that it is."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cyclemap.cli.options import chosen_options, loop_options
+
+Decorator = Callable[[Any], Any]
+
+
+@dataclass(frozen=True)
+class CompareRequest:
+    """What is compared, how, and where results go."""
+
+    data: Path
+    first: int
+    adapt: bool
+    runs: int
+    seed: int
+    out: Path
+    picture_format: str
+
+
+def _compare_options(command: Callable[..., None]) -> Callable[..., None]:
+    for decorate in reversed([*_data_options(), *_result_options()]):
+        command = decorate(command)
+    return command
+
+
+def _data_options() -> list[Decorator]:
+    """What is compared, and how."""
+    tables = "Measured pushes: a CSV table of θ0 or of poses, or a file or folder of the MIT layout."
+    early, changed = (
+        "Leave out pushes before this one.",
+        "Change side, place, angle and object of the push to the data's.",
+    )
+    runs: dict[str, Any] = {"type": click.IntRange(min=19), "default": 199, "help": "Simulated collections."}
+    return [
+        click.option("--data", metavar="DATA", required=True, type=click.Path(path_type=Path), help=tables),
+        click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help=early),
+        click.option("--adapt", is_flag=True, help=changed),
+        click.option("--runs", show_default=True, **runs),
+        click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of their noise."),
+    ]
+
+
+def _result_options() -> list[Decorator]:
+    """Where results go, and as what."""
+    folder: dict[str, Any] = {"metavar": "DIR", "type": click.Path(path_type=Path), "default": "out"}
+    formats: dict[str, Any] = {"type": click.Choice(["png", "pdf", "svg"]), "default": "png"}
+    only = "Write JSON there; '-' prints JSON and nothing else."
+    return [
+        click.option("--out", show_default=True, help="Where compare_MATERIAL.png and .json go.", **folder),
+        click.option("--format", "picture_format", show_default=True, help="Format of the picture.", **formats),
+        click.option("--json", "json_target", metavar="FILE", help=only),
+    ]
+
+
+@click.command("compare")
+@loop_options
+@_compare_options
+def compare_command(
+    material: str | None,
+    material_file: str | None,
+    protocol: Path | None,
+    settings: tuple[str, ...],
+    json_target: str | None,
+    **request: Any,
+) -> None:
+    """Set the prediction of a material beside measured data, and say where they agree."""
+    from cyclemap.cli.run_compare import run_compare
+
+    run_compare(chosen_options(material, material_file, protocol, settings), CompareRequest(**request), json_target)

@@ -1,0 +1,48 @@
+"""The command `cyclemap fit`: its arguments and options."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+MOST_HARMONICS = 50
+
+
+@click.command("fit")
+@click.argument("data", type=click.Path(path_type=Path))
+@click.option(
+    "--select",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Keep pushes with surface, object, speed_mm_s, side, fraction or angle_deg of this value; repeatable.",
+)
+@click.option(
+    "--harmonics", type=click.IntRange(0, MOST_HARMONICS), help="Order of every law. [default: by cross-validation]"
+)
+@click.option("--wear/--no-wear", default=True, show_default=True, help="Let the cycle map drift in time.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of folds and paths.")
+@click.option(
+    "--out",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    default="out",
+    show_default=True,
+    help="Where fit_NAME.png and .json go, for each set.",
+)
+@click.option(
+    "--format",
+    "picture_format",
+    type=click.Choice(["png", "pdf", "svg"]),
+    default="png",
+    show_default=True,
+    help="Format of the pictures.",
+)
+@click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
+def fit_command(data: Path, json_target: str | None, **request: Any) -> None:
+    """Fit laws to measured pushes: Δθ, Δx, Δy over θ0, their histogram, and the cycle map with its wear.
+
+    DATA is a file, a folder or a tree in the MIT layout, or a CSV table of poses or of θ0.
+    """
+    from cyclemap.cli.run_fit import FitRequest, run_fit
+
+    run_fit(data, FitRequest(**request), json_target)

@@ -1,0 +1,49 @@
+"""The command `cyclemap replay`: its arguments and options."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+
+@click.command("replay")
+@click.argument("material")
+@click.option(
+    "--data",
+    metavar="PATH",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="Recorded pushes in the MIT layout: a file, a folder or a tree.",
+)
+@click.option(
+    "--pusher-friction",
+    type=click.FloatRange(min=0.0),
+    default=0.25,
+    show_default=True,
+    help="Friction coefficient between rod and object.",
+)
+@click.option(
+    "--out",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    default="out",
+    show_default=True,
+    help="Where replay_MATERIAL.png and .json go.",
+)
+@click.option(
+    "--format",
+    "picture_format",
+    type=click.Choice(["png", "pdf", "svg"]),
+    default="png",
+    show_default=True,
+    help="Format of the picture.",
+)
+@click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
+def replay_command(json_target: str | None, **request: Any) -> None:
+    """Replay recorded pushes along their own tip paths on MATERIAL, and tell how far off each ends.
+
+    MATERIAL is a name or a TOML file; on an isotropic one the friction coefficient changes no motion.
+    """
+    from cyclemap.cli.run_replay import ReplayRequest, run_replay
+
+    run_replay(ReplayRequest(**request), json_target)

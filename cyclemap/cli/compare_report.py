@@ -1,0 +1,167 @@
+"""The report of `cyclemap compare` as JSON: degrees and millimetres, every number finite or null."""
+
+import math
+
+import numpy as np
+
+from cyclemap.cli.json_report import Json
+from cyclemap.evidence.comparison.compare import Comparison
+from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement
+from cyclemap.evidence.comparison.direction_agreement import DirectionAgreement
+from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
+from cyclemap.evidence.comparison.push_agreement import PushAgreement, QuantityAgreement
+from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
+from cyclemap.evidence.orientations.p_value import PValue
+from cyclemap.maps import StepComparison
+
+_DEGREE, _METRE = math.degrees(1.0), 1000.0
+
+
+def compare_report(material: str, found: Comparison) -> Json:
+    """The report of a comparison; what could not be asked is null or an empty list."""
+    return {
+        "prediction": {
+            "material": material,
+            "kind": found.prediction.kind,
+            "noise_deg": _number(math.degrees(math.sqrt(found.prediction.noise.variance))),
+            "refitted": found.refitted,
+        },
+        "data": {
+            "cycles": 0 if found.data.pairs is None else found.data.pairs.theta.size,
+            "left_out": dict(found.data.left_out),
+            "unreadable_files": found.data.unreadable,
+        },
+        "pushes": [_pushes(one) for one in found.pushes],
+        "cycle": None if found.cycle is None else _cycle(found.cycle),
+        "orientations": None if found.orientations is None else _orientations(found.orientations),
+        "directions": None if found.directions is None else _directions(found.directions),
+        "staircase": None if found.staircase is None else _staircase(found.staircase),
+        "verdicts": [{"question": one.question, "agrees": one.agrees, "words": one.words} for one in found.verdicts],
+        "uncertified": list(found.uncertified),
+    }
+
+
+def _pushes(found: PushAgreement) -> Json:
+    facts = found.facts
+    scales = {"dtheta": ("dtheta_deg", _DEGREE), "dx": ("dx_mm", _METRE), "dy": ("dy_mm", _METRE)}
+    return {
+        "surface": facts["surface"],
+        "object": facts["object"],
+        "speed_mm_s": _number(_METRE * facts["speed"]),
+        "side": _number(facts["side"]),
+        "fraction": _number(facts["fraction"]),
+        "angle_deg": _number(_DEGREE * facts["angle"]),
+        "adapted": found.adapted,
+        "pushes": found.count,
+        "interpolation_error_deg": _number(_DEGREE * found.turn_error),
+        "interpolation_error_mm": _number(_METRE * found.length_error),
+        **{scales[one.name][0]: _quantity(one, scales[one.name][1]) for one in found.quantities},
+    }
+
+
+def _quantity(found: QuantityAgreement, scale: float) -> Json:
+    lengths = ("measured_mean", "measured_std", "predicted_mean", "predicted_std", "bias", "spread", "rmse")
+    return {
+        **{name: _number(scale * getattr(found, name)) for name in lengths},
+        "bias_error": None if found.bias_error is None else _number(scale * found.bias_error),
+        "rmse_percent": _number(found.percent),
+        "measured_std_percent": _number(found.std_percent),
+    }
+
+
+def _cycle(found: CycleAgreement) -> Json:
+    return {
+        "pairs": found.agreement.pairs,
+        "rms_deg": _degrees(found.agreement.rms),
+        "bins": found.agreement.bins,
+        "bin_rms_deg": _degrees(found.agreement.bin_rms),
+        "measured_turn_deg": _degrees(found.measured_turn),
+        "predicted_turn_deg": _degrees(found.predicted_turn),
+        "bias_deg": _degrees(found.bias),
+        "bias_error_deg": _degrees(found.bias_error),
+        "scatter_deg": _degrees(found.scatter),
+        "lag_correlation": _number(found.lag_correlation),
+        "map_test": _p_value(found.p_value),
+    }
+
+
+def _orientations(found: OrientationAgreement) -> Json:
+    tests = {name: _p_value(one) for name, one in found.tests.items()}
+    wasserstein = {"statistic_deg": _degrees(found.wasserstein.statistic), "p_value": _number(found.wasserstein.value)}
+    return {
+        "count": found.count,
+        **{**tests, "wasserstein": wasserstein},
+        "histogram": {
+            "edges_deg": [_degrees(edge) for edge in found.measured.edges],
+            "measured_per_deg": [_number(one / _DEGREE) for one in found.measured.density],
+            "predicted_per_deg": [_number(one / _DEGREE) for one in found.predicted.density],
+        },
+    }
+
+
+def _directions(found: DirectionAgreement) -> Json:
+    return {
+        "predicted": [
+            {
+                "kind": one.kind,
+                "centre_deg": _direction(one.centre),
+                "predicted_peak_deg": _direction(one.predicted_mode),
+                "measured_peak_deg": _direction(one.measured_mode),
+                "difference_deg": _degrees(one.difference),
+                "p_value": None if one.p_value is None else _number(one.p_value.value),
+            }
+            for one in found.matches
+        ],
+        "measured_peaks_deg": [_direction(one) for one in found.measured_modes],
+    }
+
+
+def _staircase(found: StaircaseAgreement) -> Json:
+    return {
+        "turns": _simulated(found.turns, 1.0),
+        "steps": _simulated(found.step_count, 1.0),
+        "step_height_deg": _simulated(found.step_height, _DEGREE),
+        "residence_cycles": _simulated(found.residence, 1.0),
+        "theory": None if found.theory is None else _theory(found.theory),
+    }
+
+
+def _simulated(found: SimulatedQuantity, scale: float) -> Json:
+    names = ("measured", "predicted", "lower", "upper")
+    scaled = {name: None if (value := getattr(found, name)) is None else _number(scale * value) for name in names}
+    return {**scaled, "p_value": None if found.p_value is None else _number(found.p_value.value)}
+
+
+def _theory(found: StepComparison) -> Json:
+    return {
+        "steps": _number(found.net_steps),
+        "expected_steps": _number(found.expected_steps),
+        "pace_p_value": _number(found.pace_p_value),
+        "visits": [
+            {
+                "centre_deg": _direction(one.zone.centre),
+                "exits": one.exits,
+                "mean_cycles": _number(one.mean),
+                "predicted_cycles": _number(one.predicted),
+                "p_value": _number(one.mean_p_value),
+            }
+            for one in found.visits
+        ],
+    }
+
+
+def _p_value(found: PValue | None) -> Json | None:
+    return None if found is None else {"statistic": _number(found.statistic), "p_value": _number(found.value)}
+
+
+def _number(value: float | None) -> float | None:
+    return float(value) if value is not None and math.isfinite(value) else None
+
+
+def _degrees(radians: float | None) -> float | None:
+    return None if radians is None else _number(math.degrees(radians))
+
+
+def _direction(radians: float | None) -> float | None:
+    """Degrees in [0, 360); a hair below zero must not round to 360."""
+    return None if radians is None else float(np.degrees(radians) % 360.0) % 360.0

@@ -1,0 +1,203 @@
+"""The report of `cyclemap fit` as JSON: degrees and millimetres, every number finite or null."""
+
+import math
+
+import numpy as np
+
+from cyclemap.cli.json_report import Json
+from cyclemap.evidence import PushTable
+from cyclemap.evidence.tables.law_table import MotionLaw
+from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, WornForecast
+from cyclemap.evidence.tables.push_statistics import MotionStatistics, PushStatistics
+from cyclemap.evidence.tables.set_fit import SetFit
+from cyclemap.evidence.tables.turn_histogram import TurnHistogram
+from cyclemap.evidence.tables.turn_pace import TurnPace
+from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram
+
+UNITS = {"dtheta": ("deg", math.degrees(1.0)), "dx": ("mm", 1000.0), "dy": ("mm", 1000.0)}
+# Facts of a set by their names in the report, and the factor to its units.
+FACTS = {
+    "acceleration": ("acceleration_mm_s2", 1000.0),
+    "speed": ("speed_mm_s", 1000.0),
+    "side": ("side", 1.0),
+    "fraction": ("fraction", 1.0),
+    "angle": ("angle_deg", math.degrees(1.0)),
+}
+
+
+def fit_report(pushes: PushTable, fits: list[SetFit]) -> Json:
+    """The report of a whole collection: what was read, what could not be, and every set."""
+    unreadable = [{"path": str(file.path), "reason": file.reason} for file in pushes.unreadable]
+    return {
+        "pushes": len(pushes.table),
+        "scans": len(pushes.scans),
+        "unreadable": unreadable,
+        "sets": [set_report(fit) for fit in fits],
+    }
+
+
+def set_report(fit: SetFit) -> Json:
+    """The report of one set, as fit_NAME.json holds it."""
+    pushes = fit.pushes
+    return {
+        "name": pushes.name,
+        "source": str(pushes.source),
+        **_facts(fit),
+        "contacts": pushes.contacts,
+        "pushes": pushes.count,
+        "statistics": _statistics(fit.statistics),
+        "laws": {law.quantity: _law(law) for law in fit.laws.laws},
+        "dtheta_histogram": None if fit.histogram is None else _turn_histogram(fit.histogram),
+        "cycle_map": {"problem": fit.map_problem} if fit.cycle_map is None else _cycle_map(fit.cycle_map),
+    }
+
+
+def _facts(fit: SetFit) -> Json:
+    told: Json = {name: fit.pushes.facts.get(name) for name in ("surface", "object")}
+    for column, (name, unit) in FACTS.items():
+        value = fit.pushes.facts.get(column)
+        told[name] = None if value is None else _number(unit * value)
+    return told
+
+
+def _statistics(row: PushStatistics) -> Json:
+    given = {name: getattr(row, name) for name in UNITS}
+    return {
+        "problem": row.problem,
+        **{name: None if one is None else _one_statistic(name, one) for name, one in given.items()},
+    }
+
+
+def _one_statistic(name: str, one: MotionStatistics) -> Json:
+    unit, scale = UNITS[name]
+    return {
+        "count": one.count,
+        f"mean_{unit}": _number(scale * one.mean),
+        f"std_{unit}": _number(scale * one.std),
+        "percent": _number(one.percent),
+    }
+
+
+def _law(found: MotionLaw) -> Json:
+    law, (unit, scale) = found.law, UNITS[found.quantity]
+    if law is None:
+        return {"problem": found.problem}
+    noise = law.noise(np.linspace(0.0, 2 * np.pi, 361))
+    return {
+        "problem": None,
+        "count": law.count,
+        "harmonics": law.harmonics,
+        f"rmse_{unit}": _number(scale * law.rmse),
+        "percent": _number(law.percent),
+        f"cross_validated_rmse_{unit}": _number(scale * found.cross_validated_rmse),
+        "explained": _number(found.explained),
+        f"scatter_{unit}": _number(scale * law.sigma),
+        f"least_scatter_{unit}": _number(scale * float(np.min(noise))),
+        f"most_scatter_{unit}": _number(scale * float(np.max(noise))),
+        "lag_correlation": _number(law.lag_correlation),
+        f"cosine_{unit}": _numbers(scale * law.cosine),
+        f"sine_{unit}": _numbers(scale * law.sine),
+        "log_variance": _numbers(law.log_variance),
+    }
+
+
+def _turn_histogram(found: TurnHistogram) -> Json:
+    return {
+        "edges_deg": _numbers(np.degrees(found.edges)),
+        "measured": found.measured.tolist(),
+        "predicted": _numbers(found.predicted),
+        "law_alone": _numbers(found.law_alone),
+        "total_variation": _number(found.total_variation),
+        "chance_total_variation": _number(found.chance_total_variation),
+        "p_value": _number(found.chance.value),
+        "distance_deg": _degrees(found.distance),
+        "law_alone_total_variation": _number(found.law_alone_total_variation),
+        "law_alone_distance_deg": _degrees(found.law_alone_distance),
+    }
+
+
+def _cycle_map(found: MeasuredCycleMap) -> Json:
+    law = found.fitted.law if found.fitted.wear is None else found.fitted.wear.whole
+    return {
+        "problem": None,
+        "pairs": int(found.pairs.theta.size),
+        "dropped": dict(found.pairs.dropped),
+        "harmonics": law.harmonics,
+        "wear_degree": None if found.fitted.wear is None else found.fitted.wear.degree,
+        "rmse_deg": _degrees(law.rmse),
+        "rmse_without_wear_deg": _degrees(found.fitted.law.rmse),
+        "scatter_deg": _degrees(law.sigma),
+        "least_scatter": _place(found.quietest, "scatter_deg"),
+        "most_scatter": _place(found.loudest, "scatter_deg"),
+        "lag_correlation": _number(law.lag_correlation),
+        "early": _state(found.early),
+        "late": _state(found.late),
+        "forecast": None if found.forecast is None else _forecast(found.forecast),
+    }
+
+
+def _place(place: tuple[float, float], name: str) -> Json:
+    return {"theta_deg": _degrees(place[0]), name: _degrees(place[1])}
+
+
+def _state(state: MapState) -> Json:
+    return {
+        "cycle": _number(state.cycle),
+        "fixed_points": [
+            {"theta_deg": _degrees(orbit.points[0]), "multiplier": _number(orbit.multiplier), "kind": orbit.kind}
+            for orbit in state.fixed_points
+        ],
+        "bottlenecks": [
+            {"theta_deg": _degrees(p.theta), "least_turn_deg": _degrees(p.gap), "cycles": _number(p.passage_cycles)}
+            for p in state.passages
+        ],
+        "slowest": _place(state.slowest, "turn_deg"),
+    }
+
+
+def _forecast(found: WornForecast) -> Json:
+    low, high = np.quantile(found.turns, [0.025, 0.975])
+    return {
+        "first_cycle": _number(found.first_cycle),
+        "measured_turns": _number(found.measured_turns),
+        "left_out_turns": _number(found.left_out_turns),
+        "predicted_turns": _number(float(np.mean(found.turns))),
+        "predicted_turns_std": _number(float(np.std(found.turns))),
+        "predicted_turns_95": [_number(float(low)), _number(float(high))],
+        "full_turns": _pace(found.pace),
+        "peak_deg": _peak(found.measured_histogram),
+        "predicted_peak_deg": _peak(found.histogram),
+        "total_variation": _number(found.total_variation),
+        "wasserstein_deg": _degrees(found.wasserstein),
+    }
+
+
+def _pace(pace: TurnPace) -> list[Json]:
+    columns = zip(pace.start, pace.measured, pace.predicted, pace.lower, pace.upper, strict=True)
+    return [
+        {
+            "start_cycle": _number(start),
+            "measured_pushes": _number(measured),
+            "predicted_pushes": _number(predicted),
+            "predicted_95": [_number(low), _number(high)],
+        }
+        for start, measured, predicted, low, high in columns
+    ]
+
+
+def _peak(histogram: AngleHistogram) -> list[float]:
+    """The ends of the highest bin."""
+    highest = int(np.argmax(histogram.density))
+    return [round(float(edge), 9) for edge in np.degrees(histogram.edges[highest : highest + 2])]
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _numbers(values: np.ndarray) -> list[float | None]:
+    return [_number(value) for value in values.tolist()]
+
+
+def _degrees(radians: float) -> float | None:
+    return _number(math.degrees(radians))

@@ -1,0 +1,1 @@
+"""A prediction set beside a collection: pushes, cycle map, orientations, stable directions, staircase, and verdicts."""

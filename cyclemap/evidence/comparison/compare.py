@@ -1,0 +1,208 @@
+"""compare: a prediction set beside a collection, question by question."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from cyclemap.checks import whole_number
+from cyclemap.errors import ConvergenceError
+from cyclemap.evidence.comparison.collection_data import CollectionData, collection_data
+from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement, cycle_agreement, map_misfit
+from cyclemap.evidence.comparison.direction_agreement import DirectionAgreement, direction_agreement
+from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement, orientation_agreement
+from cyclemap.evidence.comparison.prediction import Prediction, as_prediction, refit_rule
+from cyclemap.evidence.comparison.push_agreement import (
+    PushAgreement,
+    QuantityAgreement,
+    pooled_quantities,
+    push_agreement,
+)
+from cyclemap.evidence.comparison.staircase_agreement import StaircaseAgreement, staircase_agreement
+from cyclemap.evidence.comparison.verdicts import Verdict, all_verdicts
+from cyclemap.evidence.orientations.circular_law import Array
+from cyclemap.evidence.orientations.collection_null import (
+    CollectionRefit,
+    collection_p_values,
+    collection_statistics,
+    simulated_ensemble,
+)
+from cyclemap.evidence.orientations.p_value import PValue
+from cyclemap.evidence.pushes.push_table import PushTable
+from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
+from cyclemap.maps import Noise, StaircaseSummary, predict_staircase
+
+# A collection shorter than this has no steps or modes worth a test.
+FEWEST_CYCLES = 10
+# More sets of pushes than this are told as one.
+MOST_SETS = 3
+# Collections of the ensemble that gives the predicted law.
+ENSEMBLE = 200
+# Simulated collections whose steps and modes are found: they take some 60 ms each for 1500 cycles.
+MOST_DETAILED = 99
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A prediction beside data; what could not be asked is None or empty.
+
+    prediction, data : both as they were used; ``data.left_out`` counts what was not.
+    pushes : Δθ, Δx, Δy, one entry a set of pushes, the largest first. cycle : the cycle map.
+    orientations : the histogram. directions : stable directions and slow zones. staircase : turns, steps, residences.
+    refitted : whether the prediction had been fitted to these very data, and was fitted again on every simulated
+        collection for the p-values of the map, the orientations and the turns. The p-values of directions, steps and
+        residences are too large then.
+    uncertified : what could not be computed to its tolerance, in words.
+    """
+
+    prediction: Prediction
+    data: CollectionData
+    pushes: tuple[PushAgreement, ...]
+    cycle: CycleAgreement | None
+    orientations: OrientationAgreement | None
+    directions: DirectionAgreement | None
+    staircase: StaircaseAgreement | None
+    refitted: bool
+    uncertified: tuple[str, ...] = ()
+
+    @property
+    def told_pushes(self) -> tuple[tuple[str, tuple[QuantityAgreement, ...]], ...]:
+        """The sets of pushes by name with their quantities; more than three are taken together."""
+        if len(self.pushes) > MOST_SETS:
+            return ((f" in {len(self.pushes)} sets", pooled_quantities(self.pushes)),)
+        return tuple((one.name, one.quantities) for one in self.pushes)
+
+    @cached_property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """The answer to each question that could be asked, in words with numbers (degrees, millimetres)."""
+        pooled = len(self.pushes) > MOST_SETS
+        parts = (self.cycle, self.orientations, self.directions, self.staircase)
+        return all_verdicts(self.told_pushes, *parts, pooled)
+
+
+def compare(
+    prediction: Any,
+    data: PushTable | Theta0Pairs | str | Path,
+    *,
+    noise: Noise | None = None,
+    first: int = 0,
+    adapt: bool = False,
+    runs: int = 199,
+    seed: int = 0,
+    tolerance: float = 1e-5,
+    progress: Progress | None = None,
+) -> Comparison:
+    """Set a prediction beside measured data.
+
+    Parameters
+    ----------
+    prediction : a ``CollectionLoop`` (its mechanics), a ``CircleMap`` or ``DriftingMap`` with ``noise``, a
+        ``FittedMap`` (the worn map where it has wear) or a ``HarmonicMap``. Cycle n of a map that wears is push n.
+    data : a ``PushTable``, ``Theta0Pairs``, or the path of a file or folder of either.
+    noise : of one cycle; None takes a fit's own scatter, for a loop 1.1 degrees.
+    first : pushes numbered below it are left out (500 leaves out the bedding-in of a fresh surface).
+    adapt : pushes whose known side, fraction, angle or object differ from the loop's are left out and counted; with
+        True the loop is changed to them, its push length kept. The cycle map is compared for the loop's own only.
+    runs : simulated collections of the null; the smallest p-value is 1/(runs + 1), 1/100 for directions, steps and
+        residences. seed : of all of them.
+    tolerance : of the loop's cycle map (rad) and push laws, see ``push_laws``.
+    progress : called with the fraction done, in [0, 1].
+
+    P-values come from simulated collections, as long as the measured one and from the same start, under the predicted
+    map and noise: autocorrelation and wear are in them. Where the prediction was fitted to these very pairs - told by
+    fitting them again - every simulated collection is fitted again too. The noise of successive cycles is taken as
+    independent: where ``cycle.lag_correlation`` is far from 0 it is not, and the p-values are too small.
+
+    Raises InvalidInput for a prediction or data that cannot be used, DataFileError for a bad file, ConvergenceError
+    where the loop's cycle map cannot be computed.
+
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
+    >>> sine, noise = CircleMap.arnold(0.05, 0.6), WrappedNormal(0.1)
+    >>> path = sample_staircase(sine, noise, 300).theta
+    >>> found = compare(sine, Theta0Pairs(path[:-1], path[1:], path), noise=noise, runs=99)
+    >>> found.orientations.watson.value > 0.05, found.cycle.agreement.rms < 0.12, len(found.directions.matches)
+    (True, True, 1)
+    """
+    report, count = progress or (lambda fraction: None), whole_number("runs", runs, least=1)
+    loop = prediction if callable(getattr(prediction, "circle_map", None)) else None
+    collection = collection_data(data, loop, first=first, adapt=adapt, progress=lambda done: report(0.1 * done))
+    last = int(collection.cycle.max()) + 1 if collection.cycle.size else 1
+    wanted = max(last, collection.path_first + (0 if collection.path is None else collection.path.size))
+    chosen = as_prediction(
+        prediction, noise, wanted, tolerance=tolerance, progress=lambda done: report(0.1 + 0.3 * done)
+    )
+    pushes = _pushes(collection, tolerance, lambda done: report(0.4 + 0.3 * done))
+    rest = _cycles_asked(chosen, collection, count, seed, lambda done: report(0.7 + 0.3 * done))
+    report(1.0)
+    return replace(rest, pushes=pushes)
+
+
+def _pushes(data: CollectionData, tolerance: float, report: Progress) -> tuple[PushAgreement, ...]:
+    found, many = [], len(data.pushes)
+    for done, pushes in enumerate(data.pushes):
+        share = lambda part, done=done: report((done + part) / many)  # noqa: E731
+        found.append(push_agreement(pushes, tolerance=tolerance, progress=share))
+        report((done + 1) / many)
+    return tuple(sorted(found, key=lambda one: -one.count))
+
+
+def _cycles_asked(prediction: Prediction, data: CollectionData, runs: int, seed: int, report: Progress) -> Comparison:
+    """All but the pushes: the cycle map, and where the order of the pushes is known what follows from it."""
+    empty = Comparison(prediction, data, (), None, None, None, None, False)
+    if data.pairs is None:
+        return empty
+    if data.path is None or data.path.size < FEWEST_CYCLES:
+        return replace(empty, cycle=cycle_agreement(prediction, data.pairs, data.cycle))
+    refit = refit_rule(prediction.given, data.pairs, data.cycle, data.path_first)
+    return _of_path(prediction, data, data.path, refit, (runs, seed), report)
+
+
+def _of_path(
+    prediction: Prediction,
+    data: CollectionData,
+    path: Array,
+    refit: CollectionRefit | None,
+    drawn: tuple[int, int],
+    report: Progress,
+) -> Comparison:
+    assert data.pairs is not None
+    (runs, seed), model = drawn, prediction.model(data.path_first)
+    ensemble = simulated_ensemble(model, float(path[0]), path.size, ENSEMBLE, seed + 2)
+    statistics = {**collection_statistics(), "map": map_misfit}
+    tested = collection_p_values(
+        path, model, statistics, runs=runs, seed=seed, refit=refit,
+        ensemble=None if refit else ensemble, progress=lambda done: report(0.5 * done),
+    )  # fmt: skip
+    null = model.paths(float(path[0]), path.size, min(runs, MOST_DETAILED), seed)
+    summary, uncertified = _summary(prediction, data.path_first + path.size // 2)
+    fixed = None if prediction.is_drifting else summary
+    stairs = staircase_agreement(path, null, fixed, lambda done: report(0.5 + 0.4 * done))
+    return Comparison(
+        prediction=prediction,
+        data=data,
+        pushes=(),
+        cycle=cycle_agreement(prediction, data.pairs, data.cycle, tested["map"]),
+        orientations=orientation_agreement(path, ensemble, tested),
+        directions=direction_agreement(path, () if summary is None else summary.zones, ensemble, null),
+        staircase=_with_turns(stairs, tested["turns"] if refit else None),
+        refitted=refit is not None,
+        uncertified=uncertified,
+    )
+
+
+def _with_turns(stairs: StaircaseAgreement, p_value: PValue | None) -> StaircaseAgreement:
+    """The number of turns with the p-value that knows of the fit, where there is one."""
+    return stairs if p_value is None else replace(stairs, turns=replace(stairs.turns, p_value=p_value))
+
+
+def _summary(prediction: Prediction, middle: int) -> tuple[StaircaseSummary | None, tuple[str, ...]]:
+    """What theory says of the map, or of the map at mid-run where it wears."""
+    try:
+        return predict_staircase(prediction.map_at(middle), prediction.noise), ()
+    except ConvergenceError as error:
+        return None, (f"stable directions and visits: {error}",)

@@ -1,0 +1,104 @@
+"""The predicted cycle map against measured pairs: RMS over pairs and directions, the mean turn, a test of the map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.comparison.prediction import Prediction
+from cyclemap.evidence.comparison.push_agreement import mean_error, within_error
+from cyclemap.evidence.laws.harmonic_map import HARMONICS
+from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
+from cyclemap.evidence.orientations.circular_law import Array
+from cyclemap.evidence.orientations.collection_null import Ensemble
+from cyclemap.evidence.orientations.p_value import PValue
+from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
+from cyclemap.evidence.theta0.theta0_statistics import MapAgreement, TurnBins, turn_bins
+
+
+@dataclass(frozen=True, eq=False)
+class CycleAgreement:
+    """Measured cycles beside the predicted map, all angles in rad.
+
+    agreement : root mean squares over pairs, and over the medians of 5 degree bins, each bin counting once.
+    bins : the measured medians. measured_turn, predicted_turn : means over the pairs. bias : predicted less measured.
+    bias_error : its standard error, correlation of successive cycles allowed for; None below three pairs.
+    scatter : of the measured turns about the map with six harmonics that fits these very pairs best, what no smooth
+        map of θ0 alone can do much better than; None where the pairs do not fix it.
+    noise : standard deviation of the predicted noise of one cycle.
+    lag_correlation : of what a turn differs from that best map by, with the next one in the data: far from 0 where the
+        surface wears or is disturbed slowly. None with ``scatter``.
+    p_value : of the map, whatever its noise: see ``map_misfit``; None where the order of the pushes is unknown.
+    """
+
+    agreement: MapAgreement
+    bins: TurnBins
+    measured_turn: float
+    predicted_turn: float
+    bias: float
+    bias_error: float | None
+    scatter: float | None
+    noise: float
+    lag_correlation: float | None
+    p_value: PValue | None
+
+    @property
+    def agrees(self) -> bool | None:
+        """Whether the mean turn is the predicted one within its error (5 % level); None where that is unknown."""
+        return within_error(self.bias, self.bias_error, self.agreement.pairs)
+
+
+def cycle_agreement(
+    prediction: Prediction, pairs: Theta0Pairs, cycle: Array, p_value: PValue | None = None
+) -> CycleAgreement:
+    """Set measured pairs, that begin with the pushes ``cycle`` (n,), beside the predicted map."""
+    predicted, best = prediction.turn(pairs.theta, cycle), _best_law(pairs)
+    off = pairs.turn - predicted
+    medians = turn_bins(Theta0Pairs(pairs.theta, pairs.theta + off))
+    over_bins = float(np.sqrt(np.mean(medians.median**2))) if medians.median.size else np.nan
+    return CycleAgreement(
+        agreement=MapAgreement(off.size, float(np.sqrt(np.mean(off**2))), medians.median.size, over_bins),
+        bins=turn_bins(pairs),
+        measured_turn=float(np.mean(pairs.turn)),
+        predicted_turn=float(np.mean(predicted)),
+        bias=float(-np.mean(off)),
+        bias_error=mean_error(off),
+        scatter=None if best is None else best.sigma,
+        noise=float(np.sqrt(prediction.noise.variance)),
+        lag_correlation=None if best is None else best.lag_correlation,
+        p_value=p_value,
+    )
+
+
+def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
+    """How much of what the turns of each path (k, n) differ from the model's is a smooth function of θ0: shape (k,).
+
+    The F ratio of the least-squares fit of six harmonics to turn less predicted turn: mean square explained over
+    mean square left. It does not depend on the size of the noise. A ``CollectionStatistic``.
+    """
+    off = paths[:, 1:] - ensemble.model.images(paths)
+    return np.array([_f_ratio(theta, values) for theta, values in zip(paths[:, :-1], off, strict=True)])
+
+
+def _f_ratio(theta: Array, values: Array) -> float:
+    order = min(HARMONICS, (values.size - 2) // 4)
+    if order < 0:
+        return 0.0
+    design = fourier_columns(theta, order)
+    # By singular vectors: a path that sees few directions fixes fewer coefficients.
+    basis, sizes, _ = np.linalg.svd(design, full_matrices=False)
+    basis = basis[:, sizes > 1e-9 * sizes[0]]
+    explained = float(np.sum((basis.T @ values) ** 2))
+    left = float(values @ values) - explained
+    free = values.size - basis.shape[1]
+    return explained / basis.shape[1] * free / left if left > 0.0 else 0.0
+
+
+def _best_law(pairs: Theta0Pairs) -> PeriodicLaw | None:
+    try:
+        return fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
+    except InvalidInput:
+        return None

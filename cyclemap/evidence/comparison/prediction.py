@@ -1,0 +1,194 @@
+"""What is predicted of a collection: a loop, a map, a fitted map or one that wears, brought to one form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from cyclemap.collection import CollectionLoop
+from cyclemap.collection.portrait import DEFAULT_SIGMA
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.fit_map import FittedMap
+from cyclemap.evidence.laws.harmonic_map import HarmonicMap, harmonic_map
+from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
+from cyclemap.evidence.laws.wear import fit_worn_law
+from cyclemap.evidence.orientations.circular_law import Array
+from cyclemap.evidence.orientations.collection_null import CollectionModel, CollectionRefit
+from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
+from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal
+
+PREDICTIONS = "a CollectionLoop, a CircleMap or DriftingMap with noise, a FittedMap or a HarmonicMap"
+# Cycles between which a refitted map that wears is blended, for each degree of its polynomials above one.
+REFIT_KNOTS = 10
+# Coefficients that agree so well were fitted to the same pairs.
+SAME_FIT = 1e-9
+
+Progress = Callable[[float], None]
+Fit = Callable[[Theta0Pairs, Array], FittedMap | HarmonicMap]
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """A prediction in one form.
+
+    map : of the cycle; cycle n of a drifting one is push n of the data, those dropped counted.
+    noise : of one cycle. given : what was handed in. loop : the mechanics, where there are any.
+    kind : "loop", "map", "drifting map", "fitted map" or "worn fitted map".
+    """
+
+    map: CircleMap | DriftingMap
+    noise: Noise
+    kind: str
+    given: Any
+    loop: CollectionLoop | None = None
+
+    @property
+    def is_drifting(self) -> bool:
+        """Whether the map changes with the cycle."""
+        return isinstance(self.map, DriftingMap)
+
+    def model(self, first: int) -> CollectionModel:
+        """The model of a collection that begins with push ``first``."""
+        return CollectionModel(self.map, self.noise, first)
+
+    def map_at(self, cycle: float) -> CircleMap:
+        """The map of one push."""
+        return self.map if isinstance(self.map, CircleMap) else self.map.at(cycle)
+
+    def turn(self, theta: Array, cycle: Array) -> Array:
+        """The predicted turn (rad) of pairs that start at ``theta`` (n,) in the pushes ``cycle`` (n,)."""
+        if isinstance(self.map, CircleMap):
+            return self.map.turn(theta)
+        image = np.empty_like(theta)
+        for part in self.map.stretches(int(cycle.min()), int(cycle.max()) + 1):
+            here = (cycle >= part.first) & (cycle < part.last)
+            before, share = part.before(theta[here]), part.share[cycle[here].astype(np.int64) - part.first]
+            image[here] = before + share * (part.after(theta[here]) - before)
+        return image - theta
+
+
+def as_prediction(
+    given: Any,
+    noise: Noise | None,
+    last: int,
+    *,
+    tolerance: float = 1e-6,
+    progress: Progress | None = None,
+) -> Prediction:
+    """Bring a prediction of pushes up to ``last`` to one form.
+
+    noise : of one cycle; None takes a fit's own scatter, for a loop 1.1 degrees (that of measured plywood cycles about
+        a smooth function of θ0), and is refused for a map. tolerance : of a loop's cycle map, rad.
+    A ``FittedMap`` with wear predicts the worn map, its cycles being numbered as the data's pushes are.
+
+    Raises InvalidInput for anything else, ConvergenceError where the loop's map cannot be computed.
+    """
+    if noise is not None and not isinstance(noise, Noise):
+        raise InvalidInput(f"noise is {noise!r}: give a noise of one cycle, for example WrappedNormal(0.02)")
+    if isinstance(given, CircleMap | DriftingMap):
+        if noise is None:
+            raise InvalidInput(
+                "a map alone predicts no histogram: give the noise of a cycle, such as WrappedNormal(0.02)"
+            )
+        kind = "map" if isinstance(given, CircleMap) else "drifting map"
+        return Prediction(given, noise, kind, given)
+    if isinstance(given, HarmonicMap):
+        return Prediction(given.map, noise or _scatter(given.sigma), "fitted map", given)
+    if isinstance(given, FittedMap):
+        kind = "fitted map" if given.wear is None else "worn fitted map"
+        return Prediction(_map_of_fit(given, last), noise or _scatter(_sigma(given)), kind, given)
+    # A loop is told by what it can do, so that a loop whose map is known may stand in for it.
+    if callable(getattr(given, "circle_map", None)) and callable(getattr(given, "cycle", None)):
+        chosen = given.circle_map(tolerance=tolerance, progress=progress)
+        return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, given)
+    raise InvalidInput(f"the prediction is {given!r}: give {PREDICTIONS}")
+
+
+def refit_rule(given: Any, pairs: Theta0Pairs, cycle: Array, first: int) -> CollectionRefit | None:
+    """What fits a simulated collection as the prediction was fitted to these very pairs; None where it was not.
+
+    A fit is told to be of these pairs by fitting them again, with its own orders: the same coefficients come out.
+    The orders are held as they were chosen.
+    """
+    fit = _same_fit(given, pairs, cycle)
+    if fit is None:
+        return None
+
+    def refitted(path: Array) -> CollectionModel:
+        numbers = first + np.arange(path.size - 1.0)
+        again = fit(Theta0Pairs(path[:-1], path[1:]), numbers)
+        if isinstance(again, HarmonicMap):
+            return CollectionModel(again.map, _scatter(again.sigma))
+        return CollectionModel(_map_of_refit(again), _scatter(_sigma(again)), first)
+
+    return refitted
+
+
+def _same_fit(given: Any, pairs: Theta0Pairs, cycle: Array) -> Fit | None:
+    """The rule that makes ``given`` of these pairs, or None."""
+    if isinstance(given, HarmonicMap):
+        order = given.cosine.size - 1
+        same = given.pairs == pairs.theta.size and _alike(given.cosine, harmonic_map(pairs, order).cosine)
+        return (lambda some, _: harmonic_map(some, order)) if same else None
+    if not isinstance(given, FittedMap) or given.pairs != pairs.theta.size:
+        return None
+    for fit in _possible_fits(given):
+        again = fit(pairs, cycle)
+        if _alike(given.law.coefficients, again.law.coefficients) and _alike_wear(given, again):
+            return fit
+    return None
+
+
+def _possible_fits(given: FittedMap) -> list[Callable[[Theta0Pairs, Array], FittedMap]]:
+    """The fits with the orders of ``given``: least squares, and Huber's weights where its scatter is constant."""
+
+    def fit(robust: bool, pairs: Theta0Pairs, cycle: Array) -> FittedMap:
+        law = fit_periodic_law(pairs.theta, pairs.turn, robust=robust, **_orders(given.law))
+        if given.wear is None:
+            return FittedMap(law)
+        orders = {**_orders(given.wear.whole), "harmonics": given.wear.harmonics, "degree": given.wear.degree}
+        return FittedMap(law, fit_worn_law(pairs.theta, pairs.turn, cycle, robust=robust, **orders))
+
+    laws = [given.law] if given.wear is None else [given.law, given.wear.whole]
+    constant = all(law.log_variance.size == 1 for law in laws)
+    return [partial(fit, robust) for robust in ((False, True) if constant else (False,))]
+
+
+def _orders(law: PeriodicLaw) -> dict[str, Any]:
+    return {"harmonics": law.harmonics, "noise_harmonics": law.log_variance.size // 2}
+
+
+def _alike(first: Array, other: Array) -> bool:
+    return first.shape == other.shape and bool(np.allclose(first, other, rtol=SAME_FIT, atol=SAME_FIT))
+
+
+def _alike_wear(first: FittedMap, other: FittedMap) -> bool:
+    if first.wear is None or other.wear is None:
+        return first.wear is other.wear
+    return _alike(first.wear.coefficients, other.wear.coefficients)
+
+
+def _map_of_fit(fitted: FittedMap, last: int) -> CircleMap | DriftingMap:
+    return fitted.map if fitted.wear is None else fitted.drifting_map(last + 1, first=0.0)
+
+
+def _map_of_refit(fitted: FittedMap) -> CircleMap | DriftingMap:
+    """The same at a fraction of the cost: blended between evenly spread cycles, exact for wear linear in the cycle."""
+    if fitted.wear is None:
+        return fitted.map
+    knots = np.linspace(fitted.wear.first, fitted.wear.last, 1 + REFIT_KNOTS * max(0, fitted.wear.degree - 1) + 1)
+    return DriftingMap.between([(n, fitted.map_at(n)) for n in knots.tolist()])
+
+
+def _sigma(fitted: FittedMap) -> float:
+    return fitted.sigma if fitted.wear is None else fitted.wear.sigma
+
+
+def _scatter(sigma: float) -> WrappedNormal:
+    if not sigma > 1e-9:
+        raise InvalidInput("the fitted turns lie exactly on a smooth curve: give the noise of a cycle")
+    return WrappedNormal(sigma)

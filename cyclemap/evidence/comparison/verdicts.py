@@ -1,0 +1,181 @@
+"""Verdicts: the answer to each question of a comparison, in words with numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement
+from cyclemap.evidence.comparison.direction_agreement import DirectionAgreement, DirectionMatch
+from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
+from cyclemap.evidence.comparison.push_agreement import QuantityAgreement
+from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
+from cyclemap.evidence.orientations.p_value import PValue
+
+# A prediction is rejected below this p-value.
+LEVEL = 0.05
+_NAMES = {"dtheta": ("turn of a push", "°"), "dx": ("Δx", " mm"), "dy": ("Δy", " mm")}
+_KINDS = {"stable": "stable direction", "jump": "attracting jump", "ghost": "slow zone"}
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """question : what was asked. agrees : the answer, None where it is open. words : a sentence with its numbers."""
+
+    question: str
+    agrees: bool | None
+    words: str
+
+
+def all_verdicts(
+    pushes: Sequence[tuple[str, tuple[QuantityAgreement, ...]]],
+    cycle: CycleAgreement | None,
+    orientations: OrientationAgreement | None,
+    directions: DirectionAgreement | None,
+    staircase: StaircaseAgreement | None,
+    pooled: bool = False,
+) -> tuple[Verdict, ...]:
+    """Every verdict that the parts of a comparison allow, in this order.
+
+    pushes : quantities by the name of their set. pooled : whether they are of several sets taken together.
+    """
+    told = _pooled_verdict if pooled else _push_verdict
+    found = [told(quantity, name) for name, quantities in pushes for quantity in quantities]
+    if cycle is not None:
+        found += _cycle_verdicts(cycle)
+    if orientations is not None:
+        found.append(_orientation_verdict(orientations))
+    if directions is not None:
+        found += [_direction_verdict(one) for one in directions.matches]
+    if staircase is not None:
+        found += _staircase_verdicts(staircase)
+    return tuple(found)
+
+
+def _push_verdict(found: QuantityAgreement, whose: str) -> Verdict:
+    """Whether the mean agrees, and how near the law comes to the single pushes."""
+    name, unit, scale = _named(found)
+    means = _means(scale * found.measured_mean, scale * found.predicted_mean, unit, found.agrees)
+    error = "" if found.bias_error is None else f", error of the difference {scale * found.bias_error:.2f}{unit}"
+    single = f"RMSE {scale * found.rmse:.2f}{unit}{_percent(found, found.percent)}"
+    least = f"{scale * found.measured_std:.2f}{unit}{_percent(found, found.std_percent)}"
+    better = "below" if found.explains else "not below"
+    words = f"The mean {name}{whose} {means} over {found.count} pushes{error}; {single}, {better} the {least} "
+    return Verdict(f"mean {name}{whose}", found.agrees, f"{words}that a law blind to θ0 can reach.")
+
+
+def _pooled_verdict(found: QuantityAgreement, whose: str) -> Verdict:
+    """Of pushes of several protocols: their means cancel, so that only single pushes can tell; nothing is tested."""
+    name, unit, scale = _named(found)
+    error = "" if found.bias_error is None else f" ± {scale * found.bias_error:.2f}{unit}"
+    off = f"RMSE {scale * found.rmse:.2f}{unit}, bias {_fixed(scale * found.bias, 2)}{unit}{error}"
+    words = f"Over {found.count} pushes{whose} the {name} is predicted with {off}; its standard deviation is "
+    return Verdict(f"{name}{whose}", None, f"{words}{scale * found.measured_std:.2f}{unit}.")
+
+
+def _named(found: QuantityAgreement) -> tuple[str, str, float]:
+    """Name and unit for people, and the factor to that unit."""
+    return *_NAMES[found.name], float(np.degrees(1.0)) if found.name == "dtheta" else 1000.0
+
+
+def _percent(found: QuantityAgreement, value: float) -> str:
+    """In per cent of the mean, unless that mean is nothing beside the spread."""
+    return f" ({value:.1f} %)" if found.std_percent < 100.0 else ""
+
+
+def _means(measured: float, predicted: float, unit: str, agrees: bool | None) -> str:
+    kept = {True: "agrees within its error", False: "is off", None: "is"}[agrees]
+    return f"{kept}: {_fixed(measured, 2)}{unit} measured, {_fixed(predicted, 2)}{unit} predicted"
+
+
+def _cycle_verdicts(found: CycleAgreement) -> list[Verdict]:
+    error = "" if found.bias_error is None else f" (error of the difference {_degrees(found.bias_error, 2)})"
+    scale = float(np.degrees(1.0))
+    means = _means(scale * found.measured_turn, scale * found.predicted_turn, "°", found.agrees)
+    question = Verdict("mean turn of a cycle", found.agrees, f"The mean turn of a cycle {means}{error}.")
+    agreement = found.agreement
+    over_bins = f", the medians of {agreement.bins} directions {_degrees(agreement.bin_rms)}" if agreement.bins else ""
+    best = (
+        "" if found.scatter is None else f"; about the best smooth map of θ0 they scatter by {_degrees(found.scatter)}"
+    )
+    misfit = f"{agreement.pairs} cycles lie {_degrees(agreement.rms)} RMS from the map{over_bins}{best}"
+    if found.p_value is None:
+        return [question, Verdict("cycle map", None, f"{misfit}; their order is unknown, so the map is not tested.")]
+    return [question, Verdict("cycle map", _kept(found.p_value), f"The map {_told(found.p_value)}: {misfit}.")]
+
+
+def _orientation_verdict(found: OrientationAgreement) -> Verdict:
+    """By Watson's test, the others told beside it: one test decides, so that the level holds."""
+    distance = f"Wasserstein distance {_degrees(found.wasserstein.statistic)} ({_p(found.wasserstein)})"
+    variation = f"total variation {found.total_variation.statistic:.2f} ({_p(found.total_variation)})"
+    others = f"{distance}, {variation}, Kuiper {_p(found.kuiper)}"
+    told = "agrees" if _kept(found.watson) else "is rejected"
+    words = f"The histogram of {found.count} directions {told} by Watson's test ({_p(found.watson)}): {others}."
+    return Verdict("histogram of directions", _kept(found.watson), words)
+
+
+def _direction_verdict(found: DirectionMatch) -> Verdict:
+    place = f"{_KINDS[found.kind]} at {_direction(found.centre)}"
+    if found.difference is None or found.predicted_mode is None or found.measured_mode is None:
+        return Verdict(place, None, f"The predicted {place} has no peak of a histogram to be set beside.")
+    peaks = f"a predicted peak at {_direction(found.predicted_mode)}, measured at {_direction(found.measured_mode)}"
+    off = f"{_signed(np.degrees(found.difference), 1)}° off"
+    kept = None if found.p_value is None else _kept(found.p_value)
+    told = "" if found.p_value is None else f" ({_p(found.p_value)})"
+    return Verdict(place, kept, f"The predicted {place} makes {peaks}: {off}{told}.")
+
+
+def _staircase_verdicts(found: StaircaseAgreement) -> list[Verdict]:
+    asked = [
+        ("number of turns", found.turns, 1.0, " turns", 1),
+        ("number of steps", found.step_count, 1.0, " steps", 0),
+        ("step height", found.step_height, float(np.degrees(1.0)), "°", 0),
+        ("residence on a step", found.residence, 1.0, " cycles", 0),
+    ]
+    made = [_quantity_verdict(*one) for one in asked]
+    return [one for one in made if one is not None]
+
+
+def _quantity_verdict(name: str, found: SimulatedQuantity, scale: float, unit: str, digits: int) -> Verdict | None:
+    if found.measured is None and found.predicted is None:
+        return None
+    measured = "none" if found.measured is None else f"{_fixed(scale * found.measured, digits)}{unit}"
+    if found.predicted is None or found.lower is None or found.upper is None:
+        return Verdict(name, None, f"The {name}: {measured} measured, none in any simulated collection.")
+    low, high = (_fixed(scale * edge, digits) for edge in (found.lower, found.upper))
+    expected = f"{_fixed(scale * found.predicted, digits)}{unit} predicted (95 % of collections: {low} to {high})"
+    if found.p_value is None:
+        return Verdict(name, None, f"The {name}: {measured} measured, {expected}.")
+    return Verdict(name, _kept(found.p_value), f"The {name} {_told(found.p_value)}: {measured} measured, {expected}.")
+
+
+def _kept(found: PValue) -> bool:
+    return found.value > LEVEL
+
+
+def _told(found: PValue) -> str:
+    return f"agrees ({_p(found)})" if _kept(found) else f"is rejected at {_p(found)}"
+
+
+def _p(found: PValue) -> str:
+    """A p-value, and where none of the runs came near, that it may be smaller."""
+    least = 1.0 / (found.runs + 1)
+    return f"p ≤ {found.value:.2g}" if found.value <= least * (1.0 + 1e-9) else f"p = {found.value:.2g}"
+
+
+def _degrees(radians: float, digits: int = 1) -> str:
+    return f"{_fixed(float(np.degrees(radians)), digits)}°"
+
+
+def _direction(radians: float) -> str:
+    return f"{float(np.degrees(radians)) % 360.0:.1f}°"
+
+
+def _signed(value: float, digits: int = 2) -> str:
+    return f"{round(float(value), digits) + 0.0:+.{digits}f}".replace("-", "−")
+
+
+def _fixed(value: float, digits: int) -> str:
+    return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")

@@ -1,0 +1,152 @@
+"""How well data left out are predicted: whole groups leave together, the rest is fitted, the errors are collected."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cyclemap.checks import read_only, whole_number
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.identification.joint_problem import JointProblem
+from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, minimise
+from cyclemap.evidence.identification.noise_scales import NoiseLaw
+from cyclemap.suggestions import unknown_name
+
+Array = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class CrossValidation:
+    """Errors of prediction of rows that were left out.
+
+    residuals (n,) : predicted minus measured, nan where a row was never left out or its fold had no answer.
+    fold (n,) : the fold each row left with, -1 for none. vectors (folds, k) : parameters fitted without each fold.
+    failures : folds without an answer, and why.
+    """
+
+    residuals: Array
+    fold: Labels
+    vectors: Array
+    failures: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class KindErrors:
+    """Sizes of the errors of one kind in one block, in its own unit: in the sample, and of rows left out (nan: none).
+
+    mean, median : of the absolute error. rms : root mean square.
+    """
+
+    block: str
+    kind: str
+    rows: int
+    mean: float
+    median: float
+    rms: float
+    left_out_mean: float
+    left_out_median: float
+    left_out_rms: float
+
+
+def random_folds(problem: JointProblem, folds: int, seed: int = 0) -> Labels:
+    """Return the fold of each row (n,): the groups of each block dealt at random, in equal numbers.
+
+    Raises InvalidInput for fewer than two folds or more folds than groups.
+    """
+    groups = int(np.max(problem.groups)) + 1
+    if not 2 <= whole_number("folds", folds) <= groups:
+        raise InvalidInput(f"folds must be from 2 to the {groups} groups of the data, not {folds}")
+    rng, dealt, fold = np.random.default_rng(seed), 0, np.zeros(groups, dtype=np.int64)
+    for block in range(len(problem.blocks)):
+        members = rng.permutation(np.unique(problem.groups[problem.block_index == block]))
+        fold[members] = (dealt + np.arange(len(members))) % folds
+        dealt += len(members)
+    return fold[problem.groups]
+
+
+def labelled_folds(problem: JointProblem, labels: Mapping[str, ArrayLike]) -> Labels:
+    """Return the fold of each row (n,) by labels of rows, such as their contact point, for some blocks by name.
+
+    Rows of equal labels leave together, in whatever block they are; blocks not named always stay (-1). Raises
+    InvalidInput for an unknown block, a wrong number of labels, a group with two labels, or a single label.
+    """
+    names = [block.name for block in problem.blocks]
+    written, named = np.full(len(problem.groups), "", dtype=object), np.zeros(len(problem.groups), dtype=bool)
+    for name, given in labels.items():
+        if name not in names:
+            raise unknown_name("block of data", name, names)
+        rows, values = problem.block_index == names.index(name), np.asarray(given)
+        if values.shape != (np.count_nonzero(rows),):
+            raise InvalidInput(f"block {name!r} has {np.count_nonzero(rows)} rows, but labels of shape {values.shape}")
+        written[rows], named = values.astype(str), named | rows
+    found, index = np.unique(written[named].astype(str), return_inverse=True)
+    if len(found) < 2:
+        raise InvalidInput("cross-validation needs at least two different labels")
+    fold = np.full(len(written), -1, dtype=np.int64)
+    fold[named] = index.reshape(-1)
+    if len(np.unique(np.stack([problem.groups, fold]), axis=1).T) != len(np.unique(problem.groups)):
+        raise InvalidInput("rows of one group have different labels: they share their errors and must leave together")
+    return fold
+
+
+def cross_validate(
+    problem: JointProblem,
+    fit: Fit,
+    fold: Labels,
+    law: NoiseLaw | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> CrossValidation:
+    """Fit without each fold, from the fit to all, and predict it; kinds keep the weights of the fit to all.
+
+    A fold without an answer is recorded, its residuals nan. `progress` is called with the fraction done.
+    """
+    count, whole = int(np.max(fold)) + 1, problem.values(fit.vector)
+    residuals, failures = np.full(len(fold), np.nan), []
+    vectors = np.full((count, len(problem.space)), np.nan)
+    for one in range(count):
+        try:
+            values = _fitted_without(problem, fit, fold == one, whole, law or NoiseLaw())
+            residuals[fold == one] = _predicted(problem, fold == one, values)
+            vectors[one] = problem.space.vector(values)
+        except NO_ANSWER as cause:
+            failures.append(f"fold {one}: {type(cause).__name__}: {cause}")
+        if progress is not None:
+            progress((one + 1) / count)
+    return CrossValidation(read_only(residuals), fold, read_only(vectors), tuple(failures))
+
+
+def _fitted_without(
+    problem: JointProblem, fit: Fit, out: NDArray[np.bool_], values: dict[str, float], law: NoiseLaw
+) -> dict[str, float]:
+    part = problem.subset(~out, values)
+    noise = np.array([fit.noise[problem.kind_names.index(kind)] for kind in part.kind_names])
+    return part.values(minimise(part, part.space.vector(values), noise, law).vector)
+
+
+def _predicted(problem: JointProblem, out: NDArray[np.bool_], values: dict[str, float]) -> Array:
+    part = problem.subset(out, values)
+    return part.evaluate(part.space.vector(values))[0]
+
+
+def kind_errors(problem: JointProblem, fit: Fit, validation: CrossValidation | None) -> tuple[KindErrors, ...]:
+    """Return the sizes of the errors of every kind in every block."""
+    left_out = np.full(len(fit.residuals), np.nan) if validation is None else validation.residuals
+    found = []
+    for number, block in enumerate(problem.blocks):
+        for kind in np.unique(np.asarray(block.kinds)).tolist():
+            rows = (problem.block_index == number) & (problem.kinds == kind)
+            sizes = (*_sizes(fit.residuals[rows]), *_sizes(left_out[rows]))
+            found.append(KindErrors(block.name, kind, int(np.count_nonzero(rows)), *sizes))
+    return tuple(found)
+
+
+def _sizes(errors: Array) -> tuple[float, float, float]:
+    """Mean, median and root mean square of what is known; nan for nothing."""
+    size = np.abs(errors[np.isfinite(errors)])
+    if size.size == 0:
+        return np.nan, np.nan, np.nan
+    return float(np.mean(size)), float(np.median(size)), float(np.sqrt(np.mean(size**2)))

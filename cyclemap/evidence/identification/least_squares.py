@@ -1,0 +1,260 @@
+"""Weighted least squares over joint blocks: the noise of each kind estimated along, from several starts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.checks import positive_number, read_only, whole_number
+from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
+from cyclemap.evidence.identification.joint_problem import JointProblem
+from cyclemap.evidence.identification.noise_scales import NoiseLaw, estimated_noise, noise_floor, root_mean_square
+from cyclemap.suggestions import unknown_name
+
+Array = NDArray[np.float64]
+
+# What the mechanics raise at parameters for which they have no answer.
+NO_ANSWER = (ConvergenceError, UnsupportedContact, InvalidInput)
+
+# The noise counts as found when no kind changes by more than this share: parameters then move by less than a hundredth
+# of their standard errors. The first round need not be close, since its weights are not.
+_NOISE_TOLERANCE = 1e-3
+_FIRST, _LATER = 1e-2, 1e-6
+_ROUNDS = 40
+# A start arrived at the best optimum if its deviance is as low, or its parameters are the same in their scales.
+_SAME_DEVIANCE, _SAME_PLACE = 0.01, 1e-3
+_ON_BOUND = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A minimum.
+
+    vector : (k,) free parameters. noise : (kinds,) in the data's units; known : (kinds,) which of it was given.
+    deviance : -2 log likelihood up to a constant, sum of rho + 2 log noise over the rows. residuals (n,),
+    jacobian (n, k) : there, in the data's units. gradient : largest slope of half the deviance by one scale of a
+    parameter, not counting those that push into a bound. on_bounds : names of parameters on a bound. converged :
+    minimum and noise both found to tolerance. message : why the search ended. evaluations : of the model.
+    """
+
+    vector: Array
+    noise: Array
+    deviance: float
+    residuals: Array
+    jacobian: Array
+    gradient: float
+    on_bounds: tuple[str, ...]
+    converged: bool
+    message: str
+    evaluations: int
+    known: NDArray[np.bool_] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class StartOutcome:
+    """What became of one start (k,): where it ended and at which deviance, or (None, nan) and why it failed."""
+
+    start: Array
+    end: Array | None
+    deviance: float
+    message: str
+
+
+@dataclass(frozen=True, eq=False)
+class MultiStart:
+    """The best of several starts. arrived : how many ended there. failed : how many had no answer at all."""
+
+    best: Fit
+    starts: tuple[StartOutcome, ...]
+    arrived: int
+
+    @property
+    def failed(self) -> int:
+        """How many starts ended without an answer."""
+        return sum(outcome.end is None for outcome in self.starts)
+
+
+class _Evaluator:
+    """The problem's residuals and derivatives at the points asked for last; inf where the model has no answer."""
+
+    def __init__(self, problem: JointProblem) -> None:
+        self.problem, self.count = problem, 0
+        self.noise = np.ones(len(problem.kind_index))
+        self._known: dict[bytes, tuple[Array, Array]] = {}
+
+    def at(self, vector: Array) -> tuple[Array, Array]:
+        key = vector.tobytes()
+        if key not in self._known:
+            self.count += 1
+            found = self.problem.evaluate(vector)
+            self._known = dict([*self._known.items()][-8:]) | {key: found}
+        return self._known[key]
+
+    def scaled_residuals(self, vector: Array) -> Array:
+        try:
+            return self.at(vector)[0] / self.noise
+        except NO_ANSWER:
+            return np.full(len(self.noise), np.inf)
+
+    def scaled_jacobian(self, vector: Array) -> Array:
+        return self.at(vector)[1] / self.noise[:, None]
+
+
+def minimise(
+    problem: JointProblem, start: Array, noise: Array, law: NoiseLaw, tolerance: float = 1e-8, most: int = 200
+) -> Fit:
+    """Minimise the deviance at given noise (kinds,) from a start (k,) by a trust region within the bounds.
+
+    Raises what the model raises at the start itself. Points without an answer on the way shorten the step
+    (Branch, Coleman & Li 1999, as in `scipy.optimize.least_squares`). `most` bounds the evaluations.
+    """
+    return _minimise(_Evaluator(problem), start, noise, law, tolerance, most)
+
+
+def _minimise(evaluator: _Evaluator, start: Array, noise: Array, law: NoiseLaw, tolerance: float, most: int) -> Fit:
+    from scipy.optimize import least_squares
+
+    space, before = evaluator.problem.space, evaluator.count
+    evaluator.noise = noise[evaluator.problem.kind_index]
+    inside = _strictly_inside(start, space.lower, space.upper)
+    evaluator.at(inside)
+    if len(space) == 0:
+        return _fit(evaluator, inside, noise, law, True, "nothing is free", evaluator.count - before)
+    found = least_squares(
+        evaluator.scaled_residuals,
+        inside,
+        evaluator.scaled_jacobian,
+        bounds=(space.lower, space.upper),
+        x_scale=space.scale,
+        loss="linear" if law.freedom is None else law.loss,
+        ftol=tolerance,
+        xtol=tolerance,
+        gtol=1e-12,
+        max_nfev=most,
+    )
+    return _fit(evaluator, found.x, noise, law, found.status > 0, found.message, evaluator.count - before)
+
+
+def _strictly_inside(vector: Array, lower: Array, upper: Array) -> Array:
+    width = np.where(np.isfinite(upper - lower), upper - lower, 1.0)
+    return np.asarray(np.clip(vector, lower + 1e-9 * width, upper - 1e-9 * width))
+
+
+def _fit(
+    evaluator: _Evaluator, vector: Array, noise: Array, law: NoiseLaw, converged: bool, message: str, evaluations: int
+) -> Fit:
+    problem, (residuals, jacobian) = evaluator.problem, evaluator.at(vector)
+    space, scaled = problem.space, residuals / evaluator.noise
+    rho, weight, _ = law.loss(scaled**2)
+    slope = (jacobian / evaluator.noise[:, None]).T @ (weight * scaled) * space.scale
+    low, high = vector - space.lower <= _ON_BOUND * space.scale, space.upper - vector <= _ON_BOUND * space.scale
+    free = ~(low & (slope > 0.0)) & ~(high & (slope < 0.0))
+    return Fit(
+        read_only(vector),
+        read_only(noise),
+        float(np.sum(rho) + 2.0 * np.sum(np.log(evaluator.noise))),
+        read_only(residuals),
+        read_only(jacobian),
+        float(np.max(np.abs(slope[free]), initial=0.0)),
+        tuple(name for name, on in zip(space.names, low | high, strict=True) if on),
+        converged,
+        message,
+        evaluations,
+    )
+
+
+def fit_with_noise(
+    problem: JointProblem,
+    start: Array,
+    law: NoiseLaw | None = None,
+    known: Mapping[str, float] | None = None,
+    floor: Array | None = None,
+) -> Fit:
+    """Fit parameters and the noise of each kind in turn, until both stand still.
+
+    `known` : noise of some kinds by name, taken as given. `floor` : least noise (kinds,).
+    Raises what the model raises at the start, and ConvergenceError where a kind's noise cannot be told.
+    """
+    law, held = law or NoiseLaw(), known_noise(problem, known)
+    evaluator, vector = _Evaluator(problem), _strictly_inside(start, problem.space.lower, problem.space.upper)
+    residuals, _ = evaluator.at(vector)
+    least = noise_floor(problem, residuals) if floor is None else floor
+    noise = np.where(np.isnan(held), np.maximum(root_mean_square(problem, residuals), least), held)
+    for turn in range(_ROUNDS):
+        fit = _minimise(evaluator, vector, noise, law, _FIRST if turn == 0 else _LATER, 200)
+        vector = fit.vector
+        new = estimated_noise(problem, fit.residuals, fit.jacobian, noise, law, least, held)
+        change, noise = float(np.max(np.abs(np.log(new / noise)))), new
+        if turn > 0 and change < _NOISE_TOLERANCE:
+            break
+    finished = _finished(evaluator, fit, noise, law, fit.converged and change < _NOISE_TOLERANCE)
+    return replace(finished, known=~np.isnan(held))
+
+
+def _finished(evaluator: _Evaluator, fit: Fit, noise: Array, law: NoiseLaw, converged: bool) -> Fit:
+    evaluator.noise = noise[evaluator.problem.kind_index]
+    message = fit.message if converged or not fit.converged else f"the noise did not settle in {_ROUNDS} rounds"
+    return _fit(evaluator, fit.vector, noise, law, converged, message, evaluator.count)
+
+
+def known_noise(problem: JointProblem, known: Mapping[str, float] | None) -> Array:
+    """Return the given noise of each kind (kinds,), nan where it is to be estimated."""
+    for kind, size in (known or {}).items():
+        if kind not in problem.kind_names:
+            raise unknown_name("kind of noise", kind, problem.kind_names)
+        positive_number(f"noise of {kind!r}", size)
+    return np.array([(known or {}).get(kind, np.nan) for kind in problem.kind_names], dtype=float)
+
+
+def spread_starts(problem: JointProblem, count: int, seed: int) -> Array:
+    """Return starts (count, k): the natural one, then Sobol points within two scales of it and within the bounds."""
+    from scipy.stats import qmc
+
+    space, size = problem.space, whole_number("number of starts", count, least=1)
+    low, high = (
+        np.maximum(space.start - 2 * space.scale, space.lower),
+        np.minimum(space.start + 2 * space.scale, space.upper),
+    )
+    if size == 1 or len(space) == 0:
+        return space.start[None, :]
+    power = max(int(np.ceil(np.log2(size - 1))), 0)
+    points = qmc.Sobol(len(space), rng=np.random.default_rng(seed)).random_base2(power)[: size - 1]
+    return np.concatenate([space.start[None, :], low + points * (high - low)])
+
+
+def multi_start(
+    problem: JointProblem,
+    starts: Array,
+    law: NoiseLaw | None = None,
+    known: Mapping[str, float] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> MultiStart:
+    """Fit from every start (count, k) and keep the best; a start without an answer is recorded and passed over.
+
+    `progress` is called with the fraction done. Raises ConvergenceError if no start has an answer.
+    """
+    fits, outcomes, floor = [], [], None
+    for number, start in enumerate(starts):
+        try:
+            if floor is None:
+                floor = noise_floor(problem, problem.evaluate(start)[0])
+            fit = fit_with_noise(problem, start, law, known, floor)
+        except NO_ANSWER as cause:
+            outcomes.append(StartOutcome(read_only(start), None, np.nan, f"{type(cause).__name__}: {cause}"))
+        else:
+            fits.append(fit)
+            outcomes.append(StartOutcome(read_only(start), fit.vector, fit.deviance, fit.message))
+        if progress is not None:
+            progress((number + 1) / len(starts))
+    if not fits:
+        raise ConvergenceError(f"none of {len(starts)} starts has an answer; the first: {outcomes[0].message}")
+    best = min(fits, key=lambda fit: fit.deviance)
+    return MultiStart(best, tuple(outcomes), sum(_same(fit, best, problem.space.scale) for fit in fits))
+
+
+def _same(fit: Fit, best: Fit, scale: Array) -> bool:
+    near = bool(np.max(np.abs(fit.vector - best.vector) / scale, initial=0.0) < _SAME_PLACE)
+    return near or abs(fit.deviance - best.deviance) < _SAME_DEVIANCE

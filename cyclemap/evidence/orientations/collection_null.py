@@ -1,0 +1,202 @@
+"""P-values for a whole collection under a noisy cycle map that may wear: the null is simulated collections."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from cyclemap.checks import finite_array, finite_number, whole_number
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.orientations.chain_null import checked_path, orientation_statistics
+from cyclemap.evidence.orientations.circular_distance import DEFAULT_BINS
+from cyclemap.evidence.orientations.circular_law import FULL_TURN, Array, CircularLaw
+from cyclemap.evidence.orientations.p_value import PValue, monte_carlo_p_value
+from cyclemap.maps import CircleMap, DriftingMap, Noise, sample_staircases
+
+_CELLS = 4096  # of the grid on which the images of an ensemble are counted
+_REFIT_ENSEMBLE = 40  # paths of the ensemble of each refitted model
+
+
+@dataclass(frozen=True, eq=False)
+class CollectionModel:
+    """θ_{n+1} = F_n(θ_n) + ξ_n: a map, fixed or drifting, and its noise.
+
+    first : of a drifting map, the cycle that a collection begins with.
+    """
+
+    map: CircleMap | DriftingMap
+    noise: Noise
+    first: int = 0
+
+    @cached_property
+    def begun(self) -> CircleMap | DriftingMap:
+        """The map whose cycle 0 is the collection's first."""
+        if isinstance(self.map, CircleMap) or self.first == 0:
+            return self.map
+        return DriftingMap(self.map.cycles - self.first, self.map.maps, self.map.max_error)
+
+    def paths(self, start: float, length: int, count: int, seed: int) -> Array:
+        """``count`` collections of ``length`` orientations from ``start``: (count, length), rad, unwrapped."""
+        return sample_staircases(self.begun, self.noise, length - 1, np.full(count, start), seed)
+
+    def images(self, paths: Array) -> Array:
+        """F_n(θ_n) of each orientation but the last, of paths (..., n): shape (..., n - 1), rad, on the same lift."""
+        if isinstance(self.begun, CircleMap):
+            return self.begun(paths[..., :-1])
+        found = np.empty_like(paths[..., :-1])
+        for part in self.begun.stretches(0, paths.shape[-1] - 1):
+            theta = paths[..., part.first : part.last]
+            before = part.before(theta)
+            found[..., part.first : part.last] = before + part.share * (part.after(theta) - before)
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Ensemble:
+    """What a model predicts of a collection: simulated ones from the same start, and the law of their orientations.
+
+    paths : (k, n) rad, unwrapped. law : of an orientation drawn at random from a collection, the start left out.
+    """
+
+    model: CollectionModel
+    paths: Array
+    law: CircularLaw
+
+    @cached_property
+    def climb(self) -> float:
+        """Mean of the last orientation less the first, rad."""
+        return float(np.mean(self.paths[:, -1] - self.paths[:, 0]))
+
+
+CollectionStatistic = Callable[[Array, Ensemble], Array]
+CollectionRefit = Callable[[Array], CollectionModel]
+
+
+def simulated_ensemble(model: CollectionModel, start: float, length: int, count: int, seed: int) -> Ensemble:
+    """Simulate ``count`` collections of ``length`` orientations from ``start`` (rad), with the law of what they record.
+
+    The law is the mean over the collections' cycles of the noise's density about the image of each orientation: no
+    bandwidth is chosen, and wear and the approach from the start are in it.
+
+    >>> from cyclemap.maps import WrappedNormal
+    >>> model = CollectionModel(CircleMap.rigid(0.25), WrappedNormal(0.1))
+    >>> law = simulated_ensemble(model, 0.0, 401, 50, seed=0).law
+    >>> bool(np.allclose(law.bin_probabilities(4), 0.25, atol=0.01))
+    True
+    """
+    size = whole_number("length", length, least=2)
+    paths = model.paths(finite_number("start", start), size, whole_number("count", count, least=1), seed)
+    return Ensemble(model, paths, _occupation_law(model.images(paths), model.noise))
+
+
+def collection_statistics(bins: int = DEFAULT_BINS) -> Mapping[str, CollectionStatistic]:
+    """The statistics of a collection by name.
+
+    wasserstein (rad), total_variation over ``bins`` bins, kuiper, watson : of its orientations against the ensemble's
+    law. turns : |its climb less the ensemble's mean climb|, in turns.
+    """
+
+    def against_law(measure: Callable[[Array, CircularLaw], Array]) -> CollectionStatistic:
+        return lambda paths, ensemble: measure(paths, ensemble.law)
+
+    known = {name: against_law(measure) for name, measure in orientation_statistics(bins).items()}
+    return MappingProxyType({**known, "turns": _turns_off})
+
+
+def collection_p_values(
+    theta: Any,
+    model: CollectionModel,
+    statistics: Mapping[str, CollectionStatistic] | None = None,
+    *,
+    runs: int = 199,
+    seed: int = 0,
+    refit: CollectionRefit | None = None,
+    ensemble: Ensemble | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> dict[str, PValue]:
+    """P-values of a path of orientations under a map that may wear, autocorrelation and fitted parameters included.
+
+    The null is the same statistics of ``runs`` simulated collections, as long and from the same start.
+
+    Parameters
+    ----------
+    theta : (n,) rad, n ≥ 2, in the order of the cycles, unwrapped where a statistic asks for the climb.
+    statistics : by name; None takes ``collection_statistics()``.
+    refit : None for a model given in full, else what fits a path (n,), unwrapped, to a model, by the rule that made
+        ``model`` of ``theta``: each simulated collection is then set against an ensemble of its own fit, as the
+        measured one is (parametric bootstrap).
+    ensemble : of the model, where it is at hand; it must come from another seed than ``seed`` and ``seed`` + 1.
+    progress : called with the fraction done, in (0, 1].
+
+    Without ``refit`` the values are exact: P(p ≤ a) ≤ a under the null for any n and ``runs`` (Davison & Hinkley 1997,
+    chapter 4), whatever the ensemble's size. With it they are so to first order in the error of the fit: true models
+    that wear, fitted with two harmonics to 300 cycles, are measured to be rejected at the 5 % level in 3 to 6 % of
+    runs, at 10 % in 6 to 11 %.
+    Raises InvalidInput for a path or counts that cannot be used; what ``refit`` raises passes through.
+
+    >>> from cyclemap.maps import WrappedNormal
+    >>> worn = DriftingMap.between([(0, CircleMap.arnold(0.05, 0.3)), (200, CircleMap.arnold(0.1, 0.3))])
+    >>> model = CollectionModel(worn, WrappedNormal(0.2))
+    >>> path = model.paths(0.0, 200, 1, seed=5)[0]
+    >>> still = CollectionModel(CircleMap.arnold(0.05, 0.3), WrappedNormal(0.2))
+    >>> [collection_p_values(path, one)["turns"].value < 0.05 for one in (model, still)]
+    [False, True]
+    """
+    path, report = checked_path(theta), progress or (lambda fraction: None)
+    count, first_seed = whole_number("runs", runs, least=1), whole_number("seed", seed, least=0)
+    chosen = collection_statistics() if statistics is None else statistics
+    size = max(count, 200) if refit is None else _REFIT_ENSEMBLE
+    known = ensemble or simulated_ensemble(model, float(path[0]), path.size, size, first_seed + 1)
+    observed = {name: float(_values(measure, path[None], known)[0]) for name, measure in chosen.items()}
+    paths = model.paths(float(path[0]), path.size, count, first_seed)
+    if refit is None:
+        null = {name: _values(measure, paths, known) for name, measure in chosen.items()}
+    else:
+        null = _refitted_null(chosen, paths, refit, known.paths.shape[0], first_seed + 1, report)
+    report(1.0)
+    return {name: monte_carlo_p_value(observed[name], null[name]) for name in chosen}
+
+
+def _refitted_null(
+    chosen: Mapping[str, CollectionStatistic],
+    paths: Array,
+    refit: CollectionRefit,
+    size: int,
+    seed: int,
+    report: Callable[[float], None],
+) -> dict[str, Array]:
+    """Each simulated collection against an ensemble of its own fit, made as the measured one's was."""
+    found: dict[str, list[Array]] = {name: [] for name in chosen}
+    for done, path in enumerate(paths, 1):
+        own = simulated_ensemble(refit(path), float(path[0]), path.size, size, seed)
+        for name, measure in chosen.items():
+            found[name].append(_values(measure, path[None], own))
+        report(done / len(paths))
+    return {name: np.concatenate(values) for name, values in found.items()}
+
+
+def _values(measure: CollectionStatistic, paths: Array, ensemble: Ensemble) -> Array:
+    values = finite_array("the statistic's values", measure(paths, ensemble))
+    if values.shape != (len(paths),):
+        raise InvalidInput(f"the statistic gave shape {values.shape} for {len(paths)} paths: give one value a path")
+    return values
+
+
+def _turns_off(paths: Array, ensemble: Ensemble) -> Array:
+    return np.asarray(np.abs(paths[:, -1] - paths[:, 0] - ensemble.climb) / FULL_TURN)
+
+
+def _occupation_law(images: Array, noise: Noise) -> CircularLaw:
+    """The law of an image drawn at random, plus noise: a count on a fine grid, convolved by Fourier coefficients."""
+    cell = np.mod(np.floor(images * (_CELLS / FULL_TURN)).astype(np.int64), _CELLS)
+    share = np.bincount(cell.ravel(), minlength=_CELLS) / images.size
+    smooth = np.fft.rfft(share) * noise.coefficients(np.arange(_CELLS // 2 + 1))
+    density = np.maximum(np.fft.irfft(smooth, _CELLS), 0.0) * (_CELLS / FULL_TURN)
+    density *= _CELLS / FULL_TURN / np.sum(density)
+    middles = (np.arange(_CELLS) + 0.5) * (FULL_TURN / _CELLS)
+    return CircularLaw(lambda theta: np.interp(theta, middles, density, period=FULL_TURN))

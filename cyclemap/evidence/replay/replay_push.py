@@ -1,0 +1,174 @@
+"""One recorded push, run again by the simulator along the tip's own path."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.checks import read_only
+from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK
+from cyclemap.evidence.pushes.push_record import PushRecord
+from cyclemap.evidence.replay.chain_run import ChainRun
+from cyclemap.evidence.replay.curve_strokes import push_curve_along
+from cyclemap.evidence.replay.cut_curve import cut_curve, is_cut_curve
+from cyclemap.evidence.replay.rod_gap import clearing_shift, rod_gap
+from cyclemap.evidence.replay.stroke_chain import push_along
+from cyclemap.evidence.replay.tip_path import tip_path
+from cyclemap.mechanics import Pose, QuasiStaticModel
+from cyclemap.mechanics.outline import Polygon
+
+Array = NDArray[np.float64]
+
+# An object that has moved this far (m, at its rim) moves; recorded poses at rest tremble by less.
+_MOVED = 0.5e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """A recorded push beside its prediction, at the times of the recorded poses.
+
+    time : (n,) s. measured, predicted : (n, 3), x, y (m) and theta (rad, counted along the series).
+    travel : (n,) m, the rod's way along its path. tip : (n, 2) m, its place.
+    shift : (2,) m, by which the recorded path was moved so that the rod does not start inside the object; zero where
+        it starts outside. start_gap : m, between rod and object at the start as recorded; negative: they overlap.
+    straightness : m, how far the path leaves its chord. strokes : how many straight pushes stand for it.
+    measured_onset, predicted_onset : m, travel at which the object has moved by 0.5 mm at its rim; NaN: never.
+    measured_end_gap, predicted_end_gap : m, between rod and object at the end.
+    outline : (k, 2) m, the object's closed outline in its own frame.
+    touched, left : whether the predicted rod touches the object, and has lost it by the end.
+    """
+
+    time: Array
+    measured: Array
+    predicted: Array
+    travel: Array
+    tip: Array
+    shift: Array
+    outline: Array
+    start_gap: float
+    straightness: float
+    strokes: int
+    measured_onset: float
+    predicted_onset: float
+    measured_end_gap: float
+    predicted_end_gap: float
+    touched: bool
+    left: bool
+
+    def __post_init__(self) -> None:
+        for name in ("time", "measured", "predicted", "travel", "tip", "shift", "outline"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    @property
+    def error(self) -> Array:
+        """(n,) m, distance between the predicted and the measured place."""
+        return np.asarray(np.hypot(*(self.predicted - self.measured)[:, :2].T))
+
+    @property
+    def turn_error(self) -> Array:
+        """(n,) rad, predicted minus measured turn."""
+        return np.asarray(self.predicted[:, 2] - self.measured[:, 2])
+
+    @property
+    def rms(self) -> tuple[float, float]:
+        """Root mean square of both errors along the rod's path: m, rad."""
+        return _mean_square(self.travel, self.error), _mean_square(self.travel, self.turn_error)
+
+    @property
+    def measured_motion(self) -> tuple[float, float]:
+        """How far the object went, m, and turned, rad."""
+        return _motion(self.measured)
+
+    @property
+    def predicted_motion(self) -> tuple[float, float]:
+        """How far the object should have gone, m, and turned, rad."""
+        return _motion(self.predicted)
+
+    @property
+    def touch_agrees(self) -> bool:
+        """Whether both start to move within 3 mm of rod travel, or neither moves."""
+        if math.isnan(self.measured_onset) or math.isnan(self.predicted_onset):
+            return math.isnan(self.measured_onset) and math.isnan(self.predicted_onset)
+        return abs(self.measured_onset - self.predicted_onset) <= CONTACT_SLACK
+
+    @property
+    def leaving_agrees(self) -> bool:
+        """Whether the rod ends over 3 mm from both objects, or from neither."""
+        return (self.measured_end_gap > CONTACT_SLACK) == (self.predicted_end_gap > CONTACT_SLACK)
+
+
+def replay_push(record: PushRecord, model: QuasiStaticModel) -> Replay:
+    """Push the model's slider from the record's first pose along the record's tip path.
+
+    The path is a chain of straight strokes within 0.3 mm of the recorded places; a straight one is a single push. The
+    model is quasi-static: the tip's times say where the rod is, its speed changes nothing. A rod that overlaps the
+    object at the start by up to 5 mm is an offset between two calibrations: the path is then shifted along the
+    outward normal until they touch. A rod that never touches predicts no motion.
+
+    Raises InvalidInput for a larger overlap or a tip that does not move; UnsupportedContact and ConvergenceError as
+    `QuasiStaticModel.push` does.
+
+    >>> from cyclemap.mechanics import EllipseFriction, Slider
+    >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
+    >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
+    >>> tip = [[0.0, 0.07, 0.0, 0.0], [1.0, 0.04, 0.0, 0.0]]
+    >>> replay = replay_push(PushRecord(still, tip, still), model)
+    >>> [round(1e3 * length, 3) for length in replay.predicted_motion[:1]]
+    [9.75]
+    """
+    path, start = tip_path(record.tip_pose), Pose(*record.start)
+    shift = clearing_shift(model, start, path.start)
+    run = _run(model, start, path.corners + shift)
+    measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
+    travel = path.travel_at(record.object_pose[:, 0])
+    predicted, tip = run.pose_at(travel), path.place_at(travel) + shift
+    return Replay(
+        record.object_pose[:, 0],
+        measured,
+        predicted,
+        travel,
+        tip,
+        shift,
+        model.slider.outline_points(),
+        start_gap=rod_gap(model, start, path.start)[0],
+        straightness=path.straightness,
+        strokes=path.strokes,
+        measured_onset=_onset(measured, travel, model.unit),
+        predicted_onset=_onset(predicted, travel, model.unit),
+        measured_end_gap=_end_gap(model, measured, tip),
+        predicted_end_gap=_end_gap(model, predicted, tip),
+        touched=run.touched,
+        left=run.left,
+    )
+
+
+def _run(model: QuasiStaticModel, start: Pose, corners: Array) -> ChainRun:
+    outline = model.slider.outline
+    if isinstance(outline, Polygon) and is_cut_curve(outline):
+        return push_curve_along(model, cut_curve(outline), start, corners)
+    return push_along(model, start, corners)
+
+
+def _end_gap(model: QuasiStaticModel, poses: Array, tip: Array) -> float:
+    return rod_gap(model, Pose(*poses[-1].tolist()), (float(tip[-1, 0]), float(tip[-1, 1])))[0]
+
+
+def _motion(poses: Array) -> tuple[float, float]:
+    x, y, turn = (poses[-1] - poses[0]).tolist()
+    return math.hypot(x, y), turn
+
+
+def _mean_square(travel: Array, error: Array) -> float:
+    """Root mean square over the travel, by the trapezium rule."""
+    weight = np.diff(travel)
+    middle = 0.5 * (error[1:] ** 2 + error[:-1] ** 2)
+    return math.sqrt(float(weight @ middle) / float(weight.sum())) if weight.sum() > 0.0 else math.nan
+
+
+def _onset(poses: Array, travel: Array, extent: float) -> float:
+    moved = poses - poses[0]
+    far = np.hypot(*moved[:, :2].T) + extent * np.abs(moved[:, 2]) > _MOVED
+    return float(travel[far.argmax()]) if far.any() else math.nan

@@ -1,0 +1,200 @@
+"""Every recorded push of a collection replayed, a row a file, and the errors gathered by object or by speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
+from cyclemap.evidence.pushes.push_files import read_push_file
+from cyclemap.evidence.pushes.push_record import PushRecord
+from cyclemap.evidence.pushes.push_table import UnreadableFile, load_pushes
+from cyclemap.evidence.replay.replay_push import Replay, replay_push
+from cyclemap.evidence.replay.shapes import dataset_sliders
+from cyclemap.mechanics import EllipseFriction, Pusher, QuasiStaticModel, Slider
+
+if TYPE_CHECKING:
+    import pandas
+
+# The rod, and its friction with the objects as measured in pushes of the dataset.
+DATASET_PUSHER = Pusher(friction=0.25)
+# A thousandth of a degree: far below what a replay is off by.
+ACCURACY = 1e-5
+_FACTS = ("surface", "object", "speed", "acceleration", "side", "fraction", "angle", "repetition")
+# Reading the folder is this share of the work.
+_READING = 0.1
+GROUP_COLUMNS = (
+    "count",
+    "mean_error",
+    "median_error",
+    "mean_turn_error",
+    "median_turn_error",
+    "mean_motion",
+    "mean_turn",
+    "relative_error",
+    "relative_turn_error",
+    "mean_rms_error",
+    "touch_agrees",
+    "leaving_agrees",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class ReplayedPushes:
+    """Pushes replayed, a row each, and the files left out.
+
+    table : a row a replay. `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`, `angle`,
+        `repetition`: by the file's name. `error` (m), `turn_error` (rad, predicted minus measured): at the end.
+        `rms_error`, `rms_turn_error`: along the rod's path. `measured_motion`, `predicted_motion` (m),
+        `measured_turn`, `predicted_turn` (rad). `shift` (m), `start_gap` (m), `straightness` (m), `strokes`,
+        `touched`, `left`, `touch_agrees`, `leaving_agrees`: as in `Replay`. `path`: the file.
+    replays : in the order of the table. not_replayed : the other files, each with the reason.
+    """
+
+    table: pandas.DataFrame
+    replays: tuple[Replay, ...]
+    not_replayed: tuple[UnreadableFile, ...]
+
+    @property
+    def mean_errors(self) -> tuple[float, float]:
+        """Mean distance (m) and turn (rad) by which the replays are off at the end; NaN where there is none."""
+        return float(self.table["error"].mean()), float(self.table["turn_error"].abs().mean())
+
+    def by(self, *columns: str) -> pandas.DataFrame:
+        """Return the errors gathered by columns of the table, a row a group, in order of the columns.
+
+        `count`; `mean_error`, `median_error` (m) and `mean_turn_error`, `median_turn_error` (rad, without sign) at the
+        end; `mean_motion` (m), `mean_turn` (rad, without sign) as measured; `relative_error`, `relative_turn_error`:
+        mean error over mean motion; `mean_rms_error` (m); `touch_agrees`, `leaving_agrees`: shares of the pushes.
+        """
+        for column in columns:
+            if column not in self.table.columns:
+                raise InvalidInput(f"no column {column!r} to gather by: know {', '.join(self.table.columns)}")
+        work = self.table.assign(turn_off=self.table["turn_error"].abs(), turned=self.table["measured_turn"].abs())
+        groups = work.groupby(list(columns), dropna=False)
+        mean, median = groups.mean(numeric_only=True), groups.median(numeric_only=True)
+        found = {
+            "count": groups.size(),
+            "mean_error": mean["error"],
+            "median_error": median["error"],
+            "mean_turn_error": mean["turn_off"],
+            "median_turn_error": median["turn_off"],
+            "mean_motion": mean["measured_motion"],
+            "mean_turn": mean["turned"],
+            "relative_error": mean["error"] / mean["measured_motion"],
+            "relative_turn_error": mean["turn_off"] / mean["turned"],
+            "mean_rms_error": mean["rms_error"],
+            "touch_agrees": mean["touch_agrees"],
+            "leaving_agrees": mean["leaving_agrees"],
+        }
+        return work.__class__({name: found[name] for name in GROUP_COLUMNS}).reset_index()
+
+
+def replay_pushes(
+    path: str | Path,
+    friction: EllipseFriction,
+    *,
+    pusher: Pusher = DATASET_PUSHER,
+    sliders: Mapping[str, Slider] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> ReplayedPushes:
+    """Replay every push of a file, a folder or a tree in the MIT layout along its own tip path; see `replay_push`.
+
+    friction : of the surface; of an isotropic one the coefficient changes no motion. sliders : the objects by the
+    names in the files; None: those of the dataset, `butter` among them. progress : called with the fraction done.
+
+    A push that cannot be replayed - its object unknown, the rod over 5 mm inside it at the start, a contact outside
+    the model, a table of end poses without a tip path, a file that cannot be read - is listed in `not_replayed` with
+    the reason. Raises InvalidInput where there is no push data at `path`.
+    """
+    report = progress or (lambda fraction: None)
+    found = load_pushes(path, progress=lambda fraction: report(_READING * fraction))
+    runner = _Runner(dataset_sliders() if sliders is None else sliders, friction, pusher)
+    rows: list[dict[str, Any]] = []
+    replays: list[Replay] = []
+    left_out = [*found.unreadable, *(_without_push(file) for file in found.scans["path"].unique())]
+    files = found.table["path"].unique()
+    for done, name in enumerate(files, 1):
+        try:
+            replay, row = runner.replay(Path(name))
+        except CycleMapError as error:
+            left_out.append(UnreadableFile(Path(name), str(error)))
+        else:
+            replays.append(replay)
+            rows.append(row)
+        report(_READING + (1.0 - _READING) * done / len(files))
+    left_out.sort(key=lambda entry: entry.path)
+    return ReplayedPushes(_frame(rows), tuple(replays), tuple(left_out))
+
+
+class _Runner:
+    """The models of the objects, each made once."""
+
+    def __init__(self, sliders: Mapping[str, Slider], friction: EllipseFriction, pusher: Pusher) -> None:
+        self._sliders, self._friction, self._pusher = sliders, friction, pusher
+        self._models: dict[str, QuasiStaticModel] = {}
+
+    def replay(self, path: Path) -> tuple[Replay, dict[str, Any]]:
+        if path.suffix.lower() == ".csv":
+            raise InvalidInput("a table of poses before and after has no tip path to replay")
+        facts, record = push_facts(path), read_push_file(path)
+        if not isinstance(record, PushRecord):
+            raise InvalidInput("a friction scan, not a push")
+        replay = replay_push(record, self._model(facts))
+        return replay, _row(path, facts or PushFacts(), replay)
+
+    def _model(self, facts: PushFacts | None) -> QuasiStaticModel:
+        name = None if facts is None else facts.object
+        if name is None:
+            raise InvalidInput("its name does not say which object was pushed: it is not of the MIT layout")
+        if name not in self._sliders:
+            raise InvalidInput(f"object {name!r} has no outline here: give a slider of this name")
+        if name not in self._models:
+            self._models[name] = QuasiStaticModel(self._sliders[name], self._friction, self._pusher, accuracy=ACCURACY)
+        return self._models[name]
+
+
+def _without_push(path: str) -> UnreadableFile:
+    return UnreadableFile(Path(path), "a friction scan, not a push")
+
+
+def _row(path: Path, facts: PushFacts, replay: Replay) -> dict[str, Any]:
+    known = asdict(facts)
+    rms, rms_turn = replay.rms
+    (went, turned), (would_go, would_turn) = replay.measured_motion, replay.predicted_motion
+    return {name: known[name] for name in _FACTS} | {
+        "error": float(replay.error[-1]),
+        "turn_error": float(replay.turn_error[-1]),
+        "rms_error": rms,
+        "rms_turn_error": rms_turn,
+        "measured_motion": went,
+        "predicted_motion": would_go,
+        "measured_turn": turned,
+        "predicted_turn": would_turn,
+        "shift": math.hypot(*replay.shift.tolist()),
+        "start_gap": replay.start_gap,
+        "straightness": replay.straightness,
+        "strokes": replay.strokes,
+        "touched": replay.touched,
+        "left": replay.left,
+        "touch_agrees": replay.touch_agrees,
+        "leaving_agrees": replay.leaving_agrees,
+        "path": str(path),
+    }
+
+
+REPLAY_COLUMNS = (
+    *_FACTS, "error", "turn_error", "rms_error", "rms_turn_error", "measured_motion", "predicted_motion",
+    "measured_turn", "predicted_turn", "shift", "start_gap", "straightness", "strokes", "touched", "left",
+    "touch_agrees", "leaving_agrees", "path",
+)  # fmt: skip
+
+
+def _frame(rows: list[dict[str, Any]]) -> pandas.DataFrame:
+    import pandas
+
+    return pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS))

@@ -1,0 +1,108 @@
+"""What a simulated collection is asked to be: enough to make any of its cycles again, and to tell it from another."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from importlib.metadata import version
+
+import numpy as np
+
+from cyclemap.checks import finite_number, whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.pushes.push_files import SUFFIXES
+from cyclemap.evidence.simulation.friction_wear import worn_friction
+from cyclemap.evidence.simulation.recorded_motion import FIRST_CLOCK, Recording, RecordingNoise
+from cyclemap.evidence.simulation.recorded_push import recorded_seconds
+from cyclemap.mechanics import Material
+
+Arguments = dict[str, str | int | float | bool]
+
+# Streams of random numbers: what one cycle draws of each depends on the seed and its number alone.
+TURN, INSTRUMENTS, SCANS = 0, 1, 2
+# Seconds between two records besides the way back, which takes as long as the push: time to get in and out of the ring.
+_HANDLING_SECONDS = 10.0
+_LONGEST_ARGUMENT = 500
+
+
+@dataclass(frozen=True)
+class CollectionPlan:
+    """A collection of `cycles` pushes that `loop` makes from orientation `start` (rad) on.
+
+    noise : see `RecordingNoise`. speed : m/s, of the rod. wear_to : the surface at the last cycle; the loop's own is
+    that at the first, and the limit ellipse goes from the one to the other in a straight line (see `worn_friction`).
+    seed : of all random numbers. scans : whether friction scans, of the fresh surface, come first. suffix : of files.
+
+    Raises InvalidInput for a value that cannot be used.
+    """
+
+    loop: CollectionLoop
+    cycles: int
+    start: float = 0.0
+    noise: RecordingNoise = RecordingNoise()
+    speed: float = 0.020
+    wear_to: Material | None = None
+    seed: int = 0
+    scans: bool = False
+    suffix: str = ".h5"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "cycles", whole_number("cycles", self.cycles, least=1))
+        object.__setattr__(self, "start", finite_number("start", self.start))
+        object.__setattr__(self, "seed", whole_number("seed", self.seed, least=0))
+        if self.suffix not in SUFFIXES:
+            raise InvalidInput(f"suffix is {self.suffix!r}; choose one of {', '.join(SUFFIXES)}")
+        object.__setattr__(self, "speed", Recording(self.speed).speed)
+
+    def loop_at(self, cycle: int) -> CollectionLoop:
+        """The loop with the surface as worn as it is at `cycle` (from 0)."""
+        if self.wear_to is None:
+            return self.loop
+        share = cycle / (self.cycles - 1) if self.cycles > 1 else 0.0
+        friction = worn_friction(self.loop.material.friction, self.wear_to.friction, share)
+        return replace(self.loop, material=replace(self.loop.material, friction=friction))
+
+    def generator(self, stream: int, number: int) -> np.random.Generator:
+        """The random numbers of one stream for one cycle, the same whatever was drawn before."""
+        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(stream, number)))
+
+    def recording(self, cycle: int) -> Recording:
+        """How the push of `cycle` is recorded."""
+        start = FIRST_CLOCK + cycle * self._period
+        return Recording(self.speed, start, self.noise, self.loop.pusher.radius)
+
+    @cached_property
+    def _period(self) -> float:
+        """Whole seconds from one record to the next."""
+        return math.ceil(2.0 * recorded_seconds(self.loop.push.distance, self.speed) + _HANDLING_SECONDS)
+
+    def arguments(self) -> Arguments:
+        """Everything that the files depend on, by name: numbers and texts; long texts are cut to a hash."""
+        loop, noise = self.loop, self.noise
+        parts = {field.name: getattr(loop, field.name) for field in fields(loop) if field.name != "material"}
+        return {
+            "version": version("cyclemap"),
+            "cycles": self.cycles,
+            "seed": self.seed,
+            "start_rad": self.start,
+            "material": loop.material.name,
+            "friction": repr(loop.material.friction),
+            "wear_to": "none" if self.wear_to is None else repr(self.wear_to.friction),
+            **{name: _short(repr(part)) for name, part in parts.items()},
+            "speed_m_s": self.speed,
+            "noise_turn_rad": noise.turn,
+            "noise_position_m": noise.position,
+            "noise_angle_rad": noise.angle,
+            "noise_force_n": noise.force,
+            "scans": self.scans,
+            "suffix": self.suffix,
+        }
+
+
+def _short(text: str) -> str:
+    if len(text) <= _LONGEST_ARGUMENT:
+        return text
+    return f"{text[:60]}... (sha256 {hashlib.sha256(text.encode()).hexdigest()})"

@@ -1,0 +1,164 @@
+"""A collection's pushes, parted into the sets that were pushed alike."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable
+from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
+from cyclemap.maps.arcs import shorter_way
+from cyclemap.suggestions import unknown_name
+
+if TYPE_CHECKING:
+    import pandas
+
+Array = NDArray[np.float64]
+
+# The fewest pushes to which a law is fitted with an order of its own choice: two a fold.
+FEWEST = 20
+SURROUNDINGS = ("surface", "object", "acceleration", "speed")
+CONTACT = ("side", "fraction", "angle")
+_TEXT = ("surface", "object")
+
+
+@dataclass(frozen=True, eq=False)
+class PushSet:
+    """The pushes of one surface, object and protocol, from one folder or CSV table, in order of recording.
+
+    name : short, unlike that of any other set of the collection. source : the folder or the table.
+    facts : what all its pushes share, SI units and radians: the columns of ``SURROUNDINGS`` and ``CONTACT`` that are
+        known. contacts : how many places and directions of pushing it pools; 1 for repeated pushes.
+    theta : (n,) rad, orientation before each push. dtheta (rad), dx, dy (m) : (n,), turn and displacement of the push
+        in the object's initial frame; NaN where unknown.
+    pairs : the steps of the cycle map, where orientations before successive pushes are known, else None.
+    """
+
+    name: str
+    source: Path
+    facts: Mapping[str, Any]
+    contacts: int
+    theta: Array
+    dtheta: Array
+    dx: Array
+    dy: Array
+    pairs: Theta0Pairs | None
+
+    @property
+    def count(self) -> int:
+        """How many pushes it has."""
+        return self.theta.size
+
+    @property
+    def has_motion(self) -> bool:
+        """Whether any push has its turn and displacement, and not its first orientation alone."""
+        return bool(np.isfinite(self.dtheta).any())
+
+
+def push_sets(
+    pushes: PushTable, select: Mapping[str, str | float] | None = None, fewest: int = FEWEST
+) -> tuple[PushSet, ...]:
+    """Part the pushes into sets pushed alike: same folder (or CSV table), surface, object, speed and contact.
+
+    Where no set of a folder has ``fewest`` pushes, no push was repeated there often enough: its sets are then pooled
+    over the contacts, and say so in ``contacts``.
+    select : columns of ``SURROUNDINGS`` and ``CONTACT`` with the one value to keep, SI units and radians.
+
+    Raises InvalidInput for a column of another name, and where nothing is selected.
+    """
+    table = _selected(pushes.table, select or {})
+    homes = [path if path.lower().endswith(CSV_SUFFIX) else str(Path(path).parent) for path in table["path"]]
+    gathered = []
+    for home in dict.fromkeys(homes):
+        rows = table[[other == home for other in homes]]
+        parts = _parted(rows, (*SURROUNDINGS, *CONTACT))
+        repeated = any(len(part) >= fewest for part in parts)
+        gathered += [(home, part) for part in (parts if repeated else _parted(rows, SURROUNDINGS))]
+    names = _names([(Path(home), _shared_facts(part)) for home, part in gathered])
+    return tuple(_push_set(name, Path(home), part) for name, (home, part) in zip(names, gathered, strict=True))
+
+
+def _selected(table: pandas.DataFrame, select: Mapping[str, str | float]) -> pandas.DataFrame:
+    kept = np.ones(len(table), dtype=bool)
+    for column, value in select.items():
+        if column not in (*SURROUNDINGS, *CONTACT):
+            raise unknown_name("column", column, (*SURROUNDINGS, *CONTACT))
+        cells = table[column]
+        same = cells == value if column in _TEXT else np.isclose(cells.to_numpy(), value, rtol=1e-6, atol=1e-9)
+        if not np.any(same):
+            there = ", ".join(sorted({f"{cell:g}" if isinstance(cell, float) else str(cell) for cell in cells}))
+            raise InvalidInput(f"no push has {column} {value}; there is {there or 'no push at all'}")
+        kept &= np.asarray(same, dtype=bool)
+    if select and not kept.any():
+        raise InvalidInput(f"no push has {', '.join(f'{key} {value}' for key, value in select.items())} at once")
+    return table[kept]
+
+
+def _parted(rows: pandas.DataFrame, columns: tuple[str, ...]) -> list[pandas.DataFrame]:
+    """The rows by equal values, NaN equal to NaN, in the order in which they come."""
+    keys = [tuple(map(str, values)) for values in zip(*(rows[name] for name in columns), strict=True)]
+    places: dict[tuple[str, ...], list[int]] = {}
+    for place, key in enumerate(keys):
+        places.setdefault(key, []).append(place)
+    return [rows.iloc[found] for found in places.values()]
+
+
+def _shared_facts(rows: pandas.DataFrame) -> dict[str, Any]:
+    first = {name: rows[name].iloc[0] for name in (*SURROUNDINGS, *CONTACT) if rows[name].nunique(dropna=False) == 1}
+    return {name: value for name, value in first.items() if isinstance(value, str) or not math.isnan(value)}
+
+
+def _push_set(name: str, home: Path, rows: pandas.DataFrame) -> PushSet:
+    contacts = len(_parted(rows, CONTACT))
+    repetition = rows["repetition"].to_numpy()
+    ordered = contacts == 1 and np.isfinite(repetition).all() and np.unique(repetition).size == repetition.size
+    if ordered:
+        rows = rows.iloc[np.argsort(repetition, kind="stable")]
+    motion = {column: rows[column].to_numpy() for column in ("dtheta", "dx", "dy")}
+    bare = home.suffix.lower() == CSV_SUFFIX and not np.isfinite(motion["dtheta"]).any()
+    pairs = read_theta0_pairs(home) if bare else _pairs(rows, ordered)
+    return PushSet(name, home, _shared_facts(rows), contacts, rows["theta0"].to_numpy(), **motion, pairs=pairs)
+
+
+def _pairs(rows: pandas.DataFrame, ordered: bool) -> Theta0Pairs | None:
+    theta, theta_next, number = (rows[name].to_numpy() for name in ("theta0", "theta_next", "repetition"))
+    known = np.isfinite(theta_next)
+    if not known.any():
+        return None
+    if not ordered:
+        return Theta0Pairs(theta[known], theta_next[known])
+    # Across a missing repetition the shorter way is taken; else the turn is the cycle's own.
+    follows = known[:-1] & (np.diff(number) == 1.0)
+    turns = np.where(follows, theta_next[:-1] - theta[:-1], shorter_way(np.diff(theta)))
+    path = theta[0] + np.concatenate([[0.0], np.cumsum(turns)])
+    ahead = path[known] + (theta_next - theta)[known]
+    return Theta0Pairs(path[known], ahead, path, {}, number[known], number)
+
+
+def _names(sets: list[tuple[Path, dict[str, Any]]]) -> list[str]:
+    """The shortest names that tell the sets apart: surface and object, then all facts, then the source too."""
+    longer = [_facts_name(facts) for _, facts in sets]
+    candidates = [[" ".join(str(facts[key]) for key in _TEXT if key in facts) or home.stem for home, facts in sets]]
+    candidates.append([" ".join(filter(None, pair)) for pair in zip(candidates[0], longer, strict=True)])
+    candidates.append([f"{home.stem} {name}" for (home, _), name in zip(sets, candidates[1], strict=True)])
+    candidates.append([f"{name} {number}" for number, name in enumerate(candidates[2], 1)])
+    return [next(level[k] for level in candidates if level.count(level[k]) == 1) for k in range(len(sets))]
+
+
+def _facts_name(facts: Mapping[str, Any]) -> str:
+    """The protocol in the letters of the MIT file names.
+
+    >>> _facts_name({"speed": 0.02, "side": 0.0, "fraction": 0.7})
+    'v=20 i=0 s=0.7'
+    """
+    letters = {"acceleration": ("a", 1000.0), "speed": ("v", 1000.0), "side": ("i", 1.0)}
+    letters |= {"fraction": ("s", 1.0), "angle": ("t", 1.0)}
+    told = {letter: facts[key] * unit for key, (letter, unit) in letters.items() if key in facts}
+    return " ".join(f"{letter}={value:g}" for letter, value in told.items() if letter != "a" or value)

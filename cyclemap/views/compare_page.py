@@ -1,0 +1,134 @@
+"""A prediction beside data on one landscape page: map, histogram, staircase, and the pushes where poses are known."""
+
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from numpy.typing import NDArray
+
+from cyclemap.collection.portrait_curves import TurnCurve
+from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
+from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
+from cyclemap.evidence.comparison.push_agreement import QuantityAgreement
+from cyclemap.evidence.comparison.staircase_agreement import StaircaseAgreement
+from cyclemap.views.compare_sentences import data_sentence, headline, noise_words, summary_sentence
+from cyclemap.views.map_panels import draw_measured_turns, draw_turn
+from cyclemap.views.panel_parts import legend_above, say
+from cyclemap.views.record_panels import PER_DEGREE, draw_measured_histogram, draw_staircase
+from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET, degree_axis, new_figure, picture_style
+
+PAGE_INCHES = (13.333, 7.5)
+LINE_LETTERS = 175
+# Points between a panel and its title, so that the legend has a line of its own.
+TITLE_PAD = 22.0
+_LABELS = {"dtheta": ("Δθ", "turn of a push (°)"), "dx": ("Δx", "Δx (mm)"), "dy": ("Δy", "Δy (mm)")}
+_DOTS: dict[str, Any] = {
+    "color": MEASURED,
+    "markersize": 3.0,
+    "alpha": 0.45,
+    "markeredgecolor": MEASURED_EDGE,
+    "markeredgewidth": 0.3,
+}
+
+
+def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
+    """Draw the comparison; ``curve``: the turn of the predicted map (at mid-run where it wears)."""
+    with picture_style():
+        figure = new_figure(*PAGE_INCHES)
+        rows = bool(found.pushes) + (found.cycle is not None)
+        grid = GridSpec(
+            max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62
+        )  # fmt: skip
+        if found.cycle is not None:
+            _draw_cycles([figure.add_subplot(grid[0, column]) for column in range(3)], found, curve)
+        if found.pushes:
+            panels = [figure.add_subplot(grid[rows - 1, column]) for column in range(3)]
+            draw = _draw_pushes if len(found.pushes) <= MOST_SETS else _draw_sets
+            draw(panels, found)
+        _write_words(figure, name, found)
+    return figure
+
+
+def _draw_cycles(panels: list[Axes], found: Comparison, curve: TurnCurve) -> None:
+    turn, histogram, staircase = panels
+    assert found.cycle is not None and found.data.pairs is not None
+    draw_turn(turn, curve, ())
+    draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
+    turn.set_title("Cycle map", pad=TITLE_PAD)
+    legend_above(turn)
+    _draw_histograms(histogram, found.orientations)
+    _draw_stairs(staircase, found.data.path, found.staircase)
+
+
+def _draw_histograms(axes: Axes, found: OrientationAgreement | None) -> None:
+    axes.set_title("Directions", pad=TITLE_PAD)
+    degree_axis(axes, "θ0, orientation before the push (°)")
+    axes.set_ylabel("probability per degree")
+    if found is None:
+        say(axes, "order of the pushes unknown")
+        return
+    draw_measured_histogram(axes, found.measured)
+    heights, edges = PER_DEGREE * found.predicted.density, np.degrees(found.predicted.edges)
+    axes.stairs(heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3)
+    axes.set_ylim(bottom=0.0)
+    legend_above(axes)
+
+
+def _draw_stairs(axes: Axes, path: NDArray[np.float64] | None, found: StaircaseAgreement | None) -> None:
+    axes.set_title("Staircase", pad=TITLE_PAD)
+    if path is None or found is None:
+        say(axes, "order of the pushes unknown")
+        return
+    draw_staircase(axes, found.run, path)
+    axes.set_xlabel("cycle of the compared path")
+    legend_above(axes)
+
+
+def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
+    """The largest set of pushes over θ0, measured and predicted."""
+    largest = found.pushes[0]
+    theta = np.degrees(np.mod(largest.theta, 2 * np.pi))
+    for column, (axes, quantity) in enumerate(zip(panels, largest.quantities, strict=True)):
+        scale = _scale(quantity)
+        axes.plot(theta, scale * largest.measured[:, column], "o", label="measured", zorder=2, **_DOTS)
+        predicted = scale * largest.predicted[:, column]
+        axes.plot(theta, predicted, ".", color=PREDICTED, markersize=4.0, label="predicted", zorder=3)
+        _name_push_panel(axes, quantity)
+
+
+def _draw_sets(panels: list[Axes], found: Comparison) -> None:
+    """Many sets: every push measured over predicted, beside the line where both are equal."""
+    ((_, quantities),) = found.told_pushes
+    for column, (axes, quantity) in enumerate(zip(panels, quantities, strict=True)):
+        scale, (symbol, label) = _scale(quantity), _LABELS[quantity.name]
+        for one in found.pushes:
+            axes.plot(scale * one.predicted[:, column], scale * one.measured[:, column], "o", zorder=2, **_DOTS)
+        axes.axline((0.0, 0.0), slope=1.0, color=PREDICTED, linewidth=1.6, label="as predicted", zorder=3)
+        axes.set(xlabel=f"predicted {label}", ylabel=f"measured {label}")
+        unit = "°" if quantity.name == "dtheta" else " mm"
+        axes.set_title(f"{symbol}: RMSE {scale * quantity.rmse:.2f}{unit}", pad=TITLE_PAD)
+        legend_above(axes)
+
+
+def _scale(quantity: QuantityAgreement) -> float:
+    return float(np.degrees(1.0)) if quantity.name == "dtheta" else 1000.0
+
+
+def _name_push_panel(axes: Axes, quantity: QuantityAgreement) -> None:
+    symbol, label = _LABELS[quantity.name]
+    degree_axis(axes, "θ0, orientation before the push (°)")
+    axes.set_ylabel(label)
+    axes.set_title(f"{symbol}: RMSE {quantity.percent:.1f} %, std {quantity.std_percent:.1f} %", pad=TITLE_PAD)
+    legend_above(axes)
+
+
+def _write_words(figure: Figure, name: str, found: Comparison) -> None:
+    figure.text(0.015, 0.955, headline(name, found), fontsize=18, fontweight="bold", va="center")
+    told = f"{data_sentence(found)} {summary_sentence(found)}"
+    figure.text(0.015, 0.928, fill(told, LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
+    drawn = "all are drawn" if len(found.pushes) > MOST_SETS else "the largest is drawn"
+    sets = f"; {len(found.pushes)} sets of pushes, {drawn}" if len(found.pushes) > 1 else ""
+    figure.text(0.015, 0.02, f"{noise_words(found)}{sets}", fontsize=8, color=QUIET)

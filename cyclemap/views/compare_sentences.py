@@ -1,0 +1,63 @@
+"""A comparison in sentences: how many questions agree, what was compared, and every verdict."""
+
+from collections.abc import Sequence
+
+from cyclemap.evidence.comparison.compare import Comparison
+from cyclemap.evidence.comparison.verdicts import Verdict
+from cyclemap.views.sentences import angle
+
+# A lag correlation beyond this makes p-values of independent noise too small.
+CORRELATED = 0.2
+
+
+def headline(name: str, found: Comparison) -> str:
+    """How many of the questions that could be answered agree."""
+    answered = [one for one in found.verdicts if one.agrees is not None]
+    kept = sum(one.agrees is True for one in answered)
+    if not answered:
+        return f"{name} beside the data"
+    return f"{name} agrees with the data in {kept} of {len(answered)} questions"
+
+
+def data_sentence(found: Comparison) -> str:
+    """What was compared, and what was left out."""
+    pushes = sum(one.count for one in found.pushes)
+    cycles = 0 if found.data.pairs is None else found.data.pairs.theta.size
+    used = [f"{pushes} pushes with end poses"] * bool(pushes) + [f"{cycles} cycles"] * bool(cycles)
+    out = [f"{count} ({reason})" for reason, count in found.data.left_out.items() if count]
+    files = [f"{found.data.unreadable} unreadable files"] * bool(found.data.unreadable)
+    left = f"; left out: {', '.join(out + files)}" if out or files else ""
+    return f"Compared: {' and '.join(used)}{left}."
+
+
+def trust_sentences(found: Comparison) -> list[str]:
+    """What to know before the p-values are believed."""
+    told = [f"Not certified: {one}." for one in found.uncertified]
+    if found.refitted:
+        told.append("The prediction was fitted to these data: it was fitted again on every simulated collection.")
+    correlation = 0.0 if found.cycle is None else found.cycle.lag_correlation or 0.0
+    if found.orientations is not None and abs(correlation) > CORRELATED:
+        told.append(
+            f"What a measured cycle differs from the best smooth map by goes with the next one's (correlation "
+            f"{correlation:.2f}): the surface wears or is disturbed slowly, the simulated noise is not."
+        )
+    return told
+
+
+def summary_sentence(found: Comparison) -> str:
+    """The questions by their answer, in a line or two."""
+    groups = {"Agree": True, "Do not agree": False, "Open": None}
+    listed = {word: _listed(found.verdicts, answer) for word, answer in groups.items()}
+    return " ".join(f"{word}: {questions}." for word, questions in listed.items() if questions)
+
+
+def noise_words(found: Comparison) -> str:
+    """What is simulated."""
+    model = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}.get(found.prediction.kind, "fit")
+    if found.cycle is None:
+        return f"predicted by the {model}"
+    return f"predicted by the {model} with {angle(found.cycle.noise)} of noise a cycle"
+
+
+def _listed(verdicts: Sequence[Verdict], answer: bool | None) -> str:
+    return ", ".join(one.question for one in verdicts if one.agrees is answer)

@@ -1,0 +1,170 @@
+"""What was fitted to measured pushes, in sentences."""
+
+import math
+
+import numpy as np
+
+from cyclemap.evidence.tables.law_table import MotionLaw
+from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, WornForecast
+from cyclemap.evidence.tables.set_fit import SetFit
+from cyclemap.evidence.tables.turn_histogram import TurnHistogram
+from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram
+from cyclemap.views.sentences import angle, number
+
+SIGNS = {"dtheta": "Δθ", "dx": "Δx", "dy": "Δy"}
+# Residuals more alike than this make bands and spreads visibly too narrow.
+ALIKE = 0.15
+# A law that predicts less of the variance than this tells next to nothing.
+LITTLE = 0.05
+
+
+def set_sentences(fit: SetFit) -> list[str]:
+    """All that is to be said of a set, in order."""
+    said = [count_sentence(fit)]
+    said += [law_sentence(law) for law in fit.laws.laws if law.law is not None]
+    if fit.histogram is not None:
+        said.append(histogram_sentence(fit.histogram))
+    if fit.cycle_map is None:
+        return [*said, f"No cycle map: {fit.map_problem}."]
+    return said + map_sentences(fit.cycle_map)
+
+
+def count_sentence(fit: SetFit) -> str:
+    """How many pushes, of how many contacts, and what is known of them."""
+    pushes, contacts = fit.pushes, fit.pushes.contacts
+    pooled = f" at {contacts} contacts, pooled: none was repeated often" if contacts > 1 else ""
+    known = "" if pushes.has_motion else " of which θ0 alone is known"
+    dropped = "" if pushes.pairs is None or not pushes.pairs.dropped_count else f" ({_dropped(fit)})"
+    return f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}."
+
+
+def law_sentence(law: MotionLaw) -> str:
+    """Mean and spread of a quantity, and what its law leaves of the spread."""
+    fitted = law.law
+    assert fitted is not None
+    spread = f"{SIGNS[law.quantity]} {amount(law, fitted.mean)} ± {amount(law, fitted.total_std)}"
+    if not law.explained > LITTLE:
+        return f"{spread}; θ0 tells next to nothing of it."
+    left = f"{amount(law, fitted.rmse)} ({fitted.percent:.1f} %)"
+    unseen = f"{amount(law, law.cross_validated_rmse)} in pushes left out"
+    order = f"{fitted.harmonics} harmonic{'s' if fitted.harmonics != 1 else ''}"
+    return f"{spread}; a law of θ0 with {order} leaves {left}, {unseen}."
+
+
+def amount(law: MotionLaw, value: float, decimals: int = 2) -> str:
+    """A value of the law's quantity in degrees or millimetres."""
+    if law.quantity == "dtheta":
+        return angle(value, decimals)
+    return f"{round(1000.0 * value, decimals) + 0.0:.{decimals}f} mm".replace("-", "−")
+
+
+def histogram_sentence(histogram: TurnHistogram) -> str:
+    """How far the predicted histogram of Δθ is from the measured one, and how far chance alone takes it."""
+    chance = f"chance alone makes up to {_share(histogram.chance_total_variation)}"
+    return (
+        f"The histogram of Δθ that the law predicts with its scatter has {_share(histogram.total_variation)} of the "
+        f"pushes in other bins than measured ({chance}), {angle(histogram.distance, 2)} away on average; without "
+        f"scatter {_share(histogram.law_alone_total_variation)}, {angle(histogram.law_alone_distance, 2)}."
+    )
+
+
+def map_sentences(found: MeasuredCycleMap) -> list[str]:
+    """The cycle map: its law, where it holds or is slow, and what it foretells."""
+    said = [order_sentence(found), place_sentence(found)]
+    if found.forecast is None:
+        return [*said, "The order of the pushes is unknown: no wear, no staircase."]
+    said += [turns_sentence(found.forecast), pace_sentence(found.forecast), peak_sentence(found.forecast)]
+    return said
+
+
+def order_sentence(found: MeasuredCycleMap) -> str:
+    """The order, wear and scatter of the cycle map."""
+    law = found.fitted.law if found.fitted.wear is None else found.fitted.wear.whole
+    wear = f", wearing with degree {found.fitted.wear.degree}" if found.fitted.wear and found.wears else ", no wear"
+    quiet, loud = (f"{angle(size, 2)} at {angle(place, 0)}" for place, size in (found.quietest, found.loudest))
+    scatter = f"scatter {angle(law.sigma, 2)}" + ("" if law.log_variance.size == 1 else f", from {quiet} to {loud}")
+    alike = f"; neighbouring residuals correlate ({law.lag_correlation:.2f}), so bands and ranges are too narrow"
+    tail = alike if law.lag_correlation > ALIKE else ""
+    order = f"{law.harmonics} harmonics{' (the most tried)' if _at_limit(found) else ''}"
+    return f"Cycle map of {found.pairs.theta.size} pairs: {order}{wear}; {scatter}{tail}."
+
+
+def place_sentence(found: MeasuredCycleMap) -> str:
+    """Where the map holds or is slow, early and late."""
+    if not found.wears:
+        return f"It has {_places(found.late)}."
+    early, late = (f"push {state.cycle:.0f}" for state in (found.early, found.late))
+    return f"At {early} it has {_places(found.early)}; at {late} {_places(found.late)}."
+
+
+def turns_sentence(forecast: WornForecast) -> str:
+    """Turns measured and predicted in the last three quarters."""
+    spread = f"{np.mean(forecast.turns):.2f} ± {np.std(forecast.turns):.2f}"
+    jumps = forecast.left_out_turns
+    left_out = f" ({jumps:.2f} of them in cycles left out of the fit)" if abs(jumps) >= 0.01 else ""
+    since = f"From push {forecast.first_cycle:.0f} on (the last three quarters)"
+    return f"{since} {forecast.measured_turns:.2f} turns were measured{left_out}, {spread} are predicted."
+
+
+def pace_sentence(forecast: WornForecast) -> str:
+    """Pushes a full turn, early and late, measured and predicted."""
+    pace = forecast.pace
+    if not pace.measured.size:
+        return "No full turn was measured."
+    ends = (0, -1) if pace.measured.size > 1 else (0,)
+    told = [
+        f"the {'first' if end == 0 else 'last'} full turn took {pace.measured[end]:.0f} pushes, predicted "
+        f"{_pushes(pace.predicted[end])} ({_pushes(pace.lower[end])} to {_pushes(pace.upper[end])})"
+        for end in ends
+    ]
+    share = f"{_share(pace.inside)} of the {pace.measured.size} turns lie in their 95 % ranges"
+    return f"Of the steps, {'; '.join(told)}; {share}."
+
+
+def peak_sentence(forecast: WornForecast) -> str:
+    """The highest bin of the histogram of directions, measured and predicted, and how far the two are apart."""
+    measured, predicted = _peak(forecast.measured_histogram), _peak(forecast.histogram)
+    chance = angle(float(np.quantile(forecast.run_distances, 0.95)))
+    apart = f"{angle(forecast.wasserstein)} apart (of the map's own paths 1 in 20 is more than {chance})"
+    return f"θ0 was recorded most often at {measured}, predicted {predicted}; the histograms are {apart}."
+
+
+def _peak(histogram: AngleHistogram) -> str:
+    bin_ = int(np.argmax(histogram.density))
+    low, high = np.degrees(histogram.edges[bin_ : bin_ + 2])
+    return f"{low:.0f}–{high:.0f}°"
+
+
+def _places(state: MapState) -> str:
+    kinds = [f"{orbit.kind} {angle(orbit.points[0])}" for orbit in state.fixed_points]
+    passages = [
+        f"{angle(p.theta)} ({number(p.passage_cycles)} pushes, least turn {angle(p.gap, 2)})" for p in state.passages
+    ]
+    told = [f"fixed points: {', '.join(kinds)}"] if kinds else []
+    told += (
+        [f"{'bottlenecks' if len(passages) > 1 else 'a bottleneck'} at {' and '.join(passages)}"] if passages else []
+    )
+    place, turn = state.slowest
+    return " and ".join(told) or f"no slow zone: at the slowest, {angle(place)}, a cycle turns by {angle(turn)}"
+
+
+def _at_limit(found: MeasuredCycleMap) -> bool:
+    """Whether cross-validation took the largest order it was offered."""
+    worn, scores = found.fitted.wear, found.fitted.law.scores
+    if worn is None:
+        return scores is not None and scores.chosen == int(scores.orders[-1]) > 0
+    tried = 1 if worn.rmse_by_order is None else int(worn.rmse_by_order.shape[1])
+    return 1 < tried == worn.harmonics + 1
+
+
+def _pushes(value: float) -> str:
+    return number(value) if math.isfinite(value) else "longer than followed"
+
+
+def _share(value: float) -> str:
+    return "an unknown share" if math.isnan(value) else f"{100.0 * value:.0f} %"
+
+
+def _dropped(fit: SetFit) -> str:
+    assert fit.pushes.pairs is not None
+    return ", ".join(f"{count} left out: {reason}" for reason, count in fit.pushes.pairs.dropped.items())

@@ -1,0 +1,125 @@
+"""Replayed pushes on a landscape page: errors by object, predicted over measured motion, and a few courses."""
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from numpy.typing import NDArray
+
+from cyclemap.evidence.replay.replay_push import Replay
+from cyclemap.evidence.replay.replay_table import ReplayedPushes
+from cyclemap.views.panel_parts import legend_above
+from cyclemap.views.style import FORCE, MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
+
+Array = NDArray[np.float64]
+
+PAGE_INCHES = (13.333, 7.5)
+# Courses are drawn of the pushes at these shares of the order of their errors: a good, a usual, a bad one.
+_SHARES = (0.25, 0.5, 0.75)
+_MARKERS = "osD^vP*X<>ph"
+
+
+def replay_headline(replayed: ReplayedPushes) -> str:
+    """How many pushes were replayed and how far off they end, in a sentence."""
+    error, turn_error = replayed.mean_errors
+    count, left_out = len(replayed.table), len(replayed.not_replayed)
+    also = f"; {left_out} file{'s' * (left_out != 1)} could not be" if left_out else ""
+    ends = "ends" if count == 1 else "they end"
+    who = "1 push replayed: it" if count == 1 else f"{count} pushes replayed:"
+    return f"{who} {ends} {1e3 * error:.1f} mm and {math.degrees(turn_error):.1f}° off on average{also}."
+
+
+def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
+    """Draw the replays of a collection on `material`; at least one replay is needed."""
+    with picture_style():
+        figure = new_figure(*PAGE_INCHES)
+        grid = GridSpec(
+            2, 12, figure, left=0.055, right=0.985, bottom=0.12, top=0.83, wspace=1.9, hspace=0.62,
+        )  # fmt: skip
+        for number, turn in enumerate((False, True)):
+            _draw_errors(figure.add_subplot(grid[0, 3 * number : 3 * number + 3]), replayed, turn)
+            _draw_motions(figure.add_subplot(grid[0, 6 + 3 * number : 9 + 3 * number]), replayed, turn)
+        order = np.argsort(replayed.table["error"].to_numpy(), kind="stable")
+        for place, share in enumerate(_SHARES):
+            row = int(order[min(int(share * len(order)), len(order) - 1)])
+            _draw_course(figure.add_subplot(grid[1, 4 * place : 4 * place + 4]), replayed, row)
+        figure.text(0.015, 0.95, f"Replayed on {material}", fontsize=18, fontweight="bold", va="center")
+        figure.text(0.015, 0.905, replay_headline(replayed), fontsize=10, va="center")
+        foot = "quasi-static prediction along the recorded tip; poses at the recorded times; a dot a push, a bar a mean"
+        figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+    return figure
+
+
+def _kinds(replayed: ReplayedPushes) -> list[str]:
+    return sorted(set(replayed.table["object"]))
+
+
+def _draw_errors(axes: Axes, replayed: ReplayedPushes, turn: bool) -> None:
+    """Errors at the end by object: each push, and their mean."""
+    kinds = _kinds(replayed)
+    column, factor = ("turn_error", math.degrees(1.0)) if turn else ("error", 1e3)
+    for place, kind in enumerate(kinds):
+        error = factor * replayed.table[column][replayed.table["object"] == kind].abs().to_numpy()
+        spread = place + 0.5 * (np.arange(error.size) + 0.5) / error.size - 0.25
+        axes.plot(spread, error, "o", color=MEASURED, markeredgecolor=MEASURED_EDGE, markersize=3.5, zorder=3)
+        axes.hlines(error.mean(), place - 0.36, place + 0.36, color=PREDICTED, linewidth=2.5, zorder=4)
+    axes.set_xticks(range(len(kinds)), kinds, rotation=30 if len(kinds) > 3 else 0)
+    axes.set(xlim=(-0.6, len(kinds) - 0.4), ylabel="turn error (°)" if turn else "error (mm)")
+    axes.set_ylim(bottom=0.0)
+    axes.set_title("Turn, off at the end" if turn else "Place, off at the end")
+
+
+def _draw_motions(axes: Axes, replayed: ReplayedPushes, turn: bool) -> None:
+    """Predicted over measured motion, a marker an object."""
+    factor, name = (math.degrees(1.0), "turn") if turn else (1e3, "motion")
+    table, kinds = replayed.table, _kinds(replayed)
+    both = factor * table[[f"measured_{name}", f"predicted_{name}"]].to_numpy()
+    low, high = float(both.min()), float(both.max())
+    axes.plot([low, high], [low, high], color=QUIET, linewidth=0.9, zorder=2)
+    for number, kind in enumerate(kinds):
+        chosen = both[(table["object"] == kind).to_numpy()]
+        look: dict[str, Any] = {
+            "markersize": 4.0,
+            "markerfacecolor": "white",
+            "markeredgecolor": PREDICTED,
+            "linestyle": "none",
+        }
+        axes.plot(*chosen.T, marker=_MARKERS[number % len(_MARKERS)], label=kind, zorder=3, **look)
+    unit = "°" if turn else "mm"
+    axes.set(xlabel=f"measured {name} ({unit})", ylabel=f"predicted {name} ({unit})")
+    axes.set_title("Turn" if turn else "Distance")
+    if turn and len(kinds) > 1:
+        axes.legend(loc="upper left", fontsize=7.0, handletextpad=0.2)
+
+
+def _draw_course(axes: Axes, replayed: ReplayedPushes, row: int) -> None:
+    """One push seen from above: the object before, and after it as measured and as predicted, with its ways."""
+    replay, facts = replayed.replays[row], replayed.table.iloc[row]
+    axes.plot(*_outline(replay, replay.measured[0]), color=QUIET, linewidth=1.0, linestyle=":", label="before")
+    for poses, colour, width, name in (
+        (replay.measured, MEASURED, 3.0, "measured"),
+        (replay.predicted, PREDICTED, 1.5, "predicted"),
+    ):
+        axes.plot(*_outline(replay, poses[-1]), color=colour, linewidth=width, label=name)
+        axes.plot(*1e3 * poses[:, :2].T, color=colour, linewidth=width)
+    axes.plot(*1e3 * replay.tip.T, color=FORCE, linewidth=1.5, label="rod's way")
+    axes.plot(*1e3 * replay.tip[0], "o", color=FORCE, markersize=4.0)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="x (mm)", ylabel="y (mm)")
+    speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
+    axes.set_title(f"{facts['object']}{speed}: off {_off(replay)}", pad=20.0)
+    legend_above(axes, columns=4)
+
+
+def _outline(replay: Replay, pose: Array) -> Array:
+    """The object's outline (2, k) at a pose, mm."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    x, y = replay.outline.T
+    return 1e3 * np.stack([pose[0] + c * x - s * y, pose[1] + s * x + c * y])
+
+
+def _off(replay: Replay) -> str:
+    return f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"

@@ -1,0 +1,167 @@
+"""`cyclemap fit` from outside: its JSON, its pictures, its tables and words, and what it refuses."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cyclemap.cli.command_fit import fit_command
+from cyclemap.cli.main import cli, run
+
+TURN = 2 * math.pi
+HEADER = "surface,shape,v_mm_s,i,s,t,rep,x0,y0,th0,x1,y1,th1\n"
+SET_KEYS = {"name", "source", "surface", "object", "acceleration_mm_s2", "speed_mm_s", "side", "fraction"}
+SET_KEYS |= {"angle_deg", "contacts", "pushes", "statistics", "laws", "dtheta_histogram", "cycle_map"}
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch) -> Path:
+    """An empty current folder, and the command where it belongs."""
+    monkeypatch.setitem(cli.commands, "fit", fit_command)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def worn_path(count: int) -> np.ndarray:
+    rng, path = np.random.default_rng(0), [0.0]
+    for n in range(count):
+        path.append(path[-1] + 0.26 + 0.25 * math.cos(path[-1]) + 1e-3 * n + 0.02 * rng.standard_normal())
+    return np.array(path)
+
+
+def collection(file: Path, count: int = 120) -> Path:
+    """Pushes that turn by 1.2 + 0.1 cos 2θ rad and move by (40, -80) mm, over a path that wears."""
+    rng, rows = np.random.default_rng(1), [HEADER]
+    for n, theta in enumerate(worn_path(count).tolist()):
+        end = (theta + 1.2 + 0.1 * math.cos(2 * theta) + 0.02 * rng.standard_normal()) % TURN
+        dx, dy = 0.04 + 0.001 * rng.standard_normal(), -0.08 + 0.001 * rng.standard_normal()
+        c, s = math.cos(theta), math.sin(theta)
+        place = f"{0.35 + c * dx - s * dy:.9f},{-0.03 + s * dx + c * dy:.9f}"
+        rows.append(f"plywood,rect1,20,0,0.7,0,{n},0.35,-0.03,{theta % TURN:.9f},{place},{end:.9f}\n")
+    file.write_text("".join(rows))
+    return file
+
+
+def test_json_tells_what_was_read_and_fitted_and_nothing_else(here, capsys) -> None:
+    collection(here / "pushes.csv")
+    assert run(["fit", "pushes.csv", "--json", "-", "--out", "results"]) == 0
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    report = json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
+    assert list(report) == ["pushes", "scans", "unreadable", "sets"]
+    (found,) = report["sets"]
+    assert set(found) == SET_KEYS
+    assert (found["name"], found["pushes"], found["speed_mm_s"]) == ("plywood rect1", 121, 20.0)
+    statistics, law = found["statistics"]["dtheta"], found["laws"]["dtheta"]
+    assert statistics["mean_deg"] == pytest.approx(math.degrees(1.2), abs=3.0)
+    assert law["rmse_deg"] == pytest.approx(math.degrees(0.02), rel=0.2)
+    assert law["harmonics"] == 2
+    assert law["percent"] == pytest.approx(100.0 * law["rmse_deg"] / statistics["mean_deg"])
+    assert found["laws"]["dx"]["rmse_mm"] == pytest.approx(1.0, rel=0.2)
+    assert sum(found["dtheta_histogram"]["measured"]) == 121
+    cycle = found["cycle_map"]
+    assert (cycle["pairs"], cycle["wear_degree"], cycle["harmonics"]) == (120, 1, 1)
+    assert cycle["late"]["slowest"]["theta_deg"] == pytest.approx(180.0, abs=10.0)
+    assert len(cycle["forecast"]["full_turns"]) >= 2
+    assert {path.name for path in (here / "results").iterdir()} == {"fit_plywood_rect1.png", "fit_plywood_rect1.json"}
+    assert json.loads((here / "results" / "fit_plywood_rect1.json").read_text()) == found
+
+
+def test_people_get_both_tables_whole_the_sentences_and_the_picture(here, capsys) -> None:
+    collection(here / "pushes.csv", count=60)
+    assert run(["fit", "pushes.csv", "--format", "svg", "--no-wear", "--harmonics", "2", "--seed", "3"]) == 0
+    shown = capsys.readouterr().out
+    assert "…" not in shown
+    for part in ("61 pushes read, in 1 set", "Δθ (°)", "Δy (mm)", "RMSE", "cv", "no wear", "fit_plywood_rect1.svg"):
+        assert part in shown
+    assert "a law of θ0 with 2 harmonics leaves" in shown
+    assert (here / "out" / "fit_plywood_rect1.svg").read_bytes().startswith(b"<?xml")
+
+
+def test_theta0_alone_gives_a_cycle_map_and_no_tables(here, capsys) -> None:
+    rows = "".join(f"{math.degrees(theta) % 360:.4f}\n" for theta in worn_path(100))
+    (here / "angles.csv").write_text("theta0_deg\n" + rows)
+    assert run(["fit", "angles.csv"]) == 0
+    shown = capsys.readouterr().out
+    assert "100 pushes of which θ0 alone is known" in shown
+    assert "RMSE" not in shown
+    assert "From push 25 on (the last three quarters)" in shown
+    assert (here / "out" / "fit_angles.png").exists()
+    assert json.loads((here / "out" / "fit_angles.json").read_text())["laws"]["dtheta"]["problem"].startswith("too few")
+
+
+def test_a_folder_of_several_sets_is_fitted_set_by_set_or_as_selected(here, capsys) -> None:
+    folder = here / "data"
+    folder.mkdir()
+    collection(folder / "one.csv", count=40)
+    lines = (folder / "one.csv").read_text().replace("plywood", "pu").splitlines(keepends=True)
+    (folder / "few.csv").write_text("".join(lines[:4]))
+    (folder / "cut.json").write_text('{"object_pose": [[0')
+    assert run(["fit", "data", "--harmonics", "1", "--json", "all.json"]) == 0
+    shown = capsys.readouterr().out
+    assert "could not be read: data/cut.json" in shown
+    assert "too few pushes with a known end for a law: 3 of 20" in shown
+    report = json.loads((here / "all.json").read_text())
+    assert [found["surface"] for found in report["sets"]] == ["plywood", "pu"]
+    assert [file["path"] for file in report["unreadable"]] == ["data/cut.json"]
+    assert {path.stem for path in (here / "out").glob("*.png")} == {"fit_plywood_rect1"}
+    assert run(["fit", "data", "--harmonics", "1", "--select", "surface=pu", "--json", "-"]) == 0
+    assert [found["pushes"] for found in json.loads(capsys.readouterr().out)["sets"]] == [3]
+
+
+def test_a_set_too_small_for_anything_is_told_and_nothing_is_drawn(here, capsys) -> None:
+    collection(here / "pushes.csv", count=9)
+    assert run(["fit", "pushes.csv"]) == 0
+    shown = capsys.readouterr().out
+    assert "nothing could be fitted" in shown
+    assert "too few pushes with a known end for a law: 10 of 20" in shown
+    assert not (here / "out").exists()
+
+
+def test_a_folder_of_which_nothing_can_be_read_is_exit_1_with_the_first_reasons_and_the_count(here, capsys) -> None:
+    for number in range(13):
+        (here / f"bad{number:02}.json").write_text("{")
+    assert run(["fit", "."]) == 1
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert len(shown.err.splitlines()) == 1
+    assert "no push could be read: bad00.json" in shown.err
+    assert shown.err.count(".json:") == 10
+    assert "and 3 files more" in shown.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["nowhere"], "nowhere: there is nothing there"),
+        (["pushes.csv", "--select", "surface"], "not of the form key=value"),
+        (["pushes.csv", "--select", "surfac=abs"], "did you mean 'surface'"),
+        (["pushes.csv", "--select", "surface=abs"], "no push has surface abs; there is plywood"),
+        (["pushes.csv", "--select", "side=north"], "give a finite number"),
+        (["pushes.csv", "--harmonics", "-1"], "harmonics"),
+        (["pushes.csv", "--format", "gif"], "gif"),
+        ([], "DATA"),
+    ],
+)
+def test_bad_use_is_one_line_and_exit_2(here, capsys, arguments, told) -> None:
+    collection(here / "pushes.csv", count=5)
+    assert run(["fit", *arguments]) == 2
+    shown = capsys.readouterr()
+    assert told in shown.err
+    assert len(shown.err.splitlines()) == 1
+    assert not (here / "out").exists()
+
+
+def test_the_measured_plywood_is_told_with_its_turns_steps_and_peak(here, capsys, measured_data) -> None:
+    assert run(["fit", str(measured_data / "plywood_rect1_theta0_2000.csv"), "--json", "-"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)["sets"]
+    forecast = found["cycle_map"]["forecast"]
+    assert found["cycle_map"]["dropped"] == {"jump": 3}
+    assert forecast["measured_turns"] == pytest.approx(17.48, abs=0.01)
+    assert forecast["predicted_turns"] == pytest.approx(16.4, abs=0.3)
+    turns = forecast["full_turns"]
+    assert (turns[0]["measured_pushes"], turns[-1]["measured_pushes"]) == (258.0, 46.0)
+    assert forecast["peak_deg"] == [95.0, 100.0]
+    assert forecast["predicted_peak_deg"] in ([90.0, 95.0], [95.0, 100.0])

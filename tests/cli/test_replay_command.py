@@ -1,0 +1,97 @@
+"""`cyclemap replay` from outside: its JSON, its picture, its table, and what it refuses."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from cyclemap.cli import main
+from cyclemap.cli.command_replay import replay_command
+from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
+
+OFF_MM = (1.0, 3.0)
+
+
+@pytest.fixture(autouse=True)
+def known_command(monkeypatch) -> None:
+    monkeypatch.setitem(main.cli.commands, "replay", replay_command)
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    """Two pushes of rect1 that end 1 and 3 mm from where the simulator's do, and a file that is cut short."""
+    model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25), Pusher(friction=0.25), accuracy=1e-5)
+    push = model.push(Pose(), WorldPush((0.012, 0.07), -math.pi / 2, 0.05), 0.5e-3)
+    travel = np.linspace(0.0, 0.05, 101)
+    course = push.trajectory
+    poses = np.column_stack([np.interp(travel, 0.05 - push.travel + course.path, part) for part in course.pose.T])
+    tip = np.column_stack([0.0 * travel + 0.012, 0.07 - travel, 0.0 * travel])
+    home = tmp_path_factory.mktemp("data")
+    for number, off in enumerate(OFF_MM):
+        moved = poses + np.outer(np.clip(travel / 0.01 - 4.0, 0.0, 1.0), (1e-3 * off, 0.0, 0.0))
+        series = {"object_pose": moved, "tip_pose": tip, "ft_wrench": 0.0 * tip}
+        tables = {name: np.column_stack([10.0 * travel, part]).tolist() for name, part in series.items()}
+        name = f"motion_surface=abs_shape=rect1_a=0_v=100_i=0.000_s=0.700_t=0.000_rep={number:04d}.json"
+        (home / name).write_text(json.dumps(tables))
+    (home / "cut.json").write_text("{")
+    return home
+
+
+def test_json_tells_every_push_its_groups_and_the_files_left_out(data, tmp_path, capsys) -> None:
+    arguments = ["replay", "isotropic", "--data", str(data), "--out", str(tmp_path / "pictures"), "--json", "-"]
+    assert main.run(arguments) == 0
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    report = json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
+    assert (report["material"], report["pusher_friction"], report["pushes"]) == ("isotropic", 0.25, 2)
+    assert [row["error_mm"] for row in report["replays"]] == pytest.approx(list(OFF_MM), abs=0.01)
+    assert [row["speed_mm_s"] for row in report["replays"]] == pytest.approx([100.0, 100.0])
+    (group,) = report["by_object"]
+    assert (group["object"], group["count"]) == ("rect1", 2)
+    assert group["mean_error_mm"] == report["mean_error_mm"] == pytest.approx(2.0, abs=0.01)
+    assert [row["count"] for row in report["by_speed"]] == [2]
+    assert [entry["reason"][:8] for entry in report["not_replayed"]] == ["not JSON"]
+    written = {path.name: path.read_bytes() for path in (tmp_path / "pictures").iterdir()}
+    assert set(written) == {"replay_isotropic.png", "replay_isotropic.json"}
+    assert written["replay_isotropic.png"].startswith(b"\x89PNG")
+    assert written["replay_isotropic.json"].decode() == shown.out
+
+
+def test_people_get_a_table_by_object_whole_even_in_a_narrow_terminal(data, tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    assert main.run(["replay", "isotropic", "--data", str(data), "--out", str(tmp_path), "--format", "svg"]) == 0
+    shown = capsys.readouterr().out
+    assert "2 pushes replayed: they end 2.0 mm and 0.0° off on average; 1 file could not be." in shown
+    for part in ("turn error (°)", "rect1", "2.00", "cut.json: not JSON", "replay_isotropic.svg"):
+        assert part in shown
+    assert "…" not in shown
+
+
+def test_the_rods_friction_changes_the_replay(data, tmp_path, capsys) -> None:
+    errors = []
+    for friction in ("0.25", "0"):
+        arguments = ["--data", str(data), "--pusher-friction", friction, "--out", str(tmp_path), "--json", "-"]
+        assert main.run(["replay", "isotropic", *arguments]) == 0
+        errors.append(json.loads(capsys.readouterr().out)["mean_turn_error_deg"])
+    assert errors[0] < 0.01
+    assert errors[1] > 0.5
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "told"),
+    [
+        (["isotropic"], 2, "--data"),
+        (["isotropc", "--data", "."], 2, "isotropc"),
+        (["isotropic", "--data", "nowhere"], 2, "nowhere"),
+        (["isotropic", "--data", "{data}/cut.json"], 1, "no push could be replayed"),
+        (["isotropic", "--data", "{data}", "--pusher-friction", "-1"], 2, "pusher-friction"),
+    ],
+)
+def test_bad_use_is_one_line_and_no_file(data, tmp_path, capsys, monkeypatch, arguments, code, told) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main.run(["replay", *(part.format(data=data) for part in arguments)]) == code
+    shown = capsys.readouterr()
+    assert told in shown.err
+    assert len(shown.err.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,160 @@
+"""`cyclemap simulate` from outside: its JSON, its words, its files, and what it refuses."""
+
+import json
+import math
+import os
+import resource
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from cyclemap.cli.command_simulate import simulate_command
+from cyclemap.cli.main import cli, run
+from cyclemap.collection.portrait import DEFAULT_SIGMA
+from cyclemap.evidence.pushes.push_table import load_pushes
+from cyclemap.text_files import read_toml
+
+KEYS = ["folder", "cycles", "written", "resumed", "theta0_deg_last", "bytes"]
+
+
+@pytest.fixture(autouse=True)
+def registered(monkeypatch) -> None:
+    monkeypatch.setitem(cli.commands, "simulate", simulate_command)
+
+
+def simulate(folder, *more: str) -> int:
+    return run(["simulate", "plywood", "--cycles", "3", "--out", str(folder), *more])
+
+
+def test_json_tells_what_was_written_and_found_and_nothing_else(tmp_path, capsys) -> None:
+    folder = tmp_path / "made"
+    reports = []
+    for _ in range(2):
+        assert simulate(folder, "--json", "-") == 0
+        shown = capsys.readouterr()
+        assert shown.err == ""
+        reports.append(json.loads(shown.out))
+    first, second = reports
+    assert list(first) == KEYS
+    assert (first["cycles"], first["written"], first["resumed"]) == (3, 3, 0)
+    assert second == first | {"written": 0, "resumed": 3}
+    files = list(folder.rglob("*.h5"))
+    assert len(files) == 3 and first["bytes"] == sum(file.stat().st_size for file in files)
+    last = load_pushes(folder).table["theta0"].iloc[-1]
+    assert math.radians(first["theta0_deg_last"]) == pytest.approx(last, abs=1e-12)
+
+
+def test_people_are_told_how_many_where_how_large_and_what_to_do_next(tmp_path, capsys) -> None:
+    assert simulate(tmp_path, "--scans") == 0
+    lines = capsys.readouterr().out.splitlines()
+    size = sum(file.stat().st_size for file in tmp_path.rglob("*.h5")) / 1e6
+    assert lines[0] == f"3 pushes and 144 friction scans in {tmp_path}, {size:.1f} MB"
+    assert lines[1].startswith("The last push starts at θ0 = ")
+    assert lines[2] == f"next: cyclemap fit {tmp_path}"
+    assert [len(list(tmp_path.rglob(f"{kind}_*.h5"))) for kind in ("motion", "record")] == [3, 144]
+
+
+def test_options_reach_the_collection_in_si_units(tmp_path) -> None:
+    options = ["--start-deg", "90", "--seed", "5", "--pose-noise-mm", "0.2", "--pose-noise-deg", "0.5"]
+    options += [
+        "--force-noise-n",
+        "0.03",
+        "--speed-mm-s",
+        "50",
+        "--noise-deg",
+        "2",
+        "--wear-to",
+        "isotropic",
+        "--format",
+        "json",
+    ]
+    assert simulate(tmp_path, *options, "--set", "push_mm=40", "--set", "noise_deg=3") == 0
+    found = read_toml(tmp_path / "simulation.toml")
+    expected = {
+        "start_rad": math.pi / 2.0,
+        "seed": 5,
+        "noise_position_m": 2e-4,
+        "noise_angle_rad": math.radians(0.5),
+        "noise_force_n": 0.03,
+        "speed_m_s": 0.05,
+        "noise_turn_rad": math.radians(2.0),
+    }
+    assert {name: found[name] for name in expected} == pytest.approx(expected)
+    assert (found["accuracy"], found["suffix"], found["scans"]) == ("1e-06", ".json", False)
+    assert len(list(tmp_path.rglob("*.json"))) == 3
+    assert "distance=0.04" in str(found["push"]) and "EllipseFriction" in str(found["wear_to"])
+    table = load_pushes(tmp_path).table
+    assert table["speed"].tolist() == [0.05] * 3
+    assert table["theta0"].iloc[0] == pytest.approx(math.pi / 2.0, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("options", "sigma"),
+    [([], DEFAULT_SIGMA), (["--set", "noise_deg=3"], math.radians(3.0)), (["--noise-deg", "0"], 0.0)],
+)
+def test_the_scatter_is_the_options_else_the_settings_else_the_packages(tmp_path, options, sigma) -> None:
+    assert simulate(tmp_path, *options) == 0
+    assert read_toml(tmp_path / "simulation.toml")["noise_turn_rad"] == pytest.approx(sigma)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--wear-to", "plywod"], "did you mean 'plywood'"),
+        (["--noise-deg", "-1"], "-1.0 is not in the range"),
+        (["--pose-noise-mm", "nan"], "noise of the position must be a finite number"),
+        (["--speed-mm-s", "0"], "0.0 is not in the range"),
+        (["--start-deg", "inf"], "start must be a finite number"),
+        (["--format", "csv"], "'csv' is not one of"),
+    ],
+)
+def test_bad_use_exits_2_with_one_line_and_writes_nothing(tmp_path, capsys, options, message) -> None:
+    assert simulate(tmp_path / "made", *options) == 2
+    shown = capsys.readouterr()
+    assert shown.out == "" and len(shown.err.splitlines()) == 1 and message in shown.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_begun_with_other_arguments_exits_2_and_says_what_differs(tmp_path, capsys) -> None:
+    assert simulate(tmp_path) == 0
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
+    capsys.readouterr()
+    assert simulate(tmp_path, "--seed", "7") == 2
+    assert "seed is 0 there and 7 here" in capsys.readouterr().err
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before
+
+
+def test_a_folder_that_cannot_be_made_exits_1_with_its_name(tmp_path, capsys) -> None:
+    (tmp_path / "file").write_text("in the way")
+    assert simulate(tmp_path / "file" / "made") == 1
+    assert f"{tmp_path}/file/made/simulation.toml cannot be written" in capsys.readouterr().err
+
+
+def test_a_full_disk_exits_1_leaves_nothing_half_written_and_can_be_gone_on_with(tmp_path, capsys) -> None:
+    """A limit on the size of files stands for the full disk: the notes fit, the first push does not."""
+    folder = tmp_path / "made"
+    script = f"""
+        from cyclemap.cli.command_simulate import simulate_command
+        from cyclemap.cli.main import cli, main
+        cli.add_command(simulate_command)
+        main(["simulate", "plywood", "--cycles", "3", "--out", {str(folder)!r}])
+    """
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script)],
+        cwd=Path(__file__).parents[2],
+        env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, limits[1])),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    (line,) = done.stderr.splitlines()
+    assert "rep=0000.h5 cannot be written (File too large); nothing was left half-written" in line
+    assert sorted(path.name for path in folder.rglob("*.*")) == ["simulation.toml", "true_theta0.txt"]
+    assert simulate(folder) == 0
+    assert len(load_pushes(folder).table) == 3

@@ -1,0 +1,213 @@
+"""compare: every kind of prediction and data, the truth kept and a wrong law refused, fits told and fitted again."""
+
+import numpy as np
+import pytest
+from made_collections import NOISE, SINE, WORN, own_pushes, pairs_of, pose_row, sine_pairs, write_poses
+
+from cyclemap.collection import CollectionLoop
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence import Theta0Pairs, fit_map, harmonic_map
+from cyclemap.evidence.comparison.collection_data import collection_data
+from cyclemap.evidence.comparison.compare import compare
+from cyclemap.evidence.comparison.prediction import as_prediction, refit_rule
+from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
+
+QUESTIONS = ["mean turn of a cycle", "cycle map", "histogram of directions"]
+
+
+@pytest.fixture(scope="module")
+def truth():
+    return compare(SINE, sine_pairs(300, seed=3), noise=NOISE, runs=39)
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Few collections for directions and steps, which take longest."""
+    monkeypatch.setattr("cyclemap.evidence.comparison.compare.MOST_DETAILED", 3)
+    monkeypatch.setattr("cyclemap.evidence.comparison.compare.ENSEMBLE", 60)
+
+
+def test_the_true_law_is_kept_in_every_question(truth) -> None:
+    asked = [one.question for one in truth.verdicts]
+    assert asked[:3] == QUESTIONS
+    assert asked[4:] == ["number of turns", "number of steps", "step height", "residence on a step"]
+    assert [one.agrees for one in truth.verdicts] == [True] * 8
+    assert truth.cycle.agreement.rms == pytest.approx(0.15, rel=0.1)
+    assert truth.cycle.noise == pytest.approx(0.15)
+    assert not truth.refitted
+
+
+def test_the_predicted_histogram_and_zone_are_the_measured_ones(truth) -> None:
+    width = 2 * np.pi / truth.orientations.predicted.density.size
+    for histogram in (truth.orientations.measured, truth.orientations.predicted):
+        assert histogram.density.sum() * width == pytest.approx(1.0)
+    (match,) = truth.directions.matches
+    assert abs(match.difference) < 0.4
+    assert truth.staircase.theory.visits[0].exits > 3
+    assert truth.staircase.turns.measured == pytest.approx(np.ptp(sine_pairs(300, seed=3).path[[0, -1]]) / (2 * np.pi))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "noise"),
+    [
+        (CircleMap.arnold(0.15, 0.6), NOISE),
+        (CircleMap(lambda x: SINE(x - 1.0) + 1.0), NOISE),
+        (SINE, WrappedNormal(0.4)),
+    ],
+)
+def test_a_wrong_law_is_refused(quick, wrong, noise) -> None:
+    found = compare(wrong, sine_pairs(300), noise=noise, runs=49)
+    assert found.orientations.watson.value <= 0.02
+    # The noise is no part of the map: that test is blind to it.
+    assert (found.cycle.p_value.value <= 0.02) == (wrong is not SINE)
+
+
+def test_wear_is_in_the_null_and_the_cycles_keep_their_numbers(quick) -> None:
+    path = sample_staircase(WORN, NOISE, 400, 0.0, seed=3).theta
+    right = compare(WORN, pairs_of(path), noise=NOISE, first=100, runs=49)
+    still = compare(WORN.at(0), pairs_of(path), noise=NOISE, first=100, runs=49)
+    shifted = compare(WORN, pairs_of(path[100:]), noise=NOISE, runs=49)
+    assert right.cycle.agreement.pairs == shifted.cycle.agreement.pairs == 300
+    assert right.data.path_first == 100
+    assert min(right.orientations.watson.value, right.cycle.p_value.value) > 0.05
+    assert still.orientations.watson.value <= 0.02
+    assert shifted.cycle.p_value.value <= 0.02
+    assert right.staircase.theory is None
+
+
+@pytest.mark.parametrize("kind", ["harmonic", "fitted", "robust", "worn"])
+def test_a_fit_to_the_very_data_is_told_and_fitted_again(kind) -> None:
+    pairs = sine_pairs(200)
+    data = collection_data(pairs, None)
+    fits = {
+        "harmonic": lambda: harmonic_map(pairs, 2),
+        "fitted": lambda: fit_map(pairs.theta, pairs.theta_next),
+        "robust": lambda: fit_map(pairs.theta, pairs.theta_next, robust=True, harmonics=2),
+        "worn": lambda: fit_map(pairs.theta, pairs.theta_next, cycle=data.cycle),
+    }
+    given = fits[kind]()
+    assert refit_rule(given, sine_pairs(200, seed=1), data.cycle, 0) is None
+    refit = refit_rule(given, pairs, data.cycle, 0)
+    again, predicted = refit(pairs.path), as_prediction(given, None, 200)
+    grid = np.linspace(0.0, 6.0, 20)
+    for cycle in (0, 150):
+        maps = [one if isinstance(one, CircleMap) else one.at(cycle) for one in (again.map, predicted.map)]
+        assert np.abs(maps[0](grid) - maps[1](grid)).max() < 2e-3
+    assert again.noise.sigma == pytest.approx(predicted.noise.sigma)
+
+
+def test_the_refitted_null_is_used_where_the_fit_is_of_these_data(quick) -> None:
+    pairs = sine_pairs(120)
+    own, other = (compare(harmonic_map(some, 1), pairs, runs=19) for some in (pairs, sine_pairs(120, seed=7)))
+    assert (own.refitted, other.refitted) == (True, False)
+    assert own.cycle.agreement.rms < other.cycle.agreement.rms
+    assert abs(own.cycle.bias) < 1e-12
+
+
+def test_pairs_without_an_order_compare_the_map_alone() -> None:
+    pairs = sine_pairs(100)
+    found = compare(SINE, Theta0Pairs(pairs.theta, pairs.theta_next), noise=NOISE, runs=19)
+    assert found.cycle.p_value is None
+    assert (found.orientations, found.directions, found.staircase) == (None, None, None)
+    assert [one.agrees for one in found.verdicts][1] is None
+
+
+def test_the_seed_settles_everything(quick) -> None:
+    one, same, other = (compare(SINE, sine_pairs(60), noise=NOISE, runs=19, seed=seed) for seed in (4, 4, 5))
+    assert one.orientations.wasserstein.value == same.orientations.wasserstein.value
+    assert [v.words for v in one.verdicts] == [v.words for v in same.verdicts]
+    assert [v.words for v in one.verdicts] != [v.words for v in other.verdicts]
+
+
+def test_a_loop_is_compared_with_its_pushes_and_its_cycles(quick, tmp_path, loop_of) -> None:
+    loop = loop_of(SINE)
+    path = sine_pairs(40).path
+    rows = own_pushes(CollectionLoop.mit("plywood"), path, off=(0.0, 0.001, 0.0))
+    write_poses(tmp_path / "poses.csv", rows)
+    told = []
+    found = compare(loop, tmp_path / "poses.csv", noise=NOISE, runs=19, progress=told.append)
+    assert found.prediction.kind == "loop"
+    assert [one.question for one in found.verdicts][:4] == [
+        "mean turn of a push of rect1 on plywood",
+        "mean Δx of rect1 on plywood",
+        "mean Δy of rect1 on plywood",
+        "mean turn of a cycle",
+    ]
+    assert found.cycle.agreement.pairs == 40
+    assert "predicted over 41 pushes" in found.verdicts[1].words
+    assert np.allclose(np.diff(found.data.path), np.diff(path), atol=1e-9)
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+
+
+def test_more_than_three_sets_are_told_as_one(quick, tmp_path, loop_of) -> None:
+    loop = CollectionLoop.mit("plywood")
+    rows = [row for k in range(4) for row in own_pushes(loop, [0.5 + k, 1.0 + k, 1.5 + k], surface=f"board{k}")]
+    found = compare(loop_of(SINE), write_poses(tmp_path / "boards.csv", rows))
+    assert [one.count for one in found.pushes] == [3, 3, 3, 3]
+    assert [one.question for one in found.verdicts][:3] == [
+        "turn of a push in 4 sets",
+        "Δx in 4 sets",
+        "Δy in 4 sets",
+    ]
+    assert [one.agrees for one in found.verdicts][:3] == [None] * 3
+    assert "Over 12 pushes in 4 sets the Δx is predicted with RMSE 0.00 mm" in found.verdicts[1].words
+
+
+def test_pairs_keep_the_numbers_of_their_pushes() -> None:
+    """Pairs 3 and 7 are missing from the list; a path that is another one numbers them in order."""
+    path = sine_pairs(20).path
+    kept = np.delete(np.arange(20), [3, 7])
+    own = collection_data(Theta0Pairs(path[kept], path[kept + 1], path), None, first=5)
+    assert own.cycle.tolist() == [5, 6, *range(8, 20)]
+    assert np.array_equal(own.path, path[5:])
+    other = collection_data(Theta0Pairs(path[kept], path[kept + 1], path + 1.0), None)
+    assert other.cycle.tolist() == list(range(18))
+
+
+def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path) -> None:
+    """Ten pushes of one board, one of them missing, and three of another."""
+    rows = [pose_row(k, 0.1 * k, 1.0, (0.03, -0.08)) for k in range(10) if k != 3]
+    rows += [pose_row(k, 0.2 * k, 1.0, (0.03, -0.08), surface="abs") for k in range(3)]
+    data = collection_data(write_poses(tmp_path / "two.csv", rows), None)
+    assert data.cycle.tolist() == [0, 1, 4, 5, 6, 7, 8]
+    assert data.left_out["cycle of another set"] == 2
+    assert data.path_first == 4
+    assert np.allclose(data.path, 0.1 * np.arange(4, 10))
+
+
+@pytest.mark.parametrize(
+    ("prediction", "noise", "match"),
+    [
+        (SINE, None, "give the noise of a cycle"),
+        (SINE, 0.1, "noise is 0.1"),
+        ("plywood", None, "give a CollectionLoop"),
+        (None, None, "the prediction is None"),
+    ],
+)
+def test_a_prediction_that_is_none_is_refused(prediction, noise, match) -> None:
+    with pytest.raises(InvalidInput, match=match):
+        compare(prediction, sine_pairs(20), noise=noise)
+
+
+def test_data_that_cannot_be_used_are_refused(tmp_path) -> None:
+    with pytest.raises(InvalidInput, match="first is 500: no cycle is left of 20"):
+        compare(SINE, sine_pairs(20), noise=NOISE, first=500)
+    with pytest.raises(DataFileError, match=r"nowhere\.csv"):
+        compare(SINE, tmp_path / "nowhere.csv", noise=NOISE)
+    (tmp_path / "bad.json").write_text("{")
+    with pytest.raises(InvalidInput, match=r"no push could be read, 1 files are bad; the first: .*bad\.json"):
+        compare(SINE, tmp_path, noise=NOISE)
+    with pytest.raises(InvalidInput, match="runs must be at least 1"):
+        compare(SINE, sine_pairs(20), noise=NOISE, runs=0)
+
+
+def test_measured_plywood_from_500_on_disagrees_with_table_1_and_agrees_with_its_own_fit(measured_data) -> None:
+    file = measured_data / "plywood_rect1_theta0_2000.csv"
+    data = collection_data(file, None, first=500)
+    assert data.pairs.theta.size == 1497
+    assert data.left_out["jump"] == 3
+    fitted = fit_map(data.pairs.theta, data.pairs.theta_next, cycle=data.cycle, harmonics=9, wear_degree=2)
+    prediction = as_prediction(fitted, None, 2000)
+    off = data.pairs.turn - prediction.turn(data.pairs.theta, data.cycle)
+    assert np.degrees(np.sqrt(np.mean(off**2))) < 0.85

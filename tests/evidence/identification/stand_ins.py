@@ -1,0 +1,90 @@
+"""Made data whose law, parameters and noise are known: forces around directions, and a quick stand-in for pushes."""
+
+from typing import Any
+
+import numpy as np
+
+from cyclemap.evidence.identification.data_block import FunctionBlock, Values
+from cyclemap.evidence.identification.surface_parameters import FRICTION_NAMES, SURFACE, SurfaceParameters
+
+ELLIPSE = SURFACE.names[:5]
+MOTION = (*SURFACE.names[1:5], "pusher_friction", "hitch_scale")
+TRUTH = {
+    "friction_scale": -1.3,
+    "ellipticity_x": 0.12,
+    "ellipticity_y": -0.07,
+    "offset_x": 0.06,
+    "offset_y": 0.03,
+    "pusher_friction": 0.17,
+    "hitch_scale": 0.8,
+}
+
+
+def forces(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Traction coefficients along x then y while sliding in directions (n,): (2 n,), and derivatives by ELLIPSE."""
+    surface = SurfaceParameters.from_values(values)
+    law = surface.to_friction()
+    velocity = np.stack([np.cos(directions), np.sin(directions)], axis=-1)
+    traction = law.traction(velocity)
+    by_law = complex_traction(law, velocity, 1e-30 * np.eye(5)).imag / 1e-30
+    jacobian = surface.chain(by_law.reshape(5, -1).T, FRICTION_NAMES, ELLIPSE)
+    return traction.T.ravel(), jacobian
+
+
+def complex_traction(law: Any, velocity: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Traction (j, 2, n), each parameter moved by an imaginary step (j, 5): its imaginary part is the derivative."""
+    at = np.array([law.mu_a, law.mu_b, law.m0, law.n0, law.phi]) + 1j * steps
+    a, b, m0, n0, phi = at.T[:, :, None]
+    c, k = np.cos(phi), np.sin(phi)
+    v_m, v_n = c * velocity[:, 0] + k * velocity[:, 1], -k * velocity[:, 0] + c * velocity[:, 1]
+    s = np.sqrt(a**2 * v_m**2 + b**2 * v_n**2)
+    t_m, t_n = m0 + a**2 * v_m / s, n0 + b**2 * v_n / s
+    return np.stack([c * t_m - k * t_n, k * t_m + c * t_n], axis=1)
+
+
+def motions(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Turns (rad) then shifts (m) of pushes in directions (n,): (2 n,), and derivatives by MOTION (2 n, 6).
+
+    To first order what a push answers to ellipticity and offset, bent by a square so that it is not linear.
+    """
+    ex, ey, ox, oy, mu, hitch = (values[name] for name in MOTION)
+    c, k, c2, k2 = np.cos(directions), np.sin(directions), np.cos(2 * directions), np.sin(2 * directions)
+    zero = np.zeros_like(c)
+    turn = 1.2 + 0.9 * (ox * c + oy * k) + 0.6 * (ex * c2 + ey * k2) + 0.8 * mu - 0.5 * mu**2 * c
+    by_turn = [0.6 * c2, 0.6 * k2, 0.9 * c, 0.9 * k, 0.8 - mu * c, zero]
+    bend = 1.0 + 0.5 * turn
+    shift = 0.05 * hitch * turn * bend + 0.02 * (oy * c - ox * k)
+    by_shift = [0.05 * hitch * (1.0 + turn) * d for d in by_turn]
+    by_shift[2], by_shift[3] = by_shift[2] - 0.02 * k, by_shift[3] + 0.02 * c
+    by_shift[5] = 0.05 * turn * bend
+    return np.concatenate([turn, shift]), np.stack([np.concatenate(p) for p in zip(by_turn, by_shift, strict=True)], -1)
+
+
+def block(name: str, law: Any, parameters: tuple[str, ...], directions: np.ndarray, noise: np.ndarray) -> FunctionBlock:
+    """A block whose data are the law at TRUTH plus `noise` (2 n,); the two rows of a direction are one group."""
+    data = law(TRUTH, directions)[0] + noise
+    kinds = {"forces": ("force (1)", "force (1)"), "motions": ("turn (rad)", "shift (m)")}[law.__name__]
+
+    def function(values: Values) -> tuple[np.ndarray, np.ndarray]:
+        predicted, jacobian = law(values, directions)
+        return predicted - data, jacobian
+
+    groups = np.tile(np.arange(len(directions)), 2)
+    return FunctionBlock(name, parameters, function, groups, np.repeat(kinds, len(directions)))
+
+
+def force_block(count: int = 12, noise: float = 0.0, seed: int = 0, name: str = "scan") -> FunctionBlock:
+    rng = np.random.default_rng([seed, 1])
+    directions = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
+    return block(name, forces, ELLIPSE, directions, noise * rng.standard_normal(2 * count))
+
+
+def motion_block(
+    count: int = 16, turn_noise: float = 0.0, shift_noise: float = 0.0, seed: int = 0, shared: float = 0.0
+) -> FunctionBlock:
+    """`shared`: share of the variance that the turn and the shift of a push have in common."""
+    rng = np.random.default_rng([seed, 2])
+    directions = rng.uniform(0.0, 2 * np.pi, count)
+    common, own = rng.standard_normal(count), rng.standard_normal((2, count))
+    both = np.sqrt(shared) * common + np.sqrt(1.0 - shared) * own
+    return block("pushes", motions, MOTION, directions, np.concatenate([turn_noise * both[0], shift_noise * both[1]]))

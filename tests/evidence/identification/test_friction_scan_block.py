@@ -1,0 +1,148 @@
+"""Friction scans give back the ellipse that made them, with intervals that hold, and say when they cannot."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from stand_ins import ELLIPSE, complex_traction
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.evidence.identification.friction_scan_block import (
+    SCAN_KIND,
+    friction_ellipse_from_scans,
+    friction_scan_block,
+)
+from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
+from cyclemap.evidence.identification.joint_problem import JointProblem
+from cyclemap.evidence.identification.least_squares import fit_with_noise
+from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
+from cyclemap.evidence.pushes.push_table import load_pushes
+from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
+from cyclemap.evidence.simulation.simulated_collection import simulate_collection
+from cyclemap.mechanics import load_material
+
+FRICTION, WEIGHT = load_material("plywood").friction, 8.2
+TRUTH = SurfaceParameters.from_friction(FRICTION)
+SPACE = SURFACE.select(ELLIPSE)
+RUNS = 200
+
+
+def made_scans(degrees, noise=0.0, shared=0.0, seed=0, repeats=2):
+    """Scans in some directions; `shared`: share of the noise's variance that a direction's repeats have in common."""
+    rng, direction = np.random.default_rng(seed), np.repeat(np.radians(degrees), repeats)
+    c, k = np.cos(direction), np.sin(direction)
+    fx, fy = WEIGHT * FRICTION.traction(np.stack([c, k], axis=-1)).T
+    own, common = rng.standard_normal((2, len(direction))), rng.standard_normal((2, len(degrees)))
+    error = noise * (math.sqrt(1.0 - shared) * own + math.sqrt(shared) * np.repeat(common, repeats, axis=1))
+    return {"direction": direction, "force_along": c * fx + k * fy + error[0], "force_across": c * fy - k * fx + error[1]}
+
+
+@pytest.fixture(scope="module")
+def collection(tmp_path_factory):
+    """Scans of a simulated collection on plywood, as they are read back, and the object's weight."""
+    loop = CollectionLoop.mit("plywood", accuracy=1e-6)
+    folder = tmp_path_factory.mktemp("scans") / "made"
+    simulate_collection(loop, folder, 1, scans=True, noise=RecordingNoise(force=0.05), suffix=".json")
+    return load_pushes(folder).scans, loop.model.weight
+
+
+def test_scans_of_a_simulated_collection_give_the_table_of_the_paper_within_their_intervals(collection) -> None:
+    """Ma & Rodriguez (2018), Table I, plywood; the law's angle is known up to a half turn, which turns m0, n0."""
+    scans, weight = collection
+    assert len(scans) == 144
+    found = friction_ellipse_from_scans(scans, weight, folds=6)
+    assert found.converged and found.starts.arrived == 4
+    for name in ELLIPSE:
+        estimate, truth = found[name], TRUTH.values()[name]
+        assert estimate.identifiable
+        assert estimate.lower < truth < estimate.upper
+        assert estimate.upper - estimate.lower < 1e-3
+    law = found.friction()
+    turned = dataclasses.replace(law, m0=-law.m0, n0=-law.n0, phi=law.phi + math.pi)
+    assert dataclasses.astuple(turned) == pytest.approx((0.2545, 0.2346, 0.0325, 0.0082, 2.6175), abs=2e-3)
+    # The median over the middle of a stroke: sqrt(pi / 2) * 0.05 N / sqrt(750).
+    assert found.fit.noise[0] == pytest.approx(math.sqrt(math.pi / 2.0) * 0.05 / math.sqrt(750), rel=0.15)
+    assert found.errors[0].rows == 288 and found.errors[0].left_out_rms < 1.1 * found.errors[0].rms
+
+
+@pytest.mark.parametrize("ellipticity", [(0.0, 0.0), (1e-5, 2e-5), (0.004, -0.003), (0.12, -0.07), (-0.8, 0.6)])
+def test_the_derivatives_are_those_of_the_law_by_complex_steps_or_differences_also_on_a_circle(ellipticity) -> None:
+    block = friction_scan_block(made_scans(np.arange(0, 360, 25)), WEIGHT)
+    at = np.array([-1.3, *ellipticity, 0.06, -0.04])
+    exact = block.residuals(SPACE.values(at))[1]
+    step = 1e-4
+    for column, unit in enumerate(np.eye(5) * step):
+        moved = [block.residuals(SPACE.values(at + n * unit))[0] for n in (-2, -1, 1, 2)]
+        slope = (moved[0] - 8.0 * moved[1] + 8.0 * moved[2] - moved[3]) / (12.0 * step)
+        # Differences stumble within 1e-6 of a circle, where the ellipse is taken as not quite round.
+        assert np.allclose(exact[:, column], slope, atol=2e-5)
+    if math.hypot(*ellipticity) > 1e-3:
+        surface, direction = SurfaceParameters(*at.tolist()), made_scans(np.arange(0, 360, 25))["direction"]
+        velocity = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
+        by_law = complex_traction(surface.to_friction(), velocity, 1e-30 * np.eye(5)).imag / 1e-30
+        chained = surface.chain(np.moveaxis(by_law, 0, -1), ("mu_a", "mu_b", "m0", "n0", "phi"), ELLIPSE)
+        rows = exact.reshape(-1, 2, 5)
+        along = np.einsum("ni,nik->nk", velocity, chained)
+        assert np.allclose(rows[:, 0], WEIGHT * along, atol=1e-11)
+
+
+def covers(degrees, shared: float) -> np.ndarray:
+    """Share of runs (5,) in which each 95 % interval holds the truth."""
+    held = []
+    for seed in range(RUNS):
+        problem = JointProblem((friction_scan_block(made_scans(degrees, 0.03, shared, seed), WEIGHT),), SPACE, {})
+        fit = fit_with_noise(problem, SPACE.start)
+        errors = uncertainty(problem, fit)
+        half = np.array([student_quantile(0.95, freedom) for freedom in errors.freedom.tolist()])
+        held.append(np.abs(fit.vector - SPACE.vector(TRUTH.values())) < half * errors.standard_error)
+    assert len(held) == 200
+    return np.mean(held, axis=0)
+
+
+@pytest.mark.parametrize(("count", "shared"), [(18, 0.0), (12, 0.7)])
+def test_intervals_of_95_percent_cover_in_90_to_99_percent_of_noisy_scan_sets(count: int, shared: float) -> None:
+    shares = covers(np.arange(0, 360, 360 // count), shared)
+    assert np.all((shares >= 0.9) & (shares <= 0.99))
+
+
+def test_scans_in_one_direction_are_one_group_whatever_turn_they_are_written_with() -> None:
+    scans = made_scans([0, 90, 180, 270, 360])
+    block = friction_scan_block(scans, WEIGHT)
+    assert len(np.unique(block.groups)) == 4
+    assert np.count_nonzero(block.groups == block.groups[0]) == 8
+    assert set(block.kinds) == {SCAN_KIND}
+    part = block.subset([int(block.groups[0])])
+    assert np.allclose(part.residuals(TRUTH.values())[0], 0.0, atol=1e-12) and len(part.groups) == 8
+
+
+@pytest.mark.parametrize("degrees", [[30], [30, 120], [30, 210], [30, 34, 38]])
+def test_too_few_directions_are_reported_as_not_identifiable(degrees) -> None:
+    """Two directions give four numbers for five; three within 8 degrees give five, but too nearly alike."""
+    found = friction_ellipse_from_scans(made_scans(degrees, 0.01), WEIGHT)
+    open_names = [estimate.name for estimate in found.estimates if not estimate.identifiable]
+    assert len(open_names) >= 3
+    assert sum("not identifiable" in note for note in found.notes) == len(open_names)
+    assert found.uncertainty.open
+
+
+def test_opposite_and_crossed_directions_fix_the_ellipse() -> None:
+    found = friction_ellipse_from_scans(made_scans([0, 90, 180, 270], 0.01), WEIGHT)
+    assert all(estimate.identifiable for estimate in found.estimates)
+    assert all(e.lower < TRUTH.values()[e.name] < e.upper for e in found.estimates)
+
+
+def test_scans_that_cannot_be_used_are_refused_by_name() -> None:
+    good = made_scans([0, 60, 120])
+    with pytest.raises(InvalidInput, match="force_across is missing"):
+        friction_scan_block({name: good[name] for name in ("direction", "force_along")}, WEIGHT)
+    with pytest.raises(InvalidInput, match="friction scan 3 has no direction or no force"):
+        friction_scan_block({**good, "force_along": np.where(np.arange(6) == 3, np.nan, 2.0)}, WEIGHT)
+    with pytest.raises(InvalidInput, match="columns of one length"):
+        friction_scan_block({**good, "direction": [0.0]}, WEIGHT)
+    with pytest.raises(InvalidInput, match="weight must be positive"):
+        friction_scan_block(good, 0.0)
+    with pytest.raises(ConvergenceError, match="give its noise"):
+        friction_ellipse_from_scans(made_scans([30], repeats=1), WEIGHT)
+    assert not friction_ellipse_from_scans(made_scans([30], repeats=1), WEIGHT, noise=0.01)["offset_x"].identifiable

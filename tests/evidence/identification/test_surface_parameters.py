@@ -1,0 +1,148 @@
+"""The unknowns of a surface are smooth through isotropy, turn with the world, and chain derivatives exactly."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cyclemap.collection import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
+from cyclemap.evidence.identification.surface_parameters import (
+    FRICTION_NAMES,
+    SURFACE,
+    SurfaceParameters,
+)
+from cyclemap.mechanics import EllipseFriction, Material
+
+DIRECTIONS = np.linspace(0.0, 2 * np.pi, 7, endpoint=False)
+VELOCITIES = np.stack([np.cos(DIRECTIONS), np.sin(DIRECTIONS)], axis=-1)
+FRICTION_PART = SURFACE.names[:5]
+
+
+def dissipation(friction: EllipseFriction) -> np.ndarray:
+    return friction.dissipation(VELOCITIES)
+
+
+def by_friction(friction: EllipseFriction) -> np.ndarray:
+    """Derivatives (7, 5) of the dissipation by mu_a, mu_b, m0, n0, phi, in closed form."""
+    c, k = math.cos(friction.phi), math.sin(friction.phi)
+    v_m, v_n = c * VELOCITIES[:, 0] + k * VELOCITIES[:, 1], -k * VELOCITIES[:, 0] + c * VELOCITIES[:, 1]
+    s = np.hypot(friction.mu_a * v_m, friction.mu_b * v_n)
+    t_m, t_n = friction.m0 + friction.mu_a**2 * v_m / s, friction.n0 + friction.mu_b**2 * v_n / s
+    return np.stack([friction.mu_a * v_m**2 / s, friction.mu_b * v_n**2 / s, v_m, v_n, t_m * v_n - t_n * v_m], axis=-1)
+
+
+def surface(vector: np.ndarray) -> SurfaceParameters:
+    return SurfaceParameters(*vector.tolist())
+
+
+def test_friction_to_parameters_and_back_is_the_same_limit_curve() -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        friction = EllipseFriction(*rng.uniform(0.1, 0.5, 2), *rng.uniform(-0.05, 0.05, 2), rng.uniform(-7.0, 7.0))
+        back = SurfaceParameters.from_friction(friction, hitch_scale=0.7).to_friction()
+        assert np.allclose(dissipation(back), dissipation(friction), rtol=1e-13)
+        assert back.mu_a >= back.mu_b
+
+
+@pytest.mark.parametrize("ellipticity", [(0.0, 0.0), (1e-8, 0.0), (3e-5, -2e-5), (0.1, 0.2), (-0.3, 1e-3)])
+def test_the_chain_through_mu_a_mu_b_m0_n0_phi_is_the_derivative_also_at_isotropy(
+    ellipticity: tuple[float, float],
+) -> None:
+    at = np.array([math.log(0.3), *ellipticity, 0.08, -0.05])
+    here = surface(at)
+    exact = here.chain(by_friction(here.to_friction()), FRICTION_NAMES, FRICTION_PART)
+    step = 1e-3  # far above the roundest ellipse, so that the difference does not see it
+    for column in range(5):
+        shift = np.eye(5)[column] * step
+        values = [dissipation(surface(at + n * shift).to_friction()) for n in (-2, -1, 1, 2)]
+        slope = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * step)
+        assert np.allclose(exact[:, column], slope, atol=2e-6)
+    assert np.max(np.abs(exact[:, 1:3])) > 0.05
+
+
+def test_the_chain_through_a_whole_cycle_of_the_mechanics_is_its_slope_on_a_round_ellipse() -> None:
+    """The next orientation's derivatives by ellipticity and offset, where phi has no meaning, against differences."""
+    base, theta, step = CollectionLoop.mit(accuracy=1e-9), 0.7, 2e-3
+
+    def loop(at: SurfaceParameters) -> CollectionLoop:
+        return replace(base, material=Material("made", at.to_friction()))
+
+    def next_theta(**change: float) -> float:
+        return float(loop(SurfaceParameters(offset_x=0.05, **change)).next_theta(theta))
+
+    here, wanted = SurfaceParameters(offset_x=0.05), ("friction_scale", "ellipticity_x", "ellipticity_y", "offset_y")
+    by_law = loop(here).sensitivity(theta, FRICTION_NAMES)
+    row = by_law.jacobian[by_law.outputs.index("theta_next")]
+    exact = here.chain(row, FRICTION_NAMES, wanted)
+    slopes = [(next_theta(**{name: step}) - next_theta(**{name: -step})) / (2 * step) for name in wanted[1:]]
+    assert np.allclose(exact[1:], slopes, atol=1e-4)
+    assert np.min(np.abs(exact[1:])) > 0.05
+    assert abs(exact[0]) < 1e-9
+
+
+def test_the_jacobian_of_the_friction_is_the_slope_of_to_friction() -> None:
+    at, step = np.array([-1.2, 0.15, -0.1, 0.04, 0.07]), 1e-6
+    for column in range(5):
+        up, down = surface(at + step * np.eye(5)[column]), surface(at - step * np.eye(5)[column])
+        slope = [(getattr(up.to_friction(), n) - getattr(down.to_friction(), n)) / (2 * step) for n in FRICTION_NAMES]
+        assert np.allclose(surface(at).friction_jacobian()[:, column], slope, atol=1e-8)
+
+
+def test_turning_the_surface_turns_offset_once_and_ellipticity_twice() -> None:
+    friction, angle = EllipseFriction(0.3, 0.2, 0.03, -0.02, 0.4), 0.83
+    before, after = SurfaceParameters.from_friction(friction), SurfaceParameters.from_friction(friction.turned(angle))
+    offset, turned = complex(before.offset_x, before.offset_y), complex(after.offset_x, after.offset_y)
+    assert abs(turned - offset * np.exp(1j * angle)) < 1e-15
+    axis, twice = complex(before.ellipticity_x, before.ellipticity_y), complex(after.ellipticity_x, after.ellipticity_y)
+    assert abs(twice - axis * np.exp(2j * angle)) < 1e-15
+    assert after.friction_scale == before.friction_scale
+
+
+def test_the_scale_of_friction_scales_every_force_and_nothing_else() -> None:
+    small, large = SurfaceParameters(-2.0, 0.1, 0.2, 0.05, 0.1), SurfaceParameters(-1.0, 0.1, 0.2, 0.05, 0.1)
+    assert np.allclose(dissipation(large.to_friction()), math.e * dissipation(small.to_friction()), rtol=1e-14)
+
+
+def test_hitch_columns_chain_to_the_scale_and_the_names_of_the_surface_pass_through() -> None:
+    columns = np.array([[2.0, 3.0, 5.0]])
+    names = ("hitch_x", "hitch_y", "pusher_friction")
+    wanted = ("pusher_friction", "rim_share", "hitch_scale")
+    chained = SurfaceParameters().chain(columns, names, wanted, (-0.01, 0.02))
+    assert np.allclose(chained, [[5.0, 0.0, 0.04]], atol=1e-15)
+
+
+def test_every_parameter_of_a_surface_has_bounds_a_unit_and_words_and_a_start_between_them() -> None:
+    assert SURFACE.names == tuple(SurfaceParameters().values())
+    assert len(SURFACE) == 9
+    assert all(p.unit and p.description and p.lower < p.start < p.upper for p in SURFACE.parameters)
+    assert SURFACE.nominal == SurfaceParameters().values()
+    assert SurfaceParameters.from_values({**SURFACE.nominal, "tilt": 1.0}) == SurfaceParameters()
+
+
+def test_a_space_selects_extends_and_bounds_by_name() -> None:
+    space = SURFACE.extended(Parameter("bias", "a shift", "m", -1.0, 1.0, 0.0, 0.1)).select(("bias", "rim_share"))
+    assert space.names == ("bias", "rim_share")
+    assert space.bounded("bias", 0.5, 1.5)["bias"].start == 1.0
+    assert space.values(space.vector({"rim_share": 0.1, "bias": 2.0, "other": 3.0})) == {"bias": 2.0, "rim_share": 0.1}
+
+
+def test_what_cannot_be_a_surface_is_refused_by_name() -> None:
+    with pytest.raises(InvalidInput, match=r"rim_share is 1\.5"):
+        SurfaceParameters(rim_share=1.5)
+    with pytest.raises(InvalidInput, match="does not contain zero"):
+        SurfaceParameters(offset_x=0.9, ellipticity_x=-0.5).to_friction()
+    with pytest.raises(InvalidInput, match="did you mean 'hitch_scale'"):
+        SurfaceParameters.from_friction(EllipseFriction(0.2, 0.2), hitch_scal=1.0)
+    with pytest.raises(InvalidInput, match="unknown parameter of the mechanics 'hitch_x'"):
+        SurfaceParameters().chain(np.ones((1, 1)), ("hitch_x",))
+    with pytest.raises(InvalidInput, match="match the 2 names"):
+        SurfaceParameters().chain(np.ones((1, 1)), ("mu_a", "mu_b"))
+    with pytest.raises(InvalidInput, match="strictly between"):
+        Parameter("x", "", "1", 0.0, 1.0, 0.0, 1.0)
+    with pytest.raises(InvalidInput, match="named twice"):
+        ParameterSpace((SURFACE["rim_share"], SURFACE["rim_share"]))
+    with pytest.raises(InvalidInput, match="no value for rim_share"):
+        SURFACE.select(("rim_share",)).vector({})

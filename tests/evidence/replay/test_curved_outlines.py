@@ -1,0 +1,100 @@
+"""Outlines cut into short sides are pushed as the curves they stand for; the butterfly is the dataset's."""
+
+import math
+
+import numpy as np
+import pytest
+from made_replays import FRICTION, model_of
+
+from cyclemap.evidence.replay.curve_strokes import push_curve_along
+from cyclemap.evidence.replay.cut_curve import cut_curve, is_cut_curve
+from cyclemap.evidence.replay.shapes import butter_outline, butter_slider, dataset_sliders
+from cyclemap.evidence.replay.stroke_chain import push_along
+from cyclemap.mechanics import Pose, Pusher, QuasiStaticModel, Slider
+from cyclemap.mechanics.footprint import PatchFootprint
+from cyclemap.mechanics.outline import Ellipse, Polygon
+
+SEMI_X, SEMI_Y, SIDES = 0.045, 0.060, 96
+
+
+def cut_ellipse():
+    return Polygon(Ellipse(SEMI_X, SEMI_Y).points(SIDES)[:-1])
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.25, 1.0])
+@pytest.mark.parametrize("offset", [-0.02, 0.004, 0.03])
+def test_a_cut_ellipse_moves_as_the_ellipse_does(friction, offset) -> None:
+    """Two routes: tangents of the curve through 96 vertices, and the exact contact of the ellipse."""
+    footprint = PatchFootprint.under(Ellipse(SEMI_X, SEMI_Y), (0.0, 0.0))
+    rod = Pusher(friction=friction)
+    exact, cut = (
+        QuasiStaticModel(Slider(outline), FRICTION, rod, footprint, accuracy=1e-6)
+        for outline in (Ellipse(SEMI_X, SEMI_Y), cut_ellipse())
+    )
+    corners = np.array([[-0.06, offset], [-0.03, offset], [-0.01, offset + 0.004]])
+    wanted = push_along(exact, Pose(), corners)
+    found = push_curve_along(cut, cut_curve(cut.slider.outline), Pose(), corners)
+    travel = np.linspace(0.0, wanted.travel[-1], 41)
+    off = found.pose_at(travel) - wanted.pose_at(travel)
+    assert np.hypot(*off[:, :2].T).max() < 0.05e-3
+    assert np.abs(off[:, 2]).max() < math.radians(0.05)
+    assert np.ptp(wanted.pose[:, 0]) > 0.002
+    assert found.left == wanted.left
+
+
+def test_polygons_with_corners_are_no_curves() -> None:
+    sliders = dataset_sliders()
+    assert [name for name, slider in sliders.items() if is_cut_curve(slider.outline)] == ["butter"]
+    assert is_cut_curve(cut_ellipse())
+
+
+def test_the_curve_goes_through_the_vertices_and_its_normals_point_out() -> None:
+    outline = butter_outline()
+    curve = cut_curve(outline)
+    gaps = [abs(curve.nearest(vertex)[0]) for vertex in outline.array]
+    assert len(gaps) == 80
+    assert max(gaps) < 1e-12
+    middle = 0.5 * (curve.place[:-1] + curve.place[1:])
+    assert not outline.contains(middle + 1e-3 * curve.normal[:-1]).any()
+    assert curve.nearest(np.array([0.0, 0.0]))[0] == pytest.approx(-0.0273790, abs=1e-6)
+    assert curve.nearest(np.array([0.05, 0.0]))[0] > 0.0
+
+
+def test_the_butterfly_is_symmetric_and_as_large_as_the_datasets_mesh() -> None:
+    outline = butter_outline()
+    points = {(round(x, 9), round(y, 9)) for x, y in outline.vertices}
+    assert len(points) == 80
+    assert {(round(-x, 9), y) for x, y in points} == points == {(x, round(-y, 9)) for x, y in points}
+    assert np.abs(outline.array).max(axis=0) == pytest.approx([0.0477, 0.0786], abs=1e-4)
+    assert outline.centroid == pytest.approx((0.0, 0.0), abs=1e-12)
+
+
+def test_the_butterflys_inertia_is_that_of_its_plate() -> None:
+    """Two routes: the number given, and the second moment of area by triangles about the centre."""
+    slider, p = butter_slider(), butter_outline().array
+    q = np.roll(p, -1, axis=0)
+    cross = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
+    moment = float((cross * ((p * p) + (p * q) + (q * q)).sum(1)).sum()) / 12.0
+    assert slider.mass / slider.outline.area == pytest.approx(0.8374 / 0.09**2)
+    assert slider.inertia == pytest.approx(moment * slider.mass / slider.outline.area, rel=1e-3)
+
+
+def test_a_push_into_the_middle_of_the_waist_goes_straight() -> None:
+    """The waist is concave: by symmetry the rod sticks there, and the butterfly does not turn."""
+    model = model_of(butter_slider(), accuracy=1e-5)
+    start, end = np.array([-0.05, 0.0]), np.array([-0.02, 0.0])
+    run = push_curve_along(model, cut_curve(model.slider.outline), Pose(), np.array([start, end]))
+    travelled = 0.03 - (0.05 - 0.0273790177 - model.pusher.radius)
+    assert run.pose[-1] == pytest.approx([travelled, 0.0, 0.0], abs=1e-5)
+    assert run.touched
+    assert not run.left
+
+
+def test_mirrored_pushes_of_the_butterfly_are_mirror_images() -> None:
+    model = model_of(butter_slider(), accuracy=1e-5)
+    curve = cut_curve(model.slider.outline)
+    corners = np.array([[-0.06, 0.02], [-0.02, 0.012]])
+    up = push_curve_along(model, curve, Pose(), corners).pose[-1]
+    down = push_curve_along(model, curve, Pose(), corners * (1.0, -1.0)).pose[-1]
+    assert up * (1.0, -1.0, -1.0) == pytest.approx(down, abs=2e-6)
+    assert abs(up[2]) > 0.05

@@ -1,0 +1,174 @@
+"""A replay of the simulator's own motion is that motion; what calibration shifts and bends do to it is known."""
+
+import math
+
+import numpy as np
+import pytest
+from made_replays import FRICTION, START, clock, model_of, record_of, world
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.replay.replay_push import replay_push
+from cyclemap.mechanics import Pose, SidePush, WorldPush
+
+MILLIMETRE = 1e-3
+
+
+def simulated(model, place=(0.012, 0.075), direction=-math.pi / 2 + 0.3, distance=0.06, pose=START):
+    """A record of one straight push of the simulator, its object's first pose `pose`."""
+    start = world(pose, place)
+    heading = pose.theta + direction
+    push = model.push(pose, WorldPush(tuple(start.tolist()), heading, distance), 0.1 * MILLIMETRE)
+    time, travel = clock(distance)
+    course, before = push.trajectory, distance - push.travel
+    if push.ended == "left":
+        before = float(np.hypot(*(course.pusher[0] - start)))
+    poses = np.column_stack([np.interp(travel, before + course.path, column) for column in course.pose.T])
+    tip = start + np.outer(travel, (math.cos(heading), math.sin(heading)))
+    return record_of(time, poses, tip), push
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "direction"),
+    [
+        ("rect1", (0.012, 0.075), -1.27),
+        ("rect1", (-0.030, 0.060), -1.4),
+        ("hex", (0.010, 0.075), -1.9),
+        ("tri1", (0.010, 0.060), -1.3),
+        ("ellip3", (0.090, 0.012), 3.0),
+        ("ellip1", (0.028, 0.060), -1.5),
+    ],
+)
+def test_the_simulators_own_motion_is_replayed_to_a_hundredth_of_a_millimetre(name, place, direction) -> None:
+    model = model_of(name)
+    record, push = simulated(model, place, direction)
+    replay = replay_push(record, model)
+    assert replay.measured_motion[0] > 5 * MILLIMETRE
+    assert replay.error.max() < 0.01 * MILLIMETRE
+    assert np.abs(replay.turn_error).max() < math.radians(0.01)
+    assert max(replay.rms) < 1e-5
+    assert replay.measured_motion[1] == pytest.approx(push.turn, abs=1e-5)
+    assert replay.strokes == 1
+    assert replay.straightness < 1e-9
+    assert np.all(replay.shift == 0.0)
+    assert replay.left == (push.ended == "left")
+    assert replay.touch_agrees
+    assert replay.leaving_agrees
+
+
+def test_moving_and_turning_the_whole_record_changes_no_error() -> None:
+    """Isotropic friction knows no direction: errors are the same wherever the record lies."""
+    model = model_of("rect1")
+    errors = []
+    for pose in (START, Pose(-1.0, 2.0, -40.0)):
+        record, _ = simulated(model, pose=pose)
+        off = record.object_pose.copy()
+        off[:, 3] += 0.02 * np.linspace(0.0, 1.0, len(off))
+        replay = replay_push(type(record)(off, record.tip_pose, record.ft_wrench), model)
+        errors.append((replay.error[-1], replay.turn_error[-1]))
+    assert errors[0][1] == pytest.approx(-0.02, abs=1e-4)
+    assert errors[0] == pytest.approx(errors[1], abs=1e-6)
+
+
+@pytest.mark.parametrize("overlap", [0.3, 1.5, 4.0])
+def test_a_rod_that_starts_inside_is_moved_out_along_the_normal_and_no_further(overlap) -> None:
+    """The tip recorded too deep by a constant is a calibration's offset: undone, the replay is exact again."""
+    model = model_of("rect1")
+    radius = model.pusher.radius
+    record, _ = simulated(model, place=(0.010, 0.045 + radius + 1e-7), direction=-math.pi / 2)
+    inward = world(Pose(0.0, 0.0, START.theta), (0.0, -overlap * MILLIMETRE))
+    tip = record.tip_pose.copy()
+    tip[:, 1:3] += inward
+    replay = replay_push(type(record)(record.object_pose, tip, record.ft_wrench), model)
+    assert replay.shift == pytest.approx(-inward, abs=1e-6)
+    assert replay.start_gap == pytest.approx(-overlap * MILLIMETRE, abs=1e-6)
+    assert replay.error.max() < 0.01 * MILLIMETRE
+
+
+def test_an_overlap_of_more_than_5_mm_is_refused_with_its_size() -> None:
+    model = model_of("rect1")
+    record, _ = simulated(model)
+    tip = record.tip_pose.copy()
+    tip[:, 1:3] += world(START, (0.0, 0.040)) - tip[0, 1:3]
+    with pytest.raises(InvalidInput, match=r"starts 9\.75 mm inside the object"):
+        replay_push(type(record)(record.object_pose, tip, record.ft_wrench), model)
+
+
+@pytest.mark.parametrize("name", ["rect1", "ellip2"])
+def test_a_path_that_bends_is_the_same_pushes_one_after_the_other(name) -> None:
+    """Two legs replayed as one path end where two pushes of the simulator end, the second from the first's pose."""
+    model = model_of(name)
+    corner_local, first_leg, second_leg = (0.008, 0.10), 0.055, 0.025
+    start = world(START, corner_local)
+    headings = (START.theta - math.pi / 2, START.theta - math.pi / 2 + 0.35)
+    corner = start + first_leg * np.array([math.cos(headings[0]), math.sin(headings[0])])
+    end = corner + second_leg * np.array([math.cos(headings[1]), math.sin(headings[1])])
+    one = model.push(START, WorldPush(tuple(start.tolist()), headings[0], first_leg))
+    two = model.push(one.end, WorldPush(tuple(corner.tolist()), headings[1], second_leg))
+    assert one.ended == two.ended == "distance"
+    time = np.linspace(0.0, 1.0, 161)
+    tip = np.stack([np.interp(time, (0.0, 0.5, 1.0), column) for column in np.stack([start, corner, end]).T], axis=-1)
+    still = np.tile([START.x, START.y, START.theta], (len(time), 1))
+    replay = replay_push(record_of(time, still, tip), model)
+    assert replay.strokes == 2
+    assert replay.straightness > 1 * MILLIMETRE
+    found = replay.predicted[-1] - replay.predicted[0]
+    wanted = np.array([two.end.x - START.x, two.end.y - START.y, two.end.theta - START.theta])
+    assert found == pytest.approx(wanted, abs=1e-6)
+    assert not replay.touch_agrees
+
+
+def test_a_rod_may_leave_and_find_the_object_again_from_another_side() -> None:
+    """A square path around: pushes side 0, goes off, and pushes side 3 (+x) back."""
+    model = model_of("rect1")
+    pose = Pose()
+    corners = np.array([[0.0, 0.09], [0.0, 0.03], [0.0, 0.09], [0.11, 0.09], [0.11, -0.02], [0.03, -0.02]])
+    time = np.linspace(0.0, 1.0, 501)
+    at = np.linspace(0.0, 1.0, len(corners))
+    tip = np.stack([np.interp(time, at, column) for column in corners.T], axis=-1)
+    replay = replay_push(record_of(time, np.zeros((len(time), 3)), tip), model)
+    assert replay.strokes == len(corners) - 1
+    first = model.push(pose, WorldPush((0.0, 0.09), -math.pi / 2, 0.06)).end
+    last = model.push(first, WorldPush((0.11, -0.02), math.pi, 0.08)).end
+    assert replay.predicted[-1] == pytest.approx([last.x, last.y, last.theta], abs=1e-6)
+    assert first.y == pytest.approx(0.03 - 0.045 - model.pusher.radius, abs=1e-9)
+    assert last.x < -0.01
+
+
+def test_a_rod_that_passes_by_predicts_no_motion_and_says_so() -> None:
+    model = model_of("rect1")
+    time, travel = clock(0.05)
+    tip = np.column_stack([0.2 + travel, 0.0 * travel])
+    moved = np.column_stack([0.01 * travel / 0.05, 0.0 * travel, 0.0 * travel])
+    replay = replay_push(record_of(time, moved, tip), model)
+    assert not replay.touched
+    assert not replay.left
+    assert replay.predicted_motion == (0.0, 0.0)
+    assert replay.error[-1] == pytest.approx(0.01)
+    assert not replay.touch_agrees
+
+
+def test_a_tip_at_rest_is_refused() -> None:
+    model = model_of("rect1")
+    time, _ = clock(0.05)
+    with pytest.raises(InvalidInput, match="the tip moves 0 mm"):
+        replay_push(record_of(time, np.zeros((len(time), 3)), np.full((len(time), 2), 0.2)), model)
+
+
+def test_the_friction_of_an_isotropic_surface_changes_no_replay() -> None:
+    model = model_of("hex")
+    record, _ = simulated(model, (0.010, 0.075), -1.9)
+    other = type(model)(model.slider, type(FRICTION).isotropic(0.9), model.pusher, accuracy=1e-6)
+    assert replay_push(record, other).predicted == pytest.approx(replay_push(record, model).predicted, abs=1e-6)
+
+
+def test_a_side_push_of_the_loop_is_replayed_as_well() -> None:
+    """Another way to the same record: a push that starts in contact, by side and fraction."""
+    model = model_of("rect1")
+    push = model.push(START, SidePush(1, 0.3, 0.2, 0.04), 0.1 * MILLIMETRE)
+    time, travel = clock(0.04)
+    course = push.trajectory
+    poses = np.column_stack([np.interp(travel, course.path, column) for column in course.pose.T])
+    tip = np.column_stack([np.interp(travel, course.path, column) for column in course.pusher.T])
+    replay = replay_push(record_of(time, poses, tip), model)
+    assert replay.error.max() < 0.01 * MILLIMETRE
+    assert np.hypot(*replay.shift) < 1e-6

@@ -1,0 +1,107 @@
+"""A folder of pushes replayed: every file is a row or stands among those left out, with the reason."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from made_replays import FRICTION, START, clock, model_of, record_of
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.replay.replay_table import REPLAY_COLUMNS, replay_pushes
+from cyclemap.mechanics import Slider, WorldPush
+from cyclemap.mechanics.outline import Ellipse
+
+
+def push_name(kind="rect1", speed=20, repetition=0):
+    return f"motion_surface=abs_shape={kind}_a=0_v={speed}_i=0.000_s=0.700_t=0.000_rep={repetition:04d}.json"
+
+
+def write_push(path, model, off=0.0, depth=0.0):
+    """Write a push of the model by -y, its last poses `off` (m) too far along x, the tip `depth` (m) too deep."""
+    start, heading = np.array(START.to_world(0.0, 0.08)), START.theta - math.pi / 2
+    push = model.push(START, WorldPush(tuple(start.tolist()), heading, 0.05), 0.5e-3)
+    time, travel = clock(0.05, 80)
+    course = push.trajectory
+    poses = np.column_stack([np.interp(travel, 0.05 - push.travel + course.path, part) for part in course.pose.T])
+    poses[:, 0] += off * np.clip((travel - 0.04) / 0.01, 0.0, 1.0)
+    toward = np.array([math.cos(heading), math.sin(heading)])
+    record = record_of(time, poses, start + np.outer(travel + depth, toward))
+    tables = {name: getattr(record, name).tolist() for name in ("object_pose", "tip_pose", "ft_wrench")}
+    path.write_text(json.dumps(tables))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Five good pushes of two objects, and one file for each reason to be left out."""
+    home = tmp_path_factory.mktemp("pushes")
+    square = model_of("rect1", 1e-5)
+    for number, off in enumerate((0.001, 0.002, 0.006)):
+        write_push(home / push_name("rect1", 20, number), square, off)
+    for number in range(2):
+        write_push(home / push_name("hex", 50, number), model_of("hex", 1e-5), 0.0)
+    write_push(home / push_name("star"), square)
+    write_push(home / push_name("rect2"), square, depth=0.05)
+    write_push(home / "some_push.json", square)
+    (home / push_name("tri1")).write_text("{")
+    (home / "ends.csv").write_text("x0,y0,theta0,x1,y1,theta1\n0,0,0,0.01,0,0.1\n0,0,0,0.02,0,0.1\n")
+    scan = {"tip_array": [[0, 0, 0, 0], [1, 0.1, 0, 0]], "ft_wrench": [[0, 1, 0, 0], [1, 1, 0, 0]]}
+    (home / "record_surface=abs_shape=rect1_a=0_v=20_deg=30_rep=000.json").write_text(json.dumps(scan))
+    return home
+
+
+@pytest.fixture(scope="module")
+def replayed(folder):
+    return replay_pushes(folder, FRICTION)
+
+
+def test_every_file_is_replayed_or_left_out_with_its_reason(folder, replayed) -> None:
+    assert list(replayed.table.columns) == list(REPLAY_COLUMNS)
+    assert len(replayed.table) == len(replayed.replays) == 5
+    reasons = {file.path.name: file.reason for file in replayed.not_replayed}
+    assert len(reasons) == len(replayed.not_replayed) == 6
+    assert len(reasons) + 5 == len(list(folder.iterdir()))
+    for name, reason in {
+        push_name("star"): "object 'star' has no outline here",
+        push_name("rect2"): "mm inside the object, more than the 5 mm",
+        "some_push.json": "does not say which object",
+        push_name("tri1"): "not JSON, or cut short",
+        "ends.csv": "no tip path",
+        "record_surface=abs_shape=rect1_a=0_v=20_deg=30_rep=000.json": "a friction scan, not a push",
+    }.items():
+        assert reason in reasons[name]
+
+
+def test_groups_hold_the_means_and_medians_of_their_pushes(replayed) -> None:
+    groups = replayed.by("surface", "object").set_index("object")
+    assert groups["count"].to_dict() == {"hex": 2, "rect1": 3}
+    square = groups.loc["rect1"]
+    assert square["mean_error"] == pytest.approx(0.003, abs=1e-5)
+    assert square["median_error"] == pytest.approx(0.002, abs=1e-5)
+    assert groups.loc["hex", "mean_error"] < 1e-5
+    assert square["relative_error"] == pytest.approx(square["mean_error"] / square["mean_motion"])
+    assert groups["touch_agrees"].tolist() == [1.0, 1.0]
+    assert replayed.by("speed")["speed"].tolist() == pytest.approx([0.02, 0.05])
+    assert replayed.mean_errors[0] == pytest.approx((0.001 + 0.002 + 0.006) / 5, abs=1e-5)
+    with pytest.raises(InvalidInput, match="no column 'shape' to gather by"):
+        replayed.by("shape")
+
+
+def test_any_slider_may_be_given_by_its_name(folder) -> None:
+    found = replay_pushes(folder, FRICTION, sliders={"star": Slider.mit("rect1"), "hex": Slider(Ellipse(0.05, 0.05))})
+    assert sorted(found.table["object"]) == ["hex", "hex", "star"]
+    star = found.table[found.table["object"] == "star"].iloc[0]
+    assert star["error"] < 1e-5
+
+
+def test_progress_rises_to_one(folder) -> None:
+    seen: list[float] = []
+    replay_pushes(folder, FRICTION, progress=seen.append)
+    assert seen == sorted(seen)
+    assert len(seen) > 10
+    assert seen[-1] == pytest.approx(1.0)
+
+
+def test_a_path_with_nothing_is_refused(tmp_path) -> None:
+    with pytest.raises(InvalidInput, match="nothing there"):
+        replay_pushes(tmp_path / "nowhere", FRICTION)

@@ -1,0 +1,74 @@
+"""Friction between two states of wear is the ellipse between their ellipses."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.simulation.friction_wear import worn_friction
+from cyclemap.mechanics import EllipseFriction, load_material
+
+FRESH = load_material("plywood").friction
+WORN = EllipseFriction(0.31, 0.19, m0=-0.02, n0=0.05, phi=0.7)
+ANGLES = np.linspace(0.0, 2.0 * math.pi, 60, endpoint=False)
+WAYS = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=-1)
+
+
+def random_friction(generator) -> EllipseFriction:
+    mu_a, mu_b = generator.uniform(0.02, 1.0, 2)
+    radius, angle = 0.999 * math.sqrt(generator.uniform()), generator.uniform(0.0, 2.0 * math.pi)
+    centre = radius * mu_a * math.cos(angle), radius * mu_b * math.sin(angle)
+    return EllipseFriction(mu_a, mu_b, *centre, phi=generator.uniform(-4.0, 4.0))
+
+
+def test_the_ends_are_the_surfaces_themselves() -> None:
+    assert worn_friction(FRESH, WORN, 0.0) is FRESH
+    assert worn_friction(FRESH, WORN, 1.0) is WORN
+    assert worn_friction(FRESH, FRESH, 0.3) is FRESH
+
+
+@pytest.mark.parametrize("share", [0.001, 0.25, 0.5, 0.999])
+def test_centre_and_squared_radius_go_straight_in_every_direction(share) -> None:
+    """Support function h(v) = c.v + sqrt(v.S v): half the sum and half the difference of h(v), h(-v) give c and S."""
+
+    def parts(law):
+        ahead, behind = law.dissipation(WAYS), law.dissipation(-WAYS)
+        return (ahead - behind) / 2.0, ((ahead + behind) / 2.0) ** 2
+
+    found = parts(worn_friction(FRESH, WORN, share))
+    for got, first, last in zip(found, parts(FRESH), parts(WORN), strict=True):
+        assert got == pytest.approx((1.0 - share) * first + share * last, abs=1e-13)
+
+
+def test_no_path_between_two_laws_leaves_the_laws() -> None:
+    """Zero stays inside the ellipse (else EllipseFriction refuses), also for laws at the very edge."""
+    generator = np.random.default_rng(5)
+    for _ in range(300):
+        fresh, worn = random_friction(generator), random_friction(generator)
+        worst = max(math.hypot(law.m0 / law.mu_a, law.n0 / law.mu_b) for law in (fresh, worn))
+        between = worn_friction(fresh, worn, generator.uniform())
+        assert math.hypot(between.m0 / between.mu_a, between.n0 / between.mu_b) <= worst + 1e-12
+
+
+def test_other_names_of_the_same_ellipse_change_nothing() -> None:
+    half_turned = EllipseFriction(0.31, 0.19, m0=0.02, n0=-0.05, phi=0.7 + math.pi)
+    exchanged = EllipseFriction(0.19, 0.31, m0=0.05, n0=0.02, phi=0.7 + math.pi / 2.0)
+    expected = worn_friction(FRESH, WORN, 0.4).traction(WAYS)
+    for name in (half_turned, exchanged):
+        assert name.traction(WAYS) == pytest.approx(WORN.traction(WAYS), abs=1e-14)
+        assert worn_friction(FRESH, name, 0.4).traction(WAYS) == pytest.approx(expected, abs=1e-13)
+
+
+def test_a_little_wear_changes_each_of_the_five_numbers_a_little() -> None:
+    """The names of the axes do not jump at the start."""
+    little = worn_friction(FRESH, WORN, 1e-6)
+    for name in ("mu_a", "mu_b", "m0", "n0"):
+        assert getattr(little, name) == pytest.approx(getattr(FRESH, name), abs=1e-5)
+    assert math.remainder(little.phi - FRESH.phi, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("share", [-0.1, 1.1, math.nan])
+def test_a_share_beyond_the_ends_is_refused(share) -> None:
+    with pytest.raises(InvalidInput, match="share of wear"):
+        worn_friction(FRESH, WORN, share)

@@ -1,0 +1,202 @@
+"""The record of a simulated push: poses, tip, forces and clocks are those of the mechanics and of the instruments."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
+from cyclemap.evidence.simulation.recorded_motion import Recording, RecordingNoise
+from cyclemap.evidence.simulation.recorded_push import record_push
+from cyclemap.mechanics import EllipseFriction, Pose, Pusher, SidePush, Slider, WorldPush
+
+LOOP = CollectionLoop.mit("plywood", accuracy=1e-8)
+TARGET = np.array([0.350, -0.030])
+# The whole 150 mm lose the object just before their end; 120 mm do not.
+SHORT = replace(LOOP, push=SidePush(distance=0.12))
+QUIET = Recording(noise=RecordingNoise(turn=0.0))
+RADIUS = 0.00475
+# Where, and how fast, the rod is: it rests for 0.25 s, and touches after 1 mm.
+TOUCH = 0.25 + 0.001 / 0.02
+
+
+def recorded(theta, loop=LOOP, recording=QUIET, steps=60, seed=0):
+    """The push of a cycle and its record."""
+    push, _ = loop.strokes(theta, loop.push.distance / steps)
+    return push, record_push(push, loop.push.distance, recording, np.random.default_rng(seed))
+
+
+def elapsed(rows):
+    return rows[:, 0] - QUIET.start
+
+
+def in_object_frame(record):
+    """The tip's places (n, 2) in the object's frame, at the object's times from the tip's first on."""
+    time = record.object_pose[3:-3, 0]
+    tip = np.stack([np.interp(time, record.tip_pose[:, 0], record.tip_pose[:, k]) for k in (1, 2)], axis=-1)
+    offset, angle = tip - record.object_pose[3:-3, 1:3], record.object_pose[3:-3, 3]
+    c, s = np.cos(angle), np.sin(angle)
+    return time, np.stack([c * offset[:, 0] + s * offset[:, 1], c * offset[:, 1] - s * offset[:, 0]], axis=-1)
+
+
+def distance_from_square(place, half=0.045):
+    return np.hypot(*np.maximum(np.abs(place) - half, 0.0).T)
+
+
+@pytest.mark.parametrize("theta", [0.0, 1.7, 3.1, -2.9, 7.5])
+def test_start_end_turn_and_displacement_are_those_of_the_cycle(theta) -> None:
+    """Two integrations with other steps: they agree to their accuracy. The ring lies on the arena's target."""
+    cycle = LOOP.cycle(theta)
+    _, record = recorded(theta)
+    assert record.displacement == pytest.approx(cycle.push_displacement, abs=1e-8)
+    assert record.turn == pytest.approx(cycle.push_turn, abs=1e-7)
+    start, pose = LOOP.start_pose(theta), record.start
+    assert pose[:2] == pytest.approx((TARGET[0] + start.x, TARGET[1] + start.y), abs=1e-15)
+    assert math.remainder(pose[2] - theta, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-14)
+    ring = Pose(*pose).to_world(*LOOP.slider.hitch)
+    assert ring == pytest.approx(TARGET, abs=1e-15)
+    assert np.all(np.abs(record.object_pose[:, 3]) <= math.pi)
+
+
+@pytest.mark.parametrize(("shape", "side", "fraction", "angle"), [("rect1", 0, 0.7, 0.0), ("tri2", 2, 0.4, -0.5)])
+def test_the_record_alone_tells_the_whole_push(shape, side, fraction, angle) -> None:
+    """First pose and the tip's first and last place, in the robot's frame, pushed again: the same last pose."""
+    loop = replace(LOOP, slider=Slider.mit(shape), push=SidePush(side, fraction, angle, 0.08))
+    _, record = recorded(2.2, loop)
+    (x0, y0), (x1, y1) = record.tip_pose[[0, -1], 1:3].tolist()
+    again = WorldPush((x0, y0), math.atan2(y1 - y0, x1 - x0), math.hypot(x1 - x0, y1 - y0))
+    end = loop.model.push(Pose(*record.start), again).end
+    assert record.end == pytest.approx((end.x, end.y, end.theta), abs=1e-7)
+    assert record.turn > 0.1 or record.turn < -0.1
+
+
+@pytest.mark.parametrize("theta", [0.0, 2.0, 4.0])
+def test_between_the_steps_the_record_is_that_of_a_run_ten_times_finer(theta) -> None:
+    _, coarse = recorded(theta)
+    _, fine = recorded(theta, steps=600)
+    assert np.abs(coarse.object_pose[:, 1:3] - fine.object_pose[:, 1:3]).max() < 1e-6
+    assert np.abs(coarse.object_angle - fine.object_angle).max() < 1e-5
+    # Where the contact changes between sticking and sliding the force has a kink, never a jump.
+    assert np.abs(coarse.ft_wrench[:, 1:3] - fine.ft_wrench[:, 1:3]).max() < 1e-3
+
+
+def test_the_rod_comes_over_one_millimetre_and_then_touches_all_the_time() -> None:
+    """Geometry alone: the rod's centre is one radius from the square's outline, whatever the integration says."""
+    for theta in (0.0, 2.0, 4.0):
+        push, record = recorded(theta, SHORT)
+        assert push.ended == "distance"
+        time, place = in_object_frame(record)
+        distance = distance_from_square(place)
+        since = time - QUIET.start
+        # Across the rod's start and stop its way between two samples is not straight.
+        touching = (since >= TOUCH) & (np.abs(since - TOUCH - 6.0) > 0.004)
+        assert np.count_nonzero(touching) > 1500
+        assert distance[touching] == pytest.approx(RADIUS, abs=2e-6)
+        assert distance[since <= 0.249] == pytest.approx(RADIUS + 0.001, abs=1e-9)
+
+
+def test_clocks_run_at_250_hz_and_begin_one_after_the_other() -> None:
+    _, record = recorded(0.0)
+    seconds = 0.5 + 0.151 / 0.02
+    for rows, lag in ((record.object_pose, 0.0), (record.tip_pose, 0.009), (record.ft_wrench, 0.011)):
+        assert elapsed(rows)[0] == pytest.approx(lag, abs=1e-6)
+        assert np.diff(rows[:, 0]) == pytest.approx(0.004, abs=1e-6)
+        assert seconds <= elapsed(rows)[-1] <= seconds + 0.016
+    still = (elapsed(record.object_pose) < TOUCH) | (elapsed(record.object_pose) > TOUCH + 7.5)
+    assert np.count_nonzero(still) > 130
+    assert len({tuple(row) for row in record.object_pose[still, 1:].tolist()}) == 2
+
+
+@pytest.mark.parametrize("speed", [0.005, 0.1])
+def test_the_rod_goes_at_the_speed_asked_for_and_the_way_is_the_same(speed) -> None:
+    _, record = recorded(1.0, recording=replace(QUIET, speed=speed))
+    step = np.hypot(*np.diff(record.tip_pose[:, 1:3], axis=0).T) / np.diff(record.tip_pose[:, 0])
+    moving = step > 0.0
+    assert np.count_nonzero(moving) > 370
+    assert step[moving][1:-1] == pytest.approx(speed, rel=1e-6)
+    assert np.hypot(*(record.tip_pose[-1, 1:3] - record.tip_pose[0, 1:3])) == pytest.approx(0.151, abs=1e-12)
+    assert record.turn == recorded(1.0)[1].turn
+
+
+@pytest.mark.parametrize("friction", [0.05, 0.15, 0.3])
+def test_forces_read_back_give_the_pushers_friction_where_the_contact_slides(friction) -> None:
+    """A slippery rod slides most of the way: the median ratio is its friction. It presses on the object."""
+    loop = replace(LOOP, pusher=Pusher(friction=friction), push=SidePush(fraction=0.7, angle=0.9))
+    push, record = recorded(0.3, loop)
+    slides = np.char.startswith(push.trajectory.mode.astype(str), "slide")
+    assert slides.mean() > 0.6
+    assert contact_force_ratio(record, loop.slider.outline_points()) == pytest.approx(friction, rel=1e-5)
+
+
+def test_the_wrench_is_nothing_before_touch_is_held_at_rest_and_turns_the_rod_by_its_friction() -> None:
+    _, record = recorded(0.0, SHORT)
+    time, wrench = elapsed(record.ft_wrench), record.ft_wrench[:, 1:]
+    assert np.all(wrench[time < TOUCH] == 0.0)
+    assert np.hypot(*wrench[time > TOUCH + 0.01, :2].T).min() > 0.5
+    assert np.all(wrench[time >= TOUCH + 6.0] == wrench[-1])
+    # The contact's force has the lever of one radius: torque² = radius² (force² - normal²), so within the cone.
+    force = np.hypot(*wrench[:, :2].T)
+    bound = RADIUS * force * math.sin(math.atan(0.15))
+    assert np.all(np.abs(wrench[:, 2]) <= bound + 1e-9)
+    assert np.count_nonzero(np.abs(wrench[:, 2]) > 0.999 * bound) > 300
+
+
+def test_a_disc_pushed_through_its_centre_pushes_back_with_friction_times_weight() -> None:
+    """Isotropic ground, a known mass: the force follows from Coulomb's law alone."""
+    loop = CollectionLoop(
+        Slider.mit("ellip1"), replace(LOOP.material, friction=EllipseFriction.isotropic(0.25)), push=SidePush(0, 0.3)
+    )
+    _, record = recorded(0.4, loop)
+    moving = elapsed(record.ft_wrench) > TOUCH
+    assert np.count_nonzero(moving) > 1900
+    assert np.hypot(*record.ft_wrench[moving, 1:3].T) == pytest.approx(0.25 * 0.8937 * 9.80665, rel=1e-6)
+    assert record.turn == pytest.approx(0.0, abs=1e-8)
+    # The object pushes back: against the rod's way.
+    way = record.tip_pose[-1, 1:3] - record.tip_pose[0, 1:3]
+    assert np.all(record.ft_wrench[moving, 1:3] @ way < 0.0)
+
+
+def test_a_rod_that_loses_the_object_goes_on_alone_without_force() -> None:
+    loop = replace(LOOP, pusher=Pusher(friction=0.0), push=SidePush(fraction=0.97, angle=-0.6))
+    push, record = recorded(0.5, loop)
+    assert push.ended == "left" and push.travel < 0.12
+    left = TOUCH + push.travel / 0.02
+    after = elapsed(record.ft_wrench) > left
+    assert np.count_nonzero(after) > 300
+    assert np.all(record.ft_wrench[after, 1:] == 0.0)
+    assert np.all(record.object_pose[elapsed(record.object_pose) > left, 1:] == record.object_pose[-1, 1:])
+    assert np.hypot(*(record.tip_pose[-1, 1:3] - record.tip_pose[0, 1:3])) == pytest.approx(0.151, abs=1e-12)
+
+
+def test_measurement_noise_has_the_deviations_asked_for_and_leaves_the_tip_alone() -> None:
+    asked = RecordingNoise(turn=0.0, position=2e-4, angle=3e-3, force=0.05)
+    _, quiet = recorded(3.1)
+    _, noisy = recorded(3.1, recording=replace(QUIET, noise=asked), seed=7)
+    pose = noisy.object_pose[:, 1:] - quiet.object_pose[:, 1:]
+    pose[:, 2] = np.remainder(pose[:, 2] + math.pi, 2.0 * math.pi) - math.pi
+    wrench = noisy.ft_wrench[:, 1:] - quiet.ft_wrench[:, 1:]
+    for error, deviation in ((pose, [2e-4, 2e-4, 3e-3]), (wrench, [0.05, 0.05, 0.05 * RADIUS])):
+        assert len(error) > 2000
+        # Standard errors from 2000 draws: 1.6 % of a deviation, 2.2 % of it for a mean.
+        assert error.std(axis=0) == pytest.approx(deviation, rel=0.065)
+        assert np.abs(error.mean(axis=0) / deviation).max() < 0.09
+        assert np.abs(np.corrcoef(error.T) - np.eye(3)).max() < 0.09
+    assert np.array_equal(noisy.tip_pose, quiet.tip_pose)
+
+
+@pytest.mark.parametrize("field", ["turn", "position", "angle", "force"])
+@pytest.mark.parametrize("value", [-1.0, math.nan, math.inf])
+def test_noise_that_is_none_is_refused_by_name(field, value) -> None:
+    with pytest.raises(InvalidInput, match=f"noise of the {field}"):
+        RecordingNoise(**{field: value})
+
+
+def test_a_rod_that_does_not_move_or_a_stroke_shorter_than_the_push_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="speed of the rod must be positive"):
+        Recording(speed=0.0)
+    push, _ = SHORT.strokes(0.0, 0.01)
+    with pytest.raises(InvalidInput, match=r"went 0\.12 m, further than the stroke of 0\.1 m"):
+        record_push(push, 0.1, QUIET, np.random.default_rng(0))

@@ -1,0 +1,287 @@
+"""A simulated collection is the loop's path in the dataset's layout, the same however often it was broken off."""
+
+import math
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.evidence.pushes.push_table import load_pushes
+from cyclemap.evidence.simulation import simulated_collection as module
+from cyclemap.evidence.simulation.collection_folder import ARGUMENTS_FILE, TRUTH_FILE
+from cyclemap.evidence.simulation.collection_plan import CollectionPlan
+from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
+from cyclemap.evidence.simulation.simulated_collection import simulate_collection
+from cyclemap.mechanics import EllipseFriction, Material, Pusher, SidePush
+
+LOOP = CollectionLoop.mit("plywood", accuracy=1e-6)
+WORN = Material("worn", EllipseFriction(0.2, 0.15, m0=0.02, n0=-0.01, phi=0.4))
+SILENT = RecordingNoise(turn=0.0)
+NOISY = RecordingNoise(position=1e-4, angle=1e-3, force=0.02)
+CYCLES = 8
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file below a folder, hidden ones too, by its path."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def truth(folder: Path) -> np.ndarray:
+    return np.loadtxt(folder / TRUTH_FILE)[:, 1]
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory) -> dict[str, bytes]:
+    """The files of a noisy, wearing collection that was never broken off."""
+    folder = tmp_path_factory.mktemp("undisturbed") / "made"
+    made = simulate(folder)
+    assert (made.written, made.resumed) == (CYCLES, 0)
+    return contents(folder)
+
+
+def simulate(folder, **changes):
+    return simulate_collection(LOOP, folder, **{"cycles": CYCLES, "noise": NOISY, "wear_to": WORN, "seed": 3} | changes)
+
+
+def test_the_table_read_back_is_the_path_of_the_cycle_map(tmp_path) -> None:
+    """Cycle after cycle by the loop's own `cycle`, in other steps: equal to the accuracy asked of it."""
+    made = simulate_collection(LOOP, tmp_path / "made", 6, start=2.0, noise=SILENT)
+    pushes = load_pushes(made.folder)
+    table = pushes.table
+    assert pushes.unreadable == () and len(table) == 6 == made.cycles
+    assert table["repetition"].tolist() == list(range(6))
+    theta = 2.0
+    for row in table.itertuples():
+        cycle = LOOP.cycle(theta)
+        assert math.remainder(row.theta0 - theta, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-5)
+        assert (row.dx, row.dy) == pytest.approx(cycle.push_displacement, abs=1e-6)
+        assert row.dtheta == pytest.approx(cycle.push_turn, abs=1e-5)
+        theta = cycle.theta_next
+        if row.Index < 5:
+            turn = cycle.push_turn + cycle.drag_turn
+            assert row.theta_next - row.theta0 == pytest.approx(turn, abs=1e-5)
+    assert math.isnan(table["theta_next"].iloc[-1])
+    assert made.theta_last == pytest.approx(truth(made.folder)[-2], abs=0.0)
+    assert truth(made.folder)[-1] == pytest.approx(theta, abs=2e-5)
+
+
+def test_files_lie_where_the_dataset_has_them_under_its_names(tmp_path) -> None:
+    loop = replace(LOOP, material=replace(LOOP.material, name="plywood (changed)"))
+    made = simulate_collection(loop, tmp_path, 2, suffix=".json", speed=0.05)
+    name = "motion_surface=plywood_changed_shape=rect1_a=0_v=50_i=0.000_s=0.700_t=0.000_rep={:04d}.json"
+    folder = tmp_path / "plywood_changed" / "rect1" / "normal"
+    assert sorted(path.name for path in folder.iterdir()) == [name.format(0), name.format(1)]
+    assert made.bytes == sum(path.stat().st_size for path in folder.iterdir())
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["plywood_changed", ARGUMENTS_FILE, TRUTH_FILE]
+    pushes = load_pushes(tmp_path)
+    assert pushes.unreadable == () and pushes.table["speed"].tolist() == [0.05, 0.05]
+
+
+def test_cycles_scatter_about_the_map_as_asked(tmp_path) -> None:
+    """θ_{n+1} - F(θ_n) is normal noise: mean, deviation and correlation within three standard errors."""
+    sigma, cycles = 0.02, 60
+    made = simulate_collection(LOOP, tmp_path, cycles, noise=RecordingNoise(turn=sigma), seed=1)
+    theta = truth(made.folder)
+    error = (theta[1:] - LOOP.next_theta(theta[:-1])) / sigma
+    assert error.size == cycles
+    assert abs(error.mean()) < 3.0 / math.sqrt(cycles)
+    assert error.std() == pytest.approx(1.0, abs=3.0 / math.sqrt(2.0 * cycles))
+    assert abs(np.corrcoef(error[1:], error[:-1])[0, 1]) < 3.0 / math.sqrt(cycles)
+    recorded = load_pushes(tmp_path).table["theta0"].to_numpy()
+    assert np.remainder(recorded - theta[:-1] + 1.0, 2.0 * math.pi) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_noise_of_the_instruments_does_not_touch_the_path(tmp_path) -> None:
+    """One seed, one path: with and without errors of measurement; another seed, another path."""
+    folders = {name: tmp_path / name for name in ("noisy", "clean", "other")}
+    simulate(folders["noisy"])
+    simulate(folders["clean"], noise=RecordingNoise())
+    simulate(folders["other"], seed=4)
+    paths = {name: truth(folder) for name, folder in folders.items()}
+    assert np.array_equal(paths["noisy"], paths["clean"])
+    assert np.abs(paths["noisy"] - paths["other"])[1:].min() > 1e-3
+    tables = {name: load_pushes(folder).table for name, folder in folders.items()}
+    error = tables["noisy"]["theta0"] - tables["clean"]["theta0"]
+    assert 0.0 < np.abs(error).max() < 5e-3
+
+
+def test_wear_goes_from_the_one_surface_to_the_other(tmp_path) -> None:
+    """First and last push are those of the two surfaces, those between of neither."""
+    made = simulate_collection(LOOP, tmp_path, 5, noise=SILENT, wear_to=WORN)
+    table, theta = load_pushes(made.folder).table, truth(made.folder)
+    worn = replace(LOOP, material=WORN)
+    for row, loop in ((0, LOOP), (4, worn)):
+        assert table["dtheta"].iloc[row] == pytest.approx(loop.cycle(theta[row]).push_turn, abs=1e-5)
+        assert theta[row + 1] == pytest.approx(loop.cycle(theta[row]).theta_next, abs=1e-5)
+    for row in (1, 2, 3):
+        for loop in (LOOP, worn):
+            assert abs(table["dtheta"].iloc[row] - loop.cycle(theta[row]).push_turn) > 1e-4
+    assert CollectionPlan(LOOP, 1, wear_to=WORN).loop_at(0).material.friction == LOOP.material.friction
+
+
+# -- broken off and gone on with --------------------------------------------------------------------------------
+
+
+class BrokenOffError(Exception):
+    """What stops a run in these tests."""
+
+
+@pytest.mark.parametrize("calls", range(1, 2 * CYCLES, 3))
+def test_a_run_stopped_between_any_two_files_ends_like_an_undisturbed_one(
+    tmp_path, monkeypatch, undisturbed, calls
+) -> None:
+    """Stopped after a push's file or after the note of its successor: all the same."""
+    left = [calls]
+
+    def stopping(real):
+        def call(*arguments):
+            if left[0] == 0:
+                raise BrokenOffError
+            left[0] -= 1
+            return real(*arguments)
+
+        return call
+
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "write_push_file", stopping(module.write_push_file))
+        patch.setattr(module.CollectionFolder, "append_truth", stopping(module.CollectionFolder.append_truth))
+        with pytest.raises(BrokenOffError):
+            simulate(tmp_path)
+    made = simulate(tmp_path)
+    assert (made.resumed, made.written) == (calls // 2, CYCLES - calls // 2)
+    assert contents(tmp_path) == undisturbed
+    again = simulate(tmp_path)
+    assert (again.resumed, again.written, again.theta_last) == (CYCLES, 0, made.theta_last)
+    assert contents(tmp_path) == undisturbed
+
+
+def test_a_killed_process_leaves_whole_files_only_and_can_be_gone_on_with(tmp_path) -> None:
+    """SIGKILL in the middle of the fourth file, between writing and renaming it."""
+    folder, whole = tmp_path / "killed", tmp_path / "whole"
+    script = f"""
+        import os, signal
+        from pathlib import Path
+        from cyclemap.collection.loop import CollectionLoop
+        from cyclemap.evidence.simulation.simulated_collection import simulate_collection
+        real = Path.replace
+        def replace(self, target):
+            if "rep=0003" in str(target):
+                os.kill(os.getpid(), signal.SIGKILL)
+            return real(self, target)
+        Path.replace = replace
+        simulate_collection(CollectionLoop.mit("plywood", accuracy=1e-6), {str(folder)!r}, 6)
+    """
+    root = Path(__file__).parents[3]
+    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], cwd=root, env=environment, check=False)
+    assert done.returncode == -signal.SIGKILL
+    assert len(list(folder.rglob("*.part"))) == 1
+    pushes = load_pushes(folder)
+    assert pushes.unreadable == () and pushes.table["repetition"].tolist() == [0.0, 1.0, 2.0]
+    assert (simulate_collection(LOOP, folder, 6).resumed, simulate_collection(LOOP, whole, 6).resumed) == (3, 0)
+    assert contents(folder) == contents(whole)
+
+
+def test_lost_files_and_damaged_notes_are_made_again(tmp_path, undisturbed) -> None:
+    simulate(tmp_path)
+    sorted(tmp_path.rglob("*rep=0005.h5"))[0].unlink()
+    assert simulate(tmp_path).resumed == 5
+    assert contents(tmp_path) == undisturbed
+    notes = tmp_path / TRUTH_FILE
+    for damage, resumed in (("", 0), (notes.read_text()[:-9], CYCLES - 1), ("0 0.0\n1 nan\n2 0.1\n", 0)):
+        notes.write_text(damage)
+        assert simulate(tmp_path).resumed == resumed
+        assert contents(tmp_path) == undisturbed
+
+
+def test_a_run_killed_before_its_first_file_was_whole_is_begun_anew(tmp_path, undisturbed) -> None:
+    (tmp_path / f".{ARGUMENTS_FILE}.123.part").write_text("version = ")
+    assert simulate(tmp_path).resumed == 0
+    assert contents(tmp_path) == undisturbed
+
+
+def test_progress_ends_at_one_and_counts_what_was_there(tmp_path) -> None:
+    told: list[float] = []
+    simulate(tmp_path, progress=told.append)
+    assert told == [(n + 1) / CYCLES for n in range(CYCLES)]
+
+
+# -- what is refused --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"cycles": 9}, "cycles is 8 there and 9 here"),
+        ({"seed": 4}, "seed is 3 there and 4 here"),
+        ({"start": 0.1}, "start_rad is 0.0 there and 0.1 here"),
+        ({"noise": replace(NOISY, turn=0.1)}, "noise_turn_rad is .* there and 0.1 here"),
+        ({"noise": replace(NOISY, force=0.03)}, "noise_force_n is 0.02 there and 0.03 here"),
+        ({"speed": 0.03}, "speed_m_s is 0.02 there and 0.03 here"),
+        ({"wear_to": None}, "wear_to is EllipseFriction.* there and none here"),
+        ({"scans": True}, "scans is False there and True here"),
+        ({"suffix": ".json"}, "suffix is .h5 there and .json here"),
+        ({"loop": replace(LOOP, pusher=Pusher(friction=0.2))}, "pusher is .*friction=0.15.* there and .*0.2"),
+        ({"loop": replace(LOOP, push=SidePush(distance=0.1))}, "push is .*distance=0.15.* there and .*0.1"),
+        ({"loop": replace(LOOP, material=WORN)}, "friction is .*0.2545.* there and .*mu_a=0.2,"),
+        ({"loop": replace(LOOP, accuracy=1e-7)}, "accuracy is 1e-06 there and 1e-07 here"),
+    ],
+)
+def test_other_arguments_in_the_same_folder_are_refused_by_name(tmp_path, changes, message) -> None:
+    folder = tmp_path / "begun"
+    plan = CollectionPlan(LOOP, CYCLES, noise=NOISY, wear_to=WORN, seed=3)
+    module.CollectionFolder(folder, plan)
+    before = contents(folder)
+    with pytest.raises(InvalidInput, match=message):
+        module.CollectionFolder(folder, replace(plan, **changes))
+    assert contents(folder) == before and list(before) == [ARGUMENTS_FILE]
+    module.CollectionFolder(folder, plan)
+
+
+def test_a_collection_of_another_version_is_refused(tmp_path) -> None:
+    simulate(tmp_path, cycles=1)
+    record = tmp_path / ARGUMENTS_FILE
+    record.write_text(record.read_text().replace('version = "', 'version = "0.0.0-'))
+    with pytest.raises(InvalidInput, match=r"version is 0\.0\.0-"):
+        simulate(tmp_path, cycles=1)
+
+
+@pytest.mark.parametrize("name", ["thesis.txt", "film.part", "motion_surface=abs_rep=0000.h5"])
+def test_a_folder_with_anything_else_in_it_is_left_alone(tmp_path, name) -> None:
+    (tmp_path / name).write_text("years of work")
+    with pytest.raises(InvalidInput, match="holds other files"):
+        simulate(tmp_path)
+    assert contents(tmp_path) == {name: b"years of work"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"cycles": 0}, "cycles must be at least 1"),
+        ({"start": math.nan}, "start must be a finite number"),
+        ({"seed": -1}, "seed must be at least 0"),
+        ({"speed": 0.0}, "speed of the rod must be positive"),
+        ({"suffix": ".csv"}, "suffix is '.csv'"),
+    ],
+)
+def test_bad_arguments_are_refused_before_anything_is_written(tmp_path, changes, message) -> None:
+    with pytest.raises(InvalidInput, match=message):
+        simulate(tmp_path / "made", **changes)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_push_that_the_mechanics_cannot_do_is_told_with_its_cycle(tmp_path, monkeypatch) -> None:
+    def refuse(*arguments):
+        raise UnsupportedContact("the rod touches two sides")
+
+    monkeypatch.setattr(CollectionLoop, "strokes", refuse)
+    with pytest.raises(UnsupportedContact, match=r"cycle 0, from θ0 = 57\.296 degrees: the rod touches two sides"):
+        simulate(tmp_path, start=1.0)

@@ -1,0 +1,170 @@
+"""The cycle map of measured θ0: a made worn staircase, and the measured plywood staircase."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_sets import TURN, worn_pairs, worn_turn
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.fit_map import fit_map
+from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, _fitted, measured_cycle_map
+from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
+from cyclemap.evidence.theta0.theta0_statistics import turn_bins
+
+GRID = np.linspace(0.0, TURN, 90)
+
+
+@pytest.fixture(scope="module")
+def made() -> MeasuredCycleMap:
+    return measured_cycle_map(worn_pairs(), runs=60)
+
+
+def test_the_made_map_is_found_with_its_wear_its_scatter_and_its_bottleneck(made) -> None:
+    worn = made.fitted.wear
+    assert (worn.harmonics, worn.degree, made.wears) == (1, 1, True)
+    assert worn.sigma == pytest.approx(0.02, rel=0.1)
+    for state in (made.early, made.late):
+        assert not state.fixed_points
+        (passage,) = state.passages
+        assert passage.theta == pytest.approx(np.pi, abs=0.05)
+        assert passage.gap == pytest.approx(worn_turn(np.pi, state.cycle), abs=0.005)
+        assert state.slowest[0] == pytest.approx(np.pi, abs=0.05)
+    assert (made.early.cycle, made.late.cycle) == (pytest.approx(112.375), pytest.approx(786.625))
+
+
+def test_the_made_path_turns_and_crowds_as_its_map_foretells(made) -> None:
+    forecast = made.forecast
+    assert forecast.first_cycle == 225.0
+    low, high = np.quantile(forecast.turns, [0.005, 0.995])
+    assert low - 0.5 <= forecast.measured_turns <= high + 0.5
+    assert forecast.left_out_turns == pytest.approx(0.0, abs=1e-9)
+    assert forecast.wasserstein < np.max(forecast.run_distances)
+    peak = np.argmax(forecast.histogram.density)
+    assert abs(np.rad2deg(forecast.histogram.edges[peak]) - 180.0) < 20.0
+    assert forecast.run.shape == forecast.measured.shape == forecast.lower.shape == (901,)
+    held = (forecast.lower <= forecast.measured) & (forecast.measured <= forecast.upper)
+    assert np.mean(held) > 0.5
+    assert forecast.pace.inside > 0.75
+
+
+def test_without_wear_early_and_late_are_one_map() -> None:
+    found = measured_cycle_map(worn_pairs(400), wear=False, runs=5)
+    assert not found.wears
+    assert found.fitted.wear.degree == 0
+    assert np.array_equal(found.fitted.map_at(0.0).turn(GRID), found.fitted.map_at(399.0).turn(GRID))
+    assert found.early.slowest == found.late.slowest
+    assert found.forecast is not None
+
+
+def test_pairs_in_no_order_have_a_map_and_no_forecast() -> None:
+    pairs = worn_pairs(200)
+    found = measured_cycle_map(Theta0Pairs(pairs.theta, pairs.theta_next), harmonics=1)
+    assert (found.forecast, found.fitted.wear, found.wears) == (None, None, False)
+    assert np.isnan(found.early.cycle)
+    assert found.early.slowest[0] == pytest.approx(np.pi, abs=0.1)
+
+
+def test_cycles_left_out_of_the_fit_are_told_in_turns() -> None:
+    """A jump by a third of a turn in the middle: its cycle is no pair, and its height is accounted for."""
+    pairs = worn_pairs(400)
+    path, kept = pairs.path.copy(), np.arange(400) != 300
+    path[301:] += TURN / 3
+    theta, ahead = path[:-1][kept], path[1:][kept]
+    cut = Theta0Pairs(theta, ahead, path, {"jump": 1}, pairs.cycle[kept], pairs.path_cycle)
+    found = measured_cycle_map(cut, harmonics=1, runs=5)
+    own = (pairs.path[301] - pairs.path[300]) / TURN
+    assert found.forecast.left_out_turns == pytest.approx(1 / 3 + own, abs=1e-9)
+
+
+def test_too_few_pairs_are_refused_by_number() -> None:
+    pairs = worn_pairs(12)
+    with pytest.raises(InvalidInput, match="12 pairs are too few for a cycle map; give at least 20"):
+        measured_cycle_map(pairs)
+
+
+def test_the_share_done_is_reported_to_its_end() -> None:
+    shares: list[float] = []
+    measured_cycle_map(worn_pairs(60), harmonics=1, runs=2, progress=shares.append)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+
+
+# -- the measured plywood staircase ------------------------------------------------------------------------
+
+
+@cache
+def plywood(folder: Path) -> MeasuredCycleMap:
+    return measured_cycle_map(read_theta0_pairs(folder / "plywood_rect1_theta0_2000.csv"), runs=100)
+
+
+def test_the_plywood_law_is_fitted_to_within_its_noise(measured_data) -> None:
+    """Residuals in units of the fitted scatter have size 1, and their medians over 5° bins stay within one of it."""
+    found = plywood(measured_data)
+    pairs, worn = found.pairs, found.fitted.wear
+    assert (pairs.theta.size, worn.degree) == (1996, 2)
+    law = np.array([float(worn.at(n)(theta)) for n, theta in zip(pairs.cycle, pairs.theta, strict=True)])
+    scatter = worn.whole.noise(pairs.theta)
+    assert np.sqrt(np.mean(((pairs.turn - law) / scatter) ** 2)) == pytest.approx(1.0, abs=0.05)
+    late = pairs.cycle >= 500
+    residual = Theta0Pairs(pairs.theta[late], pairs.theta[late] + (pairs.turn - law)[late])
+    bins = turn_bins(residual)
+    assert bins.centre.size >= 60
+    assert np.mean(np.abs(bins.median) <= worn.whole.noise(bins.centre)) >= 0.95
+    assert np.rad2deg(np.sqrt(np.mean(bins.median**2))) < 1.0
+
+
+def test_the_plywood_map_that_drifts_makes_the_measured_turns_of_pushes_500_to_2000(measured_data) -> None:
+    """17.48 turns were measured, 0.23 of them by the two jumps that no map explains; without wear 20 and more."""
+    forecast = plywood(measured_data).forecast
+    assert forecast.first_cycle == 500.0
+    assert forecast.measured_turns == pytest.approx(17.48, abs=0.005)
+    assert forecast.left_out_turns == pytest.approx(0.2276, abs=1e-3)
+    assert np.mean(forecast.turns) == pytest.approx(16.4, abs=0.3)
+    assert np.std(forecast.turns) == pytest.approx(0.9, abs=0.2)
+    explained = forecast.measured_turns - forecast.left_out_turns
+    assert abs(explained - np.mean(forecast.turns)) < 1.5 * np.std(forecast.turns)
+
+
+def test_the_plywood_steps_shorten_from_257_pushes_to_45_as_the_drifting_map_foretells(measured_data) -> None:
+    pace = plywood(measured_data).forecast.pace
+    assert pace.measured.size == 17
+    assert pace.measured[0] == pytest.approx(257.0, abs=2.0)
+    assert pace.measured[-1] == pytest.approx(45.0, abs=2.0)
+    for turn in (0, -1):
+        assert pace.lower[turn] <= pace.measured[turn] <= pace.upper[turn]
+    assert pace.predicted[-1] == pytest.approx(pace.measured[-1], rel=0.1)
+    assert pace.predicted[0] == pytest.approx(pace.measured[0], rel=0.5)
+    # The two turns about the jump at push 1391, and two beside it, lie outside.
+    assert pace.inside >= 0.7
+    ratio = np.median(pace.predicted / pace.measured)
+    assert ratio == pytest.approx(1.0, abs=0.1)
+
+
+def test_the_plywood_histogram_peaks_at_95_to_100_degrees_measured_and_foretold(measured_data) -> None:
+    forecast = plywood(measured_data).forecast
+    for histogram in (forecast.measured_histogram, forecast.histogram):
+        peak = int(np.argmax(histogram.density))
+        low, high = np.rad2deg(histogram.edges[peak : peak + 2])
+        assert 90.0 - 1e-9 <= low < high <= 100.0 + 1e-9
+    assert np.rad2deg(forecast.wasserstein) < 4.0
+    assert forecast.wasserstein < np.quantile(forecast.run_distances, 0.99)
+    assert forecast.total_variation < 0.1
+
+
+def test_the_plywood_bottleneck_near_95_degrees_opens_tenfold(measured_data) -> None:
+    found = plywood(measured_data)
+    for state in (found.early, found.late):
+        assert not state.fixed_points
+        assert np.rad2deg(state.slowest[0]) == pytest.approx(95.5, abs=4.0)
+    assert found.late.slowest[1] > 5.0 * found.early.slowest[1] > 0.0
+    assert np.rad2deg(found.quietest[1]) < 0.5 < 2.0 < np.rad2deg(found.loudest[1])
+
+
+def test_how_the_plywood_wears_does_not_depend_on_how_the_folds_are_dealt(measured_data) -> None:
+    """With the folds of seed 2 the one-standard-error rule takes degree 1, which foretells 19.5 turns, not 16.4."""
+    pairs = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv")
+    other = _fitted(pairs, None, True, seed=2).wear
+    assert fit_map(pairs.theta, pairs.theta_next, cycle=pairs.cycle, noise_harmonics=None, seed=2).wear.degree == 1
+    assert other.degree == plywood(measured_data).fitted.wear.degree == 2

@@ -1,0 +1,106 @@
+"""Collections parted into sets: by what was pushed how, with their order, path and names."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_sets import HEADER, TURN, true_turn, worn_pairs, write_collection
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.pushes.push_table import load_pushes
+from cyclemap.evidence.tables.push_sets import push_sets
+
+PUSH = "0.35,-0.03,0.1,0.37,-0.05,0.4"
+
+
+def rows(surface: str, count: int, fraction: float = 0.7) -> list[str]:
+    return [f"{surface},rect1,20,0,{fraction},0,{n},{PUSH}" for n in range(count)]
+
+
+def write(file: Path, lines: list[str]) -> Path:
+    file.write_text("\n".join([HEADER, *lines]) + "\n")
+    return file
+
+
+def test_a_csv_of_repeated_pushes_gives_back_its_path_its_turns_and_its_numbers(tmp_path) -> None:
+    true = worn_pairs(60)
+    table = load_pushes(write_collection(tmp_path / "poses.csv", true.path, true_turn(true.path)))
+    (found,) = push_sets(table)
+    assert (found.name, found.count, found.contacts, found.has_motion) == ("plywood rect1", 61, 1, True)
+    assert np.allclose(found.dtheta, true_turn(true.path), atol=1e-8)
+    assert found.pairs is not None
+    assert np.allclose(found.pairs.path - found.pairs.path[0], true.path - true.path[0], atol=1e-8)
+    assert np.allclose(found.pairs.turn, true.turn, atol=1e-8)
+    assert found.pairs.cycle.tolist() == list(range(60))
+    assert found.pairs.path_cycle.tolist() == list(range(61))
+
+
+def test_the_order_of_the_rows_of_a_file_does_not_matter(tmp_path) -> None:
+    true = worn_pairs(60)
+    straight = write_collection(tmp_path / "poses.csv", true.path, true_turn(true.path))
+    (one,) = push_sets(load_pushes(straight))
+    header, *lines = straight.read_text().splitlines()
+    straight.write_text("\n".join([header, *reversed(lines)]) + "\n")
+    (other,) = push_sets(load_pushes(straight))
+    assert np.array_equal(one.pairs.path, other.pairs.path)
+    assert np.array_equal(one.dtheta, other.dtheta)
+
+
+def test_a_missing_push_leaves_a_gap_in_the_pairs_and_none_in_the_path(tmp_path) -> None:
+    true = worn_pairs(60)
+    file = write_collection(tmp_path / "poses.csv", true.path, true_turn(true.path))
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join(lines[:31] + lines[32:]) + "\n")
+    (found,) = push_sets(load_pushes(file))
+    kept = np.delete(np.arange(61), 30)
+    assert found.pairs.path_cycle.tolist() == kept.tolist()
+    assert np.allclose(np.diff(found.pairs.path), np.diff(true.path[kept]), atol=1e-8)
+    assert sorted(set(range(60)) - set(found.pairs.cycle.tolist())) == [29, 30]
+
+
+def test_sets_are_told_apart_by_surface_and_contact_and_named_as_shortly_as_can_be(tmp_path) -> None:
+    lines = rows("plywood", 25) + rows("abs", 30) + rows("abs", 22, fraction=0.5)
+    sets = push_sets(load_pushes(write(tmp_path / "poses.csv", lines)))
+    assert {found.name: found.count for found in sets} == {
+        "plywood rect1": 25,
+        "abs rect1 v=20 i=0 s=0.7 t=0": 30,
+        "abs rect1 v=20 i=0 s=0.5 t=0": 22,
+    }
+    assert all(found.contacts == 1 for found in sets)
+    assert sets[0].facts["speed"] == pytest.approx(0.02)
+
+
+def test_pushes_that_were_never_repeated_are_pooled_over_contacts_and_say_so(tmp_path) -> None:
+    lines = [f"plywood,rect1,20,0,{k / 100:g},0,,{PUSH}" for k in range(40)]
+    (found,) = push_sets(load_pushes(write(tmp_path / "poses.csv", lines)))
+    assert (found.count, found.contacts, found.pairs) == (40, 40, None)
+    assert "fraction" not in found.facts
+
+
+def test_two_tables_alike_stay_two_sets_with_two_names(tmp_path) -> None:
+    for name in ("one.csv", "two.csv"):
+        write(tmp_path / name, rows("abs", 20))
+    sets = push_sets(load_pushes(tmp_path))
+    assert [found.count for found in sets] == [20, 20]
+    assert len({found.name for found in sets}) == 2
+    assert all(Path(found.source).stem in found.name for found in sets)
+
+
+def test_a_table_of_theta0_has_pairs_and_path_but_no_motion(tmp_path) -> None:
+    (tmp_path / "angles.csv").write_text("theta0_deg\n" + "".join(f"{10 * k % 360}\n" for k in range(50)))
+    (found,) = push_sets(load_pushes(tmp_path / "angles.csv"))
+    assert (found.name, found.has_motion) == ("angles", False)
+    assert found.pairs.path[-1] == pytest.approx(490 / 360 * TURN)
+    assert found.pairs.cycle.tolist() == list(range(49))
+
+
+def test_select_keeps_one_value_and_refuses_what_is_not_there(tmp_path) -> None:
+    table = load_pushes(write(tmp_path / "poses.csv", rows("plywood", 20) + rows("abs", 20, fraction=0.5)))
+    assert [found.name for found in push_sets(table, {"surface": "abs"})] == ["abs rect1"]
+    assert [found.name for found in push_sets(table, {"fraction": 0.7, "speed": 0.02})] == ["plywood rect1"]
+    with pytest.raises(InvalidInput, match="no push has surface pu; there is abs, plywood"):
+        push_sets(table, {"surface": "pu"})
+    with pytest.raises(InvalidInput, match=r"no push has surface abs, fraction 0\.7 at once"):
+        push_sets(table, {"surface": "abs", "fraction": 0.7})
+    with pytest.raises(InvalidInput, match="unknown column 'surfaces'"):
+        push_sets(table, {"surfaces": "abs"})

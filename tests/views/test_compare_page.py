@@ -1,0 +1,109 @@
+"""The comparison page draws what was measured and predicted, and its sentences carry the answers."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cyclemap.collection.portrait_curves import turn_curve
+from cyclemap.evidence import Theta0Pairs
+from cyclemap.evidence.comparison.compare import Comparison, compare
+from cyclemap.evidence.comparison.push_agreement import PushAgreement, quantity_agreement
+from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
+from cyclemap.views import compare_sentences as sentences
+from cyclemap.views.compare_page import compare_page
+from cyclemap.views.style import render
+
+SINE, NOISE = CircleMap.arnold(0.11, 0.6), WrappedNormal(0.1)
+FACTS = {"surface": "plywood", "object": "rect1", "speed": 0.02, "side": 0.0, "fraction": 0.7, "angle": 0.0}
+
+
+def made_pushes() -> PushAgreement:
+    rng = np.random.default_rng(1)
+    theta = rng.uniform(0.0, 6.0, 50)
+    predicted = np.column_stack([1.2 + 0.1 * np.sin(theta), 0.04 + 0 * theta, -0.08 + 0.01 * np.cos(theta)])
+    measured = predicted + 0.001 * rng.standard_normal((50, 3))
+    columns = zip(("dtheta", "dx", "dy"), measured.T, predicted.T, strict=True)
+    return PushAgreement(FACTS, False, theta, measured, predicted, tuple(quantity_agreement(*c) for c in columns), 0, 0)
+
+
+@pytest.fixture(scope="module")
+def found() -> Comparison:
+    path = sample_staircase(SINE, NOISE, 120, 0.5, seed=1).theta
+    plain = compare(SINE, Theta0Pairs(path[:-1], path[1:], path), noise=NOISE, runs=19)
+    return replace(plain, pushes=(made_pushes(),))
+
+
+def test_a_page_shows_the_map_the_histogram_the_staircase_and_the_pushes(found) -> None:
+    panels = compare_page("sine", found, turn_curve(SINE)).axes
+    assert [axes.get_title(loc="left").split(":")[0] for axes in panels] == [
+        "Cycle map",
+        "Directions",
+        "Staircase",
+        "Δθ",
+        "Δx",
+        "Δy",
+    ]
+    paths = {line.get_label(): line.get_ydata() for line in panels[2].lines}
+    assert np.allclose(paths["measured"], np.degrees(found.data.path))
+    assert np.allclose(paths["predicted"], np.degrees(found.staircase.run))
+    drawn = {line.get_label(): line.get_ydata() for line in panels[4].lines}
+    assert np.allclose(drawn["measured"], 1000 * found.pushes[0].measured[:, 1])
+    assert np.allclose(drawn["predicted"], 40.0)
+    assert all("(°)" in axes.get_xlabel() for axes in (*panels[:2], *panels[3:]))
+
+
+def test_many_sets_are_drawn_measured_over_predicted(found) -> None:
+    many = replace(found, pushes=(made_pushes(),) * 4, cycle=None, orientations=None, directions=None, staircase=None)
+    panels = compare_page("sine", many, turn_curve(SINE)).axes
+    assert len(panels) == 3
+    dots = [line for line in panels[2].lines if line.get_marker() == "o"]
+    assert len(dots) == 4
+    assert np.allclose(dots[0].get_xdata(), 1000 * many.pushes[0].predicted[:, 2])
+    assert np.allclose(dots[0].get_ydata(), 1000 * many.pushes[0].measured[:, 2])
+    assert "RMSE" in panels[0].get_title(loc="left")
+    assert "°" in panels[0].get_title(loc="left")
+
+
+def test_titles_and_legends_do_not_cover_each_other(found) -> None:
+    figure = compare_page("sine", found, turn_curve(SINE))
+    figure.canvas.draw()
+    renderer, checked = figure.canvas.get_renderer(), 0
+    for axes in figure.axes:
+        title, legend = axes._left_title.get_window_extent(renderer), axes.get_legend()
+        assert legend is not None
+        assert not title.overlaps(legend.get_window_extent(renderer))
+        checked += 1
+    assert checked == 6
+
+
+@pytest.mark.parametrize("parts", ["cycles", "pushes", "unordered"])
+def test_what_is_missing_is_left_out(found, parts) -> None:
+    unordered = replace(found.data, path=None)
+    shown = {
+        "cycles": replace(found, pushes=()),
+        "pushes": replace(found, cycle=None, orientations=None, directions=None, staircase=None),
+        "unordered": replace(found, data=unordered, orientations=None, directions=None, staircase=None),
+    }[parts]
+    page = compare_page("sine", shown, turn_curve(SINE))
+    assert len(page.axes) == {"cycles": 3, "pushes": 3, "unordered": 6}[parts]
+    assert render(page, "png", 40).startswith(b"\x89PNG")
+
+
+def test_the_sentences_count_the_answers_and_name_what_was_left_out(found) -> None:
+    answers = [one.agrees for one in found.verdicts]
+    kept, asked = answers.count(True), len(answers) - answers.count(None)
+    assert sentences.headline("sine", found) == f"sine agrees with the data in {kept} of {asked} questions"
+    assert sentences.data_sentence(found) == "Compared: 50 pushes with end poses and 120 cycles."
+    left = replace(found, data=replace(found.data, left_out={"jump": 3}, unreadable=2))
+    assert sentences.data_sentence(left).endswith("; left out: 3 (jump), 2 unreadable files.")
+    assert "Agree: mean turn of a push of rect1 on plywood" in sentences.summary_sentence(found)
+
+
+def test_what_weakens_a_p_value_is_told(found) -> None:
+    assert sentences.trust_sentences(found) == []
+    correlated = replace(found, cycle=replace(found.cycle, lag_correlation=0.4), refitted=True, uncertified=("why",))
+    told = sentences.trust_sentences(correlated)
+    assert told[0] == "Not certified: why."
+    assert "fitted again" in told[1]
+    assert "correlation 0.40" in told[2]

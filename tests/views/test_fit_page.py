@@ -1,0 +1,136 @@
+"""The page of a fit draws what was measured and fitted, and its sentences carry the numbers."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.tables.push_sets import PushSet
+from cyclemap.evidence.tables.set_fit import SetFit, fit_set
+from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
+from cyclemap.views import fit_sentences as sentences
+from cyclemap.views.fit_page import fit_page
+from cyclemap.views.style import render
+
+TURN = 2 * np.pi
+
+
+def made_path(count: int, step: float, wear: float) -> Theta0Pairs:
+    """A path whose bottleneck at 180° opens with the cycle number."""
+    rng, path = np.random.default_rng(0), [0.0]
+    for n in range(count):
+        path.append(path[-1] + step + 0.25 * np.cos(path[-1]) + wear * n + 0.02 * rng.standard_normal())
+    angles, number = np.array(path), np.arange(count + 1.0)
+    return Theta0Pairs(angles[:-1], angles[1:], angles, {"jump": 2}, number[:-1], number)
+
+
+def made_set(pairs: Theta0Pairs | None, moved: bool = True, contacts: int = 1) -> PushSet:
+    rng = np.random.default_rng(1)
+    theta = rng.uniform(0.0, TURN, 120) if pairs is None else pairs.theta
+    known = 1.0 if moved else np.nan
+    dtheta = known * (1.2 + 0.1 * np.cos(2 * theta) + 0.02 * rng.standard_normal(theta.size))
+    dx = known * (0.04 + 0.003 * np.cos(theta) + 0.0005 * rng.standard_normal(theta.size))
+    dy = known * (-0.08 + 0.001 * rng.standard_normal(theta.size))
+    return PushSet("made", Path("made.csv"), {}, contacts, theta, dtheta, dx, dy, pairs)
+
+
+@pytest.fixture(scope="module")
+def whole() -> SetFit:
+    return fit_set(made_set(made_path(250, 0.26, 4e-4)))
+
+
+@pytest.fixture(scope="module")
+def motion() -> SetFit:
+    return fit_set(made_set(None, contacts=120))
+
+
+@pytest.fixture(scope="module")
+def angles() -> SetFit:
+    return fit_set(made_set(made_path(150, 0.28, 0.0), moved=False), wear=False)
+
+
+def titles(fit: SetFit) -> list[str]:
+    return [axes.get_title(loc="left") for axes in fit_page(fit).axes]
+
+
+def test_a_page_has_a_row_of_pushes_and_a_row_of_the_map(whole, motion, angles) -> None:
+    pushes, cycles = ["Δθ", "Δx", "Δy", "Histogram of Δθ"], ["Cycle map", "Directions", "Staircase", "Turns"]
+    assert titles(whole) == pushes + cycles
+    assert titles(motion) == pushes
+    assert titles(angles) == cycles
+
+
+def test_every_page_can_be_rendered_and_its_panels_lie_apart(whole, motion, angles) -> None:
+    for fit in (whole, motion, angles):
+        figure = fit_page(fit)
+        assert render(figure, dpi=36).startswith(b"\x89PNG")
+        boxes = [axes.get_tightbbox(figure.canvas.get_renderer()) for axes in figure.axes]
+        pairs = [(a, b) for k, a in enumerate(boxes) for b in boxes[k + 1 :]]
+        assert len(pairs) >= 6
+        assert not any(a.overlaps(b) for a, b in pairs)
+        words = [text.get_window_extent() for text in figure.texts]
+        assert not any(word.overlaps(box) for word in words for box in boxes)
+
+
+def test_laws_are_drawn_in_degrees_and_millimetres_where_the_pushes_are(whole) -> None:
+    for axes, law, scale in zip(fit_page(whole).axes[:3], whole.laws.laws, (180 / np.pi, 1e3, 1e3), strict=True):
+        dots, line = axes.lines[0], axes.lines[1]
+        assert np.allclose(dots.get_ydata(), scale * law.value)
+        assert np.allclose(line.get_ydata(), scale * law.law(np.deg2rad(line.get_xdata())))
+        low, high = axes.get_ylim()
+        assert np.mean((dots.get_ydata() >= low) & (dots.get_ydata() <= high)) >= 0.99
+
+
+def test_a_worn_map_is_drawn_early_and_late_and_another_once(whole, angles) -> None:
+    worn, fixed = fit_page(whole).axes[4], fit_page(angles).axes[0]
+    labels = [line.get_label() for line in worn.lines if line.get_label().startswith("push")]
+    assert labels == [f"push {state.cycle:.0f}" for state in (whole.cycle_map.early, whole.cycle_map.late)]
+    assert sum(line.get_label() == "fitted map" for line in fixed.lines) == 1
+
+
+def test_the_staircase_is_the_measured_path_and_one_of_the_map(whole) -> None:
+    stairs, forecast = fit_page(whole).axes[6], whole.cycle_map.forecast
+    assert [line.get_label() for line in stairs.lines] == ["measured", "predicted"]
+    assert np.allclose(stairs.lines[0].get_ydata(), np.degrees(whole.pushes.pairs.path))
+    assert np.allclose(stairs.lines[1].get_ydata(), np.degrees(forecast.run))
+
+
+def test_sentences_carry_the_numbers(whole) -> None:
+    said = " ".join(sentences.set_sentences(whole))
+    law, forecast = whole.laws.dtheta, whole.cycle_map.forecast
+    assert said.startswith("made: 250 pushes (2 left out: jump).")
+    assert f"leaves {np.degrees(law.law.rmse):.2f}° ({law.law.percent:.1f} %)" in said
+    assert f"{law.law.harmonics} harmonics" in said
+    assert f"{forecast.measured_turns:.2f} turns were measured" in said
+    assert f"{np.mean(forecast.turns):.2f} ± {np.std(forecast.turns):.2f} are predicted" in said
+    assert f"the last full turn took {forecast.pace.measured[-1]:.0f} pushes, predicted" in said
+    assert "Δy −80." in said
+    assert "wearing with degree 1" in said
+    assert "a bottleneck at 1" in said
+
+
+def test_what_is_not_known_is_said(motion, angles) -> None:
+    assert "120 pushes at 120 contacts, pooled: none was repeated often." in sentences.set_sentences(motion)[0]
+    assert sentences.set_sentences(motion)[-1] == "No cycle map: no push has a known next θ0."
+    assert "θ0 tells next to nothing of it" in sentences.law_sentence(motion.laws.dy)
+    assert "of which θ0 alone is known" in sentences.count_sentence(angles)
+    assert ", no wear;" in sentences.order_sentence(angles.cycle_map)
+
+
+def test_a_map_that_locks_is_drawn_with_its_fixed_points_and_no_turns() -> None:
+    fit = fit_set(made_set(made_path(150, 0.1, 0.0), moved=False), harmonics=1, wear=False)
+    axes = fit_page(fit).axes
+    assert len(fit.cycle_map.early.fixed_points) == 2
+    assert "fixed points: " in sentences.place_sentence(fit.cycle_map)
+    assert "No full turn was measured." in sentences.map_sentences(fit.cycle_map)
+    assert [text.get_text() for text in axes[3].texts] == ["no full turn was measured"]
+    assert sum(line.get_marker() == "o" and len(line.get_xdata()) == 1 for line in axes[0].lines) == 2
+
+
+def test_a_set_to_which_nothing_was_fitted_has_no_page() -> None:
+    few = PushSet("few", Path("few.csv"), {}, 1, *np.zeros((4, 3)), None)
+    fit = fit_set(few)
+    assert fit.is_empty
+    with pytest.raises(InvalidInput, match="nothing was fitted to few: too few pushes"):
+        fit_page(fit)

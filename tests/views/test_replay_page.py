@@ -1,0 +1,73 @@
+"""The replay page draws every push's errors and motions, and a few courses whole."""
+
+import math
+
+import numpy as np
+import pandas
+import pytest
+
+from cyclemap.evidence.replay.replay_push import Replay
+from cyclemap.evidence.replay.replay_table import REPLAY_COLUMNS, ReplayedPushes
+from cyclemap.mechanics import Slider
+from cyclemap.views.replay_page import replay_headline, replay_page
+from cyclemap.views.style import render
+
+
+def made_replay(off, turn_off, kind):
+    travel = np.linspace(0.0, 0.05, 30)
+    measured = np.column_stack([travel, 0.1 * travel, 2.0 * travel])
+    predicted = measured + np.outer(travel / 0.05, (off, 0.0, turn_off))
+    tip = np.column_stack([travel - 0.06, 0.0 * travel])
+    outline = Slider.mit(kind).outline_points()
+    return Replay(
+        travel, measured, predicted, travel, tip, np.zeros(2), outline, 0.0, 0.0, 1, 0.0, 0.0, 0.0, 0.0, True, False
+    )
+
+
+def made(kinds):
+    """Replays of objects, the k-th k+1 mm and k+1 degrees off."""
+    replays = [made_replay(1e-3 * (k + 1), math.radians(k + 1), kind) for k, kind in enumerate(kinds)]
+    rows = [
+        dict.fromkeys(REPLAY_COLUMNS, 0.0)
+        | {"object": kind, "surface": "abs", "speed": 0.02 if k else math.nan}
+        | {"error": replay.error[-1], "turn_error": replay.turn_error[-1]}
+        | {"measured_motion": replay.measured_motion[0], "predicted_motion": replay.predicted_motion[0]}
+        | {"measured_turn": replay.measured_motion[1], "predicted_turn": replay.predicted_motion[1]}
+        for k, (kind, replay) in enumerate(zip(kinds, replays, strict=True))
+    ]
+    return ReplayedPushes(pandas.DataFrame(rows), tuple(replays), ())
+
+
+@pytest.mark.parametrize("kinds", [["hex"], ["hex", "rect1", "hex", "ellip1", "tri1", "rect1"]])
+def test_every_push_is_drawn_once_in_each_upper_panel(kinds) -> None:
+    page = replay_page(made(kinds), "abs")
+    place, distance, turn, turns = page.axes[:4]
+    for axes in (place, turn):
+        assert sum(len(line.get_xdata()) for line in axes.lines) == len(kinds)
+        assert [label.get_text() for label in axes.get_xticklabels()] == sorted(set(kinds))
+    for axes in (distance, turns):
+        assert sum(len(line.get_xdata()) for line in axes.lines[1:]) == len(kinds)
+    drawn = np.sort(np.concatenate([line.get_ydata() for line in place.lines]))
+    assert drawn == pytest.approx(np.arange(len(kinds)) + 1.0)
+    assert all("(mm)" in axes.get_ylabel() for axes in (place, distance))
+    assert all("(°)" in axes.get_ylabel() for axes in (turn, turns))
+    assert render(page).startswith(b"\x89PNG")
+
+
+def test_a_course_shows_the_object_before_and_after_where_it_was() -> None:
+    replayed = made(["rect1"])
+    (replay,) = replayed.replays
+    course = replay_page(replayed, "abs").axes[4]
+    before, measured, _, predicted, _, rod, start = course.lines
+    assert np.mean(before.get_xydata()[:4], axis=0) == pytest.approx(1e3 * replay.measured[0, :2], abs=1e-9)
+    assert np.mean(measured.get_xydata()[:4], axis=0) == pytest.approx(1e3 * replay.measured[-1, :2])
+    assert np.mean(predicted.get_xydata()[:4], axis=0) == pytest.approx(1e3 * replay.predicted[-1, :2])
+    assert rod.get_xydata() == pytest.approx(1e3 * replay.tip)
+    assert start.get_xydata()[0] == pytest.approx(1e3 * replay.tip[0])
+    assert course.get_title(loc="left") == "rect1: off 1.0 mm, 1.0°"
+
+
+def test_the_headline_counts_pushes_and_tells_the_mean_errors() -> None:
+    assert replay_headline(made(["hex"])) == "1 push replayed: it ends 1.0 mm and 1.0° off on average."
+    told = replay_headline(made(["hex", "rect1", "hex"]))
+    assert told == "3 pushes replayed: they end 2.0 mm and 2.0° off on average."
