@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
+from cyclemap.collection.found_with import with_found
 from cyclemap.collection.settings import apply_settings
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
@@ -168,10 +169,12 @@ class CollectionLoop:
     def mit(cls, material: str | Path | Material = "plywood", **changes: Any) -> "CollectionLoop":
         """Return the MIT repeated-push experiment (Yu et al. 2016; Ma & Rodriguez 2018), with fields replaced.
 
-        `material`: a built-in name, a TOML file or a `Material`; `changes`: any field of the loop.
+        `material`: a built-in name, a TOML file or a `Material`, which brings what was found with it (pusher friction,
+        rim share, lever and friction of the ring); `changes`: any field of the loop, which overrule it.
         """
         surface = material if isinstance(material, Material) else load_material(material)
-        return replace(cls(Slider.mit("rect1"), surface), **changes)
+        slider = changes.pop("slider", None) or Slider.mit("rect1")
+        return replace(with_found(cls(slider, surface), surface.found_with), **changes)
 
     @classmethod
     def from_settings(cls, settings: dict[str, object], base: "CollectionLoop | None" = None) -> "CollectionLoop":
@@ -251,4 +254,5 @@ class CollectionLoop:
     def strokes(self, theta: float, longest_step: float = math.inf) -> tuple[PushResult, DragResult]:
         """Run the push and the drag of a cycle, their steps no longer than `longest_step` (m)."""
         push = self.model.push(self.start_pose(theta), self.push, longest_step)
-        return push, self.model.drag(push.end, (*self.reset.way_points, (0.0, 0.0)), longest_step)
+        way_points = (*self.reset.way_points, (0.0, 0.0))
+        return push, self.model.drag(push.end, way_points, longest_step, self.reset.pin_friction_radius)

@@ -13,6 +13,8 @@ from cyclemap.mechanics import (
     Ellipse,
     Footprint,
     Material,
+    PatchFootprint,
+    PointFootprint,
     Polygon,
     Slider,
     parse_footprint,
@@ -29,9 +31,11 @@ _FRICTION = {"mu_a": "mu_a", "mu_b": "mu_b", "m0": "m0", "n0": "n0", "phi_deg": 
 _PUSHER = {"pusher_mu": "friction", "pusher_radius_mm": "radius"}
 _PUSH = {"side": "side", "fraction": "fraction", "angle_deg": "angle", "push_mm": "distance"}
 _OUTLINE = ("shape", "vertices_mm", "semi_x_mm", "semi_y_mm")
-_OTHER = ("hitch_x_mm", "hitch_y_mm", "centre_x_mm", "centre_y_mm", "mass_kg", "way_points_mm", "footprint")
+_OTHER = ("hitch_x_mm", "hitch_y_mm", "centre_x_mm", "centre_y_mm", "mass_kg")
+_RESET = ("way_points_mm", "pin_friction_mm")
+_PRESSURE = ("footprint", "rim_share")
 
-SETTING_KEYS = (*_FRICTION, *_PUSHER, *_PUSH, *_OUTLINE, *_OTHER)
+SETTING_KEYS = (*_FRICTION, *_PUSHER, *_PUSH, *_OUTLINE, *_OTHER, *_RESET, *_PRESSURE)
 
 
 def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoop":
@@ -54,17 +58,33 @@ def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoo
         pusher = replace(loop.pusher, **_numbers(settings, _PUSHER))
     with _blaming(settings, _PUSH):
         push = replace(loop.push, **_numbers(settings, _PUSH))  # type: ignore[arg-type]
-    reset = DragBack(_points(settings, "way_points_mm")) if "way_points_mm" in settings else loop.reset
-    footprint = _footprint(loop, slider, settings)
+    with _blaming(settings, _RESET):
+        reset = _reset(loop.reset, settings)
+    with _blaming(settings, _PRESSURE):
+        footprint = _footprint(loop, slider, settings)
     return replace(loop, slider=slider, material=material, pusher=pusher, push=push, reset=reset, footprint=footprint)
+
+
+def _reset(reset: DragBack, settings: Settings) -> DragBack:
+    way_points = _points(settings, "way_points_mm") if "way_points_mm" in settings else reset.way_points
+    return DragBack(way_points, _number(settings, "pin_friction_mm", reset.pin_friction_radius))
 
 
 def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Footprint | None:
     """Return what is set; `exact` leans as the centre of mass asks; a new outline takes no old footprint along."""
-    if "footprint" not in settings:
-        return loop.footprint if slider.outline == loop.slider.outline else None
-    word = str(settings["footprint"])
-    return None if word == "exact" else parse_footprint(word, slider.outline)
+    found = loop.footprint if slider.outline == loop.slider.outline else None
+    if "footprint" in settings:
+        word = str(settings["footprint"])
+        found = None if word == "exact" else parse_footprint(word, slider.outline)
+    if "rim_share" not in settings:
+        return found
+    if isinstance(found, PointFootprint):
+        raise InvalidInput("rim_share belongs to the exact footprint: set footprint=exact, or leave rim_share out")
+    share = _number(settings, "rim_share", 0.0)
+    if found is not None and slider.centre_of_mass == loop.slider.centre_of_mass:
+        return replace(found, rim_share=share)
+    assert slider.centre_of_mass is not None
+    return PatchFootprint.under(slider.outline, slider.centre_of_mass, share)
 
 
 def _slider(slider: Slider, settings: Settings) -> Slider:

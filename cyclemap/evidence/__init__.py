@@ -37,7 +37,6 @@ from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, load_
 from cyclemap.evidence.replay.replay_push import Replay, replay_push
 from cyclemap.evidence.replay.replay_table import ReplayedPushes, replay_pushes
 from cyclemap.evidence.replay.shapes import dataset_sliders
-from cyclemap.evidence.simulation.friction_wear import worn_friction
 from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
 from cyclemap.evidence.simulation.simulated_collection import SimulatedCollection, simulate_collection
 from cyclemap.evidence.tables.law_table import SetLaws, set_laws
@@ -137,5 +136,4 @@ __all__ = [
     "watson_critical_value",
     "watson_p_value",
     "watson_statistic",
-    "worn_friction",
 ]

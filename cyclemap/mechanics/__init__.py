@@ -10,9 +10,10 @@ from cyclemap.mechanics.footprint import (
     parse_footprint,
 )
 from cyclemap.mechanics.friction import EllipseFriction
+from cyclemap.mechanics.friction_wear import worn_friction
 from cyclemap.mechanics.handling import DragResult, PushResult
 from cyclemap.mechanics.limit_surface import LimitSurface
-from cyclemap.mechanics.material import Material, load_material, material_names
+from cyclemap.mechanics.material import FoundWith, Material, Wear, load_material, material_names
 from cyclemap.mechanics.outline import Ellipse, Polygon
 from cyclemap.mechanics.protocol import DragBack, Pose, SidePush, WorldPush
 from cyclemap.mechanics.pusher import Pusher
@@ -28,6 +29,7 @@ __all__ = [
     "Ellipse",
     "EllipseFriction",
     "Footprint",
+    "FoundWith",
     "LimitSurface",
     "Material",
     "PatchFootprint",
@@ -40,6 +42,7 @@ __all__ = [
     "SidePush",
     "Slider",
     "Trajectory",
+    "Wear",
     "WorldPush",
     "corner_footprint",
     "grid_footprint",
@@ -47,4 +50,5 @@ __all__ = [
     "load_material",
     "material_names",
     "parse_footprint",
+    "worn_friction",
 ]

@@ -2,20 +2,21 @@
 
 import math
 from collections.abc import Callable
+from functools import cached_property
 from typing import NamedTuple
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.mechanics.buffered_function import BufferedFunction
 from cyclemap.mechanics.contact_curve import Contact
-from cyclemap.mechanics.contact_equations import ARGUMENTS, contact_functions
+from cyclemap.mechanics.contact_equations import ARGUMENTS, RING_FRICTION, SLIDE, STICK, contact_functions
 from cyclemap.mechanics.footprint import Footprint, PointFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.patch_integrals import FAR_RATIO
 from cyclemap.mechanics.pinned_point import PinnedPoints
+from cyclemap.mechanics.pressure_family import PressureFamily, rim_share
 
 # Residuals, relative to the mean friction coefficient, at which a solution counts as found, and above which one that
 # rounding keeps from getting there is refused.
@@ -52,15 +53,20 @@ class ContactSolver:
 
     def __init__(self, footprint: Footprint, friction: EllipseFriction) -> None:
         self.footprint, self.friction = footprint, friction
+        self.pressure = PressureFamily.of(footprint)
         # Calls of step functions with their buffers, shared by the motions that this solver serves.
         self.step_calls: dict[tuple[str, str, bool], object] = {}
         self.arguments = np.zeros(len(ARGUMENTS))
-        self.arguments[6:] = friction.mu_a, friction.mu_b, friction.m0, friction.n0, friction.phi
+        self.arguments[6:11] = friction.mu_a, friction.mu_b, friction.m0, friction.n0, friction.phi
+        self.arguments[11] = rim_share(footprint)
         self._scale = math.sqrt(friction.mu_a * friction.mu_b)
-        near, far = contact_functions(footprint, True), contact_functions(footprint, False)
-        self._stick = _RegimeSwitch(near.stick, far.stick, 1, self.arguments)
-        self._slide = _RegimeSwitch(near.slide, far.slide, 2, self.arguments)
+        self._stick = _RegimeSwitch(self.pressure, STICK, self.arguments)
+        self._slide = _RegimeSwitch(self.pressure, SLIDE, self.arguments)
         self._pinned = PinnedPoints(footprint, friction) if isinstance(footprint, PointFootprint) else None
+
+    @cached_property
+    def _ring(self) -> "_RegimeSwitch":
+        return _RegimeSwitch(self.pressure, RING_FRICTION, self.arguments)
 
     def stick(self, theta: float, direction: float, contact: Contact, omega: float) -> Stick:
         """Return the sticking solution for a rod moving at angle `direction`, from a guess of omega.
@@ -68,9 +74,26 @@ class ContactSolver:
         Raises ConvergenceError if the residual stays above 1e-10.
         """
         self.arguments[:5] = theta, direction, *contact
+        return self._solve_spin(self._stick, omega, "sticking contact")
+
+    def ring(self, theta: float, direction: float, contact: Contact, smu: float, omega: float) -> Stick:
+        """Return the solution in a ring with a friction circle of signed radius `smu` (extents), from a guess of omega.
+
+        Raises ConvergenceError if the residual stays above 1e-10.
+        """
+        self.arguments[:6] = theta, direction, *contact, smu
+        return self._solve_spin(self._ring, omega, "ring with friction")
+
+    def held(self, theta: float, direction: float, contact: Contact) -> tuple[float, float, float]:
+        """Return torque about the contact and forces (normal, tangential) that move the slider without turning it."""
+        self.arguments[:5] = theta, direction, *contact
+        torque, _, normal_force, tangential_force, _far = self._stick.at(0.0)
+        return torque, normal_force, tangential_force
+
+    def _solve_spin(self, equation: "_RegimeSwitch", omega: float, what: str) -> Stick:
         best = math.inf
         for _ in range(12):
-            residual, step, normal_force, tangential_force, _far = self._stick.at(omega)
+            residual, step, normal_force, tangential_force, _far = equation.at(omega)
             size = abs(residual) / self._scale
             if size <= _FOUND:
                 return Stick(omega, normal_force, tangential_force, size)
@@ -78,7 +101,7 @@ class ContactSolver:
                 break
             best = size
             omega += step
-        return self._stick_bracketed(omega)
+        return self._bracketed_spin(equation, omega, what)
 
     def slide(self, theta: float, contact: Contact, smu: float, guess: tuple[float, float]) -> Slide:
         """Return the sliding solution for a unit approach, from a guess of (omega, tau).
@@ -104,16 +127,16 @@ class ContactSolver:
             omega, tau = omega + s0, tau + s1
         return self._slide_bracketed(nearest)
 
-    def _stick_bracketed(self, omega: float) -> Stick:
+    def _bracketed_spin(self, equation: "_RegimeSwitch", omega: float, what: str) -> Stick:
         """The torque about the contact grows with omega, so that a bracket always closes on the solution."""
 
         def torque(spin: float) -> Values:
-            return self._stick.at(spin)
+            return equation.at(spin)
 
-        low, high = _bracket(torque, omega if math.isfinite(omega) else 0.0, "spin of the sticking contact")
+        low, high = _bracket(torque, omega if math.isfinite(omega) else 0.0, f"spin of the {what}")
         solution, values = _close(torque, low, high, _FOUND * self._scale)
         residual, _, normal_force, tangential_force, _ = values
-        return Stick(solution, normal_force, tangential_force, self._accepted(residual, "sticking"))
+        return Stick(solution, normal_force, tangential_force, self._accepted(residual, what))
 
     def _slide_bracketed(self, guess: tuple[float, float]) -> Slide:
         """With omega solved for each tau, the force turns one way as tau grows: a bracket in tau closes too."""
@@ -134,22 +157,23 @@ class ContactSolver:
         low, high = _bracket(excess, guess[1], "slip of the sliding contact")
         tau, values = _close(excess, low, high, _FOUND * self._scale)
         self.arguments[:6] = theta, 0.0, x, y, normal, smu
-        return Slide(values[4], tau, values[2], values[3], self._accepted(values[0], "sliding"))
+        return Slide(values[4], tau, values[2], values[3], self._accepted(values[0], "sliding contact"))
 
-    def _accepted(self, residual: float, kind: str) -> float:
+    def _accepted(self, residual: float, what: str) -> float:
         size = abs(residual) / self._scale
         if not size <= _ACCEPTED:
             state = dict(zip(ARGUMENTS, self.arguments.tolist(), strict=True))
-            raise ConvergenceError(f"the {kind} contact's residual stays at {size:.2e}, above {_ACCEPTED}, at {state}")
+            raise ConvergenceError(f"the residual of the {what} stays at {size:.2e}, above {_ACCEPTED}, at {state}")
         return size
 
 
 class _RegimeSwitch:
     """One equation in both regimes: evaluates the one that is accurate where the centre of rotation lies."""
 
-    def __init__(self, near: ca.Function, far: ca.Function, unknowns: int, arguments: NDArray[np.float64]) -> None:
-        self._unknowns = np.zeros(unknowns)
-        self._calls = [BufferedFunction(f, self._unknowns, arguments) for f in (near, far)]
+    def __init__(self, pressure: PressureFamily, equations: str, arguments: NDArray[np.float64]) -> None:
+        functions = [contact_functions(pressure, equations, near).solver for near in (True, False)]
+        self._unknowns = np.zeros(functions[0].size1_in(0))
+        self._calls = [BufferedFunction(f, self._unknowns, arguments) for f in functions]
         self._is_far = 0
 
     def at(self, *unknowns: float) -> Values:

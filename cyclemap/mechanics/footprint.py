@@ -1,6 +1,5 @@
 """Footprints: how the slider's weight is spread over its underside."""
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -8,54 +7,98 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.checks import finite_array, point
+from cyclemap.checks import finite_array, finite_number, point
 from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.mechanics.area_quadrature import area_quadrature
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 from cyclemap.text_files import read_csv_table, require_columns
 
-# Gauss points a direction where the centre of rotation is far: exact to rounding there (tests/mechanics).
-_FAR_ORDER = 6
+# The outline scaled by this about its centroid is the inner edge of the frame that carries the rim's share.
+RIM_INNER = 0.8
+# Share of the mean pressure by which the pressure of the whole outline rises for each unit of the rim's share, while
+# the inner region loses that of its own area.
+RIM_RISE = RIM_INNER**2 / (1.0 - RIM_INNER**2)
+# Rounding may leave a pressure that vanishes this much below zero.
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
 class PatchFootprint:
-    """Pressure over the whole area of an outline, exact, without a grid: even, or a plane that leans.
+    """Pressure over the whole area of an outline, exact, without a grid: even, leaning, or carried more by the rim.
 
-    The pressure is proportional to 1 + gradient . (r - centroid). A rigid object on even ground whose centre of mass
-    is not its centroid leans just so that the centre of pressure lies under it (`under`).
+    With A the outline's area and w its rim share, the pressure per unit load is
+
+        p = ((1 - w) + w [outside the inner outline] / (1 - RIM_INNER^2) + gradient . (r - centroid)) / A,
+
+    the inner outline being the outline scaled by RIM_INNER about its centroid. A rigid object on even ground whose
+    centre of mass is not its centroid leans just so that the centre of pressure lies under it (`under`); the rim share
+    leaves that centre where it is.
 
     Parameters
     ----------
     outline : what touches the ground.
-    gradient : 1/m; the pressure must not be negative anywhere (InvalidInput).
+    gradient : 1/m; the pressure must not be negative anywhere, with the rim share and without it (InvalidInput).
+    rim_share : share of the load on the frame alone, from -0.5625 (the frame carries nothing) to 1 (it carries all).
+
+    >>> PatchFootprint(Ellipse(1.0, 1.0), rim_share=0.5).inner.semi_x
+    0.8
     """
 
     outline: Outline
     gradient: tuple[float, float] = (0.0, 0.0)
+    rim_share: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "gradient", point("pressure gradient", self.gradient))
-        rim = self.outline.points(720) - self.outline.centroid
-        least = 1.0 + float((rim @ self.gradient).min())
-        if least < 0.0:
+        share = finite_number("rim share", self.rim_share)
+        object.__setattr__(self, "rim_share", share)
+        if not -1.0 / RIM_RISE - _ROUNDING <= share <= 1.0:
+            raise InvalidInput(f"rim share {share} leaves a pressure below zero: choose one from -0.5625 to 1")
+        if share != 0.0 and not self.can_have_rim_share:
             raise InvalidInput(
-                f"the pressure gradient {self.gradient} 1/m lifts the outline off the ground (pressure {least:.3g} of "
-                "the mean at the rim): bring the centre of mass nearer to the centroid, or give support points"
+                f"rim share {share}: the outline scaled by {RIM_INNER} about its centroid does not lie inside this "
+                "concave outline, so that it has no frame; leave the share at 0 or give support points"
+            )
+        self._refuse_lifting()
+
+    def _refuse_lifting(self) -> None:
+        rim = self.outline.points(720) - self.outline.centroid
+        lean = float((rim @ self.gradient).min())
+        inside = 1.0 - self.rim_share + RIM_INNER * lean
+        least = min(1.0 + lean, 1.0 + RIM_RISE * self.rim_share + lean, inside)
+        if least < -_ROUNDING:
+            raise InvalidInput(
+                f"the pressure gradient {self.gradient} 1/m with rim share {self.rim_share} lifts the outline off the "
+                f"ground (least pressure {least:.3g} of the mean): bring the centre of mass nearer to the centroid, or "
+                "give support points"
             )
 
     @classmethod
-    def under(cls, outline: Outline, centre_of_mass: tuple[float, float]) -> "PatchFootprint":
+    def under(cls, outline: Outline, centre_of_mass: tuple[float, float], rim_share: float = 0.0) -> "PatchFootprint":
         """Return the footprint whose centre of pressure is the given centre of mass (m)."""
         lever = np.subtract(centre_of_mass, outline.centroid)
         if np.hypot(*lever) <= 1e-12 * outline.extent:
-            return cls(outline)
+            return cls(outline, rim_share=rim_share)
         gx, gy = np.linalg.solve(cls(outline).second_moments, lever)
-        return cls(outline, (float(gx), float(gy)))
+        return cls(outline, (float(gx), float(gy)), rim_share)
+
+    @cached_property
+    def inner(self) -> Outline:
+        """The inner edge of the frame."""
+        return self.outline.shrunk(RIM_INNER)
+
+    @cached_property
+    def can_have_rim_share(self) -> bool:
+        """Whether the frame's inner edge lies inside the outline: always, if that is convex."""
+        if isinstance(self.outline, Ellipse) or self.outline.is_convex:
+            return True
+        assert isinstance(self.inner, Polygon)
+        return self.outline.encloses(self.inner)
 
     @cached_property
     def second_moments(self) -> NDArray[np.float64]:
         """Mean of (r - centroid)(r - centroid)^T over the area, (2, 2), m^2."""
-        points, weights = _area_quadrature(self.outline)
+        points, weights = area_quadrature(self.outline)
         lever = points - self.outline.centroid
         return np.asarray(np.einsum("k,ki,kj->ij", weights, lever, lever))
 
@@ -72,9 +115,23 @@ class PatchFootprint:
 
     @cached_property
     def quadrature(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Points (k, 2), m, and shares of the load (k,), exact for polynomials up to degree 10."""
-        points, weights = _area_quadrature(self.outline)
-        return points, weights * (1.0 + (points - self.outline.centroid) @ np.array(self.gradient))
+        """Points (k, 2), m, and shares of the load (k,), exact for polynomials up to degree 10 on either region."""
+        if self.rim_share == 0.0:
+            points, weights = area_quadrature(self.outline)
+            return points, weights * self._leaning(points)
+        points, without, by_share = self.rim_quadrature
+        return points, without + self.rim_share * by_share
+
+    @cached_property
+    def rim_quadrature(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Points (k, 2), m, their shares of the load (k,) at rim share zero, and the derivatives of these by it."""
+        points, weights = area_quadrature(self.outline)
+        inside, inner = area_quadrature(self.inner)
+        without = np.concatenate([weights * self._leaning(points), np.zeros(len(inner))])
+        return np.concatenate([points, inside]), without, RIM_RISE * np.concatenate([weights, -inner])
+
+    def _leaning(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(1.0 + (points - self.outline.centroid) @ np.array(self.gradient))
 
 
 @dataclass(frozen=True)
@@ -181,30 +238,3 @@ def parse_footprint(text: str, outline: Outline) -> Footprint:
     if text.endswith(".csv"):
         return load_footprint(text)
     raise InvalidInput(f"footprint {text!r} is none of: exact, grid:N, corners (polygons), FILE.csv")
-
-
-def _area_quadrature(outline: Outline) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    return _ellipse_quadrature(outline) if isinstance(outline, Ellipse) else _polygon_quadrature(outline)
-
-
-def _polygon_quadrature(polygon: Polygon) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Collapsed Gauss rules on the signed fan of triangles from vertex 0 (two weights may differ in sign)."""
-    node, weight = np.polynomial.legendre.leggauss(_FAR_ORDER)
-    s, t = np.meshgrid((node + 1.0) / 2.0, (node + 1.0) / 2.0, indexing="ij")
-    share = np.outer(weight, weight) / 4.0 * s
-    apex, points, weights = polygon.array[0], [], []
-    for a, b in zip(polygon.array[1:-1], polygon.array[2:], strict=True):
-        e, f = a - apex, b - apex
-        points.append(apex + s[..., None] * e + (s * t)[..., None] * (f - e))
-        weights.append(share * (e[0] * f[1] - e[1] * f[0]) / polygon.area)
-    return np.concatenate([p.reshape(-1, 2) for p in points]), np.concatenate([w.ravel() for w in weights])
-
-
-def _ellipse_quadrature(ellipse: Ellipse) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Gauss rule in the squared radius, equal angles around."""
-    count = 2 * _FAR_ORDER + 4
-    node, weight = np.polynomial.legendre.leggauss(_FAR_ORDER + 2)
-    radius, angle = np.meshgrid(np.sqrt((node + 1.0) / 2.0), np.arange(count) * 2.0 * math.pi / count, indexing="ij")
-    points = np.stack([ellipse.semi_x * radius * np.cos(angle), ellipse.semi_y * radius * np.sin(angle)], axis=-1)
-    weights = np.repeat(weight / 2.0 / count, count)
-    return points.reshape(-1, 2), weights

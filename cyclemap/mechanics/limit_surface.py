@@ -12,6 +12,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint, PointFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.patch_integrals import FAR_RATIO, patch_expressions
+from cyclemap.mechanics.pressure_family import PressureFamily, rim_share
 
 
 @dataclass(frozen=True)
@@ -53,8 +54,9 @@ class LimitSurface:
         if np.any(np.all(columns == 0.0, axis=0)):
             raise InvalidInput("friction is not unique at rest: a twist is zero")
         law = self.friction
-        parameters = np.array([law.mu_a, law.mu_b, law.m0, law.n0, law.phi, frame])
-        near, far = _compiled(normalised(self.footprint))
+        share = rim_share(self.footprint)
+        parameters = np.array([law.mu_a, law.mu_b, law.m0, law.n0, law.phi, share, frame])
+        near, far = _compiled(PressureFamily.of(normalised(self.footprint)))
         with np.errstate(all="ignore"):
             ratio = np.array(far(columns, parameters)).reshape(14, -1)[13]
         values = np.empty((13, columns.shape[1]))
@@ -73,16 +75,16 @@ def normalised(footprint: Footprint) -> Footprint:
         positions = np.asarray(footprint.positions) / size
         return PointFootprint(tuple(map(tuple, positions.tolist())), footprint.weights)
     gradient = (footprint.gradient[0] * size, footprint.gradient[1] * size)
-    return PatchFootprint(footprint.outline.scaled(1.0 / size), gradient)
+    return PatchFootprint(footprint.outline.scaled(1.0 / size), gradient, footprint.rim_share)
 
 
 @lru_cache(maxsize=64)
-def _compiled(footprint: Footprint) -> tuple[ca.Function, ca.Function]:
+def _compiled(pressure: PressureFamily) -> tuple[ca.Function, ca.Function]:
     """CasADi functions (twist, parameters) -> (D, gradient, Hessian, far), near and far."""
-    twist, parameters = ca.SX.sym("twist", 3), ca.SX.sym("parameters", 6)
+    twist, parameters = ca.SX.sym("twist", 3), ca.SX.sym("parameters", 7)
     functions = []
     for near in (True, False):
-        patch = patch_expressions(footprint, twist, parameters[:5], parameters[5], near)
+        patch = patch_expressions(pressure, twist, parameters[:6], parameters[6], near)
         values = ca.vertcat(patch.dissipation, patch.force, patch.torque, ca.vec(patch.hessian), patch.far)
         functions.append(ca.Function("patch", [twist, parameters], [patch.substituted(values)]))
     return functions[0], functions[1]

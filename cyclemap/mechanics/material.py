@@ -1,4 +1,4 @@
-"""Materials: a surface's point friction with its name and where its numbers come from."""
+"""Materials: a surface's point friction, with its name, where its numbers come from, and what was found with them."""
 
 import math
 import tomllib
@@ -6,21 +6,75 @@ from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
+from cyclemap.checks import finite_number, positive_number
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.mechanics.friction import EllipseFriction
+from cyclemap.mechanics.friction_wear import worn_friction
 from cyclemap.suggestions import unknown_name
 from cyclemap.text_files import read_toml
 
 FRICTION_KEYS = ("mu_a", "mu_b", "m0", "n0", "phi_deg")
+_FILE_KEYS = ("name", "provenance", "misfit", "inferred", "friction", "worn", "found_with")
+_FOUND_KEYS = {
+    "pusher_mu": "pusher_friction",
+    "rim_share": "rim_share",
+    "hitch_scale": "hitch_scale",
+    "pin_friction_mm": "pin_friction_radius",
+}
+
+
+@dataclass(frozen=True)
+class FoundWith:
+    """What was identified together with a surface's friction; None where it was not: the loop's own value holds.
+
+    pusher_friction : coefficient of rod and object. rim_share : of the object's weight. hitch_scale : effective over
+    nominal lever of the ring. pin_friction_radius : m, of the rod in the ring.
+    """
+
+    pusher_friction: float | None = None
+    rim_share: float | None = None
+    hitch_scale: float | None = None
+    pin_friction_radius: float | None = None
+
+
+@dataclass(frozen=True)
+class Wear:
+    """How a surface changes: after `cycles` cycles its friction is `friction`, on a straight way (`worn_friction`)."""
+
+    friction: EllipseFriction
+    cycles: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "cycles", positive_number("cycles of wear", self.cycles))
 
 
 @dataclass(frozen=True)
 class Material:
-    """A surface: its name, its point friction against the slider, and the source of the numbers."""
+    """A surface: its name, its point friction against the slider, and the source of the numbers.
+
+    misfit : how far the data lie from what the numbers predict, in words. inferred : whether the numbers were inferred
+    from how objects moved rather than measured as forces. found_with : what was identified along with the friction.
+    wear : the friction at the end of the data; None where it is taken not to change.
+    """
 
     name: str
     friction: EllipseFriction
     provenance: str = ""
+    misfit: str = ""
+    inferred: bool = False
+    found_with: FoundWith = FoundWith()
+    wear: Wear | None = None
+
+    def friction_after(self, cycles: float) -> EllipseFriction:
+        """Return the friction after a number of cycles, 0 or more; beyond those of `wear` it stays the worn one.
+
+        >>> load_material("plywood").friction_after(500.0) == load_material("plywood").friction
+        True
+        """
+        if self.wear is None:
+            return self.friction
+        share = finite_number("cycles", cycles) / self.wear.cycles
+        return worn_friction(self.friction, self.wear.friction, min(max(share, 0.0), 1.0))
 
 
 def material_names() -> tuple[str, ...]:
@@ -36,7 +90,9 @@ def material_names() -> tuple[str, ...]:
 def load_material(name: str | Path) -> Material:
     """Return a built-in material by name, or one from a TOML file (a path that ends in .toml).
 
-    The file holds `name`, `provenance` and a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg.
+    The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and it may hold `name`,
+    `provenance`, `misfit`, `inferred` (true or false), a table [worn] with `cycles` and the friction after them, and a
+    table [found_with] of what was identified along with it: pusher_mu, rim_share, hitch_scale, pin_friction_mm.
     Raises InvalidInput for an unknown name, DataFileError for a file that is missing or is not such a table.
 
     >>> load_material("plywood").friction.mu_a
@@ -75,10 +131,44 @@ def _material_from_file(path: Path) -> Material:
 
 def _material_from_table(table: dict[str, object], name: str) -> Material:
     for key in table:
-        if key not in ("name", "provenance", "friction"):
-            raise unknown_name("key in a material file", key, ("name", "provenance", "friction"))
+        if key not in _FILE_KEYS:
+            raise unknown_name("key in a material file", key, _FILE_KEYS)
     friction = table.get("friction")
     if not isinstance(friction, dict):
         raise InvalidInput("a material file needs a table [friction] with mu_a and mu_b")
-    law = friction_from_degrees(friction)
-    return Material(str(table.get("name", name)), law, str(table.get("provenance", "")))
+    inferred = table.get("inferred", False)
+    if not isinstance(inferred, bool):
+        raise InvalidInput(f"inferred is {inferred!r}: it must be true or false")
+    words = {key: str(table.get(key, "")) for key in ("provenance", "misfit")}
+    law, found, wear = friction_from_degrees(friction), _found_with(table), _wear(table)
+    return Material(str(table.get("name", name)), law, **words, inferred=inferred, found_with=found, wear=wear)
+
+
+def _found_with(table: dict[str, object]) -> FoundWith:
+    found = _table(table, "found_with")
+    for key in found:
+        if key not in _FOUND_KEYS:
+            raise unknown_name("key of [found_with]", key, tuple(_FOUND_KEYS))
+    numbers = {key: finite_number(key, value) for key, value in found.items()}
+    if "pin_friction_mm" in numbers:
+        numbers["pin_friction_mm"] *= 1e-3
+    return FoundWith(**{_FOUND_KEYS[key]: value for key, value in numbers.items()})
+
+
+def _wear(table: dict[str, object]) -> Wear | None:
+    worn = _table(table, "worn")
+    if not worn:
+        return None
+    if "cycles" not in worn:
+        raise InvalidInput(
+            "a table [worn] needs cycles, the number of cycles after which the friction is the one it has"
+        )
+    cycles = finite_number("cycles", worn.pop("cycles"))
+    return Wear(friction_from_degrees(worn), cycles)
+
+
+def _table(table: dict[str, object], name: str) -> dict[str, object]:
+    found = table.get(name, {})
+    if not isinstance(found, dict):
+        raise InvalidInput(f"{name} is {found!r}: it must be a table, [{name}]")
+    return dict(found)

@@ -1,24 +1,29 @@
 """One law of motion at a time: a rod on one piece of the outline in one mode, or in the ring; stepped and certified."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.mechanics.buffered_function import BufferedFunction
-from cyclemap.mechanics.contact_curve import Contact, Piece
+from cyclemap.mechanics.contact_curve import Contact, Piece, RingPiece
+from cyclemap.mechanics.contact_equations import RING_FRICTION, SLIDE
 from cyclemap.mechanics.contact_solver import ContactSolver, Slide, Stick
-from cyclemap.mechanics.footprint import Footprint, PointFootprint
+from cyclemap.mechanics.footprint import PatchFootprint, PointFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.motion_functions import MARGINS, PARAMETERS, step_function
+from cyclemap.mechanics.pressure_family import PressureFamily, rim_share
 from cyclemap.mechanics.runge_kutta import STAGES, UNKNOWN, Step, step
 
 # How a rod moves over the slider: not at all, or along the outline's counter-clockwise (left) or clockwise tangent;
-# a frictionless rod slides freely, without a cone's edge to stay on. In the ring it only turns.
-STICK, SLIDE_LEFT, SLIDE_RIGHT, SLIDE_FREE, RING = "stick", "slide_left", "slide_right", "slide_free", "ring"
-_SIGN = {STICK: 1.0, SLIDE_LEFT: 1.0, SLIDE_RIGHT: -1.0, SLIDE_FREE: 0.0, RING: 0.0}
+# a frictionless rod slides freely, without a cone's edge to stay on. In the ring the object only turns: freely, or
+# left or right against the ring's friction, or not at all where that holds it.
+STICK, SLIDE_LEFT, SLIDE_RIGHT, SLIDE_FREE = "stick", "slide_left", "slide_right", "slide_free"
+RING, RING_LEFT, RING_RIGHT, RING_STUCK = "ring", "ring_left", "ring_right", "ring_stuck"
+_SIGN = {STICK: 1.0, SLIDE_LEFT: 1.0, SLIDE_RIGHT: -1.0, SLIDE_FREE: 0.0}
+_SIGN |= {RING: 0.0, RING_LEFT: 1.0, RING_RIGHT: -1.0, RING_STUCK: 0.0}
 
 # A fast step counts when what Newton's last correction leaves, about its square, is this share of the step's tolerance
 # (support points: when the correction itself is, since their friction is not smooth) ...
@@ -31,7 +36,10 @@ _KEPT = (math.inf,) * len(MARGINS)
 
 @dataclass(frozen=True)
 class Rod:
-    """A rod as the equations see it: radius (extents), friction coefficient, direction of motion (rad, world)."""
+    """A rod as the equations see it: radius (extents), friction coefficient, direction of motion (rad, world).
+
+    In the ring `friction` is the radius of the friction circle, extents.
+    """
 
     radius: float
     friction: float
@@ -43,7 +51,7 @@ class Motion:
 
     def __init__(self, solver: ContactSolver, piece: Piece, mode: str, rod: Rod) -> None:
         self.solver, self.piece, self.mode, self.rod = solver, piece, mode, rod
-        self.parameters = motion_parameters(solver.friction, piece, mode, rod)
+        self.parameters = motion_parameters(solver, piece, mode, rod)
         self.unknowns = [0.0, 0.0] if self.slides else [0.0]
         self._regime = 0
         self._calls = [_step_call(solver, piece.kind, self.family, near) for near in (True, False)]
@@ -54,16 +62,23 @@ class Motion:
         return self.mode.startswith("slide")
 
     @property
+    def in_ring(self) -> bool:
+        """Whether the rod is in the ring."""
+        return self.mode in (RING, RING_LEFT, RING_RIGHT, RING_STUCK)
+
+    @property
     def family(self) -> str:
-        """The kind of equations that hold: stick, slide or ring."""
-        return "slide" if self.slides else self.mode
+        """The kind of equations that hold: stick, slide, ring or ring_friction."""
+        if self.slides:
+            return SLIDE
+        return RING_FRICTION if self.mode in (RING_LEFT, RING_RIGHT) else self.mode
 
     def evaluate(self, state: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return (state, slope per unit of rod travel, margins, unknowns), solved until certain."""
         theta, coordinate = state.tolist()
         contact, metric = self.piece.contact(coordinate, self.rod.radius)
-        if self.mode == RING:
-            omega, *_ = self.solver.stick(theta, self.rod.direction, contact, self.unknowns[0])
+        if self.in_ring:
+            omega = 0.0 if self.mode == RING_STUCK else self._in_ring(theta, contact).omega
             self.unknowns = [omega]
             return np.array((theta, coordinate, omega, 0.0, *_KEPT, omega))
         off = contact.normal + theta - self.rod.direction
@@ -81,7 +96,11 @@ class Motion:
         theta, coordinate = state.tolist()
         contact, _ = self.piece.contact(coordinate, self.rod.radius)
         found: Stick | Slide
-        if self.slides:
+        if self.mode == RING_STUCK:
+            return held_in_ring(self.solver, theta, contact, self.rod)[1:]
+        if self.in_ring:
+            found = self._in_ring(theta, contact)
+        elif self.slides:
             smu = _SIGN[self.mode] * self.rod.friction
             found = self.solver.slide(theta, contact, smu, (self.unknowns[0], self.unknowns[1]))
         else:
@@ -90,6 +109,8 @@ class Motion:
 
     def fast_step(self, state: NDArray[np.float64], h: float, tolerance: float) -> Step | None:
         """Return a step of length h, made in one call, or None where its contact is not certified to be solved."""
+        if self.mode == RING_STUCK:
+            return step(self.evaluate, state, h)
         taken = self._calls[self._regime](state, self.unknowns, h, self.parameters, tolerance)
         if taken is None and not self._calls[self._regime].in_regime:
             self._regime = 1 - self._regime
@@ -114,11 +135,22 @@ class Motion:
 
     def with_parameters(self, parameters: NDArray[np.float64], unknowns: list[float]) -> "Motion":
         """Return the same motion with other numbers, in the order of PARAMETERS."""
-        direction, radius, smu, mu_a, mu_b, m0, n0, phi, *geometry, _low, _high = parameters.tolist()
-        solver = ContactSolver(self.solver.footprint, EllipseFriction(mu_a, mu_b, m0, n0, phi))
-        moved = Motion(solver, self.piece.moved(tuple(geometry)), self.mode, Rod(radius, abs(smu), direction))
+        direction, radius, smu, mu_a, mu_b, m0, n0, phi, share, *geometry, _low, _high = parameters.tolist()
+        footprint, mode = self.solver.footprint, self.mode
+        if isinstance(footprint, PatchFootprint):
+            footprint = replace(footprint, rim_share=share)
+        if mode == RING and smu != 0.0:
+            mode = RING_LEFT if smu > 0.0 else RING_RIGHT
+        solver = ContactSolver(footprint, EllipseFriction(mu_a, mu_b, m0, n0, phi))
+        moved = Motion(solver, self.piece.moved(tuple(geometry)), mode, Rod(radius, abs(smu), direction))
         moved.unknowns = list(unknowns)
         return moved
+
+    def _in_ring(self, theta: float, contact: Contact) -> Stick:
+        if self.mode == RING:
+            return self.solver.stick(theta, self.rod.direction, contact, self.unknowns[0])
+        smu = _SIGN[self.mode] * self.rod.friction
+        return self.solver.ring(theta, self.rod.direction, contact, smu, self.unknowns[0])
 
     def _sticking(self, theta: float, contact: Contact) -> tuple[float, float, tuple[float, float]]:
         found = self.solver.stick(theta, self.rod.direction, contact, self.unknowns[0])
@@ -136,10 +168,32 @@ class Motion:
         return approach * found.omega, slip, (sign * slip, math.inf)
 
 
-def motion_parameters(friction: EllipseFriction, piece: Piece, mode: str, rod: Rod) -> NDArray[np.float64]:
+def ring_mode(solver: ContactSolver, theta: float, piece: RingPiece, rod: Rod) -> str:
+    """Return how the object moves in the ring at orientation theta, and as long as the rod goes straight on.
+
+    A spin that depends continuously on the orientation alone never changes its sign on the way, so that the mode stays.
+    """
+    if rod.friction == 0.0:
+        return RING
+    excess, *_ = held_in_ring(solver, theta, piece.contact(0.0, 0.0)[0], rod)
+    return RING_STUCK if excess == 0.0 else RING_LEFT if excess < 0.0 else RING_RIGHT
+
+
+def held_in_ring(solver: ContactSolver, theta: float, contact: Contact, rod: Rod) -> tuple[float, float, float, float]:
+    """Return the torque that the ring's friction leaves over in translation, the rod's force per unit load, and zero.
+
+    Forces as `Motion.forces` returns them, with the residual of a balance that the ring's friction closes.
+    """
+    torque, normal_force, tangential_force = solver.held(theta, rod.direction, contact)
+    limit = rod.friction * math.hypot(normal_force, tangential_force)
+    return math.copysign(max(abs(torque) - limit, 0.0), torque), normal_force, tangential_force, 0.0
+
+
+def motion_parameters(solver: ContactSolver, piece: Piece, mode: str, rod: Rod) -> NDArray[np.float64]:
     """Return the parameters of a motion's CasADi functions, in the order of PARAMETERS."""
-    law = (friction.mu_a, friction.mu_b, friction.m0, friction.n0, friction.phi)
-    radius = 0.0 if mode == RING else rod.radius
+    friction = solver.friction
+    law = (friction.mu_a, friction.mu_b, friction.m0, friction.n0, friction.phi, rim_share(solver.footprint))
+    radius = 0.0 if isinstance(piece, RingPiece) else rod.radius
     geometry = (*piece.geometry, *(0.0,) * (5 - len(piece.geometry)))
     values = (rod.direction, radius, _SIGN[mode] * rod.friction, *law, *geometry, piece.low, piece.high)
     assert len(values) == len(PARAMETERS)
@@ -150,7 +204,7 @@ def _step_call(solver: ContactSolver, kind: str, family: str, near: bool) -> "_S
     """Return the solver's own call of a step, made once."""
     key = (kind, family, near)
     if key not in solver.step_calls:
-        solver.step_calls[key] = _StepCall(solver.footprint, kind, family, near)
+        solver.step_calls[key] = _StepCall(solver.pressure, kind, family, near)
     call = solver.step_calls[key]
     assert isinstance(call, _StepCall)
     return call
@@ -159,11 +213,11 @@ def _step_call(solver: ContactSolver, kind: str, family: str, near: bool) -> "_S
 class _StepCall:
     """A step's CasADi function, with its buffers, built when it is first needed."""
 
-    def __init__(self, footprint: Footprint, kind: str, family: str, near: bool) -> None:
-        self._build = (footprint, kind, family, near)
+    def __init__(self, pressure: PressureFamily, kind: str, family: str, near: bool) -> None:
+        self._build = (pressure, kind, family, near)
         self._near = near
-        self._exact = not isinstance(footprint, PointFootprint)
-        self._unknowns = 2 if family == "slide" else 1
+        self._exact = not isinstance(pressure.footprint, PointFootprint)
+        self._unknowns = 2 if family == SLIDE else 1
         self.in_regime = True
 
     def __call__(

@@ -9,14 +9,16 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from cyclemap.mechanics.contact_equations import ContactFunctions, contact_functions
-from cyclemap.mechanics.footprint import Footprint, PointFootprint
+from cyclemap.mechanics.contact_equations import SLIDE, STICK, ContactFunctions, contact_functions
+from cyclemap.mechanics.footprint import PointFootprint
+from cyclemap.mechanics.pressure_family import PressureFamily
 from cyclemap.mechanics.runge_kutta import ERROR, STAGES, A, B, C
 
 # Parameters of a motion, in order. geometry: side (x, y, tx, ty, normal), corner (x, y), ellipse (semi_x, semi_y),
-# ring (x, y), padded with zeros; smu: pusher friction, negative when the rod slides clockwise over the slider.
+# ring (x, y), padded with zeros; smu: pusher friction, negative when the rod slides clockwise over the slider, or
+# radius of the ring's friction circle, negative when the object turns clockwise.
 PARAMETERS = (
-    *("direction", "radius", "smu", "mu_a", "mu_b", "m0", "n0", "phi"),
+    *("direction", "radius", "smu", "mu_a", "mu_b", "m0", "n0", "phi", "rim_share"),
     *("geometry_0", "geometry_1", "geometry_2", "geometry_3", "geometry_4", "low", "high"),
 )
 MARGINS = ("approach", "after_low", "before_high", "mode_first", "mode_second")
@@ -24,29 +26,35 @@ MARGINS = ("approach", "after_low", "before_high", "mode_first", "mode_second")
 # Newton iterations a stage, for patches and for support points, whose friction is less smooth.
 _ITERATIONS_PATCH, _ITERATIONS_POINTS = 2, 3
 # Functions up to this many operations a Newton iteration are unrolled into scalars, larger ones are called.
-_UNROLLED = 1_000
+_UNROLLED = 1_600
 
 
 @lru_cache(maxsize=256)
-def step_function(footprint: Footprint, kind: str, mode: str, near: bool) -> ca.Function:
-    """Build (once) the step of a normalised footprint, kind of contact, mode and regime.
+def step_function(pressure: PressureFamily, kind: str, mode: str, near: bool) -> ca.Function:
+    """Build (once) the step of a normalised footprint's family, kind of contact, mode and regime.
 
     (state 2, unknowns u, h, parameters) -> (error, last Newton correction, least far, greatest far) followed, for each
     of the 6 stages and the end, by state 2, slope 2, margins 5, unknowns u.
     """
-    contact = contact_functions(footprint, near)
-    iterations = _ITERATIONS_POINTS if isinstance(footprint, PointFootprint) else _ITERATIONS_PATCH
-    return _step(contact, _arguments(kind), _rate(kind, mode), mode, iterations)
+    contact = _contact_functions(pressure, mode, near)
+    iterations = _ITERATIONS_POINTS if isinstance(pressure.footprint, PointFootprint) else _ITERATIONS_PATCH
+    return _step(contact, _arguments(kind), _rate(kind, mode), iterations)
 
 
 @lru_cache(maxsize=256)
-def variation_function(footprint: Footprint, kind: str, mode: str, near: bool, wanted: tuple[int, ...]) -> ca.Function:
+def variation_function(
+    pressure: PressureFamily, kind: str, mode: str, near: bool, wanted: tuple[int, ...]
+) -> ca.Function:
     """Build (once) the derivatives of a motion's slope, its unknowns being solved for.
 
     (state, unknowns, parameters) -> derivatives by the state and by the `wanted` ones of PARAMETERS, by columns; far.
     """
-    contact = contact_functions(footprint, near)
-    return _variation(contact, _arguments(kind), _rate(kind, mode), mode, wanted)
+    return _variation(_contact_functions(pressure, mode, near), _arguments(kind), _rate(kind, mode), wanted)
+
+
+def _contact_functions(pressure: PressureFamily, mode: str, near: bool) -> ContactFunctions:
+    """Return the equations of a mode; without friction a ring is a contact that sticks."""
+    return contact_functions(pressure, STICK if mode == "ring" else mode, near)
 
 
 def _contact(kind: str, coordinate: ca.SX, geometry: ca.SX, radius: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
@@ -68,23 +76,23 @@ def _contact(kind: str, coordinate: ca.SX, geometry: ca.SX, radius: ca.SX) -> tu
 def _arguments(kind: str) -> ca.Function:
     """(state, parameters) -> the contact equations' arguments."""
     state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
-    x, y, normal, _ = _contact(kind, state[1], p[8:13], p[1])
-    return ca.Function("arguments", [state, p], [ca.vertcat(state[0], p[0], x, y, normal, p[2:8])])
+    x, y, normal, _ = _contact(kind, state[1], p[9:14], p[1])
+    return ca.Function("arguments", [state, p], [ca.vertcat(state[0], p[0], x, y, normal, p[2:9])])
 
 
 @lru_cache(maxsize=16)
 def _rate(kind: str, mode: str) -> ca.Function:
     """(state, unknowns, forces, parameters) -> (slope, margins); forces: compression and tangential, per unit load."""
-    unknowns = 2 if mode == "slide" else 1
+    unknowns = 2 if mode == SLIDE else 1
     state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
     z, forces = ca.SX.sym("unknowns", unknowns), ca.SX.sym("forces", 2)
-    _, _, normal, metric = _contact(kind, state[1], p[8:13], p[1])
+    _, _, normal, metric = _contact(kind, state[1], p[9:14], p[1])
     off = normal + state[0] - p[0]
     approach, along = -ca.cos(off), -ca.sin(off)
-    room = (state[1] - p[13], p[14] - state[1])
-    if mode == "ring":
+    room = (state[1] - p[14], p[15] - state[1])
+    if kind == "ring":
         slope, margins = ca.vertcat(z[0], 0), ca.SX.ones(5)
-    elif mode == "stick":
+    elif mode == STICK:
         slope = ca.vertcat(z[0], -z[0] * p[1] / metric)
         margins = ca.vertcat(approach, *room, p[2] * forces[0] - forces[1], p[2] * forces[0] + forces[1])
     else:
@@ -94,14 +102,12 @@ def _rate(kind: str, mode: str) -> ca.Function:
     return ca.Function("rate", [state, z, forces, p], [slope, margins])
 
 
-def _step(
-    contact: ContactFunctions, arguments: ca.Function, rate: ca.Function, mode: str, iterations: int
-) -> ca.Function:
-    solver = contact.slide if mode == "slide" else contact.stick
+def _step(contact: ContactFunctions, arguments: ca.Function, rate: ca.Function, iterations: int) -> ca.Function:
+    solver = contact.solver
     count = solver.size1_in(0)
     state, h, p = ca.MX.sym("state", 2), ca.MX.sym("h"), ca.MX.sym("parameters", len(PARAMETERS))
     guess = ca.MX.sym("unknowns", count)
-    slope_of_unknowns = _solution_slope(contact, arguments, mode, ())(state, guess, p)
+    slope_of_unknowns = _solution_slope(contact, arguments, ())(state, guess, p)
     states: list[ca.MX] = []
     unknowns: list[ca.MX] = []
     slopes: list[ca.MX] = []
@@ -143,11 +149,9 @@ def _error(slopes: list[ca.MX]) -> ca.MX:
     return ca.mmax(ca.fabs(sum(float(e) * k for e, k in zip(ERROR, slopes, strict=True) if e)))
 
 
-def _solution_slope(
-    contact: ContactFunctions, arguments: ca.Function, mode: str, wanted: tuple[int, ...]
-) -> ca.Function:
+def _solution_slope(contact: ContactFunctions, arguments: ca.Function, wanted: tuple[int, ...]) -> ca.Function:
     """(state, unknowns, parameters) -> derivatives of the solved unknowns by the state and the wanted parameters."""
-    tangent = contact.slide_tangent if mode == "slide" else contact.stick_tangent
+    tangent = contact.tangent
     state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
     chain = ca.jacobian(arguments(state, p), ca.vertcat(state, p[list(wanted)]))
     chained = ca.Function("chain", [state, p], [chain])
@@ -156,9 +160,9 @@ def _solution_slope(
 
 
 def _variation(
-    contact: ContactFunctions, arguments: ca.Function, rate: ca.Function, mode: str, wanted: tuple[int, ...]
+    contact: ContactFunctions, arguments: ca.Function, rate: ca.Function, wanted: tuple[int, ...]
 ) -> ca.Function:
-    solver = contact.slide if mode == "slide" else contact.stick
+    solver = contact.solver
     state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
     z = ca.SX.sym("unknowns", rate.size1_in(1))
     slope = rate(state, z, ca.SX.zeros(2), p)[0]
@@ -166,7 +170,7 @@ def _variation(
     direct = ca.Function("direct", [state, z, p], [by_wanted, ca.jacobian(slope, z)])
     s, u, q = ca.MX.sym("state", 2), ca.MX.sym("unknowns", z.shape[0]), ca.MX.sym("p", len(PARAMETERS))
     explicit, by_unknowns = direct(s, u, q)
-    total = explicit + by_unknowns @ _solution_slope(contact, arguments, mode, wanted)(s, u, q)
+    total = explicit + by_unknowns @ _solution_slope(contact, arguments, wanted)(s, u, q)
     far = solver(u, arguments(s, q))[-1]
     return _unrolled(ca.Function("variation", [s, u, q], [ca.vertcat(ca.vec(ca.densify(total)), far)]), solver)
 

@@ -72,6 +72,17 @@ class Polygon:
         """Return the polygon with every coordinate times `factor`."""
         return Polygon(tuple(map(tuple, (factor * self.array).tolist())))
 
+    def shrunk(self, factor: float) -> "Polygon":
+        """Return the polygon scaled about its centroid."""
+        centre = np.array(self.centroid)
+        return Polygon(tuple(map(tuple, (centre + factor * (self.array - centre)).tolist())))
+
+    def encloses(self, other: "Polygon") -> bool:
+        """Whether another polygon lies inside, touching no side."""
+        sides, others = _sides(self.array), _sides(other.array)
+        apart = not any(_segments_meet(*side, *another) for side in sides for another in others)
+        return apart and bool(self.contains(other.array).all())
+
     def points(self, count: int) -> NDArray[np.float64]:
         """Return the closed outline as a polyline (k + 1, 2), m; a polygon needs no more than its corners."""
         return np.vstack([self.array, self.array[:1]])
@@ -137,6 +148,10 @@ class Ellipse:
         """Return the ellipse with both semi-axes times `factor`."""
         return Ellipse(factor * self.semi_x, factor * self.semi_y)
 
+    def shrunk(self, factor: float) -> "Ellipse":
+        """Return the ellipse scaled about its centroid."""
+        return self.scaled(factor)
+
     def points(self, count: int) -> NDArray[np.float64]:
         """Return the closed outline as a polyline (count + 1, 2), m."""
         angle = np.linspace(0.0, 2.0 * np.pi, count + 1)
@@ -182,6 +197,17 @@ def _sides_touch(points: NDArray[np.float64], i: int, j: int) -> bool:
         return bool(_cross(b - a, d - c) == 0.0 and np.dot(b - a, d - c) < 0.0)
     if (j + 1) % k == i:
         return bool(_cross(d - c, b - a) == 0.0 and np.dot(d - c, b - a) < 0.0)
+    return _segments_meet(a, b, c, d)
+
+
+def _sides(points: NDArray[np.float64]) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    return list(zip(points, np.roll(points, -1, axis=0), strict=True))
+
+
+def _segments_meet(
+    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], d: NDArray[np.float64]
+) -> bool:
+    """Whether the segments a-b and c-d have a point in common."""
     sides = [_cross(b - a, c - a), _cross(b - a, d - a), _cross(d - c, a - c), _cross(d - c, b - c)]
     if sides[0] * sides[1] < 0.0 and sides[2] * sides[3] < 0.0:
         return True

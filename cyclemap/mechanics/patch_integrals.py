@@ -10,16 +10,20 @@ maps the patch to a patch of the velocity plane, where the divergence theorem le
 
 (the second column where the pressure leans). The rest of gradient and Hessian follows from homogeneity:
 D = V . grad D and hess D . V = 0. Along straight sides the rim integrals are closed; around an ellipse they are Gauss
-sums, graded towards the centre of rotation. All of this cancels when the centre of rotation is far away (omega -> 0);
+sums, graded towards the centre of rotation. A rim share w adds RIM_RISE w times the mean over the outline less the mean
+over its inner outline, by the same integrals. All of this cancels when the centre of rotation is far away (omega -> 0);
 there a plain quadrature of the area is exact to rounding.
 """
 
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
-from cyclemap.mechanics.footprint import Footprint, PatchFootprint
-from cyclemap.mechanics.outline import Polygon
+from cyclemap.mechanics.footprint import RIM_INNER, RIM_RISE, PatchFootprint
+from cyclemap.mechanics.outline import Outline, Polygon
+from cyclemap.mechanics.pressure_family import PressureFamily
 from cyclemap.mechanics.rim import Expression, Rim, ellipse_rim, polygon_rim
 
 # Distance of the centre of rotation over the patch's extent, both in the velocity plane, beyond which the area
@@ -70,28 +74,30 @@ def traction_matrix(mu_a: Expression, mu_b: Expression, angle: Expression) -> Ex
 
 
 def patch_expressions(
-    footprint: Footprint, twist: Expression, friction: Expression, frame: Expression, near: bool
+    pressure: PressureFamily, twist: Expression, law: Expression, frame: Expression, near: bool
 ) -> PatchExpressions:
     """Return a footprint's dissipation and its derivatives at a `twist` (vx, vy, omega) of its own frame.
 
     Parameters
     ----------
-    footprint : its lengths in the unit of length that the twist uses.
-    friction : the expressions (mu_a, mu_b, m0, n0, phi); `frame`: the angle of the footprint's frame, rad.
+    pressure : the footprint's family, its lengths in the unit of length that the twist uses.
+    law : the expressions (mu_a, mu_b, m0, n0, phi, rim share); `frame`: the angle of the footprint's frame, rad.
     near : rim integrals, for centres of rotation within FAR_RATIO; False: area quadrature, for those beyond.
         Point footprints are summed either way.
     """
-    mu_a, mu_b, m0, n0, phi = ca.vertsplit(friction)
+    mu_a, mu_b, m0, n0, phi, rim_share = ca.vertsplit(law)
+    footprint = pressure.footprint
     matrix = traction_matrix(mu_a, mu_b, phi - frame)
     velocity, omega = twist[:2], twist[2]
     centre = ca.DM(footprint.centre)
     at_centre = velocity + omega * _quarter_turn(centre)
     frozen: tuple[tuple[Expression, Expression], ...] = ()
     if near and isinstance(footprint, PatchFootprint):
-        rim, frozen = _rim(footprint, velocity, omega, matrix)
-        centred = _from_rim(footprint, rim, velocity, omega, matrix, mu_a * mu_b)
+        share = rim_share if pressure.framed else None
+        means, frozen = _means(footprint, velocity, omega, matrix, share)
+        centred = _from_means(means, velocity, omega, matrix, omega**2 * mu_a * mu_b * footprint.outline.area)
     else:
-        centred = _from_points(footprint, velocity, omega, matrix)
+        centred = _from_points(*_nodes(pressure, rim_share), velocity, omega, matrix)
     # The ellipse's centre (m0, n0) acts as one constant force at the centre of pressure.
     c, s = ca.cos(phi - frame), ca.sin(phi - frame)
     constant = ca.vertcat(c * m0 - s * n0, s * m0 + c * n0)
@@ -115,12 +121,25 @@ def _norm(vector: Expression) -> Expression:
 
 
 _Centred = tuple[Expression, Expression, Expression, Expression]
+_Frozen = tuple[tuple[Expression, Expression], ...]
 
 
-def _from_points(footprint: Footprint, velocity: Expression, omega: Expression, matrix: Expression) -> _Centred:
+def _nodes(pressure: PressureFamily, rim_share: Expression) -> tuple[NDArray[np.float64], Expression]:
+    """Points and their shares of the load."""
+    footprint = pressure.footprint
+    if not pressure.framed:
+        points, weights = footprint.quadrature
+        return points, ca.DM(weights)
+    assert isinstance(footprint, PatchFootprint)
+    points, without, by_share = footprint.rim_quadrature
+    return points, ca.DM(without) + rim_share * ca.DM(by_share)
+
+
+def _from_points(
+    points: NDArray[np.float64], share: Expression, velocity: Expression, omega: Expression, matrix: Expression
+) -> _Centred:
     """Dissipation, force, torque and Hessian as sums over points."""
-    points, weights = footprint.quadrature
-    x, y, share = ca.DM(points[:, 0]), ca.DM(points[:, 1]), ca.DM(weights)
+    x, y = ca.DM(points[:, 0]), ca.DM(points[:, 1])
     vx, vy = velocity[0] - omega * y, velocity[1] + omega * x
     wx, wy = matrix[0, 0] * vx + matrix[0, 1] * vy, matrix[1, 0] * vx + matrix[1, 1] * vy
     speed = ca.sqrt(wx * wx + wy * wy + _TINY**2)
@@ -140,35 +159,43 @@ def _from_points(footprint: Footprint, velocity: Expression, omega: Expression, 
     )
 
 
-def _rim(
-    footprint: PatchFootprint, velocity: Expression, omega: Expression, matrix: Expression
-) -> tuple[Rim, tuple[tuple[Expression, Expression], ...]]:
-    """Image of the footprint's rim in the velocity plane."""
-    if isinstance(footprint.outline, Polygon):
-        corners = ca.DM(footprint.outline.array)
-        vx, vy = velocity[0] - omega * corners[:, 1], velocity[1] + omega * corners[:, 0]
-        return polygon_rim(matrix[0, 0] * vx + matrix[0, 1] * vy, matrix[1, 0] * vx + matrix[1, 1] * vy), ()
-    semi_x, semi_y = footprint.outline.semi_x, footprint.outline.semi_y
-    cosine = omega * semi_x * matrix @ ca.DM([0.0, 1.0])
-    sine = omega * semi_y * matrix @ ca.DM([-1.0, 0.0])
-    return ellipse_rim(matrix @ velocity, cosine, sine)
-
-
-def _from_rim(
+def _means(
     footprint: PatchFootprint,
-    rim: Rim,
     velocity: Expression,
     omega: Expression,
     matrix: Expression,
-    determinant: Expression,
-) -> _Centred:
-    """Dissipation, force, torque and Hessian from the rim's integrals and homogeneity."""
-    means = (
-        _even_means(rim)
-        if footprint.gradient == (0.0, 0.0)
-        else _leaning_means(footprint, rim, velocity, omega, matrix)
+    rim_share: Expression | None,
+) -> tuple[_Means, _Frozen]:
+    """Integrals of |w| and its derivatives over the image of the footprint, weighted by its pressure."""
+    rim, frozen = _rim(footprint.outline, velocity, omega, matrix)
+    if rim_share is None:
+        return _outer_means(footprint, rim, velocity, omega, matrix, None), frozen
+    whole = _outer_means(footprint, rim, velocity, omega, matrix, 1 + RIM_RISE * rim_share)
+    inner_rim, more = _rim(footprint.inner, velocity, omega, matrix)
+    inner, factor = _even_means(inner_rim), -RIM_RISE / RIM_INNER**2 * rim_share
+    means = _Means(
+        whole.speed + factor * inner.speed,
+        whole.direction + factor * inner.direction,
+        whole.curvature + factor * inner.curvature,
     )
-    area = omega**2 * determinant * footprint.outline.area
+    return means, (*frozen, *more)
+
+
+def _rim(outline: Outline, velocity: Expression, omega: Expression, matrix: Expression) -> tuple[Rim, _Frozen]:
+    """Image of an outline in the velocity plane."""
+    if isinstance(outline, Polygon):
+        corners = ca.DM(outline.array)
+        vx, vy = velocity[0] - omega * corners[:, 1], velocity[1] + omega * corners[:, 0]
+        return polygon_rim(matrix[0, 0] * vx + matrix[0, 1] * vy, matrix[1, 0] * vx + matrix[1, 1] * vy), ()
+    cosine = omega * outline.semi_x * matrix @ ca.DM([0.0, 1.0])
+    sine = omega * outline.semi_y * matrix @ ca.DM([-1.0, 0.0])
+    return ellipse_rim(matrix @ velocity, cosine, sine)
+
+
+def _from_means(
+    means: _Means, velocity: Expression, omega: Expression, matrix: Expression, area: Expression
+) -> _Centred:
+    """Dissipation, force, torque and Hessian from the rim's integrals and homogeneity; `area`: that of the image."""
     dissipation, force = means.speed / area, matrix.T @ means.direction / area
     torque = (dissipation - ca.dot(velocity, force)) / omega
     block = matrix.T @ means.curvature @ matrix / area
@@ -177,18 +204,40 @@ def _from_rim(
     return dissipation, force, torque, hessian
 
 
+def _outer_means(
+    footprint: PatchFootprint,
+    rim: Rim,
+    velocity: Expression,
+    omega: Expression,
+    matrix: Expression,
+    level: Expression | None,
+) -> _Means:
+    """Integrals over the whole outline with its pressure, `level` (one) at the centroid."""
+    if footprint.gradient != (0.0, 0.0):
+        return _leaning_means(footprint, rim, velocity, omega, matrix, 1 if level is None else level)
+    even = _even_means(rim)
+    if level is None:
+        return even
+    return _Means(level * even.speed, level * even.direction, level * even.curvature)
+
+
 def _even_means(rim: Rim) -> _Means:
     speed = ca.dot(rim.distance, rim.length) / 3
     return _Means(speed, rim.normal.T @ rim.length, rim.unit.T @ rim.normal)
 
 
 def _leaning_means(
-    footprint: PatchFootprint, rim: Rim, velocity: Expression, omega: Expression, matrix: Expression
+    footprint: PatchFootprint,
+    rim: Rim,
+    velocity: Expression,
+    omega: Expression,
+    matrix: Expression,
+    level: Expression | int,
 ) -> _Means:
     """The same, weighted by the pressure, which is p0 + q . w in the velocity plane."""
     gradient = ca.DM(footprint.gradient)
     q = ca.solve(matrix.T, _quarter_turn(gradient)) / omega
-    p0 = 1 - ca.dot(gradient, ca.DM(footprint.outline.centroid)) - ca.dot(_quarter_turn(gradient), velocity) / omega
+    p0 = level - ca.dot(gradient, ca.DM(footprint.outline.centroid)) - ca.dot(_quarter_turn(gradient), velocity) / omega
     even = _even_means(rim)
     weighted_length = rim.first @ q
     speed = p0 * even.speed + ca.dot(rim.distance, weighted_length) / 4

@@ -1,12 +1,16 @@
 """How the end of a phase varies with its start and its parameters: the tangent of the integration itself."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.mechanics.contact_equations import RING_FRICTION
 from cyclemap.mechanics.footprint import PointFootprint
-from cyclemap.mechanics.motion import Motion
-from cyclemap.mechanics.motion_functions import variation_function
+from cyclemap.mechanics.motion import RING, Motion
+from cyclemap.mechanics.motion_functions import PARAMETERS, variation_function
 from cyclemap.mechanics.patch_integrals import FAR_RATIO
+from cyclemap.mechanics.pressure_family import PressureFamily
 from cyclemap.mechanics.push_run import RunPhase
 from cyclemap.mechanics.runge_kutta import STAGES, STATE, UNKNOWN, A, B
 
@@ -16,11 +20,13 @@ Array = NDArray[np.float64]
 _STILL = 1e-7
 _DIFFERENCE = 1e-6
 
+_SMU, _RIM_SHARE = PARAMETERS.index("smu"), PARAMETERS.index("rim_share")
+
 
 def vary_phase(run_phase: RunPhase, start: Array, parameters: Array) -> Array:
     """Return the variation (2, k) of the state at the end of a phase.
 
-    `start` (2, k): variation of its start; `parameters` (15, k): variation of the motion's PARAMETERS. The phase's
+    `start` (2, k): variation of its start; `parameters` (16, k): variation of the motion's PARAMETERS. The phase's
     steps keep their lengths: rates are continuous across its end, so that where it lies does not matter to first order.
     """
     steps = run_phase.phase.steps
@@ -50,7 +56,7 @@ def _slope_jacobians(motion: Motion, stages: Array, wanted: NDArray[np.intp]) ->
     """Derivatives (n, 2, 2 + w) of the slope by state and wanted parameters at solved stages (n, ...)."""
     states, unknowns = stages[:, STATE].T, stages[:, UNKNOWN].T
     values = np.empty((2 * (2 + wanted.size) + 1, len(stages)))
-    law = (motion.solver.footprint, motion.piece.kind, motion.family)
+    law = (_pressure(motion, wanted), motion.piece.kind, _family(motion, wanted))
     for near in (True, False):
         chosen = np.ones(len(stages), bool) if near else ~(values[-1] <= FAR_RATIO)
         if chosen.any():
@@ -61,6 +67,18 @@ def _slope_jacobians(motion: Motion, stages: Array, wanted: NDArray[np.intp]) ->
     for index in _kinked(motion, stages):
         jacobians[index] = _by_differences(motion, stages[index], wanted)
     return jacobians
+
+
+def _pressure(motion: Motion, wanted: NDArray[np.intp]) -> PressureFamily:
+    """Return the family whose equations hold every wanted parameter, also where its term vanishes."""
+    if _RIM_SHARE in wanted:
+        return replace(motion.solver.pressure, framed=True)
+    return motion.solver.pressure
+
+
+def _family(motion: Motion, wanted: NDArray[np.intp]) -> str:
+    """Return the kind of equations that hold the wanted friction of the ring, also where it vanishes."""
+    return RING_FRICTION if motion.mode == RING and _SMU in wanted else motion.family
 
 
 def _kinked(motion: Motion, stages: Array) -> list[int]:

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from cyclemap.checks import finite_number, point, positive_number
+from cyclemap.checks import finite_number, non_negative_number, point, positive_number
 from cyclemap.errors import InvalidInput
 
 
@@ -97,10 +97,15 @@ class DragBack:
     Parameters
     ----------
     way_points : (x, y), m, relative to the target, in order; none: one straight leg.
+    pin_friction_radius : radius of the friction circle of the rod in the ring, m: coefficient of friction times radius
+        of the rod. The rod does not turn; the object's spin is opposed by this times the rod's force.
     """
 
     way_points: tuple[tuple[float, float], ...] = ()
+    pin_friction_radius: float = 0.0
 
     def __post_init__(self) -> None:
+        radius = non_negative_number("pin friction radius", self.pin_friction_radius)
+        object.__setattr__(self, "pin_friction_radius", radius)
         points = tuple(point("way-point", p) for p in self.way_points)
         object.__setattr__(self, "way_points", points)

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.constants import g as GRAVITY
 
-from cyclemap.checks import finite_number, positive_number
+from cyclemap.checks import finite_number, non_negative_number, positive_number
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.mechanics.contact_curve import OutlinePiece, RingPiece, contact_curve, side_coordinate
 from cyclemap.mechanics.contact_solver import ContactSolver
@@ -17,7 +17,7 @@ from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.handling import DragLeg, DragResult, PushResult
 from cyclemap.mechanics.limit_surface import normalised
-from cyclemap.mechanics.motion import RING, Motion, Rod
+from cyclemap.mechanics.motion import Motion, Rod, ring_mode
 from cyclemap.mechanics.outline import Ellipse, Outline
 from cyclemap.mechanics.protocol import Pose, SidePush, WorldPush
 from cyclemap.mechanics.push_run import PushRun, PushStart, RunPhase, run_push
@@ -115,13 +115,24 @@ class QuasiStaticModel:
         return PushResult(pose, self._end_pose(run, frame), run.ended, run, frame)
 
     def drag(
-        self, pose: Pose, way_points: tuple[tuple[float, float], ...], longest_step: float = math.inf
+        self,
+        pose: Pose,
+        way_points: tuple[tuple[float, float], ...],
+        longest_step: float = math.inf,
+        pin_friction_radius: float = 0.0,
     ) -> DragResult:
-        """Drag the slider by its ring, straight through way-points (m, world frame), from a pose."""
+        """Drag the slider by its ring, straight through way-points (m, world frame), from a pose.
+
+        `pin_friction_radius` (m): radius rho of the friction circle of the rod in the ring. With F = dD/dv the rod's
+        force, the spin omega solves dD/domega = -sign(omega) rho |F| about the ring; where even omega = 0 asks for less
+        torque, the object does not turn. The left side grows with omega, and so does the difference of both sides while
+        rho is below half the ring's lever from the centre of pressure (tests/mechanics/test_ring_friction.py): then
+        there is one spin. Raises ConvergenceError where none is found.
+        """
+        radius = non_negative_number("pin friction radius", pin_friction_radius) / self.unit
         legs, now = [], pose
         for goal in way_points:
-            ring = self.ring_place(now)
-            leg = self._drag_leg(now, ring, goal, longest_step)
+            leg = self._drag_leg(now, goal, radius, longest_step)
             if leg is None:
                 continue
             legs.append(leg)
@@ -133,14 +144,16 @@ class QuasiStaticModel:
         return pose.to_world(*self.slider.hitch)
 
     def _drag_leg(
-        self, pose: Pose, ring: tuple[float, float], goal: tuple[float, float], longest_step: float
+        self, pose: Pose, goal: tuple[float, float], friction_radius: float, longest_step: float
     ) -> DragLeg | None:
+        ring = self.ring_place(pose)
         dx, dy = finite_number("way-point x", goal[0]) - ring[0], finite_number("way-point y", goal[1]) - ring[1]
         length = math.hypot(dx, dy) / self.unit
         if length <= 1e-12:
             return None
         piece = RingPiece((self.slider.hitch[0] / self.unit, self.slider.hitch[1] / self.unit))
-        motion = Motion(self.solver, piece, RING, Rod(0.0, 0.0, math.atan2(dy, dx)))
+        rod = Rod(0.0, friction_radius, math.atan2(dy, dx))
+        motion = Motion(self.solver, piece, ring_mode(self.solver, pose.theta, piece, rod), rod)
         state = np.array((pose.theta, 0.0))
         tolerance, longest = _STEP_SHARE * self.accuracy, longest_step / self.unit
         phase = integrate(motion, state, length, tolerance, 0.3, longest)

@@ -20,7 +20,8 @@ class Trajectory:
     pusher : (n, 2) rod's centre, m
     contact_point : (n, 2) m
     contact_force : (n, 2) force of the rod on the object, N
-    mode : (n,) str: stick, slide_left, slide_right, slide_free, ring
+    mode : (n,) str: stick, slide_left, slide_right, slide_free; in the ring: ring, with friction ring_left, ring_right,
+        ring_stuck
     residual : largest residual of the force balance over the samples, relative to the friction coefficients
     """
 
@@ -77,7 +78,7 @@ def _row(
     outward = np.array((math.cos(contact.normal + theta), math.sin(contact.normal + theta)))
     along = np.array((-outward[1], outward[0]))
     rod = np.array(frame.rod_start) + frame.unit * travel * np.array((math.cos(direction), math.sin(direction)))
-    touch = rod if motion.mode == "ring" else rod - frame.unit * motion.rod.radius * outward
+    touch = rod if motion.in_ring else rod - frame.unit * motion.rod.radius * outward
     c, s = math.cos(theta), math.sin(theta)
     place = touch - frame.unit * np.array((c * contact.x - s * contact.y, s * contact.x + c * contact.y))
     force = frame.weight * (-compression * outward + tangential * along)

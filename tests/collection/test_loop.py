@@ -12,6 +12,7 @@ from cyclemap.mechanics import (
     DragBack,
     EllipseFriction,
     Material,
+    PatchFootprint,
     Pusher,
     SidePush,
     Slider,
@@ -63,6 +64,25 @@ LOOPS = {
         "distance",
     ),
     "the papers grid": (replace(MIT, footprint=grid_footprint(MIT.slider.outline, 8)), 1.0, "distance"),
+    "a ring with friction, pressure at the rim": (
+        replace(
+            MIT, reset=DragBack(((0.05, 0.02),), 0.002), footprint=PatchFootprint(MIT.slider.outline, (2, -1), 0.3)
+        ),
+        1.0,
+        "distance",
+    ),
+    "an ellipse with pressure in the middle": (
+        CollectionLoop(
+            Slider.mit("ellip2"),
+            STRONG,
+            Pusher(friction=0.2),
+            SidePush(0, 0.13, -0.2, 0.05),
+            DragBack(pin_friction_radius=0.004),
+            PatchFootprint(Slider.mit("ellip2").outline, rim_share=-0.3),
+        ),
+        0.7,
+        "distance",
+    ),
     "way-points": (replace(MIT, reset=DragBack(((0.05, 0.02), (-0.02, 0.06)))), 1.0, "distance"),
 }
 
@@ -78,6 +98,12 @@ def changed(loop, theta, parameter, amount):
         return replace(loop, material=Material("moved", moved)), theta
     if parameter == "pusher_friction":
         return replace(loop, pusher=replace(rod, friction=rod.friction + amount)), theta
+    if parameter == "rim_share":
+        patch = loop.model.pressure
+        return replace(loop, footprint=replace(patch, rim_share=patch.rim_share + amount)), theta
+    if parameter == "pin_friction_radius":
+        radius = loop.reset.pin_friction_radius + amount
+        return replace(loop, reset=replace(loop.reset, pin_friction_radius=radius)), theta
     if parameter == "pusher_radius":
         return replace(loop, pusher=replace(rod, radius=rod.radius + amount)), theta
     if parameter in ("hitch_x", "hitch_y"):
@@ -93,8 +119,13 @@ def outputs(loop, theta):
 
 def differenced(loop, theta, parameter):
     """Richardson's central difference of the outputs; one-sided where a rod has no radius or friction."""
-    value = {"pusher_friction": loop.pusher.friction, "pusher_radius": loop.pusher.radius}.get(parameter, 1.0)
-    step = 2e-6 if parameter in ("pusher_radius", "hitch_x", "hitch_y", "distance") else 2e-5
+    value = {
+        "pusher_friction": loop.pusher.friction,
+        "pusher_radius": loop.pusher.radius,
+        "pin_friction_radius": loop.reset.pin_friction_radius,
+    }.get(parameter, 1.0)
+    lengths = ("pusher_radius", "hitch_x", "hitch_y", "distance", "pin_friction_radius")
+    step = 2e-6 if parameter in lengths else 2e-5
 
     def at(amount):
         return outputs(*changed(loop, theta, parameter, amount))
@@ -105,18 +136,21 @@ def differenced(loop, theta, parameter):
 
 
 @pytest.mark.parametrize("name", LOOPS)
-def test_all_thirteen_sensitivities_of_all_six_outputs_are_the_differences(name):
+def test_all_fifteen_sensitivities_of_all_six_outputs_are_the_differences(name):
     loop, theta, ended = LOOPS[name]
     loop = replace(loop, accuracy=1e-10)
     assert ended in (None, loop.cycle(theta).ended)
     found = loop.sensitivity(theta)
-    assert found.jacobian.shape == (len(CYCLE_OUTPUTS), len(PARAMETER_NAMES)) == (6, 13)
+    assert found.jacobian.shape == (len(CYCLE_OUTPUTS), len(PARAMETER_NAMES)) == (6, 15)
     for column, parameter in enumerate(PARAMETER_NAMES):
         if name == "a frictionless rod" and parameter == "pusher_friction":
             continue  # Stick and slip part at zero friction: there is no derivative.
         if name == "a point rod that leaves at a corner" and parameter == "pusher_radius":
             assert np.isnan(found.jacobian[:, column]).all()
             continue  # Every thicker rod goes around the corner: the point's own motion does not tell how.
+        if name == "the papers grid" and parameter == "rim_share":
+            assert np.isnan(found.jacobian[:, column]).all()
+            continue  # Support points have no rim.
         wanted = differenced(loop, theta, parameter)
         size = np.maximum(1.0, np.abs(wanted).max())
         assert np.abs(found.jacobian[:, column] - wanted).max() < 2e-4 * size, parameter

@@ -28,6 +28,8 @@ PLACES = {
     "hitch_y_mm": (-6, lambda loop: loop.slider.hitch[1], -0.006),
     "centre_x_mm": (2, lambda loop: loop.slider.centre_of_mass[0], 0.002),
     "centre_y_mm": (-3, lambda loop: loop.slider.centre_of_mass[1], -0.003),
+    "pin_friction_mm": (1.5, lambda loop: loop.reset.pin_friction_radius, 0.0015),
+    "rim_share": (0.3, lambda loop: loop.model.pressure.rim_share, 0.3),
     "mass_kg": (2.5, lambda loop: loop.slider.mass, 2.5),
 }
 
@@ -76,6 +78,16 @@ def test_the_exact_footprint_leans_as_the_centre_of_mass_asks():
     assert even.model.pressure == PatchFootprint(Slider.mit("rect1").outline)
     leaning = CollectionLoop.from_settings({"footprint": "exact", "centre_x_mm": 4})
     assert leaning.model.pressure.centre == pytest.approx((0.004, 0.0), abs=1e-15)
+
+
+def test_a_rim_share_keeps_the_lean_and_is_kept_until_the_footprint_is_set_anew():
+    both = CollectionLoop.from_settings({"rim_share": 0.3, "centre_x_mm": 4})
+    assert both.model.pressure.rim_share == 0.3
+    assert both.model.pressure.centre == pytest.approx((0.004, 0.0), abs=1e-15)
+    more = CollectionLoop.from_settings({"rim_share": -0.2, "pin_friction_mm": 1}, both)
+    assert more.model.pressure == PatchFootprint.under(Slider.mit("rect1").outline, (0.004, 0.0), -0.2)
+    assert CollectionLoop.from_settings({"way_points_mm": [[10, 20]]}, more).reset.pin_friction_radius == 0.001
+    assert CollectionLoop.from_settings({"footprint": "exact"}, more).model.pressure.rim_share == 0.0
 
 
 def test_settings_build_on_a_given_loop_and_replace_nothing_unasked():
@@ -128,6 +140,11 @@ def test_millimetres_and_degrees_mean_the_protocol_of_the_paper():
         ({"footprint": "grid:8.5"}, "none of"),
         ({"footprint": "none.csv"}, "none.csv"),
         ({"mass_kg": 0}, "mass"),
+        ({"rim_share": 1.5}, "1.5"),
+        ({"rim_share": -0.6}, "-0.6"),
+        ({"rim_share": "half"}, "half"),
+        ({"rim_share": 0.2, "footprint": "grid:8"}, "exact footprint"),
+        ({"pin_friction_mm": -1}, "pin_friction_mm=-1"),
         ({"hitch_x_mm": None}, "hitch_x_mm"),
     ],
 )

@@ -14,7 +14,7 @@ from cyclemap.checks import finite_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_files import SUFFIXES
-from cyclemap.evidence.simulation.friction_wear import worn_friction
+from cyclemap.mechanics.friction_wear import worn_friction
 from cyclemap.evidence.simulation.recorded_motion import FIRST_CLOCK, Recording, RecordingNoise
 from cyclemap.evidence.simulation.recorded_push import recorded_seconds
 from cyclemap.mechanics import Material

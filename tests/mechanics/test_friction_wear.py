@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.simulation.friction_wear import worn_friction
+from cyclemap.mechanics.friction_wear import worn_friction
 from cyclemap.mechanics import EllipseFriction, load_material
 
 FRESH = load_material("plywood").friction

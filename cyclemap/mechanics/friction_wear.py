@@ -8,7 +8,7 @@ import numpy as np
 
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import EllipseFriction
+from cyclemap.mechanics.friction import EllipseFriction
 
 
 def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -> EllipseFriction:

@@ -1,0 +1,33 @@
+"""A loop with what was identified along with its surface: pusher friction, rim share, the ring's lever and friction."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from cyclemap.mechanics import FoundWith, PatchFootprint, Slider
+
+if TYPE_CHECKING:
+    from cyclemap.collection.loop import CollectionLoop
+
+
+def with_found(loop: "CollectionLoop", found: FoundWith) -> "CollectionLoop":
+    """Return the loop with all that is not None in `found`.
+
+    >>> from cyclemap.collection.loop import CollectionLoop
+    >>> with_found(CollectionLoop.mit(), FoundWith(pusher_friction=0.2)).pusher.friction
+    0.2
+    """
+    if found.pusher_friction is not None:
+        loop = replace(loop, pusher=replace(loop.pusher, friction=found.pusher_friction))
+    if found.hitch_scale is not None:
+        loop = replace(loop, slider=_with_lever(loop.slider, found.hitch_scale))
+    if found.rim_share is not None:
+        assert loop.slider.centre_of_mass is not None
+        footprint = PatchFootprint.under(loop.slider.outline, loop.slider.centre_of_mass, found.rim_share)
+        loop = replace(loop, footprint=footprint)
+    if found.pin_friction_radius is not None:
+        loop = replace(loop, reset=replace(loop.reset, pin_friction_radius=found.pin_friction_radius))
+    return loop
+
+
+def _with_lever(slider: Slider, scale: float) -> Slider:
+    return replace(slider, hitch=(scale * slider.hitch[0], scale * slider.hitch[1]))

@@ -1,0 +1,51 @@
+"""A loop on a surface that wears: the loop of one cycle, and its map as it drifts."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from cyclemap.checks import whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import CircleMap, DriftingMap
+
+# Radians: the blend between computed cycles stays this near the map of each cycle.
+BLEND_TOLERANCE = 1e-4
+# Radians: accuracy of the maps that are blended.
+MAP_TOLERANCE = 1e-5
+
+
+def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
+    """Return the loop on its surface as it is after a number of cycles, from there on unchanging.
+
+    >>> loop = CollectionLoop.mit()
+    >>> worn_loop(loop, 1000.0) == loop
+    True
+    """
+    material = loop.material
+    if material.wear is None:
+        return loop
+    return replace(loop, material=replace(material, friction=material.friction_after(cycles), wear=None))
+
+
+def drifting_map(
+    loop: CollectionLoop,
+    cycles: int,
+    tolerance: float = BLEND_TOLERANCE,
+    progress: Callable[[int], None] | None = None,
+) -> DriftingMap:
+    """Return the cycle map as the surface wears, over cycles 0 ... cycles - 1, blended within `tolerance` (rad).
+
+    `progress` is called with the number of maps computed so far. Raises InvalidInput where the material does not wear.
+    """
+    if loop.material.wear is None:
+        raise InvalidInput(f"{loop.material.name} does not wear: its file has no table [worn]; use its circle_map()")
+    count, done = whole_number("cycles", cycles, least=1), [0]
+
+    def at(cycle: float) -> CircleMap:
+        found = worn_loop(loop, cycle).circle_map(MAP_TOLERANCE)
+        done[0] += 1
+        if progress is not None:
+            progress(done[0])
+        return found
+
+    return DriftingMap.of_family(at, lambda n: n, count, tolerance)
