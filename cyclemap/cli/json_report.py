@@ -50,6 +50,8 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
         },
         "run": {"seed": forecast.run.seed, **_steps(forecast.steps)},
     }
+    if forecast.worn is not None:
+        report["worn"] = {**_staircase(forecast.worn), "zones": [_zone(zone) for zone in forecast.worn.zones]}
     return report if measured is None else {**report, "data": _measured_staircase(measured)}
 
 

@@ -45,7 +45,8 @@ def _forecast(
 def _print_for_people(forecast: StaircaseForecast, measured: MeasuredStaircase | None, picture: Path) -> None:
     console = PeopleConsole()
     console.print(sentences.forecast_sentence(forecast), style="bold")
-    console.print(sentences.run_sentence(forecast))
+    for sentence in filter(None, (sentences.worn_sentence(forecast), sentences.run_sentence(forecast))):
+        console.print(sentence)
     if measured is not None:
         console.print(sentences.measured_sentence(measured))
         console.print(sentences.fitted_sentence(measured))

@@ -8,9 +8,11 @@ import numpy as np
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
+from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import (
     CircleMap,
+    DriftingMap,
     Estimate,
     SlowZone,
     Staircase,
@@ -34,7 +36,9 @@ class StaircaseForecast:
     map : the cycle map, θ in rad. noise : added to every cycle. prediction : what runs are like on average.
     log10_residences : of each of the prediction's zones, log10 of its mean residence in cycles, beyond every float
     too; None where it could not be certified. run : one noisy run. steps : the dwells and steps found in it.
-    comparison : these steps beside the prediction.
+    comparison : these steps beside the prediction. drifting, worn : where the surface wears, its map over the cycles of
+    the run, which then follows it, and what runs on the surface of the last cycle are like; `map`, `prediction` and
+    `comparison` are of the fresh surface.
     """
 
     loop: CollectionLoop
@@ -45,6 +49,8 @@ class StaircaseForecast:
     run: Staircase
     steps: Steps
     comparison: StepComparison
+    drifting: DriftingMap | None = None
+    worn: StaircaseSummary | None = None
 
 
 def staircase_forecast(
@@ -66,15 +72,28 @@ def staircase_forecast(
     """
     report = progress or (lambda fraction: None)
     noise = WrappedNormal(positive_number("sigma", sigma))
-    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(0.7 * fraction))
+    share = 0.7 if loop.material.wear is None else 0.2
+    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(share * fraction))
     prediction = predict_staircase(cycle_map, noise)
+    drifting = _drifting(loop, cycles, report)
     report(0.8)
-    run = sample_staircase(cycle_map, noise, cycles, start, seed)
+    run = sample_staircase(drifting or cycle_map, noise, cycles, start, seed)
+    worn = None if drifting is None else predict_staircase(drifting.maps[-1], noise)
     residences = tuple(_log10_residence(cycle_map, noise, zone) for zone in prediction.zones)
     report(1.0)
     steps = find_steps(run.theta)
     comparison = compare_steps(steps, prediction)
-    return StaircaseForecast(loop, cycle_map, noise, prediction, residences, run, steps, comparison)
+    return StaircaseForecast(
+        loop, cycle_map, noise, prediction, residences, run, steps, comparison, drifting=drifting, worn=worn
+    )
+
+
+def _drifting(loop: CollectionLoop, cycles: int, report: Callable[[float], None]) -> DriftingMap | None:
+    """The map as the surface wears; None where it does not."""
+    if loop.material.wear is None:
+        return None
+    # How many maps are needed is not known before; this many are usual.
+    return drifting_map(loop, cycles, progress=lambda done: report(min(0.8, 0.2 + 0.05 * done)))
 
 
 def _log10_residence(cycle_map: CircleMap, noise: WrappedNormal, zone: SlowZone) -> Estimate | None:

@@ -10,7 +10,13 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.collection.staircase_forecast import StaircaseForecast
 from cyclemap.evidence import MeasuredStaircase
 from cyclemap.views.record_panels import draw_staircase
-from cyclemap.views.staircase_sentences import fitted_sentence, forecast_sentence, measured_sentence, run_sentence
+from cyclemap.views.staircase_sentences import (
+    fitted_sentence,
+    forecast_sentence,
+    measured_sentence,
+    run_sentence,
+    worn_sentence,
+)
 from cyclemap.views.step_panels import draw_step_lengths, draw_steps
 from cyclemap.views.style import INK, QUIET, new_figure, picture_style
 
@@ -57,9 +63,9 @@ def _draw_found(steps: Axes, lengths: Axes, forecast: StaircaseForecast, measure
 def _write_words(figure: Figure, forecast: StaircaseForecast, measured: MeasuredStaircase | None) -> None:
     name = forecast.loop.material.name
     figure.text(0.015, 0.955, f"Staircase of {name}", fontsize=18, fontweight="bold", va="center")
-    told = [forecast_sentence(forecast), run_sentence(forecast)]
+    told = [forecast_sentence(forecast), worn_sentence(forecast), run_sentence(forecast)]
     if measured is not None:
         told += [measured_sentence(measured), fitted_sentence(measured)]
-    figure.text(0.015, 0.928, fill(" ".join(told), LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
+    figure.text(0.015, 0.928, fill(" ".join(filter(None, told)), LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
     foot = f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path alone, without a model"
     figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)

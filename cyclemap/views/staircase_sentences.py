@@ -18,7 +18,19 @@ def forecast_sentence(forecast: StaircaseForecast) -> str:
         return f"{noise} θ0 rests nowhere: it moves {angle(prediction.mean_turn, 2)} a cycle on average."
     rests = [_zone_clause(*pair) for pair in zip(prediction.zones, forecast.log10_residences, strict=True)]
     climb = _pace_clause(prediction)
-    return f"{noise} θ0 rests {' and '.join(rests)}; steps are {angle(prediction.step, 0)} high, {climb}."
+    fresh = "" if forecast.worn is None else " on the fresh surface"
+    return f"{noise} θ0 rests{fresh} {' and '.join(rests)}; steps are {angle(prediction.step, 0)} high, {climb}."
+
+
+def worn_sentence(forecast: StaircaseForecast) -> str:
+    """What the wear of the surface does to the staircase by the end of the run; empty where it does not wear."""
+    worn = forecast.worn
+    if worn is None:
+        return ""
+    if not worn.zones or worn.step is None:
+        return f"The surface wears: by the last cycle θ0 rests nowhere and moves {angle(worn.mean_turn, 2)} a cycle."
+    places = " and ".join(f"{angle(zone.centre)} for {_stay(zone.residence_cycles)}" for zone in worn.zones)
+    return f"The surface wears: by the last cycle θ0 rests near {places}, {_pace_clause(worn)}."
 
 
 def run_sentence(forecast: StaircaseForecast) -> str:
@@ -57,6 +69,10 @@ def _zone_clause(zone: SlowZone, log10: Estimate | None) -> str:
     if log10 > math.log10(LONGEST_STAY):
         return f"{place} for 10^{math.floor(log10)} cycles"
     return f"{place} for {cycles(zone.residence_cycles)}"
+
+
+def _stay(residence: float) -> str:
+    return cycles(residence) if residence <= LONGEST_STAY else "longer than any collection"
 
 
 def _pace_clause(prediction: StaircaseSummary) -> str:

@@ -77,7 +77,7 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
     inverse = vectors[:, seen] / values[seen] @ vectors[:, seen].T
     blind = np.sqrt(np.sum(vectors[:, ~seen] ** 2, axis=1)) > 1e-4
     covariance, freedom, clustered = _variance(problem, fit, law, jacobian, inverse)
-    error, plain = np.sqrt(np.diag(covariance)), np.diag(inverse) / law.information
+    error, plain = np.sqrt(np.maximum(np.diag(covariance), 0.0)), np.diag(inverse) / law.information
     return Uncertainty(
         read_only(np.where(blind, np.inf, error * scale)),
         read_only(covariance * np.outer(scale, scale)),

@@ -60,10 +60,11 @@ def profile_interval(
     The noise is held, so that the rise of the deviance is F(1, freedom) distributed to first order
     (Bates & Watts 1988, chapter 6); where rows share groups it is divided by the inflation of the variance. Each side
     takes at most six fits of the other parameters, each started from the last, and inverse interpolation of the root,
-    which is nearly a straight line. A parameter without any influence has its whole range for an interval.
+    which is nearly a straight line. A parameter without any influence, or part of a direction that the data do not see,
+    has its whole range for an interval.
     """
     bounds, index = problem.space[name], problem.space.names.index(name)
-    if errors.influence[index] == 0.0:
+    if errors.influence[index] == 0.0 or not np.isfinite(errors.standard_error[index]):
         return Interval(bounds.lower, bounds.upper, True, True)
     target = student_quantile(level, float(errors.freedom[index]))
     sides = [_Side(problem, fit, errors, name, sign, target, law or NoiseLaw()) for sign in (-1.0, 1.0)]

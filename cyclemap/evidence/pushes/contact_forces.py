@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,29 @@ FEWEST_SAMPLES = 10
 # A scan's stroke begins and ends with the robot's own start and stop: its middle half counts.
 _SCAN_MIDDLE = (0.25, 0.75)
 _SHORTEST_STROKE = 1e-3
+# Rates are slopes of straight lines through the samples of so much of the rod's travel (m), and of so many at least.
+SLIP_WINDOW = 0.004
+_FEWEST_IN_WINDOW = 7
+# Samples in which the rod goes slower than this share of its fastest belong to its start and stop.
+_MOVING = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class ContactSamples:
+    """A recorded push in the frame of its contact, at the times of its n wrenches.
+
+    pressing, tangential : (n,) N, of the rod on the object: along the normal into the object, and along the tangent, a
+    quarter turn counter-clockwise from it. touching : (n,) whether rod and object touch (see `contact_force_ratio`).
+    slip : (n,) how far the rod's surface slides over the object along the tangent, per travel of the rod, over a window
+    of samples; 0 where the rod sticks (and rolls), nan where the rod does not move or the record ends.
+    window : samples in the window.
+    """
+
+    pressing: Array
+    tangential: Array
+    touching: NDArray[np.bool_]
+    slip: Array
+    window: int
 
 
 def contact_force_ratio(push: PushRecord, outline: Array, rod_radius: float = MIT_ROD_RADIUS) -> float:
@@ -33,20 +57,68 @@ def contact_force_ratio(push: PushRecord, outline: Array, rod_radius: float = MI
     one radius from its outline, and the normal force is at least 0.5 N; with fewer than 10 such samples the ratio
     is NaN. In a sliding contact under Coulomb's law it is the friction coefficient, in a sticking one it is less.
     """
-    time, force = _within(push.ft_wrench, (push.object_pose, push.tip_pose))
-    if time.size < FEWEST_SAMPLES:
+    pressing, tangential, touching, _ = _contact_frame(push, outline, rod_radius)
+    if np.count_nonzero(touching) < FEWEST_SAMPLES:
         return math.nan
+    return float(np.median(np.abs(tangential[touching]) / pressing[touching]))
+
+
+def contact_samples(push: PushRecord, outline: Array, rod_radius: float = MIT_ROD_RADIUS) -> ContactSamples:
+    """Return a push in the frame of its contact; arguments as in `contact_force_ratio`.
+
+    The rod does not turn in the world. With q the rod's centre in the object's frame, t the tangent there and omega the
+    object's rate of turning, its surface slides over the object at t . dq/dt - omega rod_radius.
+    """
+    pressing, tangential, touching, place = _contact_frame(push, outline, rod_radius)
+    slip, window = _slip(push, *place, rod_radius)
+    return ContactSamples(pressing, tangential, touching, slip, window)
+
+
+def _contact_frame(
+    push: PushRecord, outline: Array, rod_radius: float
+) -> tuple[Array, Array, NDArray[np.bool_], tuple[Array, Array, Array]]:
+    """Normal and tangential force, contact, and times with the rod's places and tangents in the object's frame."""
+    time, force = _within(push.ft_wrench, (push.object_pose, push.tip_pose))
     rod, force = _in_object_frame(push, time, -force)
     offset = _nearest_point(rod, outline) - rod
     distance = np.hypot(*offset.T)
     with np.errstate(divide="ignore", invalid="ignore"):
         normal = offset / distance[:, None]
-    pressing = np.sum(force * normal, axis=1)
-    sliding = normal[:, 0] * force[:, 1] - normal[:, 1] * force[:, 0]
-    touching = ~_inside(rod, outline) & (np.abs(distance - rod_radius) <= CONTACT_SLACK) & (pressing >= LEAST_PRESSING)
-    if np.count_nonzero(touching) < FEWEST_SAMPLES:
-        return math.nan
-    return float(np.median(np.abs(sliding[touching]) / pressing[touching]))
+    tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=-1)
+    pressing, tangential = np.sum(force * normal, axis=1), np.sum(force * tangent, axis=1)
+    near = ~_inside(rod, outline) & (np.abs(distance - rod_radius) <= CONTACT_SLACK)
+    return pressing, tangential, near & (pressing >= LEAST_PRESSING), (time, rod, tangent)
+
+
+def _slip(push: PushRecord, time: Array, rod: Array, tangent: Array, rod_radius: float) -> tuple[Array, int]:
+    """Slip per travel of the rod (n,), and samples in a window."""
+    tip, stroke = _places(push.tip_pose, time), push.tip_pose[-1, 1:3] - push.tip_pose[0, 1:3]
+    travel = tip @ stroke / max(float(np.hypot(*stroke)), _SHORTEST_STROKE)
+    steps = np.diff(travel)
+    moving = steps[steps > _MOVING * np.max(steps, initial=0.0)]
+    if not moving.size:
+        return np.full(len(time), math.nan), _FEWEST_IN_WINDOW
+    window = max(round(SLIP_WINDOW / float(np.median(moving))) | 1, _FEWEST_IN_WINDOW)
+    if window > len(time):
+        return np.full(len(time), math.nan), window
+    angle = np.interp(time, push.object_pose[:, 0], push.object_angle)
+    rates = _slopes(time, np.column_stack([rod, angle, travel]), window)
+    speed = rates[:, 3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slip = (np.sum(tangent * rates[:, :2], axis=1) - rod_radius * rates[:, 2]) / speed
+    return np.where(speed > _MOVING * np.nanmax(speed), slip, math.nan), window
+
+
+def _slopes(time: Array, values: Array, window: int) -> Array:
+    """Slopes (n, k) of straight lines through a `window` of samples about each, nan at the ends."""
+    views = np.lib.stride_tricks.sliding_window_view
+    near = views(time, window)
+    lever = near - np.mean(near, axis=1, keepdims=True)
+    slopes = np.full(values.shape, math.nan)
+    half = window // 2
+    inner = np.einsum("ij,ikj->ik", lever, views(values, window, axis=0)) / np.sum(lever**2, axis=1)[:, None]
+    slopes[half : half + len(inner)] = inner
+    return slopes
 
 
 def scan_forces(scan: ScanRecord) -> tuple[float, float]:

@@ -36,7 +36,8 @@ def made_scans(degrees, noise=0.0, shared=0.0, seed=0, repeats=2):
     fx, fy = WEIGHT * FRICTION.traction(np.stack([c, k], axis=-1)).T
     own, common = rng.standard_normal((2, len(direction))), rng.standard_normal((2, len(degrees)))
     error = noise * (math.sqrt(1.0 - shared) * own + math.sqrt(shared) * np.repeat(common, repeats, axis=1))
-    return {"direction": direction, "force_along": c * fx + k * fy + error[0], "force_across": c * fy - k * fx + error[1]}
+    along, across = c * fx + k * fy + error[0], c * fy - k * fx + error[1]
+    return {"direction": direction, "force_along": along, "force_across": across}
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +45,7 @@ def collection(tmp_path_factory):
     """Scans of a simulated collection on plywood, as they are read back, and the object's weight."""
     loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     folder = tmp_path_factory.mktemp("scans") / "made"
-    simulate_collection(loop, folder, 1, scans=True, noise=RecordingNoise(force=0.05), suffix=".json")
+    simulate_collection(loop, folder, 1, scans=True, noise=RecordingNoise(force=0.05))
     return load_pushes(folder).scans, loop.model.weight
 
 
@@ -82,7 +83,7 @@ def test_the_derivatives_are_those_of_the_law_by_complex_steps_or_differences_al
         surface, direction = SurfaceParameters(*at.tolist()), made_scans(np.arange(0, 360, 25))["direction"]
         velocity = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
         by_law = complex_traction(surface.to_friction(), velocity, 1e-30 * np.eye(5)).imag / 1e-30
-        chained = surface.chain(np.moveaxis(by_law, 0, -1), ("mu_a", "mu_b", "m0", "n0", "phi"), ELLIPSE)
+        chained = surface.chain(by_law.transpose(2, 1, 0), ("mu_a", "mu_b", "m0", "n0", "phi"), ELLIPSE)
         rows = exact.reshape(-1, 2, 5)
         along = np.einsum("ni,nik->nk", velocity, chained)
         assert np.allclose(rows[:, 0], WEIGHT * along, atol=1e-11)

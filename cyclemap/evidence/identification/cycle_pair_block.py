@@ -1,0 +1,158 @@
+"""The block of measured cycles: next orientation over orientation, predicted by push and drag together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cyclemap.checks import finite_array, whole_number
+from cyclemap.collection import CollectionLoop
+from cyclemap.collection.found_with import with_found
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, kept_rows
+from cyclemap.evidence.identification.parameter_space import Parameter
+from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
+from cyclemap.mechanics import FoundWith, Material
+
+Array = NDArray[np.float64]
+Rows = tuple[Array, Array]
+
+SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
+CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", "rim_share", "hitch_scale", "pin_friction_radius")
+_MECHANICS = (
+    *("mu_a", "mu_b", "m0", "n0", "phi", "pusher_friction"),
+    *("rim_share", "hitch_x", "hitch_y", "pin_friction_radius"),
+)
+# Cycles are computed at this many angles and interpolated between by a Fourier series.
+NODES = 48
+ACCURACY = 1e-6
+
+
+def worn_parameters() -> tuple[Parameter, ...]:
+    """The unknowns of the friction ellipse at the end of the data, where it wears."""
+    return tuple(
+        replace(SURFACE[name], name=f"worn_{name}", description=f"{SURFACE[name].description}, at the end of the data")
+        for name in SHAPE
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class CyclePairBlock:
+    """Measured turns of whole cycles, rad, set against the cycle map of a loop.
+
+    loop : who is pushed where, and how it is brought back; surface, pusher friction, rim share and ring are the
+        unknowns'. theta, turn (n,) : rad, orientation before a push and how far the cycle turned the object.
+    labels (n,) : groups of rows. share (n,) or None : how worn the surface was, 0 fresh to 1 at the end of the data;
+        the turn is then blended linearly between the two, its ends having an ellipse each.
+    nodes : angles at which cycles are computed; between them a trigonometric polynomial, so the map must be smooth.
+
+    Raises InvalidInput where shapes differ or nothing is given.
+    """
+
+    name: str
+    loop: CollectionLoop
+    theta: Array
+    turn: Array
+    labels: Labels
+    share: Array | None = None
+    nodes: int = NODES
+
+    def __post_init__(self) -> None:
+        theta, turn = finite_array("theta", self.theta, ndim=1), finite_array("turn", self.turn, ndim=1)
+        if theta.size == 0 or turn.shape != theta.shape:
+            raise InvalidInput(f"{theta.size} orientations and {turn.size} turns: give one turn for each, one at least")
+        if self.share is not None:
+            share = finite_array("share of wear", self.share, ndim=1)
+            if share.shape != theta.shape or share.min() < 0.0 or share.max() > 1.0:
+                raise InvalidInput("the share of wear must be a number from 0 to 1 for each cycle")
+            object.__setattr__(self, "share", share)
+        whole_number("nodes", self.nodes, least=9)
+        object.__setattr__(self, "theta", theta)
+        object.__setattr__(self, "turn", turn)
+        object.__setattr__(self, "labels", checked_labels(self.name, self.labels, theta.size))
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the unknowns; a surface that wears has a second ellipse, `worn_...`."""
+        return (*CYCLE_UNKNOWNS, *(part.name for part in self.own_parameters))
+
+    @property
+    def own_parameters(self) -> tuple[Parameter, ...]:
+        """The ellipse at the end of the data, if the surface wears."""
+        return () if self.share is None else worn_parameters()
+
+    @property
+    def groups(self) -> Labels:
+        """Group of each row."""
+        return self.labels
+
+    @property
+    def kinds(self) -> Kinds:
+        """All rows have one noise."""
+        return np.full(self.theta.size, "cycle turn (rad)", dtype=np.str_)
+
+    @cached_property
+    def _interpolation(self) -> Array:
+        """(n, nodes): value at each measured angle of the trigonometric polynomial through values at the nodes."""
+        count = self.nodes - 1 + self.nodes % 2
+        places = 2.0 * np.pi * np.arange(count) / count
+        off = self.theta[:, np.newaxis] - places
+        orders = np.arange(1, (count - 1) // 2 + 1)
+        return np.asarray((1.0 + 2.0 * np.cos(off[..., np.newaxis] * orders).sum(axis=-1)) / count)
+
+    def residuals(self, values: Values) -> Rows:
+        """Return predicted minus measured turns, and their derivatives."""
+        turn, jacobian = self._predicted(values)
+        jacobian = np.hstack([jacobian, np.zeros((turn.size, len(self.own_parameters)))])
+        if self.share is not None:
+            turn_worn, by_worn = self._predicted({**values, **{name: values[f"worn_{name}"] for name in SHAPE}})
+            share = self.share[:, np.newaxis]
+            turn = turn + self.share * (turn_worn - turn)
+            kept, shape = len(CYCLE_UNKNOWNS), len(SHAPE)
+            jacobian *= 1.0 - share
+            jacobian[:, shape:kept] += share * by_worn[:, shape:]
+            jacobian[:, kept:] = share * by_worn[:, :shape]
+        return turn - self.turn, jacobian
+
+    def subset(self, keep_groups: ArrayLike) -> CyclePairBlock:
+        """Return the block with the rows of some groups only."""
+        keep = kept_rows(self.labels, keep_groups)
+        share = None if self.share is None else self.share[keep]
+        return replace(self, theta=self.theta[keep], turn=self.turn[keep], labels=self.labels[keep], share=share)
+
+    def _predicted(self, values: Mapping[str, float]) -> Rows:
+        """Turns (n,) on one surface and their derivatives by CYCLE_UNKNOWNS."""
+        surface = SurfaceParameters.from_values(values)
+        loop = loop_on(surface, self.loop)
+        count = self._interpolation.shape[1]
+        found = [loop.sensitivity(2.0 * np.pi * k / count, _MECHANICS) for k in range(count)]
+        turns = np.array([one.theta_next - one.theta for one in found])
+        by_mechanics = np.array([one.jacobian[one.outputs.index("theta_next")] for one in found])
+        by_unknowns = surface.chain(by_mechanics, _MECHANICS, CYCLE_UNKNOWNS, hitch=self.loop.slider.hitch)
+        return self._interpolation @ turns, self._interpolation @ by_unknowns
+
+
+def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
+    """Return the loop on an identified surface, with the rod, rim and ring that were identified along with it."""
+    changed = replace(loop, material=Material("identified", surface.to_friction()), accuracy=ACCURACY)
+    return with_found(changed, found_with(surface))
+
+
+def found_with(surface: SurfaceParameters) -> FoundWith:
+    """Return what a surface says of rod, rim and ring."""
+    return FoundWith(surface.pusher_friction, surface.rim_share, surface.hitch_scale, surface.pin_friction_radius)
+
+
+def blocks_of_cycles(count: int, length: int = 25) -> Labels:
+    """Return a label for each of `count` consecutive cycles, one for every `length` of them.
+
+    Errors of neighbouring cycles are alike; such labels keep them together.
+
+    >>> blocks_of_cycles(5, 2).tolist()
+    [0, 0, 1, 1, 2]
+    """
+    return np.arange(whole_number("count", count, least=1)) // whole_number("length", length, least=1)

@@ -1,0 +1,70 @@
+"""Reading measured pushes and drags with known rod paths."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.identification.measured_strokes import (
+    MeasuredPush,
+    mean_errors,
+    read_measured_drags,
+    read_measured_pushes,
+)
+from cyclemap.mechanics import Pose
+
+HEADER = "surface,shape,i,s,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1,tip_err_mm"
+ROWS = (
+    "abs,rect1,0,0.5,0,0,3.1,0.01,0,-3.1,0.1,0,0.05,0,0.1",
+    "abs,rect1,0,0.5,0,0,0.1,0.01,0,0.2,0.1,0,0.05,0,6.0",
+    "abs,rect1,1,0.5,0,0,0.1,0.01,0,0.2,0.1,0,0.05,0,0.2",
+    "abs,hex,1,0.5,0,0,0.1,0.01,0,0.2,0.1,0,0.05,0,0.2",
+)
+
+
+def written(folder: Path, *rows: str, header: str = HEADER) -> Path:
+    path = folder / "pushes.csv"
+    path.write_text("\n".join((header, *rows)) + "\n")
+    return path
+
+
+def test_rows_of_other_objects_and_of_missed_pushes_are_left_out(tmp_path: Path) -> None:
+    pushes = read_measured_pushes(written(tmp_path, *ROWS), {"surface": "abs", "shape": "rect1"})
+    assert [push.contact for push in pushes] == [0, 1]
+    everything = read_measured_pushes(written(tmp_path, *ROWS), {"shape": "rect1"}, largest_tip_error=0.01)
+    assert [push.contact for push in everything] == [0, 0, 1]
+
+
+def test_the_last_orientation_is_the_one_nearest_to_the_first(tmp_path: Path) -> None:
+    push = read_measured_pushes(written(tmp_path, ROWS[0]))[0]
+    assert push.end.theta == pytest.approx(2.0 * math.pi - 3.1)
+    assert (push.direction, push.length) == (math.pi, pytest.approx(0.05))
+
+
+def test_drags_are_read_with_a_group_each(tmp_path: Path) -> None:
+    header = "surface,x1,y1,th1,x0n,y0n,th0n"
+    path = written(tmp_path, "abs,0.3,0,-3.1,0.35,0,3.1", "abs,0.3,0,1.0,0.35,0,1.2", header=header)
+    drags = read_measured_drags(path, {"surface": "abs"})
+    assert [drag.contact for drag in drags] == [0, 1]
+    assert drags[0].end.theta == pytest.approx(3.1 - 2.0 * math.pi)
+
+
+def test_what_cannot_be_read_is_named_with_its_line(tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput, match="no row has"):
+        read_measured_pushes(written(tmp_path, *ROWS), {"surface": "felt"})
+    with pytest.raises(DataFileError, match="tip_x0"):
+        read_measured_pushes(written(tmp_path, "1,2", header="x0,y0"))
+    still = "abs,rect1,0,0.5,0,0,0.1,0.01,0,0.2,0.1,0,0.1,0,0.2"
+    with pytest.raises(DataFileError, match=r"line 3.*rod stays"):
+        read_measured_pushes(written(tmp_path, ROWS[2], still))
+    with pytest.raises(InvalidInput, match="moves nothing"):
+        MeasuredPush(Pose(), Pose(), (0.1, 0.0), (0.1, 0.0))
+
+
+def test_errors_are_distances_and_absolute_turns() -> None:
+    found = mean_errors(np.array([[3e-3, 4e-3, math.radians(-2.0)], [0.0, 1e-3, 0.0]]))
+    assert found == pytest.approx(
+        {"place_mean_mm": 3.0, "place_median_mm": 3.0, "turn_mean_deg": 1.0, "turn_median_deg": 1.0}
+    )
