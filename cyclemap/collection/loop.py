@@ -170,7 +170,7 @@ class CollectionLoop:
         """Return the MIT repeated-push experiment (Yu et al. 2016; Ma & Rodriguez 2018), with fields replaced.
 
         `material`: a built-in name, a TOML file or a `Material`, which brings what was found with it (pusher friction,
-        rim share, lever and friction of the ring); `changes`: any field of the loop, which overrule it.
+        rim share, warp, lever and friction of the ring); `changes`: any field of the loop, which overrule it.
         """
         surface = material if isinstance(material, Material) else load_material(material)
         slider = changes.pop("slider", None) or Slider.mit("rect1")

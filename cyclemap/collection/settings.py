@@ -33,7 +33,8 @@ _PUSH = {"side": "side", "fraction": "fraction", "angle_deg": "angle", "push_mm"
 _OUTLINE = ("shape", "vertices_mm", "semi_x_mm", "semi_y_mm")
 _OTHER = ("hitch_x_mm", "hitch_y_mm", "centre_x_mm", "centre_y_mm", "mass_kg")
 _RESET = ("way_points_mm", "pin_friction_mm")
-_PRESSURE = ("footprint", "rim_share")
+_FRAME = ("rim_share", "warp_a", "warp_b")
+_PRESSURE = ("footprint", *_FRAME)
 
 SETTING_KEYS = (*_FRICTION, *_PUSHER, *_PUSH, *_OUTLINE, *_OTHER, *_RESET, *_PRESSURE)
 
@@ -76,15 +77,17 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
     if "footprint" in settings:
         word = str(settings["footprint"])
         found = None if word == "exact" else parse_footprint(word, slider.outline)
-    if "rim_share" not in settings:
+    given = [key for key in _FRAME if key in settings]
+    if not given:
         return found
     if isinstance(found, PointFootprint):
-        raise InvalidInput("rim_share belongs to the exact footprint: set footprint=exact, or leave rim_share out")
-    share = _number(settings, "rim_share", 0.0)
+        raise InvalidInput(f"{given[0]} belongs to the exact footprint: set footprint=exact, or leave {given[0]} out")
+    before = (0.0, 0.0, 0.0) if found is None else (found.rim_share, *found.warp)
+    share, a, b = (_number(settings, key, value) for key, value in zip(_FRAME, before, strict=True))
     if found is not None and slider.centre_of_mass == loop.slider.centre_of_mass:
-        return replace(found, rim_share=share)
+        return replace(found, rim_share=share, warp=(a, b))
     assert slider.centre_of_mass is not None
-    return PatchFootprint.under(slider.outline, slider.centre_of_mass, share)
+    return PatchFootprint.under(slider.outline, slider.centre_of_mass, share, (a, b))
 
 
 def _slider(slider: Slider, settings: Settings) -> Slider:

@@ -31,7 +31,10 @@ from cyclemap.mechanics.rim import Expression
 Symbol: TypeAlias = Callable[..., Expression]
 
 # The order of the equations' arguments; lengths in footprint extents, angles in rad.
-ARGUMENTS = ("theta", "rod_direction", "x", "y", "normal", "smu", "mu_a", "mu_b", "m0", "n0", "phi", "rim_share")
+ARGUMENTS = (
+    *("theta", "rod_direction", "x", "y", "normal", "smu"),
+    *("mu_a", "mu_b", "m0", "n0", "phi", "rim_share", "warp_a", "warp_b"),
+)
 
 STICK, SLIDE, RING_FRICTION = "stick", "slide", "ring_friction"
 
@@ -41,7 +44,7 @@ class ContactFunctions:
     """Functions (unknowns, arguments) of one set of equations in one regime (near or far centre of rotation).
 
     `solver`: -> (residuals, Newton step, f_n, f_t, far), with f_n, f_t the compression and tangential force on the
-    slider per unit load; `tangent` (unknowns, 12): derivatives of the solution by the arguments. Unknowns: omega, and
+    slider per unit load; `tangent` (unknowns, 14): derivatives of the solution by the arguments. Unknowns: omega, and
     where the rod slides tau.
     """
 
@@ -110,7 +113,7 @@ def _patch(
 ) -> PatchExpressions:
     x, y = q[2], q[3]
     velocity = contact_velocity + omega * ca.vertcat(y, -x)
-    return patch_expressions(pressure, ca.vertcat(velocity, omega), q[6:12], q[0], near)
+    return patch_expressions(pressure, ca.vertcat(velocity, omega), q[6:14], q[0], near)
 
 
 def _balance(

@@ -14,9 +14,9 @@ from cyclemap.mechanics.contact_curve import Contact
 from cyclemap.mechanics.contact_equations import ARGUMENTS, RING_FRICTION, SLIDE, STICK, contact_functions
 from cyclemap.mechanics.footprint import Footprint, PointFootprint
 from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.patch_integrals import FAR_RATIO
+from cyclemap.mechanics.patch_integrals import far_ratio
 from cyclemap.mechanics.pinned_point import PinnedPoints
-from cyclemap.mechanics.pressure_family import PressureFamily, rim_share
+from cyclemap.mechanics.pressure_family import PressureFamily, rim_share, warp
 
 # Residuals, relative to the mean friction coefficient, at which a solution counts as found, and above which one that
 # rounding keeps from getting there is refused.
@@ -58,7 +58,7 @@ class ContactSolver:
         self.step_calls: dict[tuple[str, str, bool], object] = {}
         self.arguments = np.zeros(len(ARGUMENTS))
         self.arguments[6:11] = friction.mu_a, friction.mu_b, friction.m0, friction.n0, friction.phi
-        self.arguments[11] = rim_share(footprint)
+        self.arguments[11:14] = rim_share(footprint), *warp(footprint)
         self._scale = math.sqrt(friction.mu_a * friction.mu_b)
         self._stick = _RegimeSwitch(self.pressure, STICK, self.arguments)
         self._slide = _RegimeSwitch(self.pressure, SLIDE, self.arguments)
@@ -174,13 +174,13 @@ class _RegimeSwitch:
         functions = [contact_functions(pressure, equations, near).solver for near in (True, False)]
         self._unknowns = np.zeros(functions[0].size1_in(0))
         self._calls = [BufferedFunction(f, self._unknowns, arguments) for f in functions]
-        self._is_far = 0
+        self._is_far, self._far_ratio = 0, far_ratio(pressure)
 
     def at(self, *unknowns: float) -> Values:
         """Return the function's outputs; the last one tells the regime."""
         self._unknowns[:] = unknowns
         values: Values = self._calls[self._is_far]().tolist()
-        is_far = 0 if values[-1] <= FAR_RATIO else 1
+        is_far = 0 if values[-1] <= self._far_ratio else 1
         if is_far != self._is_far:
             self._is_far = is_far
             values = self._calls[is_far]().tolist()

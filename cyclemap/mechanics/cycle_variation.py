@@ -13,7 +13,7 @@ from cyclemap.mechanics.stroke_variation import (
     unit_rows,
     vary_drag,
     vary_push,
-    without_rim,
+    without_frame,
 )
 from cyclemap.suggestions import unknown_name
 
@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 PARAMETER_NAMES = (
     *("theta", "mu_a", "mu_b", "m0", "n0", "phi", "pusher_friction", "pusher_radius"),
     *("fraction", "angle", "distance", "hitch_x", "hitch_y", "rim_share", "pin_friction_radius"),
+    *("warp_a", "warp_b"),
 )
 CYCLE_OUTPUTS = ("push_turn", "push_dx", "push_dy", "drag_turn", "drag_length", "theta_next")
 
@@ -36,8 +37,8 @@ def cycle_jacobian(
     """Return d CYCLE_OUTPUTS / d names, (6, k), of a push from the ring's target and the drag back to it.
 
     The push is a `SidePush`. Exact to the accuracy of the run, except on trajectories that touch a discontinuity; by
-    the radius of a point rod that comes to a corner it is nan, and by the rim share of a footprint that can have none.
-    By the friction of a ring that has none it is one-sided. Raises InvalidInput for an unknown name.
+    the radius of a point rod that comes to a corner it is nan, and by rim share and warp of a footprint that can have
+    none. By the friction of a ring that has none it is one-sided. Raises InvalidInput for an unknown name.
     """
     for name in names:
         if name not in PARAMETER_NAMES:
@@ -56,4 +57,4 @@ def cycle_jacobian(
     ring = moved - turned(theta_0, hitch, by_theta_0, by_hitch) + turned(theta_1, hitch, by_theta_1, by_hitch)
     theta, length = vary_drag(model, drag, by_theta_1, ring, one)
     outputs = np.stack([by_theta_1 - by_theta_0, *displacement, theta - by_theta_1, length, theta])
-    return without_rim(model, names, outputs)
+    return without_frame(model, names, outputs)

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from cyclemap.checks import finite_array, finite_number, point
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.mechanics.area_quadrature import area_quadrature
+from cyclemap.mechanics.area_quadrature import FAR_ORDER, WARPED_FAR_ORDER, area_quadrature
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
+from cyclemap.mechanics.warp import Saddle, least_along, saddles
 from cyclemap.text_files import read_csv_table, require_columns
 
 # The outline scaled by this about its centroid is the inner edge of the frame that carries the rim's share.
@@ -24,21 +25,26 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class PatchFootprint:
-    """Pressure over the whole area of an outline, exact, without a grid: even, leaning, or carried more by the rim.
+    """Pressure over the whole area of an outline, exact, without a grid: even, leaning, more at the rim, or warped.
 
-    With A the outline's area and w its rim share, the pressure per unit load is
+    With A the outline's area, w its rim share and (a, b) its warp, the pressure per unit load is
 
-        p = ((1 - w) + w [outside the inner outline] / (1 - RIM_INNER^2) + gradient . (r - centroid)) / A,
+        p = (1 - w + (w + a q_a + b q_b) [outside the inner outline] / (1 - RIM_INNER^2) + gradient . x) / A,
 
-    the inner outline being the outline scaled by RIM_INNER about its centroid. A rigid object on even ground whose
-    centre of mass is not its centroid leans just so that the centre of pressure lies under it (`under`); the rim share
-    leaves that centre where it is.
+    x = r - centroid, the inner outline being the outline scaled by RIM_INNER about its centroid. The saddles q_a and
+    q_b are (x_1^2 - x_2^2)/R^2 and 2 x_1 x_2/R^2, R the outline's extent, less their projections on 1, x_1, x_2 over
+    the frame, so that a warp changes neither load nor centre of pressure: an underside that is not quite flat rests
+    more on one diagonal than on the other. A rigid object on even ground whose
+    centre of mass is not its centroid leans just so that the centre of pressure lies under it (`under`); rim share and
+    warp leave that centre where it is.
 
     Parameters
     ----------
     outline : what touches the ground.
-    gradient : 1/m; the pressure must not be negative anywhere, with the rim share and without it (InvalidInput).
+    gradient : 1/m; the pressure must not be negative anywhere, with rim share and warp and without (InvalidInput).
     rim_share : share of the load on the frame alone, from -0.5625 (the frame carries nothing) to 1 (it carries all).
+    warp : (a, b), numbers; on a square, b > 0 loads the corners (+, +) and (-, -) more, up to 0.36, a > 0 the sides
+        that face along x, up to 0.72.
 
     >>> PatchFootprint(Ellipse(1.0, 1.0), rim_share=0.5).inner.semi_x
     0.8
@@ -47,6 +53,7 @@ class PatchFootprint:
     outline: Outline
     gradient: tuple[float, float] = (0.0, 0.0)
     rim_share: float = 0.0
+    warp: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "gradient", point("pressure gradient", self.gradient))
@@ -54,10 +61,11 @@ class PatchFootprint:
         object.__setattr__(self, "rim_share", share)
         if not -1.0 / RIM_RISE - _ROUNDING <= share <= 1.0:
             raise InvalidInput(f"rim share {share} leaves a pressure below zero: choose one from -0.5625 to 1")
-        if share != 0.0 and not self.can_have_rim_share:
+        object.__setattr__(self, "warp", point("warp", self.warp))
+        if (share != 0.0 or self.warp != (0.0, 0.0)) and not self.can_have_rim_share:
             raise InvalidInput(
-                f"rim share {share}: the outline scaled by {RIM_INNER} about its centroid does not lie inside this "
-                "concave outline, so that it has no frame; leave the share at 0 or give support points"
+                f"rim share {share}, warp {self.warp}: the outline scaled by {RIM_INNER} about its centroid does not "
+                "lie inside this concave outline, so that it has no frame; leave both at 0 or give support points"
             )
         self._refuse_lifting()
 
@@ -66,21 +74,37 @@ class PatchFootprint:
         lean = float((rim @ self.gradient).min())
         inside = 1.0 - self.rim_share + RIM_INNER * lean
         least = min(1.0 + lean, 1.0 + RIM_RISE * self.rim_share + lean, inside)
+        if least >= -_ROUNDING and self.warp != (0.0, 0.0):
+            least = min(least, self._least_on_frame(rim))
         if least < -_ROUNDING:
             raise InvalidInput(
-                f"the pressure gradient {self.gradient} 1/m with rim share {self.rim_share} lifts the outline off the "
-                f"ground (least pressure {least:.3g} of the mean): bring the centre of mass nearer to the centroid, or "
-                "give support points"
+                f"the pressure gradient {self.gradient} 1/m with rim share {self.rim_share} and warp {self.warp} lifts "
+                f"the outline off the ground (least pressure {least:.3g} of the mean): bring the centre of mass nearer "
+                "to the centroid, choose a smaller warp, or give support points"
             )
 
+    def _least_on_frame(self, rim: NDArray[np.float64]) -> float:
+        # A constant, a lean and saddles are harmonic, so that the frame's pressure is least on one of its edges.
+        (a, b), (first, second) = np.array(self.warp) / (1.0 - RIM_INNER**2), self.saddles
+        level = 1.0 + RIM_RISE * self.rim_share + a * first.constant + b * second.constant
+        slope = np.array(self.gradient) + a * first.slope + b * second.slope
+        pressure = Saddle(level, slope, a * first.bend + b * second.bend)
+        return min(least_along(rim, pressure), least_along(RIM_INNER * rim, pressure))
+
     @classmethod
-    def under(cls, outline: Outline, centre_of_mass: tuple[float, float], rim_share: float = 0.0) -> "PatchFootprint":
+    def under(
+        cls,
+        outline: Outline,
+        centre_of_mass: tuple[float, float],
+        rim_share: float = 0.0,
+        warp: tuple[float, float] = (0.0, 0.0),
+    ) -> "PatchFootprint":
         """Return the footprint whose centre of pressure is the given centre of mass (m)."""
         lever = np.subtract(centre_of_mass, outline.centroid)
         if np.hypot(*lever) <= 1e-12 * outline.extent:
-            return cls(outline, rim_share=rim_share)
+            return cls(outline, rim_share=rim_share, warp=warp)
         gx, gy = np.linalg.solve(cls(outline).second_moments, lever)
-        return cls(outline, (float(gx), float(gy)), rim_share)
+        return cls(outline, (float(gx), float(gy)), rim_share, warp)
 
     @cached_property
     def inner(self) -> Outline:
@@ -89,11 +113,16 @@ class PatchFootprint:
 
     @cached_property
     def can_have_rim_share(self) -> bool:
-        """Whether the frame's inner edge lies inside the outline: always, if that is convex."""
+        """Whether it has a frame, whose inner edge lies inside the outline: always, if that is convex."""
         if isinstance(self.outline, Ellipse) or self.outline.is_convex:
             return True
         assert isinstance(self.inner, Polygon)
         return self.outline.encloses(self.inner)
+
+    @cached_property
+    def saddles(self) -> tuple[Saddle, Saddle]:
+        """The saddles q_a and q_b of the lever from the centroid."""
+        return saddles(self.outline, self.inner)
 
     @cached_property
     def second_moments(self) -> NDArray[np.float64]:
@@ -116,6 +145,9 @@ class PatchFootprint:
     @cached_property
     def quadrature(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Points (k, 2), m, and shares of the load (k,), exact for polynomials up to degree 10 on either region."""
+        if self.warp != (0.0, 0.0):
+            points, without, by_share, by_warp = self.warp_quadrature
+            return points, without + self.rim_share * by_share + by_warp @ self.warp
         if self.rim_share == 0.0:
             points, weights = area_quadrature(self.outline)
             return points, weights * self._leaning(points)
@@ -125,10 +157,24 @@ class PatchFootprint:
     @cached_property
     def rim_quadrature(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Points (k, 2), m, their shares of the load (k,) at rim share zero, and the derivatives of these by it."""
-        points, weights = area_quadrature(self.outline)
-        inside, inner = area_quadrature(self.inner)
-        without = np.concatenate([weights * self._leaning(points), np.zeros(len(inner))])
-        return np.concatenate([points, inside]), without, RIM_RISE * np.concatenate([weights, -inner])
+        points, whole, inner = self._regions(FAR_ORDER)
+        return points, whole * self._leaning(points), RIM_RISE * (whole - inner)
+
+    @cached_property
+    def warp_quadrature(self) -> tuple[NDArray[np.float64], ...]:
+        """Points (k, 2), m, shares of the load (k,) at rim share and warp zero, derivatives (k,) and (k, 2) by both."""
+        points, whole, inner = self._regions(WARPED_FAR_ORDER)
+        frame = (whole - RIM_INNER**2 * inner) / (1.0 - RIM_INNER**2)
+        lever = points - self.outline.centroid
+        saddle = np.stack([mode.at(lever) for mode in self.saddles], axis=-1)
+        return points, whole * self._leaning(points), RIM_RISE * (whole - inner), frame[:, None] * saddle
+
+    def _regions(self, order: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Points (k, 2), and their weights (k,) in the means over the whole outline and over the inner one."""
+        points, weights = area_quadrature(self.outline, order)
+        inside, inner = area_quadrature(self.inner, order)
+        whole, within = np.concatenate([weights, 0.0 * inner]), np.concatenate([0.0 * weights, inner])
+        return np.concatenate([points, inside]), whole, within
 
     def _leaning(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.asarray(1.0 + (points - self.outline.centroid) @ np.array(self.gradient))

@@ -11,8 +11,8 @@ from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint, PointFootprint
 from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.patch_integrals import FAR_RATIO, patch_expressions
-from cyclemap.mechanics.pressure_family import PressureFamily, rim_share
+from cyclemap.mechanics.patch_integrals import far_ratio, patch_expressions
+from cyclemap.mechanics.pressure_family import PressureFamily, rim_share, warp
 
 
 @dataclass(frozen=True)
@@ -54,13 +54,14 @@ class LimitSurface:
         if np.any(np.all(columns == 0.0, axis=0)):
             raise InvalidInput("friction is not unique at rest: a twist is zero")
         law = self.friction
-        share = rim_share(self.footprint)
-        parameters = np.array([law.mu_a, law.mu_b, law.m0, law.n0, law.phi, share, frame])
-        near, far = _compiled(PressureFamily.of(normalised(self.footprint)))
+        pressure = rim_share(self.footprint), *warp(self.footprint)
+        parameters = np.array([law.mu_a, law.mu_b, law.m0, law.n0, law.phi, *pressure, frame])
+        family = PressureFamily.of(normalised(self.footprint))
+        (near, far), limit = _compiled(family), far_ratio(family)
         with np.errstate(all="ignore"):
             ratio = np.array(far(columns, parameters)).reshape(14, -1)[13]
         values = np.empty((13, columns.shape[1]))
-        for function, chosen in ((near, ratio <= FAR_RATIO), (far, ~(ratio <= FAR_RATIO))):
+        for function, chosen in ((near, ratio <= limit), (far, ~(ratio <= limit))):
             if chosen.any():
                 values[:, chosen] = np.array(function(columns[:, chosen], parameters)).reshape(14, -1)[:13]
         factor = np.concatenate([[1.0], scale, np.outer(scale, scale).ravel()])
@@ -75,16 +76,16 @@ def normalised(footprint: Footprint) -> Footprint:
         positions = np.asarray(footprint.positions) / size
         return PointFootprint(tuple(map(tuple, positions.tolist())), footprint.weights)
     gradient = (footprint.gradient[0] * size, footprint.gradient[1] * size)
-    return PatchFootprint(footprint.outline.scaled(1.0 / size), gradient, footprint.rim_share)
+    return PatchFootprint(footprint.outline.scaled(1.0 / size), gradient, footprint.rim_share, footprint.warp)
 
 
 @lru_cache(maxsize=64)
 def _compiled(pressure: PressureFamily) -> tuple[ca.Function, ca.Function]:
     """CasADi functions (twist, parameters) -> (D, gradient, Hessian, far), near and far."""
-    twist, parameters = ca.SX.sym("twist", 3), ca.SX.sym("parameters", 7)
+    twist, parameters = ca.SX.sym("twist", 3), ca.SX.sym("parameters", 9)
     functions = []
     for near in (True, False):
-        patch = patch_expressions(pressure, twist, parameters[:6], parameters[6], near)
+        patch = patch_expressions(pressure, twist, parameters[:8], parameters[8], near)
         values = ca.vertcat(patch.dissipation, patch.force, patch.torque, ca.vec(patch.hessian), patch.far)
         functions.append(ca.Function("patch", [twist, parameters], [patch.substituted(values)]))
     return functions[0], functions[1]

@@ -18,7 +18,10 @@ _FILE_KEYS = ("name", "provenance", "misfit", "inferred", "friction", "worn", "f
 _FOUND_KEYS = {
     "pusher_mu": "pusher_friction",
     "rim_share": "rim_share",
+    "warp_a": "warp_a",
+    "warp_b": "warp_b",
     "hitch_scale": "hitch_scale",
+    "hitch_turn_deg": "hitch_turn",
     "pin_friction_mm": "pin_friction_radius",
 }
 
@@ -27,14 +30,18 @@ _FOUND_KEYS = {
 class FoundWith:
     """What was identified together with a surface's friction; None where it was not: the loop's own value holds.
 
-    pusher_friction : coefficient of rod and object. rim_share : of the object's weight. hitch_scale : effective over
-    nominal lever of the ring. pin_friction_radius : m, of the rod in the ring.
+    pusher_friction : coefficient of rod and object. rim_share, warp_a, warp_b : how the object's weight rests on its
+    underside, which belong to that object. hitch_scale, hitch_turn : the effective hitch is the nominal one times the
+    scale, turned by the angle (rad). pin_friction_radius : m, of the rod in the ring.
     """
 
     pusher_friction: float | None = None
     rim_share: float | None = None
     hitch_scale: float | None = None
+    hitch_turn: float | None = None
     pin_friction_radius: float | None = None
+    warp_a: float | None = None
+    warp_b: float | None = None
 
 
 @dataclass(frozen=True)
@@ -92,7 +99,8 @@ def load_material(name: str | Path) -> Material:
 
     The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and it may hold `name`,
     `provenance`, `misfit`, `inferred` (true or false), a table [worn] with `cycles` and the friction after them, and a
-    table [found_with] of what was identified along with it: pusher_mu, rim_share, hitch_scale, pin_friction_mm.
+    table [found_with] of what was identified along with it: pusher_mu, rim_share, warp_a, warp_b, hitch_scale,
+    hitch_turn_deg, pin_friction_mm.
     Raises InvalidInput for an unknown name, DataFileError for a file that is missing or is not such a table.
 
     >>> load_material("plywood").friction.mu_a
@@ -149,9 +157,8 @@ def _found_with(table: dict[str, object]) -> FoundWith:
     for key in found:
         if key not in _FOUND_KEYS:
             raise unknown_name("key of [found_with]", key, tuple(_FOUND_KEYS))
-    numbers = {key: finite_number(key, value) for key, value in found.items()}
-    if "pin_friction_mm" in numbers:
-        numbers["pin_friction_mm"] *= 1e-3
+    unit = {"pin_friction_mm": 1e-3, "hitch_turn_deg": math.pi / 180.0}
+    numbers = {key: unit.get(key, 1.0) * finite_number(key, value) for key, value in found.items()}
     return FoundWith(**{_FOUND_KEYS[key]: value for key, value in numbers.items()})
 
 

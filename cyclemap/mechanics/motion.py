@@ -14,7 +14,8 @@ from cyclemap.mechanics.contact_solver import ContactSolver, Slide, Stick
 from cyclemap.mechanics.footprint import PatchFootprint, PointFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.motion_functions import MARGINS, PARAMETERS, step_function
-from cyclemap.mechanics.pressure_family import PressureFamily, rim_share
+from cyclemap.mechanics.patch_integrals import far_ratio
+from cyclemap.mechanics.pressure_family import PressureFamily, rim_share, warp
 from cyclemap.mechanics.runge_kutta import STAGES, UNKNOWN, Step, step
 
 # How a rod moves over the slider: not at all, or along the outline's counter-clockwise (left) or clockwise tangent;
@@ -28,8 +29,9 @@ _SIGN |= {RING: 0.0, RING_LEFT: 1.0, RING_RIGHT: -1.0, RING_STUCK: 0.0}
 # A fast step counts when what Newton's last correction leaves, about its square, is this share of the step's tolerance
 # (support points: when the correction itself is, since their friction is not smooth) ...
 _LEFT = 0.01
-# ... and its centres of rotation stay where the regime's integrals have ten digits or more of the Hessian.
-_NEAR_LIMIT, _FAR_LIMIT = 14.0, 5.5
+# ... and its centres of rotation stay where the regime's integrals have ten digits or more of the Hessian: these shares
+# of the ratio at which one regime hands over to the other.
+_NEAR_LIMIT, _FAR_LIMIT = 14.0 / 8.0, 5.5 / 8.0
 
 _KEPT = (math.inf,) * len(MARGINS)
 
@@ -135,10 +137,12 @@ class Motion:
 
     def with_parameters(self, parameters: NDArray[np.float64], unknowns: list[float]) -> "Motion":
         """Return the same motion with other numbers, in the order of PARAMETERS."""
-        direction, radius, smu, mu_a, mu_b, m0, n0, phi, share, *geometry, _low, _high = parameters.tolist()
+        direction, radius, smu, mu_a, mu_b, m0, n0, phi, share, warp_a, warp_b, *geometry, _low, _high = (
+            parameters.tolist()
+        )
         footprint, mode = self.solver.footprint, self.mode
         if isinstance(footprint, PatchFootprint):
-            footprint = replace(footprint, rim_share=share)
+            footprint = replace(footprint, rim_share=share, warp=(warp_a, warp_b))
         if mode == RING and smu != 0.0:
             mode = RING_LEFT if smu > 0.0 else RING_RIGHT
         solver = ContactSolver(footprint, EllipseFriction(mu_a, mu_b, m0, n0, phi))
@@ -192,10 +196,11 @@ def held_in_ring(solver: ContactSolver, theta: float, contact: Contact, rod: Rod
 def motion_parameters(solver: ContactSolver, piece: Piece, mode: str, rod: Rod) -> NDArray[np.float64]:
     """Return the parameters of a motion's CasADi functions, in the order of PARAMETERS."""
     friction = solver.friction
-    law = (friction.mu_a, friction.mu_b, friction.m0, friction.n0, friction.phi, rim_share(solver.footprint))
+    law = (friction.mu_a, friction.mu_b, friction.m0, friction.n0, friction.phi)
+    pressure = (rim_share(solver.footprint), *warp(solver.footprint))
     radius = 0.0 if isinstance(piece, RingPiece) else rod.radius
     geometry = (*piece.geometry, *(0.0,) * (5 - len(piece.geometry)))
-    values = (rod.direction, radius, _SIGN[mode] * rod.friction, *law, *geometry, piece.low, piece.high)
+    values = (rod.direction, radius, _SIGN[mode] * rod.friction, *law, *pressure, *geometry, piece.low, piece.high)
     assert len(values) == len(PARAMETERS)
     return np.array(values)
 
@@ -215,7 +220,7 @@ class _StepCall:
 
     def __init__(self, pressure: PressureFamily, kind: str, family: str, near: bool) -> None:
         self._build = (pressure, kind, family, near)
-        self._near = near
+        self._near, self._limit = near, far_ratio(pressure) * (_NEAR_LIMIT if near else _FAR_LIMIT)
         self._exact = not isinstance(pressure.footprint, PointFootprint)
         self._unknowns = 2 if family == SLIDE else 1
         self.in_regime = True
@@ -233,7 +238,7 @@ class _StepCall:
         at[:], guess[:], length[0], numbers[:] = state, unknowns, h, parameters
         result = self._function()
         error, correction, least, greatest = result[:4].tolist()
-        self.in_regime = not self._exact or (greatest <= _NEAR_LIMIT if self._near else least >= _FAR_LIMIT)
+        self.in_regime = not self._exact or (greatest <= self._limit if self._near else least >= self._limit)
         allowed = math.sqrt(_LEFT * tolerance) if self._exact else _LEFT * tolerance
         if not (correction <= allowed and self.in_regime and math.isfinite(error)):
             return None

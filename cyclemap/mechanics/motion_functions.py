@@ -18,7 +18,7 @@ from cyclemap.mechanics.runge_kutta import ERROR, STAGES, A, B, C
 # ring (x, y), padded with zeros; smu: pusher friction, negative when the rod slides clockwise over the slider, or
 # radius of the ring's friction circle, negative when the object turns clockwise.
 PARAMETERS = (
-    *("direction", "radius", "smu", "mu_a", "mu_b", "m0", "n0", "phi", "rim_share"),
+    *("direction", "radius", "smu", "mu_a", "mu_b", "m0", "n0", "phi", "rim_share", "warp_a", "warp_b"),
     *("geometry_0", "geometry_1", "geometry_2", "geometry_3", "geometry_4", "low", "high"),
 )
 MARGINS = ("approach", "after_low", "before_high", "mode_first", "mode_second")
@@ -26,7 +26,7 @@ MARGINS = ("approach", "after_low", "before_high", "mode_first", "mode_second")
 # Newton iterations a stage, for patches and for support points, whose friction is less smooth.
 _ITERATIONS_PATCH, _ITERATIONS_POINTS = 2, 3
 # Functions up to this many operations a Newton iteration are unrolled into scalars, larger ones are called.
-_UNROLLED = 1_600
+_UNROLLED = 2000
 
 
 @lru_cache(maxsize=256)
@@ -76,8 +76,8 @@ def _contact(kind: str, coordinate: ca.SX, geometry: ca.SX, radius: ca.SX) -> tu
 def _arguments(kind: str) -> ca.Function:
     """(state, parameters) -> the contact equations' arguments."""
     state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
-    x, y, normal, _ = _contact(kind, state[1], p[9:14], p[1])
-    return ca.Function("arguments", [state, p], [ca.vertcat(state[0], p[0], x, y, normal, p[2:9])])
+    x, y, normal, _ = _contact(kind, state[1], p[11:16], p[1])
+    return ca.Function("arguments", [state, p], [ca.vertcat(state[0], p[0], x, y, normal, p[2:11])])
 
 
 @lru_cache(maxsize=16)
@@ -86,10 +86,10 @@ def _rate(kind: str, mode: str) -> ca.Function:
     unknowns = 2 if mode == SLIDE else 1
     state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
     z, forces = ca.SX.sym("unknowns", unknowns), ca.SX.sym("forces", 2)
-    _, _, normal, metric = _contact(kind, state[1], p[9:14], p[1])
+    _, _, normal, metric = _contact(kind, state[1], p[11:16], p[1])
     off = normal + state[0] - p[0]
     approach, along = -ca.cos(off), -ca.sin(off)
-    room = (state[1] - p[14], p[15] - state[1])
+    room = (state[1] - p[16], p[17] - state[1])
     if kind == "ring":
         slope, margins = ca.vertcat(z[0], 0), ca.SX.ones(5)
     elif mode == STICK:

@@ -8,11 +8,16 @@ maps the patch to a patch of the velocity plane, where the divergence theorem le
     int grad |w|     = rim |w| n                    int w_i grad |w|   = rim w_i |w| n - e_i int |w|
     int hess |w|     = rim (w/|w|) n^T              int w_i hess |w|   = rim w_i (w/|w|) n^T - int (w/|w|) e_i^T
 
-(the second column where the pressure leans). The rest of gradient and Hessian follows from homogeneity:
-D = V . grad D and hess D . V = 0. Along straight sides the rim integrals are closed; around an ellipse they are Gauss
-sums, graded towards the centre of rotation. A rim share w adds RIM_RISE w times the mean over the outline less the mean
-over its inner outline, by the same integrals. All of this cancels when the centre of rotation is far away (omega -> 0);
-there a plain quadrature of the area is exact to rounding.
+    int w_i w_j |w|      = 1/5 rim w_i w_j |w| (w.n)
+    int w_i w_j grad |w| = rim w_i w_j |w| n - int (e_i w_j + w_i e_j) |w|
+    int w_i w_j hess |w| = rim w_i w_j (w/|w|) n^T - int (w/|w|) (e_i w_j + w_i e_j)^T
+
+(the second column where the pressure leans, the last lines where it is warped). The rest of gradient and Hessian
+follows from homogeneity: D = V . grad D and hess D . V = 0. Along straight sides the rim integrals are closed; around
+an ellipse they are Gauss sums, graded towards the centre of rotation. A rim share w adds RIM_RISE w times the mean over
+the outline less the mean over its inner outline, by the same integrals; a warp adds its saddles over the one less those
+over the other. All of this cancels when the centre of rotation is far away (omega -> 0); there a plain quadrature of
+the area is exact to rounding.
 """
 
 from dataclasses import dataclass
@@ -24,11 +29,13 @@ from numpy.typing import NDArray
 from cyclemap.mechanics.footprint import RIM_INNER, RIM_RISE, PatchFootprint
 from cyclemap.mechanics.outline import Outline, Polygon
 from cyclemap.mechanics.pressure_family import PressureFamily
+from cyclemap.mechanics.pressure_means import Means, even_means, linear_means, quadratic_means
 from cyclemap.mechanics.rim import Expression, Rim, ellipse_rim, polygon_rim
 
 # Distance of the centre of rotation over the patch's extent, both in the velocity plane, beyond which the area
-# quadrature has more digits than the rim integrals (tests/mechanics/test_patch_integrals.py measures both).
-FAR_RATIO = 8.0
+# quadrature has more digits than the rim integrals (tests/mechanics/test_patch_integrals.py and test_warp.py measure
+# both). Saddles cancel one order more, and are integrated by a finer quadrature.
+FAR_RATIO, WARPED_FAR_RATIO = 8.0, 5.0
 
 # Keeps quotients finite where a support point is the centre of rotation.
 _TINY = 1e-150
@@ -59,12 +66,17 @@ class PatchExpressions:
 
 
 @dataclass(frozen=True)
-class _Means:
-    """Means over the pressure: |w|, its gradient and its Hessian in the velocity plane."""
+class _Motion:
+    """Twist and traction, w(r) = matrix (velocity + omega z x r)."""
 
-    speed: Expression
-    direction: Expression
-    curvature: Expression
+    velocity: Expression
+    omega: Expression
+    matrix: Expression
+
+
+def far_ratio(pressure: PressureFamily) -> float:
+    """Return the distance of the centre of rotation over the patch's extent beyond which the area quadrature holds."""
+    return WARPED_FAR_RATIO if pressure.warped else FAR_RATIO
 
 
 def traction_matrix(mu_a: Expression, mu_b: Expression, angle: Expression) -> Expression:
@@ -81,11 +93,12 @@ def patch_expressions(
     Parameters
     ----------
     pressure : the footprint's family, its lengths in the unit of length that the twist uses.
-    law : the expressions (mu_a, mu_b, m0, n0, phi, rim share); `frame`: the angle of the footprint's frame, rad.
-    near : rim integrals, for centres of rotation within FAR_RATIO; False: area quadrature, for those beyond.
+    law : the expressions (mu_a, mu_b, m0, n0, phi, rim share, warp a, warp b).
+    frame : the angle of the footprint's frame, rad.
+    near : rim integrals, for centres of rotation within `far_ratio`; False: area quadrature, for those beyond.
         Point footprints are summed either way.
     """
-    mu_a, mu_b, m0, n0, phi, rim_share = ca.vertsplit(law)
+    mu_a, mu_b, m0, n0, phi = ca.vertsplit(law[:5])
     footprint = pressure.footprint
     matrix = traction_matrix(mu_a, mu_b, phi - frame)
     velocity, omega = twist[:2], twist[2]
@@ -93,11 +106,10 @@ def patch_expressions(
     at_centre = velocity + omega * _quarter_turn(centre)
     frozen: tuple[tuple[Expression, Expression], ...] = ()
     if near and isinstance(footprint, PatchFootprint):
-        share = rim_share if pressure.framed else None
-        means, frozen = _means(footprint, velocity, omega, matrix, share)
+        means, frozen = _means(pressure, _Motion(velocity, omega, matrix), law[5], law[6:8])
         centred = _from_means(means, velocity, omega, matrix, omega**2 * mu_a * mu_b * footprint.outline.area)
     else:
-        centred = _from_points(*_nodes(pressure, rim_share), velocity, omega, matrix)
+        centred = _from_points(*_nodes(pressure, law[5], law[6:8]), velocity, omega, matrix)
     # The ellipse's centre (m0, n0) acts as one constant force at the centre of pressure.
     c, s = ca.cos(phi - frame), ca.sin(phi - frame)
     constant = ca.vertcat(c * m0 - s * n0, s * m0 + c * n0)
@@ -124,15 +136,18 @@ _Centred = tuple[Expression, Expression, Expression, Expression]
 _Frozen = tuple[tuple[Expression, Expression], ...]
 
 
-def _nodes(pressure: PressureFamily, rim_share: Expression) -> tuple[NDArray[np.float64], Expression]:
+def _nodes(pressure: PressureFamily, rim_share: Expression, warp: Expression) -> tuple[NDArray[np.float64], Expression]:
     """Points and their shares of the load."""
     footprint = pressure.footprint
     if not pressure.framed:
         points, weights = footprint.quadrature
         return points, ca.DM(weights)
     assert isinstance(footprint, PatchFootprint)
-    points, without, by_share = footprint.rim_quadrature
-    return points, ca.DM(without) + rim_share * ca.DM(by_share)
+    if not pressure.warped:
+        points, without, by_share = footprint.rim_quadrature
+        return points, ca.DM(without) + rim_share * ca.DM(by_share)
+    points, without, by_share, by_warp = footprint.warp_quadrature
+    return points, ca.DM(without) + rim_share * ca.DM(by_share) + ca.DM(by_warp) @ warp
 
 
 def _from_points(
@@ -159,25 +174,19 @@ def _from_points(
     )
 
 
-def _means(
-    footprint: PatchFootprint,
-    velocity: Expression,
-    omega: Expression,
-    matrix: Expression,
-    rim_share: Expression | None,
-) -> tuple[_Means, _Frozen]:
+def _means(pressure: PressureFamily, motion: _Motion, rim_share: Expression, warp: Expression) -> tuple[Means, _Frozen]:
     """Integrals of |w| and its derivatives over the image of the footprint, weighted by its pressure."""
-    rim, frozen = _rim(footprint.outline, velocity, omega, matrix)
-    if rim_share is None:
-        return _outer_means(footprint, rim, velocity, omega, matrix, None), frozen
-    whole = _outer_means(footprint, rim, velocity, omega, matrix, 1 + RIM_RISE * rim_share)
-    inner_rim, more = _rim(footprint.inner, velocity, omega, matrix)
-    inner, factor = _even_means(inner_rim), -RIM_RISE / RIM_INNER**2 * rim_share
-    means = _Means(
-        whole.speed + factor * inner.speed,
-        whole.direction + factor * inner.direction,
-        whole.curvature + factor * inner.curvature,
-    )
+    footprint = pressure.footprint
+    assert isinstance(footprint, PatchFootprint)
+    rim, frozen = _rim(footprint.outline, motion.velocity, motion.omega, motion.matrix)
+    if not pressure.framed:
+        return _outer_means(footprint, rim, motion, None), frozen
+    inner_rim, more = _rim(footprint.inner, motion.velocity, motion.omega, motion.matrix)
+    level, factor = 1 + RIM_RISE * rim_share, -RIM_RISE / RIM_INNER**2 * rim_share
+    if pressure.warped:
+        means = _warped_means(footprint, (rim, inner_rim), motion, (level, factor), warp)
+    else:
+        means = _outer_means(footprint, rim, motion, level).plus(factor, even_means(inner_rim))
     return means, (*frozen, *more)
 
 
@@ -193,7 +202,7 @@ def _rim(outline: Outline, velocity: Expression, omega: Expression, matrix: Expr
 
 
 def _from_means(
-    means: _Means, velocity: Expression, omega: Expression, matrix: Expression, area: Expression
+    means: Means, velocity: Expression, omega: Expression, matrix: Expression, area: Expression
 ) -> _Centred:
     """Dissipation, force, torque and Hessian from the rim's integrals and homogeneity; `area`: that of the image."""
     dissipation, force = means.speed / area, matrix.T @ means.direction / area
@@ -204,44 +213,53 @@ def _from_means(
     return dissipation, force, torque, hessian
 
 
-def _outer_means(
-    footprint: PatchFootprint,
-    rim: Rim,
-    velocity: Expression,
-    omega: Expression,
-    matrix: Expression,
-    level: Expression | None,
-) -> _Means:
+def _outer_means(footprint: PatchFootprint, rim: Rim, motion: _Motion, level: Expression | None) -> Means:
     """Integrals over the whole outline with its pressure, `level` (one) at the centroid."""
     if footprint.gradient != (0.0, 0.0):
-        return _leaning_means(footprint, rim, velocity, omega, matrix, 1 if level is None else level)
-    even = _even_means(rim)
-    if level is None:
-        return even
-    return _Means(level * even.speed, level * even.direction, level * even.curvature)
+        constant, slope = _leaning(footprint, motion, 1 if level is None else level)
+        return linear_means(rim, constant, slope)
+    even = even_means(rim)
+    return even if level is None else even.times(level)
 
 
-def _even_means(rim: Rim) -> _Means:
-    speed = ca.dot(rim.distance, rim.length) / 3
-    return _Means(speed, rim.normal.T @ rim.length, rim.unit.T @ rim.normal)
-
-
-def _leaning_means(
-    footprint: PatchFootprint,
-    rim: Rim,
-    velocity: Expression,
-    omega: Expression,
-    matrix: Expression,
-    level: Expression | int,
-) -> _Means:
-    """The same, weighted by the pressure, which is p0 + q . w in the velocity plane."""
+def _leaning(footprint: PatchFootprint, motion: _Motion, level: Expression | int) -> tuple[Expression, Expression]:
+    """Return (p0, q): the leaning pressure is p0 + q . w in the velocity plane."""
     gradient = ca.DM(footprint.gradient)
-    q = ca.solve(matrix.T, _quarter_turn(gradient)) / omega
-    p0 = level - ca.dot(gradient, ca.DM(footprint.outline.centroid)) - ca.dot(_quarter_turn(gradient), velocity) / omega
-    even = _even_means(rim)
-    weighted_length = rim.first @ q
-    speed = p0 * even.speed + ca.dot(rim.distance, weighted_length) / 4
-    direction = p0 * even.direction + rim.normal.T @ weighted_length - q * even.speed
-    second = ca.horzcat(rim.second[:, :2] @ q, rim.second[:, 1:] @ q)
-    curvature = p0 * even.curvature + second.T @ rim.normal - even.direction @ q.T
-    return _Means(speed, direction, curvature)
+    q = ca.solve(motion.matrix.T, _quarter_turn(gradient)) / motion.omega
+    lean = ca.dot(gradient, ca.DM(footprint.outline.centroid))
+    return level - lean - ca.dot(_quarter_turn(gradient), motion.velocity) / motion.omega, q
+
+
+def _warped_means(
+    footprint: PatchFootprint,
+    rims: tuple[Rim, Rim],
+    motion: _Motion,
+    levels: tuple[Expression, Expression],
+    warp: Expression,
+) -> Means:
+    """Integrals over outline and inner outline, each with its level; the first leans, both hold the saddles."""
+    turn, shift = _lever(footprint, motion)
+    lean = ca.DM(footprint.gradient)
+    constant, slope, bend = _saddle(footprint, turn, shift, warp / (1.0 - RIM_INNER**2))
+    level = levels[0] + ca.dot(lean, shift)
+    outer = quadratic_means(rims[0], level + constant, turn.T @ lean + slope, bend)
+    return outer.plus(1, quadratic_means(rims[1], levels[1] - constant, -slope, -bend))
+
+
+def _lever(footprint: PatchFootprint, motion: _Motion) -> tuple[Expression, Expression]:
+    """Return `turn` (2, 2), `shift` (2, 1): the lever from the centroid is turn w + shift."""
+    m, omega = motion.matrix, motion.omega
+    turn = ca.blockcat([[-m[1, 0], m[0, 0]], [-m[1, 1], m[0, 1]]]) / ((m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]) * omega)
+    return turn, _quarter_turn(motion.velocity) / omega - ca.DM(footprint.outline.centroid)
+
+
+def _saddle(
+    footprint: PatchFootprint, turn: Expression, shift: Expression, share: Expression
+) -> tuple[Expression, Expression, Expression]:
+    """Return the saddles' pressure constant + slope . w + w^T bend w in the velocity plane."""
+    first, second = footprint.saddles
+    beta = share[0] * ca.DM(first.slope) + share[1] * ca.DM(second.slope)
+    bend = share[0] * ca.DM(first.bend) + share[1] * ca.DM(second.bend)
+    bent = bend @ shift
+    constant = share[0] * first.constant + share[1] * second.constant + ca.dot(beta + bent, shift)
+    return constant, turn.T @ (beta + 2 * bent), turn.T @ bend @ turn

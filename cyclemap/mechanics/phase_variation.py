@@ -9,7 +9,7 @@ from cyclemap.mechanics.contact_equations import RING_FRICTION
 from cyclemap.mechanics.footprint import PointFootprint
 from cyclemap.mechanics.motion import RING, Motion
 from cyclemap.mechanics.motion_functions import PARAMETERS, variation_function
-from cyclemap.mechanics.patch_integrals import FAR_RATIO
+from cyclemap.mechanics.patch_integrals import far_ratio
 from cyclemap.mechanics.pressure_family import PressureFamily
 from cyclemap.mechanics.push_run import RunPhase
 from cyclemap.mechanics.runge_kutta import STAGES, STATE, UNKNOWN, A, B
@@ -21,12 +21,13 @@ _STILL = 1e-7
 _DIFFERENCE = 1e-6
 
 _SMU, _RIM_SHARE = PARAMETERS.index("smu"), PARAMETERS.index("rim_share")
+_WARP = (PARAMETERS.index("warp_a"), PARAMETERS.index("warp_b"))
 
 
 def vary_phase(run_phase: RunPhase, start: Array, parameters: Array) -> Array:
     """Return the variation (2, k) of the state at the end of a phase.
 
-    `start` (2, k): variation of its start; `parameters` (16, k): variation of the motion's PARAMETERS. The phase's
+    `start` (2, k): variation of its start; `parameters` (18, k): variation of the motion's PARAMETERS. The phase's
     steps keep their lengths: rates are continuous across its end, so that where it lies does not matter to first order.
     """
     steps = run_phase.phase.steps
@@ -56,9 +57,10 @@ def _slope_jacobians(motion: Motion, stages: Array, wanted: NDArray[np.intp]) ->
     """Derivatives (n, 2, 2 + w) of the slope by state and wanted parameters at solved stages (n, ...)."""
     states, unknowns = stages[:, STATE].T, stages[:, UNKNOWN].T
     values = np.empty((2 * (2 + wanted.size) + 1, len(stages)))
-    law = (_pressure(motion, wanted), motion.piece.kind, _family(motion, wanted))
+    pressure = _pressure(motion, wanted)
+    law = (pressure, motion.piece.kind, _family(motion, wanted))
     for near in (True, False):
-        chosen = np.ones(len(stages), bool) if near else ~(values[-1] <= FAR_RATIO)
+        chosen = np.ones(len(stages), bool) if near else ~(values[-1] <= far_ratio(pressure))
         if chosen.any():
             function = variation_function(*law, near, tuple(wanted.tolist()))
             found = function(states[:, chosen], unknowns[:, chosen], motion.parameters)
@@ -71,9 +73,10 @@ def _slope_jacobians(motion: Motion, stages: Array, wanted: NDArray[np.intp]) ->
 
 def _pressure(motion: Motion, wanted: NDArray[np.intp]) -> PressureFamily:
     """Return the family whose equations hold every wanted parameter, also where its term vanishes."""
-    if _RIM_SHARE in wanted:
-        return replace(motion.solver.pressure, framed=True)
-    return motion.solver.pressure
+    pressure = motion.solver.pressure
+    if any(index in wanted for index in _WARP):
+        return replace(pressure, framed=True, warped=True)
+    return replace(pressure, framed=True) if _RIM_SHARE in wanted else pressure
 
 
 def _family(motion: Motion, wanted: NDArray[np.intp]) -> str:

@@ -15,6 +15,7 @@ _TINY = 1e-60
 
 # Gauss points on each of an ellipse's two arcs, and the least half-width of the strip (rad) that they resolve.
 _ARC_ORDER = 88
+_NODES = 2 * _ARC_ORDER
 _NARROWEST = 1e-12
 
 
@@ -24,7 +25,8 @@ class Rim:
 
     `normal` (k, 2): n; `distance` (k, 1): d = w . n, constant on a piece; then integrals along the piece: `length`
     (k, 1) of |w|, `unit` (k, 2) of w/|w|, `first` (k, 2) of w |w|, `second` (k, 3) of (x x, x y, y y)/|w|, w = (x, y).
-    A piece may also be a quadrature node, with its weight in the normal.
+    On a piece w = foot + t tangent, (k, 2) each; `lengths` (k, 3): integrals of t^i |w|, `inverses` (k, 4): of t^i/|w|.
+    A piece may also be a quadrature node, with its weight in the normal; it has no tangent.
     """
 
     normal: Expression
@@ -33,6 +35,10 @@ class Rim:
     unit: Expression
     first: Expression
     second: Expression
+    foot: Expression
+    tangent: Expression
+    lengths: Expression
+    inverses: Expression
 
 
 def polygon_rim(x: Expression, y: Expression) -> Rim:
@@ -62,7 +68,11 @@ def polygon_rim(x: Expression, y: Expression) -> Rim:
         dda * nx * ny + dr * (nx * ty + tx * ny) + moment * tx * ty,
         dda * ny * ny + 2 * dr * ny * ty + moment * ty * ty,
     )
-    return Rim(ca.horzcat(nx, ny), d, length, unit, first, second)
+    # Integrals of t^2 s and t^3/s by parts.
+    lengths = ca.horzcat(length, cube, (end * s1**3 - start * s0**3 - d * d * length) / 4)
+    inverses = ca.horzcat(angle, rise, moment, cube - d * dr)
+    normal, tangent = ca.horzcat(nx, ny), ca.horzcat(tx, ty)
+    return Rim(normal, d, length, unit, first, second, ca.horzcat(d * nx, d * ny), tangent, lengths, inverses)
 
 
 def ellipse_rim(
@@ -89,6 +99,10 @@ def ellipse_rim(
         ca.horzcat(x / length, y / length),
         ca.horzcat(x * length, y * length),
         ca.horzcat(x * x / length, x * y / length, y * y / length),
+        ca.horzcat(x, y),
+        type(centre)(_NODES, 2),
+        ca.horzcat(length, type(centre)(_NODES, 2)),
+        ca.horzcat(1 / length, type(centre)(_NODES, 3)),
     )
     return rim, ((symbols, singularities),)
 

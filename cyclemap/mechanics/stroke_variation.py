@@ -12,7 +12,7 @@ from cyclemap.mechanics.motion import RING, RING_RIGHT, RING_STUCK, SLIDE_RIGHT,
 from cyclemap.mechanics.motion_functions import MARGINS, PARAMETERS
 from cyclemap.mechanics.outline import Ellipse
 from cyclemap.mechanics.phase_variation import vary_phase
-from cyclemap.mechanics.pressure_family import can_have_rim_share
+from cyclemap.mechanics.pressure_family import has_frame
 from cyclemap.mechanics.push_run import PushRun, RunPhase
 from cyclemap.mechanics.runge_kutta import SLOPE
 from cyclemap.suggestions import unknown_name
@@ -27,8 +27,11 @@ Rows = dict[str, Array]
 STROKE_PARAMETERS = (
     *("mu_a", "mu_b", "m0", "n0", "phi", "pusher_friction"),
     *("rim_share", "hitch_x", "hitch_y", "pin_friction_radius"),
+    *("warp_a", "warp_b"),
 )
-_LAW = ("mu_a", "mu_b", "m0", "n0", "phi", "rim_share")
+# What only a footprint with a frame can have.
+_FRAME = ("rim_share", "warp_a", "warp_b")
+_LAW = ("mu_a", "mu_b", "m0", "n0", "phi", *_FRAME)
 _START = ("theta", "pusher_radius", "fraction", "angle", "distance")
 _ROW = {name: index for index, name in enumerate(PARAMETERS)}
 
@@ -36,8 +39,9 @@ _ROW = {name: index for index, name in enumerate(PARAMETERS)}
 def push_jacobian(model: "QuasiStaticModel", push: PushResult, names: tuple[str, ...] = STROKE_PARAMETERS) -> Array:
     """Return d (x, y, theta) / d names, (3, k), of a push's end (m, rad), its start and the rod's path being fixed.
 
-    By what belongs to the ring alone it is zero; by the rim share of a footprint that can have none it is nan. Exact to
-    the accuracy of the run, except on trajectories that touch a discontinuity. Raises InvalidInput for an unknown name.
+    By what belongs to the ring alone it is zero; by rim share and warp of a footprint that can have none it is nan.
+    Exact to the accuracy of the run, except on trajectories that touch a discontinuity. Raises InvalidInput for an
+    unknown name.
 
     >>> from cyclemap.mechanics import EllipseFriction, Pose, QuasiStaticModel, SidePush, Slider
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
@@ -50,7 +54,7 @@ def push_jacobian(model: "QuasiStaticModel", push: PushResult, names: tuple[str,
     _refuse_unknown(names)
     by_push = vary_push(model, push, unit_rows(model, names))
     jacobian = np.vstack([model.unit * by_push[1:], by_push[:1]])
-    return without_rim(model, names, jacobian)
+    return without_frame(model, names, jacobian)
 
 
 def drag_jacobian(model: "QuasiStaticModel", drag: DragResult, names: tuple[str, ...] = STROKE_PARAMETERS) -> Array:
@@ -66,7 +70,7 @@ def drag_jacobian(model: "QuasiStaticModel", drag: DragResult, names: tuple[str,
         return np.zeros((3, len(names)))
     theta, _ = vary_drag(model, drag, still, turned(drag.start.theta, hitch, still, by_hitch), one)
     place = -turned(drag.end.theta, hitch, theta, by_hitch)
-    return without_rim(model, names, np.vstack([place, theta]))
+    return without_frame(model, names, np.vstack([place, theta]))
 
 
 def _refuse_unknown(names: tuple[str, ...]) -> None:
@@ -80,15 +84,15 @@ def unit_rows(model: "QuasiStaticModel", names: tuple[str, ...]) -> Rows:
     rows = np.eye(len(names))
     known = (*STROKE_PARAMETERS, *_START)
     one = {name: rows[names.index(name)] if name in names else np.zeros(len(names)) for name in known}
-    if not can_have_rim_share(model.pressure):
-        one["rim_share"] = np.zeros(len(names))
+    if not has_frame(model.pressure):
+        one |= {name: np.zeros(len(names)) for name in _FRAME}
     return one
 
 
-def without_rim(model: "QuasiStaticModel", names: tuple[str, ...], jacobian: Array) -> Array:
-    """Return a jacobian (n, k), nan by a rim share that the footprint cannot have."""
-    if "rim_share" in names and not can_have_rim_share(model.pressure):
-        jacobian[:, names.index("rim_share")] = math.nan
+def without_frame(model: "QuasiStaticModel", names: tuple[str, ...], jacobian: Array) -> Array:
+    """Return a jacobian (n, k), nan by a rim share or warp that the footprint cannot have."""
+    if not has_frame(model.pressure):
+        jacobian[:, [name in _FRAME for name in names]] = math.nan
     return jacobian
 
 
@@ -142,7 +146,7 @@ def _passes_corner(run: PushRun) -> bool:
 
 
 def _law_rows(one: Rows) -> Array:
-    """Variation (16, k) of a motion's parameters that every motion shares."""
+    """Variation (18, k) of a motion's parameters that every motion shares."""
     rows = np.zeros((len(PARAMETERS), one["theta"].size))
     for name in _LAW:
         rows[_ROW[name]] = one[name]

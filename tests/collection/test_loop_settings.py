@@ -30,6 +30,8 @@ PLACES = {
     "centre_y_mm": (-3, lambda loop: loop.slider.centre_of_mass[1], -0.003),
     "pin_friction_mm": (1.5, lambda loop: loop.reset.pin_friction_radius, 0.0015),
     "rim_share": (0.3, lambda loop: loop.model.pressure.rim_share, 0.3),
+    "warp_a": (0.1, lambda loop: loop.model.pressure.warp[0], 0.1),
+    "warp_b": (-0.2, lambda loop: loop.model.pressure.warp[1], -0.2),
     "mass_kg": (2.5, lambda loop: loop.slider.mass, 2.5),
 }
 
@@ -90,6 +92,16 @@ def test_a_rim_share_keeps_the_lean_and_is_kept_until_the_footprint_is_set_anew(
     assert CollectionLoop.from_settings({"footprint": "exact"}, more).model.pressure.rim_share == 0.0
 
 
+def test_rim_share_and_warp_are_set_one_by_one_and_together():
+    outline = Slider.mit("rect1").outline
+    first = CollectionLoop.from_settings({"rim_share": 0.3, "warp_b": 0.1})
+    both = CollectionLoop.from_settings({"warp_a": -0.05}, first)
+    assert both.model.pressure == PatchFootprint(outline, (0.0, 0.0), 0.3, (-0.05, 0.1))
+    moved = CollectionLoop.from_settings({"warp_b": 0.2, "centre_x_mm": 4}, both)
+    assert moved.model.pressure == PatchFootprint.under(outline, (0.004, 0.0), 0.3, (-0.05, 0.2))
+    assert CollectionLoop.from_settings({"footprint": "exact"}, both).model.pressure.warp == (0.0, 0.0)
+
+
 def test_settings_build_on_a_given_loop_and_replace_nothing_unasked():
     base = CollectionLoop.from_settings({"pusher_mu": 0.4, "way_points_mm": [[10, 20]]})
     loop = CollectionLoop.from_settings({"push_mm": 80}, base)
@@ -144,6 +156,9 @@ def test_millimetres_and_degrees_mean_the_protocol_of_the_paper():
         ({"rim_share": -0.6}, "-0.6"),
         ({"rim_share": "half"}, "half"),
         ({"rim_share": 0.2, "footprint": "grid:8"}, "exact footprint"),
+        ({"warp_a": 0.9}, "warp"),
+        ({"warp_b": "some"}, "some"),
+        ({"warp_b": 0.2, "footprint": "grid:8"}, "warp_b belongs to the exact footprint"),
         ({"pin_friction_mm": -1}, "pin_friction_mm=-1"),
         ({"hitch_x_mm": None}, "hitch_x_mm"),
     ],

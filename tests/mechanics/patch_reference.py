@@ -7,6 +7,7 @@ homogeneity of D. Where c is far or at infinity, a fine area rule.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
@@ -17,18 +18,38 @@ NODE, WEIGHT = np.polynomial.legendre.leggauss(20)
 FAR = 4.0
 
 
+@dataclass(frozen=True)
+class Pressure:
+    """constant + gradient . x + x^T bend x, x the lever from the outline's centroid."""
+
+    constant: float = 1.0
+    gradient: tuple = (0.0, 0.0)
+    bend: tuple = ((0.0, 0.0), (0.0, 0.0))
+
+    def at(self, lever):
+        return self.constant + lever @ np.array(self.gradient) + ((lever @ np.array(self.bend)) * lever).sum(-1)
+
+    def slope(self, lever):
+        return np.array(self.gradient) + 2.0 * np.array(self.bend) @ lever
+
+
 def reference(outline, friction, twist, frame=0.0, gradient=(0.0, 0.0)):
     """Return D, grad D (3,), Hessian (3, 3) at a twist of the outline's frame, per unit load."""
+    return under_pressure(outline, friction, twist, frame, Pressure(gradient=gradient))
+
+
+def under_pressure(outline, friction, twist, frame, pressure):
+    """Return the same under a quadratic pressure."""
     v, omega = np.array(twist[:2], float), float(twist[2])
     at_centroid = v + omega * quarter(np.array(outline.centroid))
     matrix = traction_matrix(friction, frame)
     if abs(omega) * outline.extent * FAR < np.hypot(*at_centroid):
-        return _plus_offset(*_by_area(outline, matrix, twist, gradient), outline, friction, twist, frame, gradient)
+        return _plus_offset(*_by_area(outline, matrix, twist, pressure), outline, friction, twist, frame, pressure)
     centre = np.array((-v[1], v[0])) / omega
-    value, slope, hessian = _by_rim(outline, matrix, omega, centre, np.array(gradient))
+    value, slope, hessian = _by_rim(outline, matrix, omega, centre, pressure)
     to_centre = np.array(((1.0, 0.0, -centre[1]), (0.0, 1.0, centre[0]), (0.0, 0.0, 1.0)))
     moved = value, to_centre.T @ slope, to_centre.T @ hessian @ to_centre
-    return _plus_offset(*moved, outline, friction, twist, frame, gradient)
+    return _plus_offset(*moved, outline, friction, twist, frame, pressure)
 
 
 def traction_matrix(friction, frame):
@@ -55,15 +76,16 @@ def density(outline, matrix, lever, velocity):
     return speed, slope, np.einsum("nia,nij,njb->nab", jacobian, bend, jacobian) / speed[:, None, None]
 
 
-def _by_rim(outline, matrix, omega, centre, gradient):
+def _by_rim(outline, matrix, omega, centre, pressure):
     value, slope, hessian = 0.0, np.zeros(3), np.zeros((3, 3))
-    even = 1.0 + gradient @ (centre - outline.centroid)
+    even, gradient = pressure.at(centre - outline.centroid), pressure.slope(centre - outline.centroid)
     # Degrees in p of |M v|, its derivative by v and by omega, and the second derivatives.
     first, second = np.array((0, 0, 1)), np.array(((-1, -1, 0), (-1, -1, 0), (0, 0, 1)))
     for p, step in _rim_nodes(outline, centre):
         cross = p[:, 0] * step[:, 1] - p[:, 1] * step[:, 0]
         s, g, h = density(outline, matrix, p, omega * quarter(p))
-        for share, more in ((even * cross, 2), ((p @ gradient) * cross, 3)):
+        square = ((p @ np.array(pressure.bend)) * p).sum(-1)
+        for share, more in ((even * cross, 2), ((p @ gradient) * cross, 3), (square * cross, 4)):
             value += (share @ s) / (1 + more)
             slope += (share @ g) / (first + more)
             hessian += np.einsum("n,nab->ab", share, h) / (second + more)
@@ -116,9 +138,9 @@ def _on_ellipse(outline, tau):
     return np.stack([a * c, b * s], axis=-1), np.stack([-a * s, b * c], axis=-1)
 
 
-def _by_area(outline, matrix, twist, gradient):
+def _by_area(outline, matrix, twist, pressure):
     points, weights = area_rule(outline)
-    weights = weights * (1.0 + (points - outline.centroid) @ np.array(gradient))
+    weights = weights * pressure.at(points - outline.centroid)
     s, g, h = density(outline, matrix, points, np.array(twist[:2]) + twist[2] * quarter(points))
     return weights @ s, weights @ g, np.einsum("n,nab->ab", weights, h)
 
@@ -139,12 +161,13 @@ def area_rule(outline):
     return points.reshape(-1, 2), (cross * share * weight / outline.area).ravel()
 
 
-def _plus_offset(value, slope, hessian, outline, friction, twist, frame, gradient):
+def _plus_offset(value, slope, hessian, outline, friction, twist, frame, pressure):
     """The ellipse's centre acts as a constant force at the centre of pressure."""
     points, weights = area_rule(outline)
-    weights = weights * (1.0 + (points - outline.centroid) @ np.array(gradient))
+    weights = weights * pressure.at(points - outline.centroid)
     x, y = weights @ points
     c, s = math.cos(friction.phi - frame), math.sin(friction.phi - frame)
     fx, fy = c * friction.m0 - s * friction.n0, s * friction.m0 + c * friction.n0
-    wrench = np.array((fx, fy, x * fy - y * fx))
+    load = weights.sum()
+    wrench = np.array((load * fx, load * fy, x * fy - y * fx))
     return value + wrench @ np.asarray(twist), slope + wrench, hessian

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from patch_reference import area_rule, reference
 from random_cases import balance_errors, random_friction
+from warp_reference import inner_of
 
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import (
@@ -33,14 +34,6 @@ OUTLINES = {
     "ellipse": Ellipse(0.0525, 0.0785),
 }
 every_outline = pytest.mark.parametrize("outline", OUTLINES.values(), ids=OUTLINES)
-
-
-def inner_of(outline):
-    """The inner outline, made here once more."""
-    if isinstance(outline, Ellipse):
-        return Ellipse(0.8 * outline.semi_x, 0.8 * outline.semi_y)
-    centre = np.array(outline.centroid)
-    return Polygon(tuple(map(tuple, centre + 0.8 * (outline.array - centre))))
 
 
 def by_quadrature(footprint, law, twist):

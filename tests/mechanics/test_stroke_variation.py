@@ -23,13 +23,14 @@ from cyclemap.mechanics.stroke_variation import STROKE_PARAMETERS, drag_jacobian
 
 PLYWOOD = load_material("plywood").friction
 LAW = ("mu_a", "mu_b", "m0", "n0", "phi")
-PUSHED = (*LAW, "pusher_friction", "rim_share")
+WARP = ("warp_a", "warp_b")
+PUSHED = (*LAW, "pusher_friction", "rim_share", *WARP)
 LEGS = ((0.05, 0.03), (-0.02, 0.06), (0.0, 0.0))
 
 
-def model_of(shape="rect1", friction=0.15, rim_share=0.0, radius=0.00475, footprint=None, law=PLYWOOD):
+def model_of(shape="rect1", friction=0.15, rim_share=0.0, radius=0.00475, footprint=None, law=PLYWOOD, warp=(0.0, 0.0)):
     slider = Slider.mit(shape)
-    footprint = footprint or PatchFootprint.under(slider.outline, slider.centre_of_mass, rim_share)
+    footprint = footprint or PatchFootprint.under(slider.outline, slider.centre_of_mass, rim_share, warp)
     return QuasiStaticModel(slider, law, Pusher(radius, friction), footprint, 1e-10)
 
 
@@ -42,6 +43,10 @@ def changed(model, radius, name, amount):
         return replace(model, pusher=replace(model.pusher, friction=model.pusher.friction + amount)), radius
     if name == "rim_share":
         return replace(model, footprint=replace(model.pressure, rim_share=model.pressure.rim_share + amount)), radius
+    if name in WARP:
+        a, b = model.pressure.warp
+        warp = (a + amount, b) if name == "warp_a" else (a, b + amount)
+        return replace(model, footprint=replace(model.pressure, warp=warp)), radius
     if name == "pin_friction_radius":
         return model, radius + amount
     x, y = model.slider.hitch
@@ -85,7 +90,15 @@ PUSHES = {
         "distance",
         {"slide_right"},
     ),
-    "an ellipse": (model_of("ellip2", 0.2, 0.2), Pose(theta=0.7), SidePush(0, 0.13, -0.2, 0.05), "distance", set()),
+    "warped": (model_of(rim_share=0.2, warp=(0.1, -0.2)), Pose(theta=1.0), SidePush(), "distance", {"slide_right"}),
+    "warped alone": (model_of("tri3", warp=(-0.1, 0.1)), Pose(), SidePush(distance=0.05), "distance", set()),
+    "an ellipse": (
+        model_of("ellip2", 0.2, 0.2, warp=(0.2, 0.1)),
+        Pose(theta=0.7),
+        SidePush(0, 0.13, -0.2, 0.05),
+        "distance",
+        set(),
+    ),
 }
 
 
@@ -120,7 +133,7 @@ def test_random_pushes_have_the_derivatives_of_their_differences():
     [
         (model_of(rim_share=0.3), 0.002, 1.0, {"ring_left", "ring_right", "ring_stuck"}),
         (model_of("tri2", rim_share=-0.2), 0.006, -2.0, {"ring_right", "ring_stuck"}),
-        (model_of("hex", rim_share=0.6), 0.0005, 0.5, {"ring_left", "ring_right"}),
+        (model_of("hex", rim_share=0.6, warp=(0.2, 0.3)), 0.0005, 0.5, {"ring_left", "ring_right"}),
     ],
 )
 def test_a_drags_derivatives_are_the_differences_of_its_end(model, radius, theta, modes):
@@ -157,8 +170,8 @@ def test_names_that_mean_nothing_here_are_zero_nan_or_refused():
     model = model_of(footprint=grid_footprint(Slider.mit("rect1").outline, 4))
     push = model.push(Pose(), SidePush(distance=0.03))
     jacobian = push_jacobian(model, push)
-    assert np.all(jacobian[:, 7:] == 0.0)
-    assert np.isnan(jacobian[:, 6]).all()
+    assert np.all(jacobian[:, 7:10] == 0.0)
+    assert np.isnan(jacobian[:, [6, 10, 11]]).all()
     assert np.isfinite(jacobian[:, :6]).all()
     assert np.all(drag_jacobian(model, model.drag(Pose(), ())) == 0.0)
     with pytest.raises(InvalidInput, match="did you mean 'mu_a'"):

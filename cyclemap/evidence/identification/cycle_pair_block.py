@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 Rows = tuple[Array, Array]
 
 SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
-CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", "rim_share", "hitch_scale", "pin_friction_radius")
+CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", "rim_share", "hitch_scale", "hitch_turn", "pin_friction_radius")
 _MECHANICS = (
     *("mu_a", "mu_b", "m0", "n0", "phi", "pusher_friction"),
     *("rim_share", "hitch_x", "hitch_y", "pin_friction_radius"),
@@ -144,7 +144,15 @@ def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
 
 def found_with(surface: SurfaceParameters) -> FoundWith:
     """Return what a surface says of rod, rim and ring."""
-    return FoundWith(surface.pusher_friction, surface.rim_share, surface.hitch_scale, surface.pin_friction_radius)
+    return FoundWith(
+        pusher_friction=surface.pusher_friction,
+        rim_share=surface.rim_share,
+        warp_a=surface.warp_a,
+        warp_b=surface.warp_b,
+        hitch_scale=surface.hitch_scale,
+        hitch_turn=surface.hitch_turn,
+        pin_friction_radius=surface.pin_friction_radius,
+    )
 
 
 def blocks_of_cycles(count: int, length: int = 25) -> Labels:

@@ -16,7 +16,7 @@ from cyclemap.evidence.identification.measured_strokes import MeasuredDrag, Meas
 from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.mechanics import PatchFootprint, Pose, QuasiStaticModel, Slider, WorldPush
-from cyclemap.mechanics.stroke_variation import STROKE_PARAMETERS, drag_jacobian, push_jacobian
+from cyclemap.mechanics.stroke_variation import drag_jacobian, push_jacobian
 
 Array = NDArray[np.float64]
 Rows = tuple[Array, Array]
@@ -32,19 +32,21 @@ TIP_OFFSET = (
     Parameter("tip_offset_y", "shift of the robot's frame against the camera's, along y", "m", -0.01, 0.01, 0.0, 1e-3),
 )
 _SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
-PUSH_UNKNOWNS = (*_SHAPE, "pusher_friction", "rim_share")
-DRAG_UNKNOWNS = (*_SHAPE, "rim_share", "hitch_scale", "pin_friction_radius")
+_WARP = ("warp_a", "warp_b")
+PUSH_UNKNOWNS = (*_SHAPE, "pusher_friction", "rim_share", *_WARP)
+DRAG_UNKNOWNS = (*_SHAPE, "rim_share", "hitch_scale", "hitch_turn", "pin_friction_radius", *_WARP)
+_FRICTION = ("mu_a", "mu_b", "m0", "n0", "phi")
 
-Misfit = Callable[[QuasiStaticModel, SurfaceParameters, Any, Values], Rows]
+Misfit = Callable[["StrokeBlock", QuasiStaticModel, SurfaceParameters, Any, Values], Rows]
 
 
 @dataclass(frozen=True, eq=False)
 class StrokeBlock:
     """Measured strokes set against the quasi-static model of one slider.
 
-    parameters : names in order. strokes : what was measured. misfit : (model, surface, stroke, values) -> residuals
-    (m,) and derivatives (m, k) of one stroke. row_kinds (m,) : kind of noise of each of its rows. labels (n,) : group
-    of each stroke. own_parameters : unknowns that belong to these data alone.
+    parameters : names in order. strokes : what was measured. misfit : (block, model, surface, stroke, values) ->
+    residuals (m,) and derivatives (m, k) of one stroke. row_kinds (m,) : kind of noise of each of its rows.
+    labels (n,) : group of each stroke. own_parameters : unknowns that belong to these data alone.
     """
 
     name: str
@@ -74,7 +76,7 @@ class StrokeBlock:
         """Return predicted minus measured values and their derivatives, a few rows a stroke, in order."""
         surface = SurfaceParameters.from_values(values)
         model = surface_model(surface, self.slider)
-        rows = [self.misfit(model, surface, stroke, values) for stroke in self.strokes]
+        rows = [self.misfit(self, model, surface, stroke, values) for stroke in self.strokes]
         return np.concatenate([row[0] for row in rows]), np.concatenate([row[1] for row in rows])
 
     def subset(self, keep_groups: ArrayLike) -> StrokeBlock:
@@ -84,31 +86,40 @@ class StrokeBlock:
         return replace(self, strokes=strokes, labels=self.labels[keep])
 
 
-def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider, name: str = "push ends") -> StrokeBlock:
+def push_end_block(
+    pushes: Sequence[MeasuredPush], slider: Slider, name: str = "push ends", warped: bool = False
+) -> StrokeBlock:
     """Return the block of where pushes ended: place (m) and orientation (rad), grouped by contact.
 
-    Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have them in the frame of
-    the object's poses.
+    warped : whether the saddle of the pressure is an unknown; it doubles the time. Its own unknowns are `tip_offset_x`,
+    `tip_offset_y`: what to add to the robot's places to have them in the frame of the object's poses.
     """
-    parameters = (*PUSH_UNKNOWNS, *(parameter.name for parameter in TIP_OFFSET))
+    shared = PUSH_UNKNOWNS if warped else tuple(name for name in PUSH_UNKNOWNS if name not in _WARP)
+    parameters = (*shared, *(parameter.name for parameter in TIP_OFFSET))
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
     labels = np.array([push.contact for push in pushes], dtype=np.int64)
     return StrokeBlock(name, parameters, tuple(pushes), _push_misfit, kinds, labels, slider, TIP_OFFSET)
 
 
-def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, name: str = "drag-backs") -> StrokeBlock:
-    """Return the block of how far drags turned the object (rad), each ring going straight to where it ended."""
+def drag_turn_block(
+    drags: Sequence[MeasuredDrag], slider: Slider, name: str = "drag-backs", warped: bool = False
+) -> StrokeBlock:
+    """Return the block of how far drags turned the object (rad), each ring going straight to where it ended.
+
+    warped : as of `push_end_block`.
+    """
+    shared = DRAG_UNKNOWNS if warped else tuple(name for name in DRAG_UNKNOWNS if name not in _WARP)
     labels = np.array([drag.contact for drag in drags], dtype=np.int64)
-    return StrokeBlock(name, DRAG_UNKNOWNS, tuple(drags), _drag_misfit, ("drag turn (rad)",), labels, slider)
+    return StrokeBlock(name, shared, tuple(drags), _drag_misfit, ("drag turn (rad)",), labels, slider)
 
 
 def surface_model(surface: SurfaceParameters, slider: Slider, accuracy: float = ACCURACY) -> QuasiStaticModel:
-    """Return the model of a slider on a surface, its hitch scaled and its weight on the rim as the surface says."""
-    hitch = (surface.hitch_scale * slider.hitch[0], surface.hitch_scale * slider.hitch[1])
-    scaled = replace(slider, hitch=hitch)
+    """Return the model of a slider on a surface, its hitch and its weight on the rim as the surface says."""
+    effective = replace(slider, hitch=surface.hitch(slider.hitch))
     assert slider.centre_of_mass is not None
-    footprint = PatchFootprint.under(slider.outline, slider.centre_of_mass, surface.rim_share)
-    return QuasiStaticModel(scaled, surface.to_friction(), surface.pusher(), footprint, accuracy)
+    warp = (surface.warp_a, surface.warp_b)
+    footprint = PatchFootprint.under(slider.outline, slider.centre_of_mass, surface.rim_share, warp)
+    return QuasiStaticModel(effective, surface.to_friction(), surface.pusher(), footprint, accuracy)
 
 
 def predicted_push_end(
@@ -130,27 +141,32 @@ def predicted_push_end(
     raise InvalidInput(f"the rod at {push.tip_start} m lies deep inside the object at {push.start}: check the frames")
 
 
-def _push_misfit(model: QuasiStaticModel, surface: SurfaceParameters, push: MeasuredPush, values: Values) -> Rows:
-    parameters = (*PUSH_UNKNOWNS, *(parameter.name for parameter in TIP_OFFSET))
-    shift = (values["tip_offset_x"], values["tip_offset_y"])
+def _push_misfit(
+    block: StrokeBlock, model: QuasiStaticModel, surface: SurfaceParameters, push: MeasuredPush, values: Values
+) -> Rows:
+    shared, own = block.parameters[:-2], block.parameters[-2:]
+    shift = (values[own[0]], values[own[1]])
     end, run = predicted_push_end(model, push, shift)
-    jacobian = np.zeros((3, len(parameters)))
+    jacobian = np.zeros((3, len(block.parameters)))
     if run is not None:
-        names = STROKE_PARAMETERS[:7]
-        jacobian[:, :6] = surface.chain(push_jacobian(model, run, names), names, PUSH_UNKNOWNS)
-        for column, step in enumerate(((_DIFFERENCE, 0.0), (0.0, _DIFFERENCE))):
+        names = (*_FRICTION, *shared[len(_SHAPE) :])
+        jacobian[:, :-2] = surface.chain(push_jacobian(model, run, names), names, shared)
+        for column, step in ((-2, (_DIFFERENCE, 0.0)), (-1, (0.0, _DIFFERENCE))):
             moved, _ = predicted_push_end(model, push, (shift[0] + step[0], shift[1] + step[1]))
-            jacobian[:, 6 + column] = (_vector(moved) - _vector(end)) / _DIFFERENCE
+            jacobian[:, column] = (_vector(moved) - _vector(end)) / _DIFFERENCE
     return _vector(end) - _vector(push.end), jacobian
 
 
-def _drag_misfit(model: QuasiStaticModel, surface: SurfaceParameters, drag: MeasuredDrag, values: Values) -> Rows:
-    # The hitch in use may be shorter than the real one, whose place at the end is where the rod went.
-    nominal = tuple(lever / surface.hitch_scale for lever in model.slider.hitch)
-    goal = drag.end.to_world(nominal[0], nominal[1])
+def _drag_misfit(
+    block: StrokeBlock, model: QuasiStaticModel, surface: SurfaceParameters, drag: MeasuredDrag, values: Values
+) -> Rows:
+    # Where the effective hitch is not the real one, the rod still went to where the real one is at the end.
+    goal = drag.end.to_world(*block.slider.hitch)
     run = model.drag(drag.start, (goal,), pin_friction_radius=surface.pin_friction_radius)
-    by_mechanics = drag_jacobian(model, run)[2:]
-    jacobian = surface.chain(by_mechanics, STROKE_PARAMETERS, DRAG_UNKNOWNS, hitch=(nominal[0], nominal[1]))
+    warp = tuple(name for name in block.parameters if name in _WARP)
+    names = (*_FRICTION, "rim_share", "hitch_x", "hitch_y", "pin_friction_radius", *warp)
+    by_mechanics = drag_jacobian(model, run, names)[2:]
+    jacobian = surface.chain(by_mechanics, names, block.parameters, hitch=block.slider.hitch)
     return np.array([run.end.theta - drag.end.theta]), jacobian
 
 

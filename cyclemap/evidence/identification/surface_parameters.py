@@ -48,6 +48,9 @@ SURFACE = ParameterSpace(
         Parameter(
             "pin_friction_radius", "lever of the ring's friction torque over its force", "m", 0.0, 0.03, 2e-3, 1e-3, 0.0
         ),
+        Parameter("hitch_turn", "angle from the ring's nominal lever to the effective one", "rad", -1.0, 1.0, 0.0, 0.1),
+        Parameter("warp_a", "saddle of the pressure on the rim, along the object's axes", "1", -2.0, 2.0, 0.0, 0.1),
+        Parameter("warp_b", "saddle of the pressure on the rim, along its diagonals", "1", -2.0, 2.0, 0.0, 0.1),
     )
 )
 
@@ -58,7 +61,8 @@ class SurfaceParameters:
 
     friction_scale : log sqrt(mu_a mu_b). ellipticity_x, ellipticity_y : log(mu_a/mu_b) (cos 2 phi, sin 2 phi).
     offset_x, offset_y : R(phi)(m0, n0) / sqrt(mu_a mu_b), world frame. pusher_friction : coefficient of rod on object.
-    rim_share : 0 to 1. hitch_scale : factor on the nominal hitch. pin_friction_radius : m.
+    rim_share : 0 to 1. warp_a, warp_b : as in `PatchFootprint`. pin_friction_radius : m. hitch_scale, hitch_turn : the
+    effective hitch is the nominal one times the scale, turned by the angle (rad).
 
     Raises InvalidInput for a value that is not finite or beyond its bounds.
 
@@ -76,6 +80,9 @@ class SurfaceParameters:
     rim_share: float = 0.0
     hitch_scale: float = 1.0
     pin_friction_radius: float = 0.0
+    hitch_turn: float = 0.0
+    warp_a: float = 0.0
+    warp_b: float = 0.0
 
     def __post_init__(self) -> None:
         for name in SURFACE.names:
@@ -119,6 +126,11 @@ class SurfaceParameters:
         c, k = math.cos(phi), math.sin(phi)
         m0, n0 = c * self.offset_x + k * self.offset_y, -k * self.offset_x + c * self.offset_y
         return EllipseFriction(mean * math.exp(ratio / 2.0), mean * math.exp(-ratio / 2.0), mean * m0, mean * n0, phi)
+
+    def hitch(self, nominal: tuple[float, float]) -> tuple[float, float]:
+        """Return the effective place of the ring (m, object frame) from the nominal one."""
+        c, k = self.hitch_scale * math.cos(self.hitch_turn), self.hitch_scale * math.sin(self.hitch_turn)
+        return c * nominal[0] - k * nominal[1], k * nominal[0] + c * nominal[1]
 
     def pusher(self, radius: float = Pusher().radius) -> Pusher:
         """Return the rod of a radius (m) with this friction."""
@@ -172,14 +184,16 @@ class SurfaceParameters:
         return np.asarray(columns @ rows[:, wanted])
 
     def _chain_table(self, hitch: tuple[float, float] | None) -> dict[str, Array]:
-        """The derivative (9,) of each of the mechanics' parameters by SURFACE."""
+        """The derivative (k,) of each of the mechanics' parameters by SURFACE."""
         unit = np.eye(len(SURFACE))
         table = dict(zip(SURFACE.names, unit, strict=True))
         for name, row in zip(FRICTION_NAMES, self.friction_jacobian(), strict=True):
             table[name] = np.concatenate([row, np.zeros(len(SURFACE) - 5)])
         if hitch is not None:
-            for name, lever in zip(HITCH_NAMES, hitch, strict=True):
-                table[name] = lever * unit[_index("hitch_scale")]
+            x, y = self.hitch(hitch)
+            by_scale, by_turn = unit[_index("hitch_scale")], unit[_index("hitch_turn")]
+            table["hitch_x"] = x / self.hitch_scale * by_scale - y * by_turn
+            table["hitch_y"] = y / self.hitch_scale * by_scale + x * by_turn
         return table
 
     def _ellipse(self) -> tuple[float, float]:

@@ -28,10 +28,10 @@ from cyclemap.mechanics import Pose, Slider, WorldPush
 RECT1 = Slider.mit("rect1")
 TRUTH = SurfaceParameters(
     ellipticity_x=0.1, ellipticity_y=-0.05, offset_x=0.04, offset_y=0.02, pusher_friction=0.2, rim_share=0.4,
-    hitch_scale=0.8, pin_friction_radius=1e-3,
+    hitch_scale=0.8, hitch_turn=0.1, pin_friction_radius=1e-3,
 )  # fmt: skip
 # The ring's place at the end, where the block lets it go, is that of the nominal lever.
-DRAGGED = replace(TRUTH, hitch_scale=1.0)
+DRAGGED = replace(TRUTH, hitch_scale=1.0, hitch_turn=0.0)
 OFFSET = (8e-4, -5e-4)
 VALUES = {**TRUTH.values(), "tip_offset_x": OFFSET[0], "tip_offset_y": OFFSET[1]}
 
@@ -82,7 +82,7 @@ def test_drags_made_by_the_mechanics_leave_no_residual_and_true_derivatives() ->
     block = drag_turn_block(made_drags(8), RECT1)
     residual, jacobian = block.residuals(DRAGGED.values())
     assert np.abs(residual).max() < 3e-5
-    assert jacobian.shape == (8, 7)
+    assert jacobian.shape == (8, 8)
     for column, name in enumerate(block.parameters):
         step = 1e-5 if name == "pin_friction_radius" else 2e-4
         expected = central_differences(block, DRAGGED.values(), name, step)

@@ -116,7 +116,7 @@ def test_hitch_columns_chain_to_the_scale_and_the_names_of_the_surface_pass_thro
 
 def test_every_parameter_of_a_surface_has_bounds_a_unit_and_words_and_a_start_between_them() -> None:
     assert SURFACE.names == tuple(SurfaceParameters().values())
-    assert len(SURFACE) == 9
+    assert len(SURFACE) == 12
     assert all(p.unit and p.description and p.lower < p.start < p.upper for p in SURFACE.parameters)
     assert SURFACE.nominal == SurfaceParameters().values()
     assert SurfaceParameters.from_values({**SURFACE.nominal, "tilt": 1.0}) == SurfaceParameters()
