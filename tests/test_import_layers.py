@@ -132,7 +132,7 @@ ROWS = {
         ("theta0", "pushes", "replay"),
         ("theta0", "pushes", "simulation"),
         ("theta0", "pushes", "tables"),
-        ("theta0", "pushes", "identification"),
+        ("theta0", "pushes", "tables", "identification"),
         ("theta0", "laws", "orientations", "tables", "comparison"),
         ("theta0", "pushes", "comparison"),
     ),

@@ -13,6 +13,7 @@ import click
 
 from cyclemap.cli.command_compare import compare_command
 from cyclemap.cli.command_fit import fit_command
+from cyclemap.cli.command_identify import identify_command
 from cyclemap.cli.command_replay import replay_command
 from cyclemap.cli.command_simulate import simulate_command
 from cyclemap.cli.commands import cycle_command, portrait_command, staircase_command
@@ -32,7 +33,7 @@ def cli() -> None:
 
 for _command in (
     *(cycle_command, portrait_command, staircase_command),
-    *(simulate_command, fit_command, compare_command, replay_command),
+    *(simulate_command, fit_command, identify_command, compare_command, replay_command),
 ):
     cli.add_command(_command)
 

@@ -17,8 +17,7 @@ PAGE_INCHES = (16.0, 9.6)
 LINE_LETTERS = 205
 LINE_HEIGHT = 0.0188
 TITLE_PAD = 22.0
-# Panels in a row, the last one of the first row being the intervals.
-COLUMNS = 3
+# Besides the intervals, which take the end of the first row.
 MOST_PANELS = 8
 Panel = tuple[str, Callable[[Axes], None]]
 
@@ -29,16 +28,23 @@ def identify_page(title: str, found: Identification, curves: IdentifiedCurves, w
     with picture_style():
         figure = new_figure(*PAGE_INCHES)
         top = _write_words(figure, title, words, len(panels) - MOST_PANELS)
-        rows = 1 if len(panels) < COLUMNS else 2 if len(panels) < 2 * COLUMNS else 3
+        rows, columns = _layout(min(len(panels), MOST_PANELS) + 1)
         ends = {"left": 0.05, "right": 0.985, "bottom": 0.085, "top": top - 0.07}
-        grid = GridSpec(rows, COLUMNS, figure, wspace=0.24, hspace=0.24 + 0.14 * rows, **ends)
+        grid = GridSpec(rows, columns, figure, wspace=0.24, hspace=0.24 + 0.14 * rows, **ends)
         _draw_intervals(figure, grid, found)
-        places = [(row, column) for row in range(rows) for column in range(COLUMNS) if (row, column) != (0, 2)]
-        for (row, column), (name, draw) in zip(places, panels[:MOST_PANELS], strict=False):
-            axes = figure.add_subplot(grid[row, column])
+        cells = [(row, column) for row in range(rows) for column in range(columns) if (row, column) != (0, columns - 1)]
+        for cell, (name, draw) in zip(cells, panels[:MOST_PANELS], strict=False):
+            axes = figure.add_subplot(grid[cell])
             draw(axes)
             axes.set_title(name, pad=TITLE_PAD)
     return figure
+
+
+def _layout(cells: int) -> tuple[int, int]:
+    """Rows and columns for so many cells."""
+    if cells <= 3:
+        return 1, cells
+    return (2, 2) if cells == 4 else (-(-cells // 3), 3)
 
 
 def _panels(curves: IdentifiedCurves) -> list[Panel]:
@@ -55,8 +61,8 @@ def _title(name: str) -> str:
 
 def _draw_intervals(figure: Figure, grid: GridSpec, found: Identification) -> None:
     estimates = found.estimates
-    rows = grid[0, COLUMNS - 1].subgridspec(len(estimates), 1, hspace=1.6)
-    box = grid[0, COLUMNS - 1].get_position(figure)
+    rows = grid[0, -1].subgridspec(len(estimates), 1, hspace=1.6)
+    box = grid[0, -1].get_position(figure)
     heading = f"Parameters with {100.0 * found.level:g} % intervals"
     figure.text(box.x0, box.y1 + 0.025, heading, fontsize=10, fontweight="bold")
     for number, one in enumerate(estimates):

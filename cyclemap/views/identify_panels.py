@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
@@ -26,9 +27,10 @@ _DOTS: dict[str, Any] = {
 
 def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
     """The friction ellipse over directions of sliding, what it may be, and the forces that scans measured."""
-    for number, sample in enumerate(curves.samples):
-        label = "what it may be" if number == 0 else None
-        axes.plot(*sample.T, color=PREDICTED_FILL, linewidth=1.2, alpha=0.5, label=label, zorder=1)
+    axes.add_collection(
+        LineCollection(list(curves.samples), colors=PREDICTED_FILL, linewidths=1.2, alpha=0.5, zorder=1)
+    )
+    axes.plot([], [], color=PREDICTED_FILL, linewidth=6, label="what it may be")
     if curves.forces is not None:
         axes.plot(*curves.forces.T, marker="o", label="measured", zorder=2, **_DOTS)
     axes.plot(*curves.ellipse.T, color=PREDICTED, linewidth=1.8, label="identified", zorder=4)

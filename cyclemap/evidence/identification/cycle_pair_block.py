@@ -16,7 +16,8 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, kept_rows
 from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
-from cyclemap.mechanics import FoundWith, Material
+from cyclemap.evidence.identification.underside import warp_of
+from cyclemap.mechanics import FoundWith, Material, Slider
 
 Array = NDArray[np.float64]
 Rows = tuple[Array, Array]
@@ -93,7 +94,7 @@ class CyclePairBlock:
     @property
     def kinds(self) -> Kinds:
         """All rows have one noise."""
-        return np.full(self.theta.size, "cycle turn (rad)", dtype=np.str_)
+        return np.repeat(np.array(["cycle turn (rad)"]), self.theta.size)
 
     @cached_property
     def _interpolation(self) -> Array:
@@ -139,16 +140,17 @@ class CyclePairBlock:
 def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
     """Return the loop on an identified surface, with the rod, rim and ring that were identified along with it."""
     changed = replace(loop, material=Material("identified", surface.to_friction()), accuracy=ACCURACY)
-    return with_found(changed, found_with(surface))
+    return with_found(changed, found_with(surface, loop.slider))
 
 
-def found_with(surface: SurfaceParameters) -> FoundWith:
-    """Return what a surface says of rod, rim and ring."""
+def found_with(surface: SurfaceParameters, slider: Slider) -> FoundWith:
+    """Return what a surface says of rod, ring and the underside of a slider."""
+    warp = warp_of(surface, slider)
     return FoundWith(
         pusher_friction=surface.pusher_friction,
         rim_share=surface.rim_share,
-        warp_a=surface.warp_a,
-        warp_b=surface.warp_b,
+        warp_a=warp[0],
+        warp_b=warp[1],
         hitch_scale=surface.hitch_scale,
         hitch_turn=surface.hitch_turn,
         pin_friction_radius=surface.pin_friction_radius,

@@ -15,6 +15,7 @@ from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, k
 from cyclemap.evidence.identification.measured_strokes import MeasuredDrag, MeasuredPush
 from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.identification.underside import warp_jacobian, warp_of
 from cyclemap.mechanics import PatchFootprint, Pose, QuasiStaticModel, Slider, WorldPush
 from cyclemap.mechanics.stroke_variation import drag_jacobian, push_jacobian
 
@@ -32,9 +33,10 @@ TIP_OFFSET = (
     Parameter("tip_offset_y", "shift of the robot's frame against the camera's, along y", "m", -0.01, 0.01, 0.0, 1e-3),
 )
 _SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
+_SADDLE = ("saddle_a", "saddle_b")
 _WARP = ("warp_a", "warp_b")
-PUSH_UNKNOWNS = (*_SHAPE, "pusher_friction", "rim_share", *_WARP)
-DRAG_UNKNOWNS = (*_SHAPE, "rim_share", "hitch_scale", "hitch_turn", "pin_friction_radius", *_WARP)
+PUSH_UNKNOWNS = (*_SHAPE, "pusher_friction", "rim_share", *_SADDLE)
+DRAG_UNKNOWNS = (*_SHAPE, "rim_share", "hitch_scale", "hitch_turn", "pin_friction_radius", *_SADDLE)
 _FRICTION = ("mu_a", "mu_b", "m0", "n0", "phi")
 
 Misfit = Callable[["StrokeBlock", QuasiStaticModel, SurfaceParameters, Any, Values], Rows]
@@ -94,7 +96,7 @@ def push_end_block(
     warped : whether the saddle of the pressure is an unknown; it doubles the time. Its own unknowns are `tip_offset_x`,
     `tip_offset_y`: what to add to the robot's places to have them in the frame of the object's poses.
     """
-    shared = PUSH_UNKNOWNS if warped else tuple(name for name in PUSH_UNKNOWNS if name not in _WARP)
+    shared = PUSH_UNKNOWNS if warped else tuple(name for name in PUSH_UNKNOWNS if name not in _SADDLE)
     parameters = (*shared, *(parameter.name for parameter in TIP_OFFSET))
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
     labels = np.array([push.contact for push in pushes], dtype=np.int64)
@@ -108,7 +110,7 @@ def drag_turn_block(
 
     warped : as of `push_end_block`.
     """
-    shared = DRAG_UNKNOWNS if warped else tuple(name for name in DRAG_UNKNOWNS if name not in _WARP)
+    shared = DRAG_UNKNOWNS if warped else tuple(name for name in DRAG_UNKNOWNS if name not in _SADDLE)
     labels = np.array([drag.contact for drag in drags], dtype=np.int64)
     return StrokeBlock(name, shared, tuple(drags), _drag_misfit, ("drag turn (rad)",), labels, slider)
 
@@ -117,7 +119,7 @@ def surface_model(surface: SurfaceParameters, slider: Slider, accuracy: float = 
     """Return the model of a slider on a surface, its hitch and its weight on the rim as the surface says."""
     effective = replace(slider, hitch=surface.hitch(slider.hitch))
     assert slider.centre_of_mass is not None
-    warp = (surface.warp_a, surface.warp_b)
+    warp = warp_of(surface, slider)
     footprint = PatchFootprint.under(slider.outline, slider.centre_of_mass, surface.rim_share, warp)
     return QuasiStaticModel(effective, surface.to_friction(), surface.pusher(), footprint, accuracy)
 
@@ -149,8 +151,8 @@ def _push_misfit(
     end, run = predicted_push_end(model, push, shift)
     jacobian = np.zeros((3, len(block.parameters)))
     if run is not None:
-        names = (*_FRICTION, *shared[len(_SHAPE) :])
-        jacobian[:, :-2] = surface.chain(push_jacobian(model, run, names), names, shared)
+        names = (*_FRICTION, "pusher_friction", "rim_share", *_warp_names(block))
+        jacobian[:, :-2] = _chained(block, surface, push_jacobian(model, run, names), names, shared)
         for column, step in ((-2, (_DIFFERENCE, 0.0)), (-1, (0.0, _DIFFERENCE))):
             moved, _ = predicted_push_end(model, push, (shift[0] + step[0], shift[1] + step[1]))
             jacobian[:, column] = (_vector(moved) - _vector(end)) / _DIFFERENCE
@@ -163,11 +165,25 @@ def _drag_misfit(
     # Where the effective hitch is not the real one, the rod still went to where the real one is at the end.
     goal = drag.end.to_world(*block.slider.hitch)
     run = model.drag(drag.start, (goal,), pin_friction_radius=surface.pin_friction_radius)
-    warp = tuple(name for name in block.parameters if name in _WARP)
-    names = (*_FRICTION, "rim_share", "hitch_x", "hitch_y", "pin_friction_radius", *warp)
-    by_mechanics = drag_jacobian(model, run, names)[2:]
-    jacobian = surface.chain(by_mechanics, names, block.parameters, hitch=block.slider.hitch)
+    names = (*_FRICTION, "rim_share", "hitch_x", "hitch_y", "pin_friction_radius", *_warp_names(block))
+    jacobian = _chained(block, surface, drag_jacobian(model, run, names)[2:], names, block.parameters)
     return np.array([run.end.theta - drag.end.theta]), jacobian
+
+
+def _warp_names(block: StrokeBlock) -> tuple[str, ...]:
+    return _WARP if "saddle_b" in block.parameters else ()
+
+
+def _chained(
+    block: StrokeBlock, surface: SurfaceParameters, jacobian: Array, names: tuple[str, ...], wanted: tuple[str, ...]
+) -> Array:
+    """Turn derivatives by the mechanics' parameters into those by the unknowns `wanted`."""
+    if "warp_a" in names:
+        # By the unknowns of the underside first: they go by the same names in what follows.
+        by_underside = jacobian[:, -2:] @ warp_jacobian(surface, block.slider)
+        jacobian = np.hstack([jacobian[:, :-2], by_underside])
+        names = (*names[:-2], "rim_share", *_SADDLE)
+    return surface.chain(jacobian, names, wanted, hitch=block.slider.hitch)
 
 
 def _vector(pose: Pose) -> Array:

@@ -49,8 +49,10 @@ SURFACE = ParameterSpace(
             "pin_friction_radius", "lever of the ring's friction torque over its force", "m", 0.0, 0.03, 2e-3, 1e-3, 0.0
         ),
         Parameter("hitch_turn", "angle from the ring's nominal lever to the effective one", "rad", -1.0, 1.0, 0.0, 0.1),
-        Parameter("warp_a", "saddle of the pressure on the rim, along the object's axes", "1", -2.0, 2.0, 0.0, 0.1),
-        Parameter("warp_b", "saddle of the pressure on the rim, along its diagonals", "1", -2.0, 2.0, 0.0, 0.1),
+        Parameter(
+            "saddle_a", "saddle of the pressure along the object's axes, share of the largest", "1", -1, 1, 0, 0.2
+        ),
+        Parameter("saddle_b", "saddle of the pressure along its diagonals, share of the largest", "1", -1, 1, 0, 0.2),
     )
 )
 
@@ -61,8 +63,8 @@ class SurfaceParameters:
 
     friction_scale : log sqrt(mu_a mu_b). ellipticity_x, ellipticity_y : log(mu_a/mu_b) (cos 2 phi, sin 2 phi).
     offset_x, offset_y : R(phi)(m0, n0) / sqrt(mu_a mu_b), world frame. pusher_friction : coefficient of rod on object.
-    rim_share : 0 to 1. warp_a, warp_b : as in `PatchFootprint`. pin_friction_radius : m. hitch_scale, hitch_turn : the
-    effective hitch is the nominal one times the scale, turned by the angle (rad).
+    rim_share : 0 to 1. saddle_a, saddle_b : of `underside.warp_of`. pin_friction_radius : m. hitch_scale, hitch_turn :
+    the effective hitch is the nominal one times the scale, turned by the angle (rad).
 
     Raises InvalidInput for a value that is not finite or beyond its bounds.
 
@@ -81,8 +83,8 @@ class SurfaceParameters:
     hitch_scale: float = 1.0
     pin_friction_radius: float = 0.0
     hitch_turn: float = 0.0
-    warp_a: float = 0.0
-    warp_b: float = 0.0
+    saddle_a: float = 0.0
+    saddle_b: float = 0.0
 
     def __post_init__(self) -> None:
         for name in SURFACE.names:

@@ -14,10 +14,10 @@ from cyclemap.checks import finite_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_files import SUFFIXES
-from cyclemap.mechanics.friction_wear import worn_friction
 from cyclemap.evidence.simulation.recorded_motion import FIRST_CLOCK, Recording, RecordingNoise
 from cyclemap.evidence.simulation.recorded_push import recorded_seconds
 from cyclemap.mechanics import Material
+from cyclemap.mechanics.friction_wear import worn_friction
 
 Arguments = dict[str, str | int | float | bool]
 

@@ -1,5 +1,6 @@
 """Push end points and drag-backs as data: exact where the mechanics made them, their derivatives true."""
 
+import itertools
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +24,7 @@ from cyclemap.evidence.identification.stroke_block import (
     surface_model,
 )
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.identification.underside import warp_of
 from cyclemap.mechanics import Pose, Slider, WorldPush
 
 RECT1 = Slider.mit("rect1")
@@ -87,6 +89,30 @@ def test_drags_made_by_the_mechanics_leave_no_residual_and_true_derivatives() ->
         step = 1e-5 if name == "pin_friction_radius" else 2e-4
         expected = central_differences(block, DRAGGED.values(), name, step)
         assert jacobian[:, column] == pytest.approx(expected, abs=0.02 * np.abs(expected).max()), name
+
+
+def test_derivatives_by_the_saddles_of_the_pressure_are_true_too() -> None:
+    """A warped underside: pushes and drags by both saddles, with the rim share that lets them grow."""
+    values = {**VALUES, "saddle_a": 0.3, "saddle_b": 0.5}
+    for block in (
+        push_end_block(made_pushes(5), RECT1, warped=True),
+        drag_turn_block(made_drags(4), RECT1, warped=True),
+    ):
+        jacobian = block.residuals(values)[1]
+        for name in ("rim_share", "saddle_a", "saddle_b", "offset_x"):
+            expected = central_differences(block, values, name, 2e-4)
+            column = jacobian[:, block.parameters.index(name)]
+            assert column == pytest.approx(expected, abs=0.02 * np.abs(expected).max()), name
+
+
+def test_no_saddle_within_its_bounds_lifts_the_object() -> None:
+    for shape in ("rect1", "rect3", "hex", "tri1", "ellip2"):
+        slider, count = Slider.mit(shape), 0
+        for rim_share, a, b in itertools.product((0.0, 0.5, 1.0), (-1.0, 0.4, 1.0), (-1.0, 0.0, 1.0)):
+            surface = SurfaceParameters(rim_share=rim_share, saddle_a=a, saddle_b=b)
+            assert surface_model(surface, slider).pressure.warp == warp_of(surface, slider)
+            count += 1
+        assert count == 27
 
 
 def test_identification_gives_back_what_made_the_pushes() -> None:

@@ -1,0 +1,131 @@
+"""The command `cyclemap identify`: its arguments and options."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+
+Decorator = Callable[[Any], Any]
+_PATH = click.Path(path_type=Path)
+
+
+@dataclass(frozen=True)
+class IdentifyRequest:
+    """What is asked of an identification, in the units of the command line."""
+
+    select: tuple[str, ...]
+    protocol: Path | None
+    settings: tuple[str, ...]
+    start: str | None
+    free: str | None
+    fix: tuple[str, ...]
+    first: int
+    most: int
+    wear: bool
+    alternatives: bool
+    name: str | None
+    intervals: str
+    folds: int | None
+    student: float | None
+    starts: int
+    seed: int
+    out: Path
+    picture_format: str
+
+
+def _data_options() -> list[Decorator]:
+    """Which data, and in which experiment they were taken."""
+    kept = "Keep data with surface, object, speed_mm_s, side, fraction or angle_deg of this value; repeatable."
+    repeatable: dict[str, Any] = {"metavar": "KEY=VALUE", "multiple": True}
+    return [
+        click.option("--select", help=kept, **repeatable),
+        click.option("--protocol", metavar="TOML", type=_PATH, help="The --set keys in TOML tables."),
+        click.option(
+            "--set", "settings", help="One fact of the experiment (rod, ring, object); repeatable.", **repeatable
+        ),
+        click.option(
+            "--first",
+            type=click.IntRange(min=0),
+            default=0,
+            show_default=True,
+            help="Leave out cycles before this one.",
+        ),
+        click.option(
+            "--most",
+            type=click.IntRange(min=2),
+            default=200,
+            show_default=True,
+            help="Pushes or drags of a file, at most.",
+        ),
+    ]
+
+
+def _model_options() -> list[Decorator]:
+    """What is identified."""
+    return [
+        click.option("--start", metavar="MATERIAL", help="Where the search begins: a name or a TOML file."),
+        click.option(
+            "--free", metavar="NAMES", help="Parameters to identify, by commas. [default: what the data tell]"
+        ),
+        click.option("--fix", metavar="NAME=VALUE", multiple=True, help="Hold a parameter (SI units); repeatable."),
+        click.option("--wear", is_flag=True, help="Let the friction change over the cycles."),
+        click.option("--alternatives", is_flag=True, help="Compare weight on the rim, another lever, ring friction."),
+    ]
+
+
+def _method_options() -> list[Decorator]:
+    """How."""
+    whole = click.IntRange(min=0)
+    return [
+        click.option(
+            "--intervals",
+            type=click.Choice(["covariance", "profile"]),
+            default="covariance",
+            show_default=True,
+            help="How 95 % intervals are found; profile takes many fits.",
+        ),
+        click.option("--folds", type=whole, help="Parts for cross-validation; 0: none. [default: 5]"),
+        click.option(
+            "--student",
+            type=click.FloatRange(min=1.0, min_open=True),
+            help="Freedom of Student noise: outliers count less.",
+        ),
+        click.option("--starts", type=click.IntRange(min=1), default=3, show_default=True, help="Searches."),
+        click.option("--seed", type=whole, default=0, show_default=True, help="Seed of starts, folds and draws."),
+    ]
+
+
+def _result_options() -> list[Decorator]:
+    """Where results go, and as what."""
+    folder: dict[str, Any] = {"metavar": "DIR", "type": _PATH, "default": "out", "show_default": True}
+    formats: dict[str, Any] = {"type": click.Choice(["png", "pdf", "svg"]), "default": "png", "show_default": True}
+    return [
+        click.option("--name", help="Of the material. [default: SURFACE-identified]"),
+        click.option("--out", help="Where NAME.toml, identify_NAME.png and .json go.", **folder),
+        click.option("--format", "picture_format", help="Format of the picture.", **formats),
+        click.option(
+            "--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else."
+        ),
+    ]
+
+
+def _decorated(command: Callable[..., None]) -> Callable[..., None]:
+    for decorate in reversed([*_data_options(), *_model_options(), *_method_options(), *_result_options()]):
+        command = decorate(command)
+    return command
+
+
+@click.command("identify")
+@click.argument("data", nargs=-1, required=True, type=_PATH)
+@_decorated
+def identify_command(data: tuple[Path, ...], json_target: str | None, **request: Any) -> None:
+    """Identify a surface from measured data, and write it as a material.
+
+    DATA are files, folders or trees: friction scans and pushes in the MIT layout, and CSV tables of push ends with
+    tip, of drag-backs, of θ0, or of wrenches and twists. All are explained by one friction ellipse.
+    """
+    from cyclemap.cli.run_identify import run_identify
+
+    run_identify(data, IdentifyRequest(**request), json_target)

@@ -1,0 +1,176 @@
+"""From files of measured data to the blocks that an identification takes, and a note on everything left out."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from cyclemap.checks import whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.identification.block_builders import (
+    BlockChoices,
+    Built,
+    csv_part,
+    cycle_parts,
+    record_parts,
+)
+from cyclemap.evidence.identification.cycle_pair_block import NODES, CyclePairBlock
+from cyclemap.evidence.identification.data_block import DataBlock
+from cyclemap.evidence.identification.data_recognition import (
+    CYCLES,
+    LAYOUTS,
+    RECORDS,
+    DataFile,
+    UnusedFile,
+    recognise,
+)
+from cyclemap.evidence.identification.row_selection import RowSelection, select_csv, select_pushes, told
+from cyclemap.evidence.identification.scan_forces import ScanForces
+from cyclemap.evidence.identification.shared_progress import Progress, part_of
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
+
+MOST_STROKES = 200
+_ALWAYS = ("friction_scale", "ellipticity_x", "ellipticity_y", "offset_x", "offset_y", "pusher_friction")
+
+
+@dataclass(frozen=True, eq=False)
+class CollectedBlocks:
+    """Blocks of data of one object on one surface.
+
+    blocks : of unlike names. notes : what was recognised, what was left out and why, in words. surface : its name
+    where the data tell it. loop : with the data's object. scans : forces of friction scans, None without. last_cycle :
+    number of the last cycle behind the first one used, 0 where it is unknown.
+    """
+
+    blocks: tuple[DataBlock, ...]
+    notes: tuple[str, ...]
+    surface: str | None
+    loop: CollectionLoop
+    scans: ScanForces | None
+    last_cycle: float
+
+
+def collected_blocks(
+    paths: Sequence[str | Path],
+    loop: CollectionLoop,
+    select: Mapping[str, str | float] | None = None,
+    *,
+    first: int = 0,
+    wear: bool = False,
+    most: int = MOST_STROKES,
+    nodes: int = NODES,
+    progress: Progress | None = None,
+) -> CollectedBlocks:
+    """Return the blocks of all data in files, folders and trees.
+
+    paths : files of the MIT layout (friction scans; pushes: their ends, their forces, and cycles where they are
+        repeated), CSV tables of push ends with tip, of drag-backs, of orientations or repeated poses, of wrenches and
+        twists. loop : who is pushed where, with which rod and ring.
+    select : values of surface, object, speed, side, fraction, angle (SI, rad) to keep. The object is the loop's, or
+        the selected one. first : the first cycle (repetition) used. wear : let the surface of the cycles wear.
+    most : strokes of one sort in a file, at most: beyond, every so many-th is taken. nodes : see `CyclePairBlock`;
+        with 9 the ring's lever comes out 3 % short on a map with strong second harmonics, with 15 it does not.
+
+    A push of a repeated set tells its end and its cycle's end: their errors are taken as independent.
+    Raises InvalidInput where nothing is recognised, naming what each path was, where the data are of several surfaces
+    or objects, and for a number that does not fit.
+    """
+    whole_number("first cycle", first, least=0)
+    loop, selection = _object(loop, dict(select or {}))
+    choices = BlockChoices(loop, first, wear, whole_number("most strokes", most, least=2), nodes)
+    files, unused = _files(paths)
+    built, surfaces = Built(), set[str]()
+    for number, file in enumerate(files):
+        surfaces |= _add(built, file, selection, choices, part_of(progress, number, len(files)))
+    _check(paths, built, unused, surfaces, loop.slider)
+    notes = (*built.notes, *(f"{file.path}: not used: {file.reason}" for file in unused))
+    scans = ScanForces.joined(built.scans) if built.scans else None
+    return CollectedBlocks(_named_apart(built.blocks), notes, next(iter(surfaces), None), loop, scans, built.last_cycle)
+
+
+def telling_parameters(blocks: Sequence[DataBlock]) -> tuple[str, ...]:
+    """Return the names of what blocks of data can usually tell, for a start: not what mostly trades off.
+
+    Ellipse, offset and pusher friction wherever a block depends on them, the share of the rim where strokes or wrenches
+    tell it, the ring's lever with drags or cycles, and how the surface wears.
+
+    >>> from cyclemap.evidence.identification.data_block import FunctionBlock
+    >>> telling_parameters([FunctionBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
+    ('pusher_friction',)
+    """
+    asked = {name for block in blocks for name in block.parameters}
+    by_strokes = {name for block in blocks if not isinstance(block, CyclePairBlock) for name in block.parameters}
+    free = [name for name in _ALWAYS if name in asked]
+    free += ["rim_share"] if "rim_share" in by_strokes else []
+    free += ["hitch_scale"] if "hitch_scale" in asked else []
+    return (*free, *sorted(name for name in asked if name.startswith("worn_")))
+
+
+def _object(loop: CollectionLoop, chosen: dict[str, str | float]) -> tuple[CollectionLoop, RowSelection]:
+    """The loop with the selected object, and the selection of its rows."""
+    wanted = chosen.get("object")
+    if isinstance(wanted, str) and wanted != loop.slider.name and wanted in MIT_SHAPE_NAMES:
+        loop = replace(loop, slider=Slider.mit(wanted, loop.slider.hitch), footprint=None)
+    name = str(wanted) if wanted is not None else loop.slider.name
+    known = wanted is not None or loop.slider.name in MIT_SHAPE_NAMES
+    return loop, RowSelection(name if known else None, chosen)
+
+
+def _files(paths: Sequence[str | Path]) -> tuple[list[DataFile], list[UnusedFile]]:
+    found: dict[DataFile, None] = {}
+    unused: dict[UnusedFile, None] = {}
+    for path in paths:
+        files, others = recognise(path)
+        found |= dict.fromkeys(files)
+        unused |= dict.fromkeys(others)
+    return list(found), list(unused)
+
+
+def _add(
+    built: Built, file: DataFile, selection: RowSelection, choices: BlockChoices, progress: Progress
+) -> frozenset[str]:
+    """Add a file's blocks and notes to what is built; return the surfaces that it tells of."""
+    if file.sort in (RECORDS, CYCLES):
+        pushes, left_out = select_pushes(file.path, selection, file.sort == CYCLES, part_of(progress, 0, 2))
+        built.left_out(file.path, left_out)
+        surfaces = told(pushes.table, "surface") | told(pushes.scans, "surface")
+        built.objects |= told(pushes.table, "object") | told(pushes.scans, "object")
+        if len(surfaces) <= 1:
+            if file.sort == CYCLES:
+                cycle_parts(built, file.path, pushes, choices)
+            else:
+                record_parts(built, file.path, pushes, choices, part_of(progress, 1, 2))
+        return surfaces
+    rows = select_csv(file.path, selection)
+    built.left_out(file.path, rows.left_out)
+    built.objects |= rows.objects
+    if rows.texts and len(rows.surfaces) <= 1:
+        csv_part(built, file, rows, choices)
+    return rows.surfaces
+
+
+def _check(
+    paths: Sequence[str | Path], built: Built, unused: Sequence[UnusedFile], surfaces: set[str], slider: Slider
+) -> None:
+    if len(surfaces) > 1:
+        raise InvalidInput(f"the data are of several surfaces: {', '.join(sorted(surfaces))}; select one, surface=NAME")
+    if len(built.objects) > 1:
+        raise InvalidInput(f"the data are of several objects: {', '.join(sorted(built.objects))}; select one")
+    if not built.blocks:
+        reasons = [*built.notes, *(f"{file.path}: {file.reason}" for file in unused)]
+        listed = "; ".join(reasons) or ", ".join(str(path) for path in paths)
+        raise InvalidInput(f"no data of {slider.name} recognised: {listed}. Give {LAYOUTS}")
+
+
+def _named_apart(blocks: Sequence[DataBlock]) -> tuple[DataBlock, ...]:
+    """Blocks with a number behind the names that several have."""
+    counts, seen, named = Counter(block.name for block in blocks), Counter[str](), []
+    for block in blocks:
+        if counts[block.name] > 1:
+            seen[block.name] += 1
+            block = replace(block, name=f"{block.name} {seen[block.name]}")  # type: ignore[type-var]
+        named.append(block)
+    return tuple(named)

@@ -1,0 +1,144 @@
+"""What follows from identified parameters: axes, ratio and direction of the friction ellipse, with intervals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.checks import whole_number
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.identification.identifiability import student_quantile
+from cyclemap.evidence.identification.identification import Identification
+from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.mechanics import EllipseFriction
+
+Array = NDArray[np.float64]
+DRAWS = 2000
+# A direction whose draws spread over more than this share of their circle is not known.
+_ALL_AROUND = 0.9
+
+
+@dataclass(frozen=True)
+class Derived:
+    """One quantity: its value and interval. unit : `1` or `rad`; angles are on the lift nearest to the value.
+
+    period : of an angle, rad, 0 for other quantities. known : whether the data tell it; a direction that may be any
+    is not.
+    """
+
+    name: str
+    description: str
+    unit: str
+    value: float
+    lower: float
+    upper: float
+    period: float = 0.0
+    known: bool = True
+
+
+_QUANTITIES: dict[str, tuple[str, float, Callable[[EllipseFriction], float]]] = {
+    "axis_ratio": ("longer over shorter axis of the friction ellipse", 0.0, lambda law: law.mu_a / law.mu_b),
+    "axis_direction": ("direction of the longer axis", math.pi, lambda law: law.phi),
+    "offset_size": (
+        "distance of the ellipse's centre from zero, over its mean radius",
+        0.0,
+        lambda law: _offset(law)[0],
+    ),
+    "offset_direction": ("direction of the ellipse's centre", 2.0 * math.pi, lambda law: _offset(law)[1]),
+    "mean_friction": ("mean friction coefficient", 0.0, lambda law: math.sqrt(law.mu_a * law.mu_b)),
+}
+_NEEDS = {
+    "axis_ratio": {"ellipticity_x", "ellipticity_y"},
+    "axis_direction": {"ellipticity_x", "ellipticity_y"},
+    "offset_size": {"offset_x", "offset_y"},
+    "offset_direction": {"offset_x", "offset_y"},
+    "mean_friction": {"friction_scale"},
+}
+
+
+def sampled_surfaces(found: Identification, count: int = DRAWS, seed: int = 0) -> tuple[SurfaceParameters, ...]:
+    """Return surfaces drawn from the uncertainty of an identification, each a possible truth.
+
+    Parameters are normal with the fit's covariance, each spread so that its interval is Student's, and cut at their
+    bounds; what the data leave wholly open stays at its value. Draws that are no friction ellipse are left out.
+    """
+    whole_number("draws", count, least=1)
+    errors, space = found.uncertainty, found.problem.space
+    spread = np.array([student_quantile(found.level, float(freedom)) for freedom in errors.freedom])
+    spread /= student_quantile(found.level, 1e9)
+    size = np.sqrt(np.maximum(np.diag(errors.covariance), 0.0))
+    values, vectors = np.linalg.eigh(np.asarray(errors.correlation))
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    draws = np.random.default_rng(seed).standard_normal((count, len(space))) @ root.T
+    vectors_drawn = np.clip(found.fit.vector + draws * size * spread, space.lower, space.upper)
+    surfaces = []
+    for vector in vectors_drawn:
+        surface = SurfaceParameters.from_values(found.problem.values(vector))
+        try:
+            surface.to_friction()
+        except InvalidInput:
+            continue
+        surfaces.append(surface)
+    return tuple(surfaces)
+
+
+def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0) -> tuple[Derived, ...]:
+    """Return axis ratio, directions and sizes of the friction ellipse as far as their parameters are free.
+
+    Intervals hold the middle share `found.level` of sampled surfaces. Where a vector (ellipticity, offset) may be zero
+    by Hotelling's test, its direction is not known and its size has its least value, 1 or 0, for a lower end: drawn
+    vectors never are zero.
+    """
+    laws = [surface.to_friction() for surface in sampled_surfaces(found, draws, seed)]
+    free, best = set(found.problem.space.names), found.friction()
+    told = []
+    for name, (description, period, quantity) in _QUANTITIES.items():
+        if not free >= _NEEDS[name] or not laws:
+            continue
+        value, sample = quantity(best), np.array([quantity(law) for law in laws])
+        if period:
+            one = _direction(name, description, value, sample, period, found.level)
+            told.append(replace(one, known=one.known and not _may_vanish(found, name)))
+        else:
+            lower, upper = _quantiles(sample, found.level)
+            least = {"axis_ratio": 1.0, "offset_size": 0.0}.get(name)
+            if least is not None and _may_vanish(found, name):
+                lower = least
+            told.append(Derived(name, description, "1", value, min(lower, value), max(upper, value)))
+    return tuple(told)
+
+
+def _direction(name: str, description: str, value: float, sample: Array, period: float, level: float) -> Derived:
+    around = value + (sample - value + 0.5 * period) % period - 0.5 * period
+    lower, upper = _quantiles(around, level)
+    known = upper - lower < _ALL_AROUND * level * period
+    return Derived(name, description, "rad", value, lower, upper, period, known)
+
+
+def _may_vanish(found: Identification, name: str) -> bool:
+    """Whether the vector behind a size is within its error of zero: T^2 against F(2, freedom)."""
+    from scipy.stats import f
+
+    names = found.problem.space.names
+    index = [names.index(part) for part in sorted(_NEEDS[name])]
+    vector, errors = found.fit.vector[index], found.uncertainty
+    covariance = errors.covariance[np.ix_(index, index)]
+    if not np.all(np.isfinite(errors.standard_error[index])) or np.linalg.det(covariance) <= 0.0:
+        return True
+    size = float(vector @ np.linalg.solve(covariance, vector)) / 2.0
+    return bool(size < f.ppf(found.level, 2, float(np.min(errors.freedom[index]))))
+
+
+def _quantiles(sample: Array, level: float) -> tuple[float, float]:
+    lower, upper = np.quantile(sample, [0.5 - level / 2.0, 0.5 + level / 2.0])
+    return float(lower), float(upper)
+
+
+def _offset(law: EllipseFriction) -> tuple[float, float]:
+    """Size over mean radius, and direction (rad) in the world, of the ellipse's centre."""
+    mean = math.sqrt(law.mu_a * law.mu_b)
+    return math.hypot(law.m0, law.n0) / mean, math.atan2(law.n0, law.m0) + law.phi

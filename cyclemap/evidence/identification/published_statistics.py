@@ -1,0 +1,113 @@
+"""What Ma & Rodriguez (2018) publish of 2000 equal pushes on four materials: Tables II and III, and their sentences.
+
+The paper gives standard deviations and root mean square errors, and both as percentages of the mean: the mean is one
+over the other. Percentages carry no sign. In this package's frame the object moves along -y: the means of the
+published plywood, 69.1 deg, 36.6 mm and 94.3 mm, put the rod's centre 48.9 mm from the middle of the pushed side, where
+it must be 49.75 mm, if the motion is (+36.6, -94.3) mm, and nowhere near that side with any other signs or with x and y
+exchanged. So dx is the published Δx, dy minus the published Δy. Orientations are those of this package: the measured
+plywood staircase lingers near 95 deg, where the paper sees its high peak ("around 100 deg").
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from cyclemap.errors import InvalidInput
+from cyclemap.suggestions import unknown_name
+
+SOURCE = "Ma & Rodriguez 2018, Tables II and III and the text on stable directions"
+PUBLISHED_CYCLES = 2000
+
+Triple = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class PublishedStatistics:
+    """What is published of one material, in the order dtheta (rad), dx, dy (m, initial object frame).
+
+    mean, std : of the pushes. rmse : of them about the paper's fitted law of θ0. directions : rad, where the histogram
+    of θ0 has the peaks that the text names, the one visited first in front. always_advancing : the text sees no stable
+    direction, θ0 always increases. only_there : the text sees no other peak than these. first_share : share of the
+    cycles spent in the first direction, where the run starts there and leaves it for good; None where no such story is
+    told.
+    """
+
+    material: str
+    mean: Triple
+    std: Triple
+    rmse: Triple
+    directions: tuple[float, ...]
+    always_advancing: bool = False
+    first_share: float | None = None
+    only_there: bool = False
+
+    def __post_init__(self) -> None:
+        if not all(0.0 <= r <= s for r, s in zip(self.rmse, self.std, strict=True)):
+            raise InvalidInput(f"{self.material}: a law's error {self.rmse} cannot exceed the spread {self.std}")
+        if self.first_share is not None and len(self.directions) < 2:
+            raise InvalidInput(f"{self.material}: a share of the first direction needs a second one")
+        if self.only_there and not self.directions:
+            raise InvalidInput(f"{self.material}: no other peaks than none: name a direction")
+
+    @property
+    def start(self) -> float | None:
+        """Where the run starts (rad), as far as the text tells; None if it does not."""
+        return None if self.first_share is None else self.directions[0]
+
+
+def published_statistics(material: str) -> PublishedStatistics:
+    """Return what is published of `material`: plywood, abs, delrin or pu. Raises InvalidInput for another.
+
+    >>> [round(1e3 * length, 1) for length in published_statistics("abs").mean[1:]]
+    [40.1, -67.6]
+    """
+    if material not in PUBLISHED:
+        raise unknown_name("material of Ma & Rodriguez (2018)", material, PUBLISHED)
+    return PUBLISHED[material]
+
+
+def _row(
+    material: str,
+    spreads: tuple[float, ...],
+    rmse_printed: Triple,
+    directions_deg: tuple[float, ...],
+    always_advancing: bool = False,
+    first_share: float | None = None,
+) -> PublishedStatistics:
+    """A row as it is printed: std and percent of Δθ (deg), Δx, Δy (mm) in turn; then the RMSE of each."""
+    std, percent = spreads[::2], spreads[1::2]
+    mean = [100.0 * s / p for s, p in zip(std, percent, strict=True)]
+    directions = tuple(math.radians(angle) for angle in directions_deg)
+    return PublishedStatistics(
+        material,
+        _si(mean[0], mean[1], -mean[2]),
+        _si(*std),
+        _si(*rmse_printed),
+        directions,
+        always_advancing,
+        first_share,
+        only_there=material in ("abs", "delrin"),
+    )
+
+
+def _si(turn_deg: float, dx_mm: float, dy_mm: float) -> Triple:
+    return math.radians(turn_deg), 1e-3 * dx_mm, 1e-3 * dy_mm
+
+
+# abs: "stuck in one stable direction" for "about 150 times", then in a second for good; the first has the small peak.
+PUBLISHED = MappingProxyType(
+    {
+        "plywood": _row("plywood", (4.74, 6.86, 2.84, 7.75, 8.57, 9.09), (2.07, 0.91, 3.39), (100.0, 280.0)),
+        "abs": _row(
+            "abs",
+            (3.21, 4.30, 1.59, 3.97, 5.31, 7.86),
+            (2.99, 1.56, 3.21),
+            (-150.0, 150.0),
+            first_share=150.0 / PUBLISHED_CYCLES,
+        ),
+        "delrin": _row("delrin", (1.28, 1.63, 0.97, 2.49, 3.21, 6.33), (1.28, 0.81, 1.61), (80.0,)),
+        "pu": _row("pu", (4.53, 6.53, 2.93, 7.30, 11.39, 13.40), (1.14, 0.60, 1.56), (), always_advancing=True),
+    }
+)

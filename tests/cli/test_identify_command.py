@@ -1,0 +1,214 @@
+"""`cyclemap identify` from outside: its files, JSON, tables and words, and what it refuses."""
+
+import json
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cyclemap.cli import output
+from cyclemap.cli.command_identify import identify_command
+from cyclemap.cli.main import cli, run
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.evidence.identification import collected_blocks as module
+from cyclemap.evidence.identification.data_block import FunctionBlock
+from cyclemap.evidence.identification.measured_strokes import MeasuredPush
+from cyclemap.evidence.identification.stroke_block import predicted_push_end, surface_model
+from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.mechanics import EllipseFriction, Pose, Slider, load_material
+
+LAW = EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6)
+KEYS = ["name", "provenance", "misfit", "inferred", "friction", "worn", "converged", "level", "parameters", "held"]
+KEYS += ["derived", "errors", "starts", "notes", "data", "alternatives"]
+HEADER = "surface,shape,i,s,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1\n"
+RADIUS = 0.00475
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch) -> Path:
+    """An empty current folder, and the command where it belongs."""
+    monkeypatch.setitem(cli.commands, "identify", identify_command)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def push_file(path: Path, count: int = 8, surface: str = "slate") -> Path:
+    path.write_text(push_table(count, surface))
+    return path
+
+
+@cache
+def push_table(count: int, surface: str) -> str:
+    """Pushes of 40 mm at places all over side 0, as the mechanics on LAW have them, with 0.2 mm and 0.3 degrees."""
+    rng, slider = np.random.default_rng(0), Slider.mit("rect1")
+    model = surface_model(SurfaceParameters.from_friction(LAW, pusher_friction=0.15), slider)
+    lines = [HEADER]
+    for number in range(count):
+        start, x = Pose(0.3, 0.1, 2.4 * number), -0.03 + 0.06 * number / (count - 1)
+        tip, goal = start.to_world(x, 0.045 + RADIUS + 1e-3), start.to_world(x + 0.005, 0.01)
+        end, _ = predicted_push_end(model, MeasuredPush(start, start, tip, goal))
+        place = np.array([end.x, end.y]) + 2e-4 * rng.standard_normal(2)
+        poses = (start.x, start.y, start.theta, *place.tolist(), end.theta + 5e-3 * rng.standard_normal())
+        lines.append(f"{surface},rect1,0,{number / count},{','.join(f'{v:.9f}' for v in (*poses, *tip, *goal))}\n")
+    return "".join(lines)
+
+
+QUICK = ["--starts", "1", "--folds", "2", "--free", "ellipticity_x,ellipticity_y,offset_x,offset_y"]
+
+
+def test_json_tells_the_friction_within_its_intervals_and_the_material_loads(here, capsys) -> None:
+    push_file(here / "ends.csv")
+    assert run(["identify", "ends.csv", *QUICK, "--json", "-", "--out", "results"]) == 0
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    report = json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
+    assert list(report) == KEYS
+    truth = SurfaceParameters.from_friction(LAW).values()
+    told = {one["name"]: one for one in report["parameters"]}
+    assert list(told) == ["ellipticity_x", "ellipticity_y", "offset_x", "offset_y"]
+    for name, one in told.items():
+        slack = one["upper"] - one["lower"]
+        assert one["lower"] - 0.5 * slack < truth[name] < one["upper"] + 0.5 * slack and slack < 0.2
+    derived = {one["name"]: one for one in report["derived"]}
+    assert derived["axis_direction"]["unit"] == "deg"
+    assert derived["axis_direction"]["lower"] < math.degrees(0.6) < derived["axis_direction"]["upper"]
+    turn = next(one for one in report["errors"] if one["kind"] == "push turn")
+    assert (turn["unit"], turn["rows"]) == ("deg", 8) and 0.0 < turn["rms"] < turn["left_out_rms"] < 2.0
+    assert report["held"]["pusher_friction"] == 0.15 and report["alternatives"] is None
+    assert sorted(path.name for path in (here / "results").iterdir()) == [
+        "identify_slate-identified.json",
+        "identify_slate-identified.png",
+        "slate-identified.toml",
+    ]
+    material = load_material(here / "results" / "slate-identified.toml")
+    assert material.inferred and material.found_with.pusher_friction == 0.15
+    assert material.friction.phi == pytest.approx(math.radians(report["friction"]["phi_deg"]))
+    assert "push ends (24 values) in ends.csv" in material.provenance and "RMS" in material.misfit
+
+
+def test_people_get_a_headline_tables_and_what_to_do_next(here, capsys) -> None:
+    push_file(here / "ends.csv", 6)
+    arguments = [*QUICK, "--folds", "0", "--name", "my slate", "--set", "pusher_mu=0.16", "--format", "svg"]
+    assert run(["identify", "ends.csv", *arguments]) == 0
+    shown = capsys.readouterr().out
+    assert shown.startswith("my slate: friction ellipse with axes 1.")
+    for words in ("6 push ends", "Parameters", "95 % interval", "held", "axis ratio", "left out", "note: "):
+        assert words in shown
+    assert "next: cyclemap portrait out/my_slate.toml --set pusher_mu=0.16" in shown
+    assert (here / "out" / "identify_my_slate.svg").read_bytes().startswith(b"<?xml")
+    assert CollectionLoop.mit("out/my_slate.toml").pusher.friction == 0.16
+
+
+def test_fixed_and_started_values_are_taken(here, capsys) -> None:
+    push_file(here / "ends.csv", 5)
+    arguments = ["--free", "offset_x", "--fix", "rim_share=0.1", "--start", "plywood", "--folds", "0", "--starts", "1"]
+    assert run(["identify", "ends.csv", *arguments, "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    plywood = SurfaceParameters.from_friction(load_material("plywood").friction).values()
+    assert report["held"]["rim_share"] == 0.1
+    assert report["held"]["ellipticity_x"] == pytest.approx(plywood["ellipticity_x"])
+    assert all(one["left_out_rms"] is None for one in report["errors"])
+
+
+def made_blocks(*_: object, **__: object) -> module.CollectedBlocks:
+    """Turns that need weight on the rim, and cannot be explained by the ring."""
+    way = np.linspace(0.0, 6.0, 40)
+    names = ("offset_x", "rim_share", "hitch_scale", "pin_friction_radius")
+    by = np.stack([np.cos(way), 0.8 * np.sin(2 * way), 0.5 * np.cos(3 * way), 40.0 * np.sin(5 * way)], axis=-1)
+    data = by @ [0.05, 0.3, 1.0, 0.0] + 0.01 * np.random.default_rng(0).standard_normal(40)
+
+    def function(values):
+        return by @ [values[name] for name in names] - data, by
+
+    block = FunctionBlock("strokes", names, function, np.arange(40), "turn (rad)")
+    return module.CollectedBlocks((block,), ("made",), "slate", CollectionLoop.mit("isotropic"), None, 0.0)
+
+
+def test_alternatives_are_compared_and_the_best_one_is_taken(here, capsys, monkeypatch) -> None:
+    monkeypatch.setattr("cyclemap.cli.run_identify.collected_blocks", made_blocks)
+    assert run(["identify", "data", "--alternatives", "--starts", "1", "--json", "told.json"]) == 0
+    shown = capsys.readouterr().out
+    assert "Explanations, the best first" in shown
+    assert "Worse by more than the error:" in shown and "“even pressure, ideal ring” (by" in shown
+    report = json.loads((here / "told.json").read_text())
+    alternatives = report["alternatives"]
+    assert len(alternatives["explanations"]) == 6
+    assert "rim_share" in alternatives["explanations"][0]["extra"]
+    assert "weight on the rim" in {alternatives["best"], *alternatives["not_told_from_best"]}
+    assert {one["name"] for one in report["parameters"]} >= {"offset_x", "rim_share"}
+    assert load_material(here / "out" / "slate-identified.toml").found_with.rim_share == pytest.approx(0.3, abs=0.02)
+
+
+def test_alternatives_need_data_that_depend_on_rim_or_ring(monkeypatch, capsys) -> None:
+    def ratios(*_: object, **__: object) -> module.CollectedBlocks:
+        block = FunctionBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio (1)")  # type: ignore
+        return module.CollectedBlocks((block,), (), None, CollectionLoop.mit("isotropic"), None, 0.0)
+
+    monkeypatch.setattr("cyclemap.cli.run_identify.collected_blocks", ratios)
+    assert run(["identify", "data", "--alternatives"]) == 2
+    assert "do not depend on the rim or the ring" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["absent.csv"], "there is nothing there"),
+        (["notes.txt"], "no data of rect1 recognised: notes.txt: a file of another kind (.txt)"),
+        (["ends.csv", "--free", "offset_z"], "unknown parameter 'offset_z': did you mean"),
+        (["ends.csv", "--free", "hitch_scale"], "no block of data depends on hitch_scale"),
+        (["ends.csv", "--fix", "rim_share"], "--fix 'rim_share' is not of the form name=number"),
+        (["ends.csv", "--fix", "rim_chare=0.1"], "did you mean 'rim_share'?"),
+        (["ends.csv", "--select", "shape=rect2"], "5 left out: of rect1, not rect2"),
+        (["ends.csv", "--select", "colour=red"], "unknown selection 'colour'"),
+        (["ends.csv", "--set", "noise_deg=1"], "the noise is estimated from the data"),
+        (["ends.csv", "--set", "footprint=grid:8"], "exact footprint"),
+        (["ends.csv", "--student", "1"], "--student"),
+        (["ends.csv", "--folds", "40", "--free", "offset_x", "--starts", "1"], "folds must be from 2"),
+        (["ends.csv", "more.csv"], "several surfaces: felt, slate"),
+        ([], "Missing argument"),
+    ],
+)
+def test_bad_use_is_refused_in_one_line(here, capsys, arguments, words) -> None:
+    push_file(here / "ends.csv", 5)
+    push_file(here / "more.csv", 5, "felt")
+    (here / "notes.txt").write_text("rod bent")
+    assert run(["identify", *arguments]) == 2
+    complaint = capsys.readouterr().err
+    assert words in complaint and complaint.count("\n") == 1
+    assert not (here / "out").exists()
+
+
+def test_no_answer_from_any_start_is_a_failure(here, capsys) -> None:
+    """A rod that starts 20 mm deep inside the object has no quasi-static push."""
+    lines = (push_file(here / "ends.csv", 5)).read_text().splitlines()
+    cells = [line.split(",") for line in lines[1:]]
+    bad = [",".join([*row[:10], row[4], row[5], "0.9", "0.9"]) for row in cells]
+    (here / "deep.csv").write_text("\n".join([lines[0], *bad]) + "\n")
+    assert run(["identify", "deep.csv", "--starts", "2"]) == 1
+    assert "none of 2 starts has an answer" in capsys.readouterr().err
+    assert not (here / "out").exists()
+
+
+def test_an_interrupt_leaves_nothing_half_written(here, monkeypatch) -> None:
+    push_file(here / "ends.csv", 5)
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(output.os, "fdopen", interrupted)
+    assert run(["identify", "ends.csv", "--free", "offset_x", "--folds", "0", "--starts", "1"]) == 130
+    assert list((here / "out").iterdir()) == []
+
+
+def test_pictures_that_cannot_be_drawn_leave_no_file(here, monkeypatch) -> None:
+    """All files are made before the first is written."""
+    push_file(here / "ends.csv", 5)
+
+    def broken(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("cyclemap.cli.run_identify.render", broken)
+    assert run(["identify", "ends.csv", "--free", "offset_x", "--folds", "0", "--starts", "1"]) == 130
+    assert not (here / "out").exists()

@@ -1,0 +1,127 @@
+"""The page and the sentences of an identification say what was found, and draw a panel for each sort of data."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.evidence.identification.cycle_pair_block import CyclePairBlock
+from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities
+from cyclemap.evidence.identification.explanations import Explanation, ExplanationComparison
+from cyclemap.evidence.identification.friction_scan_block import friction_scan_block
+from cyclemap.evidence.identification.identification import Identification
+from cyclemap.evidence.identification.identified_curves import IdentifiedCurves, identified_curves
+from cyclemap.evidence.identification.identified_material import identified_material
+from cyclemap.evidence.identification.identify import identify
+from cyclemap.evidence.identification.measured_strokes import MeasuredDrag, MeasuredPush
+from cyclemap.evidence.identification.scan_forces import ScanForces
+from cyclemap.evidence.identification.stroke_block import drag_turn_block, push_end_block
+from cyclemap.mechanics import EllipseFriction, Pose, Slider
+from cyclemap.views import identify_sentences as sentences
+from cyclemap.views.identify_page import identify_page
+from cyclemap.views.style import render
+
+LAW = EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6)
+WEIGHT = 8.2
+
+
+def scans() -> ScanForces:
+    direction = np.linspace(0.0, 6.0, 24)
+    way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
+    force = WEIGHT * LAW.traction(way) + 0.05 * np.random.default_rng(0).standard_normal((24, 2))
+    across = force[:, 1] * way[:, 0] - force[:, 0] * way[:, 1]
+    return ScanForces(direction, np.sum(force * way, axis=1), across, WEIGHT)
+
+
+@pytest.fixture(scope="module")
+def found() -> Identification:
+    """The size of friction identified from scans, with pushes, drags and wearing cycles beside them."""
+    slider, rng = Slider.mit("rect1"), np.random.default_rng(1)
+    pushes = [
+        MeasuredPush(Pose(0, 0, 0), Pose(0.001 * n, -0.02, 0.1), (0.003 * n, 0.051), (0.003 * n, 0.03), n)
+        for n in range(2)
+    ]
+    drags = [MeasuredDrag(Pose(0.05, 0.02 * n, 0.5 * n), Pose(0.0, 0.0, 0.5 * n + 0.1), n) for n in range(2)]
+    theta = rng.uniform(0.0, 20.0, 12)
+    loop = CollectionLoop.mit("isotropic")
+    cycles = CyclePairBlock("cycles", loop, theta, 0.1 + 0 * theta, np.arange(12), np.linspace(0, 1, 12), 9)
+    measured = scans()
+    table = {name: getattr(measured, name) for name in ScanForces.columns()}
+    blocks = [
+        friction_scan_block(table, WEIGHT),
+        cycles,
+        push_end_block(pushes, slider),
+        drag_turn_block(drags, slider),
+    ]
+    fixed = {"worn_ellipticity_x": 0.2, "worn_offset_y": 0.1}
+    return identify(blocks, ["friction_scale"], fixed, starts=1, intervals="covariance")
+
+
+@pytest.fixture(scope="module")
+def curves(found) -> IdentifiedCurves:
+    return identified_curves(found, scans())
+
+
+def test_there_is_a_panel_for_each_sort_of_data(found, curves) -> None:
+    page = identify_page("A title", found, curves, ["One sentence.", "Another."])
+    titles = [axes.get_title(loc="left") for axes in page.axes]
+    drawn = [title for title in titles if title]
+    assert drawn == ["Friction ellipse", "Cycles: map", "Push ends: turns", "Drag-backs: turns", "Push ends: places"]
+    assert len(page.axes) == len(drawn) + len(found.estimates)
+    texts = [text.get_text() for text in page.texts]
+    assert "A title" in texts and "One sentence. Another." in texts
+    assert len(render(page)) > 10_000
+
+
+def test_curves_are_the_data_and_what_the_fit_says_of_them(found, curves) -> None:
+    assert curves.sized and curves.worn is not None and curves.forces is not None
+    assert curves.forces.shape == (24, 2) and len(curves.samples) == 200
+    along = np.stack([np.cos(np.linspace(0, 2 * np.pi, 181)), np.sin(np.linspace(0, 2 * np.pi, 181))], -1)
+    assert curves.ellipse == pytest.approx(found.friction().traction(along))
+    (cycles,) = curves.cycles
+    assert cycles.late is not None and cycles.turn == pytest.approx(0.1)
+    # Isotropic friction turns by the same everywhere; the worn one does not.
+    assert np.ptp(cycles.fitted) < 1e-5 < 1e-2 < np.ptp(cycles.late)
+    pushes = curves.turns[0]
+    assert pushes.measured == pytest.approx(np.full(2, 0.1))
+    errors = found.fit.residuals[found.problem.kinds == "push turn (rad)"]
+    assert pushes.predicted - pushes.measured == pytest.approx(errors)
+    assert len(curves.places[0].errors) == 2
+
+
+def test_a_material_carries_wear_and_what_the_data_depend_on(found) -> None:
+    material = identified_material(found, "slate", ["a.csv"], 300.0)
+    assert material.inferred and material.wear is not None and material.wear.cycles == 300.0
+    assert material.wear.friction.mu_a > material.friction.mu_a
+    assert material.found_with.hitch_scale == 1.0
+    assert "in a.csv" in material.provenance and "scan force" in material.misfit
+    alone = identified_material(identify(found.problem.blocks[:1], ["friction_scale"], starts=1), "slate")
+    assert alone.wear is None and alone.found_with.hitch_scale is None
+
+
+def explained(name: str, worse: float, error: float, found: Identification | None) -> Explanation:
+    return Explanation(name, (), found, worse, worse, error, "" if found else "it fell over")
+
+
+def test_the_comparison_says_what_is_best_worse_open_and_lost(found) -> None:
+    told = [explained("rim", 0.0, 0.0, found), explained("ring", 5.0, 4.0, found), explained("even", 90.0, 9.0, found)]
+    said = sentences.comparison_sentences(ExplanationComparison((*told, explained("odd", 0.0, 0.0, None)), ()))
+    assert said == [
+        "Of the explanations, “rim” predicts data left out best.",
+        "Worse by more than the error: “even” (by 90 ± 9).",
+        "Not told from it, the difference being within its error: “ring”. This remains open.",
+        "odd: no fit was found (it fell over).",
+    ]
+
+
+def test_a_direction_that_may_be_any_is_not_told(found) -> None:
+    ratio = Derived("axis_ratio", "", "1", 1.2, 1.0, 1.4)
+    way = Derived("axis_direction", "", "rad", 0.5, 0.3, 0.7, np.pi)
+    assert sentences.headline("felt", [ratio, way]) == "felt: friction ellipse with axes 1.20 : 1 (longer along 28.6°)"
+    assert sentences.headline("felt", [ratio, replace(way, known=False)]).endswith("axes 1.20 : 1")
+    assert sentences.interval_sentences([ratio, replace(way, known=False)])[0].endswith("its direction open.")
+    assert sentences.headline("felt", derived_quantities(found)).startswith(
+        "felt: friction ellipse with mean friction 0.2"
+    )
+    assert "isotropic" in sentences.headline("felt", [])
