@@ -9,7 +9,7 @@ from cyclemap.evidence.identification.cross_validation import KindErrors
 from cyclemap.evidence.identification.derived_quantities import Derived
 from cyclemap.evidence.identification.explanations import Explanation, ExplanationComparison
 from cyclemap.evidence.identification.identification import Estimate, Identification
-from cyclemap.evidence.identification.identified_material import readable_kind, readable_unit
+from cyclemap.evidence.identified.identified_material import readable_kind, readable_unit
 
 NOTHING = "–"
 

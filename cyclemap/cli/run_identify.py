@@ -17,7 +17,7 @@ from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.identification.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
+from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities
 from cyclemap.evidence.identification.explanations import (
     OPEN_QUESTIONS,
@@ -25,11 +25,11 @@ from cyclemap.evidence.identification.explanations import (
     compare_explanations,
 )
 from cyclemap.evidence.identification.identification import Identification
-from cyclemap.evidence.identification.identified_curves import identified_curves
-from cyclemap.evidence.identification.identified_material import identified_material
 from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.parameter_space import ParameterSpace
 from cyclemap.evidence.identification.starting_space import starting_space
+from cyclemap.evidence.identified.identified_curves import identified_curves
+from cyclemap.evidence.identified.identified_material import identified_material
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material_text import material_toml
 from cyclemap.views import identify_sentences as sentences

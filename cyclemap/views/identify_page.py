@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
 from cyclemap.evidence.identification.identification import Identification
-from cyclemap.evidence.identification.identified_curves import IdentifiedCurves
+from cyclemap.evidence.identified.identified_curves import IdentifiedCurves
 from cyclemap.views.identify_panels import draw_cycles, draw_ellipse, draw_interval, draw_places, draw_turns
 from cyclemap.views.style import QUIET, new_figure, picture_style
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from cyclemap.evidence.identification.derived_quantities import Derived
 from cyclemap.evidence.identification.explanations import Explanation, ExplanationComparison
 from cyclemap.evidence.identification.identification import Identification
-from cyclemap.evidence.identification.identified_material import kind_words
+from cyclemap.evidence.identified.identified_material import kind_words
 from cyclemap.views.sentences import angle
 
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from cyclemap.evidence.data_blocks.friction_scan_block import friction_ellipse_from_scans
 from cyclemap.evidence.identification.derived_quantities import derived_quantities, sampled_surfaces
-from cyclemap.evidence.identification.friction_scan_block import friction_ellipse_from_scans
 from cyclemap.evidence.identification.identification import Identification
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 from cyclemap.mechanics import EllipseFriction

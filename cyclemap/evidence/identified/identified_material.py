@@ -9,7 +9,7 @@ from dataclasses import fields
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.cross_validation import KindErrors
 from cyclemap.evidence.identification.identification import Estimate, Identification
-from cyclemap.evidence.identification.identified_curves import worn_friction_of
+from cyclemap.evidence.identified.identified_curves import worn_friction_of
 from cyclemap.mechanics import FoundWith, Material, Wear
 
 # Units as people read them, and the factor from SI.

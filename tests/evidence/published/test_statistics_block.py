@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.evidence.identification.cycle_nodes import node_values
-from cyclemap.evidence.identification.cycle_pair_block import CYCLE_UNKNOWNS, loop_on
+from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS, loop_on
 from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.published_statistics import published_statistics
-from cyclemap.evidence.identification.statistics_block import (
+from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
+from cyclemap.evidence.published.cycle_nodes import node_values
+from cyclemap.evidence.published.published_statistics import published_statistics
+from cyclemap.evidence.published.statistics_block import (
     CYCLE_NOISE,
     TOLERANCES,
     predicted_statistics,
     statistics_block,
 )
-from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
 
 LOOP = CollectionLoop.mit()
 NODES, CYCLES = 11, 100

@@ -13,10 +13,10 @@ from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.found_with import with_found
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.data_blocks.underside import warp_of
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, kept_rows
 from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
-from cyclemap.evidence.identification.underside import warp_of
 from cyclemap.mechanics import FoundWith, Material, Slider
 
 Array = NDArray[np.float64]

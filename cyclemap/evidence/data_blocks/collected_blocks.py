@@ -10,16 +10,15 @@ from pathlib import Path
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.block_builders import (
+from cyclemap.evidence.data_blocks.block_builders import (
     BlockChoices,
     Built,
     csv_part,
     cycle_parts,
     record_parts,
 )
-from cyclemap.evidence.identification.cycle_pair_block import NODES, CyclePairBlock
-from cyclemap.evidence.identification.data_block import DataBlock
-from cyclemap.evidence.identification.data_recognition import (
+from cyclemap.evidence.data_blocks.cycle_pair_block import NODES, CyclePairBlock
+from cyclemap.evidence.data_blocks.data_recognition import (
     CYCLES,
     LAYOUTS,
     RECORDS,
@@ -27,8 +26,9 @@ from cyclemap.evidence.identification.data_recognition import (
     UnusedFile,
     recognise,
 )
-from cyclemap.evidence.identification.row_selection import RowSelection, select_csv, select_pushes, told
-from cyclemap.evidence.identification.scan_forces import ScanForces
+from cyclemap.evidence.data_blocks.row_selection import RowSelection, select_csv, select_pushes, told
+from cyclemap.evidence.data_blocks.scan_forces import ScanForces
+from cyclemap.evidence.identification.data_block import DataBlock
 from cyclemap.evidence.identification.shared_progress import Progress, part_of
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
 

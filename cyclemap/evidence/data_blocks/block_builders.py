@@ -14,17 +14,17 @@ from numpy.typing import NDArray
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.cycle_pair_block import CyclePairBlock, blocks_of_cycles
+from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock, blocks_of_cycles
+from cyclemap.evidence.data_blocks.data_recognition import DRAG_BACKS, PUSH_ENDS, DataFile
+from cyclemap.evidence.data_blocks.force_ratio_block import force_ratio_block, sliding_forces
+from cyclemap.evidence.data_blocks.friction_scan_block import friction_scan_block
+from cyclemap.evidence.data_blocks.measured_strokes import MeasuredPush, read_measured_drags, read_measured_pushes
+from cyclemap.evidence.data_blocks.row_selection import CsvSelection
+from cyclemap.evidence.data_blocks.scan_forces import ScanForces
+from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
+from cyclemap.evidence.data_blocks.wrench_twist_block import read_wrench_twists, wrench_twist_block
 from cyclemap.evidence.identification.data_block import DataBlock
-from cyclemap.evidence.identification.data_recognition import DRAG_BACKS, PUSH_ENDS, DataFile
-from cyclemap.evidence.identification.force_ratio_block import force_ratio_block, sliding_forces
-from cyclemap.evidence.identification.friction_scan_block import friction_scan_block
-from cyclemap.evidence.identification.measured_strokes import MeasuredPush, read_measured_drags, read_measured_pushes
-from cyclemap.evidence.identification.row_selection import CsvSelection
-from cyclemap.evidence.identification.scan_forces import ScanForces
 from cyclemap.evidence.identification.shared_progress import Progress, part_of
-from cyclemap.evidence.identification.stroke_block import drag_turn_block, push_end_block
-from cyclemap.evidence.identification.wrench_twist_block import read_wrench_twists, wrench_twist_block
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord
 from cyclemap.evidence.pushes.push_table import PushTable

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.evidence.identification.cycle_pair_block import CyclePairBlock
+from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
+from cyclemap.evidence.data_blocks.scan_forces import ScanForces
+from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock
 from cyclemap.evidence.identification.derived_quantities import sampled_surfaces
 from cyclemap.evidence.identification.identification import Identification
-from cyclemap.evidence.identification.scan_forces import ScanForces
-from cyclemap.evidence.identification.stroke_block import StrokeBlock
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.mechanics import EllipseFriction
 

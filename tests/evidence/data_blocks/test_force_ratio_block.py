@@ -8,7 +8,7 @@ import pytest
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.force_ratio_block import (
+from cyclemap.evidence.data_blocks.force_ratio_block import (
     RATIO_KIND,
     force_ratio_block,
     pusher_friction_from_forces,

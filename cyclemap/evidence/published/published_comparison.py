@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
-from cyclemap.evidence.identification.cycle_nodes import node_values
-from cyclemap.evidence.identification.published_statistics import (
+from cyclemap.evidence.published.cycle_nodes import node_values
+from cyclemap.evidence.published.published_statistics import (
     PUBLISHED_CYCLES,
     PublishedStatistics,
     published_statistics,
 )
-from cyclemap.evidence.identification.statistics_block import (
+from cyclemap.evidence.published.statistics_block import (
     CYCLE_NOISE,
     PredictedStatistics,
     predicted_statistics,

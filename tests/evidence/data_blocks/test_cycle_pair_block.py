@@ -5,7 +5,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.cycle_pair_block import (
+from cyclemap.evidence.data_blocks.cycle_pair_block import (
     CYCLE_UNKNOWNS,
     CyclePairBlock,
     blocks_of_cycles,

@@ -3,8 +3,8 @@
 import pytest
 
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.data_blocks.prior_block import PRIOR_KIND, USUAL, prior_block
 from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.prior_block import PRIOR_KIND, USUAL, prior_block
 
 
 def test_without_data_the_beliefs_and_their_deviations_come_back():

@@ -7,15 +7,15 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.cycle_nodes import (
+from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS, loop_on
+from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.published.cycle_nodes import (
     CycleNodes,
     cycle_nodes,
     interpolation,
     interpolation_slope,
     node_values,
 )
-from cyclemap.evidence.identification.cycle_pair_block import CYCLE_UNKNOWNS, loop_on
-from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 
 SURFACE = SurfaceParameters(
     ellipticity_x=0.1,

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.cycle_pair_block import CYCLE_UNKNOWNS, loop_on
+from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS, loop_on
 from cyclemap.evidence.identification.surface_parameters import FRICTION_NAMES, HITCH_NAMES, SurfaceParameters
 
 Array = NDArray[np.float64]

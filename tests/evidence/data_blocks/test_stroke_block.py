@@ -9,22 +9,22 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.measured_strokes import (
+from cyclemap.evidence.data_blocks.measured_strokes import (
     MeasuredDrag,
     MeasuredPush,
     mean_errors,
     read_measured_drags,
     read_measured_pushes,
 )
-from cyclemap.evidence.identification.stroke_block import (
+from cyclemap.evidence.data_blocks.stroke_block import (
     drag_turn_block,
     predicted_push_end,
     push_end_block,
     surface_model,
 )
+from cyclemap.evidence.data_blocks.underside import warp_of
+from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
-from cyclemap.evidence.identification.underside import warp_of
 from cyclemap.mechanics import Pose, Slider, WorldPush
 
 RECT1 = Slider.mit("rect1")

@@ -10,11 +10,11 @@ import pytest
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
-from cyclemap.evidence.identification.cycle_pair_block import CyclePairBlock
+from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
+from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
+from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock
 from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.starting_space import starting_space
-from cyclemap.evidence.identification.stroke_block import StrokeBlock
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
 from cyclemap.evidence.simulation.simulated_collection import simulate_collection

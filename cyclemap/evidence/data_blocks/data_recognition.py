@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.identification.wrench_twist_block import TWIST_COLUMNS, WRENCH_COLUMNS
+from cyclemap.evidence.data_blocks.wrench_twist_block import TWIST_COLUMNS, WRENCH_COLUMNS
 from cyclemap.evidence.pushes.push_files import SUFFIXES
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX
 from cyclemap.text_files import read_csv_table

@@ -9,7 +9,7 @@ from stand_ins import ELLIPSE, complex_traction
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.identification.friction_scan_block import (
+from cyclemap.evidence.data_blocks.friction_scan_block import (
     SCAN_KIND,
     friction_ellipse_from_scans,
     friction_scan_block,

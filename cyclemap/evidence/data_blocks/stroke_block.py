@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.data_blocks.measured_strokes import MeasuredDrag, MeasuredPush
+from cyclemap.evidence.data_blocks.underside import warp_jacobian, warp_of
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, kept_rows
-from cyclemap.evidence.identification.measured_strokes import MeasuredDrag, MeasuredPush
 from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
-from cyclemap.evidence.identification.underside import warp_jacobian, warp_of
 from cyclemap.mechanics import PatchFootprint, Pose, QuasiStaticModel, Slider, WorldPush
 from cyclemap.mechanics.stroke_variation import drag_jacobian, push_jacobian
 
