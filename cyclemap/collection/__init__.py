@@ -3,6 +3,7 @@
 from cyclemap.collection.loop import CollectionLoop, Cycle, Cycles, CycleSensitivity, CycleTrajectory
 from cyclemap.collection.portrait import Portrait, portrait
 from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
+from cyclemap.collection.wearing_loop import drifting_map, worn_loop
 
 __all__ = [
     "CollectionLoop",
@@ -12,6 +13,8 @@ __all__ = [
     "Cycles",
     "Portrait",
     "StaircaseForecast",
+    "drifting_map",
     "portrait",
     "staircase_forecast",
+    "worn_loop",
 ]

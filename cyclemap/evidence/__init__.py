@@ -2,11 +2,25 @@
 
 from cyclemap.evidence.comparison.compare import Comparison, compare
 from cyclemap.evidence.comparison.verdicts import Verdict
+from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
+from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
+from cyclemap.evidence.data_blocks.force_ratio_block import PusherFriction, pusher_friction_from_forces
+from cyclemap.evidence.data_blocks.friction_scan_block import friction_ellipse_from_scans, friction_scan_block
+from cyclemap.evidence.data_blocks.measured_strokes import (
+    MeasuredDrag,
+    MeasuredPush,
+    read_measured_drags,
+    read_measured_pushes,
+)
+from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
+from cyclemap.evidence.data_blocks.wrench_twist_block import WrenchTwists, read_wrench_twists, wrench_twist_block
 from cyclemap.evidence.identification.data_block import DataBlock, FunctionBlock
+from cyclemap.evidence.identification.explanations import compare_explanations
 from cyclemap.evidence.identification.identification import Identification
 from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.identified.identified_material import identified_material
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map
 from cyclemap.evidence.laws.harmonic_map import HarmonicMap, harmonic_map
 from cyclemap.evidence.laws.law_bands import LawBand
@@ -30,6 +44,7 @@ from cyclemap.evidence.orientations.goodness_of_fit import (
 from cyclemap.evidence.orientations.orientation_comparison import OrientationComparison, compare_orientations
 from cyclemap.evidence.orientations.orientation_modes import kernel_modes
 from cyclemap.evidence.orientations.p_value import PValue
+from cyclemap.evidence.published.published_comparison import comparison_table, published_comparison
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
@@ -61,6 +76,7 @@ __all__ = [
     "CircularLaw",
     "CollectionModel",
     "Comparison",
+    "CyclePairBlock",
     "DataBlock",
     "FittedMap",
     "FunctionBlock",
@@ -69,7 +85,9 @@ __all__ = [
     "LawBand",
     "MapAgreement",
     "MeasuredCycleMap",
+    "MeasuredDrag",
     "MeasuredOverlay",
+    "MeasuredPush",
     "MeasuredStaircase",
     "OrderScores",
     "OrientationComparison",
@@ -81,6 +99,7 @@ __all__ = [
     "PushSet",
     "PushStatistics",
     "PushTable",
+    "PusherFriction",
     "RecordingNoise",
     "Replay",
     "ReplayedPushes",
@@ -95,20 +114,28 @@ __all__ = [
     "UnreadableFile",
     "Verdict",
     "WornLaw",
+    "WrenchTwists",
     "angle_histogram",
     "chain_p_value",
     "chain_p_values",
     "circular_wasserstein",
+    "collected_blocks",
     "collection_p_values",
     "compare",
+    "compare_explanations",
     "compare_orientations",
+    "comparison_table",
     "contact_force_ratio",
     "dataset_sliders",
+    "drag_turn_block",
     "fit_map",
     "fit_periodic_law",
     "fit_set",
     "fit_worn_law",
+    "friction_ellipse_from_scans",
+    "friction_scan_block",
     "harmonic_map",
+    "identified_material",
     "identify",
     "kernel_modes",
     "kuiper_critical_value",
@@ -120,10 +147,16 @@ __all__ = [
     "measured_overlay",
     "measured_staircase",
     "permutation_p_value",
+    "published_comparison",
+    "push_end_block",
     "push_sets",
     "push_statistics",
+    "pusher_friction_from_forces",
+    "read_measured_drags",
+    "read_measured_pushes",
     "read_push_file",
     "read_theta0_pairs",
+    "read_wrench_twists",
     "refit_harmonic_map",
     "replay_push",
     "replay_pushes",
@@ -136,4 +169,5 @@ __all__ = [
     "watson_critical_value",
     "watson_p_value",
     "watson_statistic",
+    "wrench_twist_block",
 ]

@@ -14,6 +14,7 @@ from cyclemap.mechanics.friction_wear import worn_friction
 from cyclemap.mechanics.handling import DragResult, PushResult
 from cyclemap.mechanics.limit_surface import LimitSurface
 from cyclemap.mechanics.material import FoundWith, Material, Wear, load_material, material_names
+from cyclemap.mechanics.material_text import material_toml
 from cyclemap.mechanics.outline import Ellipse, Polygon
 from cyclemap.mechanics.protocol import DragBack, Pose, SidePush, WorldPush
 from cyclemap.mechanics.pusher import Pusher
@@ -49,6 +50,7 @@ __all__ = [
     "load_footprint",
     "load_material",
     "material_names",
+    "material_toml",
     "parse_footprint",
     "worn_friction",
 ]

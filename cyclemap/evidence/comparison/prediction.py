@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.collection import CollectionLoop
+from cyclemap.collection import CollectionLoop, drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import FittedMap
@@ -103,9 +103,20 @@ def as_prediction(
         return Prediction(_map_of_fit(given, last), noise or _scatter(_sigma(given)), kind, given)
     # A loop is told by what it can do, so that a loop whose map is known may stand in for it.
     if callable(getattr(given, "circle_map", None)) and callable(getattr(given, "cycle", None)):
-        chosen = given.circle_map(tolerance=tolerance, progress=progress)
+        chosen = _map_of_loop(given, last, tolerance, progress)
         return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, given)
     raise InvalidInput(f"the prediction is {given!r}: give {PREDICTIONS}")
+
+
+def _map_of_loop(loop: Any, last: int, tolerance: float, progress: Progress | None) -> CircleMap | DriftingMap:
+    """The loop's map; where its surface wears, the one that drifts over the pushes up to ``last``."""
+    if isinstance(loop, CollectionLoop) and loop.material.wear is not None:
+        # How many maps it takes is not known before; some twenty are usual.
+        report = progress or (lambda fraction: None)
+        return drifting_map(loop, last + 1, progress=lambda done: report(min(1.0, done / 20.0)))
+    found = loop.circle_map(tolerance=tolerance, progress=progress)
+    assert isinstance(found, CircleMap)
+    return found
 
 
 def refit_rule(given: Any, pairs: Theta0Pairs, cycle: Array, first: int) -> CollectionRefit | None:

@@ -13,6 +13,7 @@ from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.found_with import with_found
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.data_blocks.fourier_interpolation import interpolation
 from cyclemap.evidence.data_blocks.underside import warp_of
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, kept_rows
 from cyclemap.evidence.identification.parameter_space import Parameter
@@ -98,12 +99,8 @@ class CyclePairBlock:
 
     @cached_property
     def _interpolation(self) -> Array:
-        """(n, nodes): value at each measured angle of the trigonometric polynomial through values at the nodes."""
-        count = self.nodes - 1 + self.nodes % 2
-        places = 2.0 * np.pi * np.arange(count) / count
-        off = self.theta[:, np.newaxis] - places
-        orders = np.arange(1, (count - 1) // 2 + 1)
-        return np.asarray((1.0 + 2.0 * np.cos(off[..., np.newaxis] * orders).sum(axis=-1)) / count)
+        """(n, nodes): from turns at the nodes, an odd number, to turns at each measured angle."""
+        return interpolation(self.theta, self.nodes - 1 + self.nodes % 2)
 
     def residuals(self, values: Values) -> Rows:
         """Return predicted minus measured turns, and their derivatives."""

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS
+from cyclemap.evidence.data_blocks.fourier_interpolation import interpolation, interpolation_slope
 from cyclemap.evidence.identification.data_block import FunctionBlock, Values
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
-from cyclemap.evidence.published.cycle_nodes import NODES, cycle_nodes, interpolation, interpolation_slope
+from cyclemap.evidence.published.cycle_nodes import NODES, cycle_nodes
 from cyclemap.evidence.published.published_statistics import PUBLISHED_CYCLES, PublishedStatistics
 from cyclemap.evidence.published.run_law import run_law
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_files import SUFFIXES
 from cyclemap.evidence.simulation.recorded_motion import FIRST_CLOCK, Recording, RecordingNoise
@@ -33,7 +34,8 @@ class CollectionPlan:
     """A collection of `cycles` pushes that `loop` makes from orientation `start` (rad) on.
 
     noise : see `RecordingNoise`. speed : m/s, of the rod. wear_to : the surface at the last cycle; the loop's own is
-    that at the first, and the limit ellipse goes from the one to the other in a straight line (see `worn_friction`).
+    that at the first, and the limit ellipse goes from the one to the other in a straight line (see `worn_friction`);
+    None: the surface wears as its material says.
     seed : of all random numbers. scans : whether friction scans, of the fresh surface, come first. suffix : of files.
 
     Raises InvalidInput for a value that cannot be used.
@@ -60,7 +62,7 @@ class CollectionPlan:
     def loop_at(self, cycle: int) -> CollectionLoop:
         """The loop with the surface as worn as it is at `cycle` (from 0)."""
         if self.wear_to is None:
-            return self.loop
+            return worn_loop(self.loop, cycle)
         share = cycle / (self.cycles - 1) if self.cycles > 1 else 0.0
         friction = worn_friction(self.loop.material.friction, self.wear_to.friction, share)
         return replace(self.loop, material=replace(self.loop.material, friction=friction))
@@ -82,6 +84,7 @@ class CollectionPlan:
     def arguments(self) -> Arguments:
         """Everything that the files depend on, by name: numbers and texts; long texts are cut to a hash."""
         loop, noise = self.loop, self.noise
+        wear = loop.material.wear if self.wear_to is None else self.wear_to.friction
         parts = {field.name: getattr(loop, field.name) for field in fields(loop) if field.name != "material"}
         return {
             "version": version("cyclemap"),
@@ -90,7 +93,7 @@ class CollectionPlan:
             "start_rad": self.start,
             "material": loop.material.name,
             "friction": repr(loop.material.friction),
-            "wear_to": "none" if self.wear_to is None else repr(self.wear_to.friction),
+            "wear_to": "none" if wear is None else repr(wear),
             **{name: _short(repr(part)) for name, part in parts.items()},
             "speed_m_s": self.speed,
             "noise_turn_rad": noise.turn,
