@@ -12,7 +12,7 @@ PACKAGE = Path(cyclemap.__file__).parent
 # A room may import itself and rooms of lower rank; two rooms of one rank do not know each other.
 RANK = {"mechanics": 2, "maps": 2, "collection": 3, "evidence": 4, "resets": 5, "views": 6, "cli": 7}
 # Modules beside the rooms: small things that every room may use, and the doors of the package.
-SHARED = {"errors": 0, "checks": 1, "suggestions": 1, "text_files": 1}
+SHARED = {"errors": 0, "checks": 1, "suggestions": 1, "text_files": 1, "whole_files": 1}
 DOORS = {"__init__": 8, "__main__": 8}
 ALL_RANKS = RANK | SHARED | DOORS
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.options import chosen_options, loop_options
+from cyclemap.cli.options import chosen_options, decorated, loop_options, result_options
 
 Decorator = Callable[[Any], Any]
 
@@ -26,9 +26,7 @@ class CompareRequest:
 
 
 def _compare_options(command: Callable[..., None]) -> Callable[..., None]:
-    for decorate in reversed([*_data_options(), *_result_options()]):
-        command = decorate(command)
-    return command
+    return decorated(command, [*_data_options(), *result_options("compare_MATERIAL.png and .json")])
 
 
 def _data_options() -> list[Decorator]:
@@ -45,18 +43,6 @@ def _data_options() -> list[Decorator]:
         click.option("--adapt", is_flag=True, help=changed),
         click.option("--runs", show_default=True, **runs),
         click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of their noise."),
-    ]
-
-
-def _result_options() -> list[Decorator]:
-    """Where results go, and as what."""
-    folder: dict[str, Any] = {"metavar": "DIR", "type": click.Path(path_type=Path), "default": "out"}
-    formats: dict[str, Any] = {"type": click.Choice(["png", "pdf", "svg"]), "default": "png"}
-    only = "Write JSON there; '-' prints JSON and nothing else."
-    return [
-        click.option("--out", show_default=True, help="Where compare_MATERIAL.png and .json go.", **folder),
-        click.option("--format", "picture_format", show_default=True, help="Format of the picture.", **formats),
-        click.option("--json", "json_target", metavar="FILE", help=only),
     ]
 
 

@@ -1,11 +1,18 @@
 """The command `cyclemap fit`: its arguments and options."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
 
+from cyclemap.cli.options import decorated, result_options
+
 MOST_HARMONICS = 50
+
+
+def _results(command: Callable[..., None]) -> Callable[..., None]:
+    return decorated(command, result_options("fit_NAME.png and .json, for each set,"))
 
 
 @click.command("fit")
@@ -21,23 +28,7 @@ MOST_HARMONICS = 50
 )
 @click.option("--wear/--no-wear", default=True, show_default=True, help="Let the cycle map drift in time.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of folds and paths.")
-@click.option(
-    "--out",
-    metavar="DIR",
-    type=click.Path(path_type=Path),
-    default="out",
-    show_default=True,
-    help="Where fit_NAME.png and .json go, for each set.",
-)
-@click.option(
-    "--format",
-    "picture_format",
-    type=click.Choice(["png", "pdf", "svg"]),
-    default="png",
-    show_default=True,
-    help="Format of the pictures.",
-)
-@click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
+@_results
 def fit_command(data: Path, json_target: str | None, **request: Any) -> None:
     """Fit laws to measured pushes: Δθ, Δx, Δy over θ0, their histogram, and the cycle map with its wear.
 

@@ -7,6 +7,8 @@ from typing import Any
 
 import click
 
+from cyclemap.cli.options import decorated, result_options
+
 Decorator = Callable[[Any], Any]
 _PATH = click.Path(path_type=Path)
 
@@ -97,24 +99,10 @@ def _method_options() -> list[Decorator]:
     ]
 
 
-def _result_options() -> list[Decorator]:
-    """Where results go, and as what."""
-    folder: dict[str, Any] = {"metavar": "DIR", "type": _PATH, "default": "out", "show_default": True}
-    formats: dict[str, Any] = {"type": click.Choice(["png", "pdf", "svg"]), "default": "png", "show_default": True}
-    return [
-        click.option("--name", help="Of the material. [default: SURFACE-identified]"),
-        click.option("--out", help="Where NAME.toml, identify_NAME.png and .json go.", **folder),
-        click.option("--format", "picture_format", help="Format of the picture.", **formats),
-        click.option(
-            "--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else."
-        ),
-    ]
-
-
 def _decorated(command: Callable[..., None]) -> Callable[..., None]:
-    for decorate in reversed([*_data_options(), *_model_options(), *_method_options(), *_result_options()]):
-        command = decorate(command)
-    return command
+    name = click.option("--name", help="Of the material. [default: SURFACE-identified]")
+    results = result_options("NAME.toml, identify_NAME.png and .json")
+    return decorated(command, [*_data_options(), *_model_options(), *_method_options(), name, *results])
 
 
 @click.command("identify")

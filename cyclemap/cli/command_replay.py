@@ -1,9 +1,16 @@
 """The command `cyclemap replay`: its arguments and options."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
+
+from cyclemap.cli.options import decorated, result_options
+
+
+def _results(command: Callable[..., None]) -> Callable[..., None]:
+    return decorated(command, result_options("replay_MATERIAL.png and .json"))
 
 
 @click.command("replay")
@@ -22,23 +29,7 @@ import click
     show_default=True,
     help="Friction coefficient between rod and object.",
 )
-@click.option(
-    "--out",
-    metavar="DIR",
-    type=click.Path(path_type=Path),
-    default="out",
-    show_default=True,
-    help="Where replay_MATERIAL.png and .json go.",
-)
-@click.option(
-    "--format",
-    "picture_format",
-    type=click.Choice(["png", "pdf", "svg"]),
-    default="png",
-    show_default=True,
-    help="Format of the picture.",
-)
-@click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
+@_results
 def replay_command(json_target: str | None, **request: Any) -> None:
     """Replay recorded pushes along their own tip paths on MATERIAL, and tell how far off each ends.
 

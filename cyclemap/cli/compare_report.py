@@ -2,8 +2,7 @@
 
 import math
 
-import numpy as np
-
+from cyclemap.cli.json_numbers import degrees, direction_deg, number
 from cyclemap.cli.json_report import Json
 from cyclemap.evidence.comparison.compare import Comparison
 from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement
@@ -23,7 +22,7 @@ def compare_report(material: str, found: Comparison) -> Json:
         "prediction": {
             "material": material,
             "kind": found.prediction.kind,
-            "noise_deg": _number(math.degrees(math.sqrt(found.prediction.noise.variance))),
+            "noise_deg": number(math.degrees(math.sqrt(found.prediction.noise.variance))),
             "refitted": found.refitted,
         },
         "data": {
@@ -47,14 +46,14 @@ def _pushes(found: PushAgreement) -> Json:
     return {
         "surface": facts["surface"],
         "object": facts["object"],
-        "speed_mm_s": _number(_METRE * facts["speed"]),
-        "side": _number(facts["side"]),
-        "fraction": _number(facts["fraction"]),
-        "angle_deg": _number(_DEGREE * facts["angle"]),
+        "speed_mm_s": number(_METRE * facts["speed"]),
+        "side": number(facts["side"]),
+        "fraction": number(facts["fraction"]),
+        "angle_deg": number(_DEGREE * facts["angle"]),
         "adapted": found.adapted,
         "pushes": found.count,
-        "interpolation_error_deg": _number(_DEGREE * found.turn_error),
-        "interpolation_error_mm": _number(_METRE * found.length_error),
+        "interpolation_error_deg": number(_DEGREE * found.turn_error),
+        "interpolation_error_mm": number(_METRE * found.length_error),
         **{scales[one.name][0]: _quantity(one, scales[one.name][1]) for one in found.quantities},
     }
 
@@ -62,39 +61,39 @@ def _pushes(found: PushAgreement) -> Json:
 def _quantity(found: QuantityAgreement, scale: float) -> Json:
     lengths = ("measured_mean", "measured_std", "predicted_mean", "predicted_std", "bias", "spread", "rmse")
     return {
-        **{name: _number(scale * getattr(found, name)) for name in lengths},
-        "bias_error": None if found.bias_error is None else _number(scale * found.bias_error),
-        "rmse_percent": _number(found.percent),
-        "measured_std_percent": _number(found.std_percent),
+        **{name: number(scale * getattr(found, name)) for name in lengths},
+        "bias_error": None if found.bias_error is None else number(scale * found.bias_error),
+        "rmse_percent": number(found.percent),
+        "measured_std_percent": number(found.std_percent),
     }
 
 
 def _cycle(found: CycleAgreement) -> Json:
     return {
         "pairs": found.agreement.pairs,
-        "rms_deg": _degrees(found.agreement.rms),
+        "rms_deg": degrees(found.agreement.rms),
         "bins": found.agreement.bins,
-        "bin_rms_deg": _degrees(found.agreement.bin_rms),
-        "measured_turn_deg": _degrees(found.measured_turn),
-        "predicted_turn_deg": _degrees(found.predicted_turn),
-        "bias_deg": _degrees(found.bias),
-        "bias_error_deg": _degrees(found.bias_error),
-        "scatter_deg": _degrees(found.scatter),
-        "lag_correlation": _number(found.lag_correlation),
+        "bin_rms_deg": degrees(found.agreement.bin_rms),
+        "measured_turn_deg": degrees(found.measured_turn),
+        "predicted_turn_deg": degrees(found.predicted_turn),
+        "bias_deg": degrees(found.bias),
+        "bias_error_deg": degrees(found.bias_error),
+        "scatter_deg": degrees(found.scatter),
+        "lag_correlation": number(found.lag_correlation),
         "map_test": _p_value(found.p_value),
     }
 
 
 def _orientations(found: OrientationAgreement) -> Json:
     tests = {name: _p_value(one) for name, one in found.tests.items()}
-    wasserstein = {"statistic_deg": _degrees(found.wasserstein.statistic), "p_value": _number(found.wasserstein.value)}
+    wasserstein = {"statistic_deg": degrees(found.wasserstein.statistic), "p_value": number(found.wasserstein.value)}
     return {
         "count": found.count,
         **{**tests, "wasserstein": wasserstein},
         "histogram": {
-            "edges_deg": [_degrees(edge) for edge in found.measured.edges],
-            "measured_per_deg": [_number(one / _DEGREE) for one in found.measured.density],
-            "predicted_per_deg": [_number(one / _DEGREE) for one in found.predicted.density],
+            "edges_deg": [degrees(edge) for edge in found.measured.edges],
+            "measured_per_deg": [number(one / _DEGREE) for one in found.measured.density],
+            "predicted_per_deg": [number(one / _DEGREE) for one in found.predicted.density],
         },
     }
 
@@ -107,8 +106,8 @@ def _directions(found: DirectionAgreement) -> Json:
                 "centre_deg": _direction(one.centre),
                 "predicted_peak_deg": _direction(one.predicted_mode),
                 "measured_peak_deg": _direction(one.measured_mode),
-                "difference_deg": _degrees(one.difference),
-                "p_value": None if one.p_value is None else _number(one.p_value.value),
+                "difference_deg": degrees(one.difference),
+                "p_value": None if one.p_value is None else number(one.p_value.value),
             }
             for one in found.matches
         ],
@@ -128,22 +127,22 @@ def _staircase(found: StaircaseAgreement) -> Json:
 
 def _simulated(found: SimulatedQuantity, scale: float) -> Json:
     names = ("measured", "predicted", "lower", "upper")
-    scaled = {name: None if (value := getattr(found, name)) is None else _number(scale * value) for name in names}
-    return {**scaled, "p_value": None if found.p_value is None else _number(found.p_value.value)}
+    scaled = {name: None if (value := getattr(found, name)) is None else number(scale * value) for name in names}
+    return {**scaled, "p_value": None if found.p_value is None else number(found.p_value.value)}
 
 
 def _theory(found: StepComparison) -> Json:
     return {
-        "steps": _number(found.net_steps),
-        "expected_steps": _number(found.expected_steps),
-        "pace_p_value": _number(found.pace_p_value),
+        "steps": number(found.net_steps),
+        "expected_steps": number(found.expected_steps),
+        "pace_p_value": number(found.pace_p_value),
         "visits": [
             {
                 "centre_deg": _direction(one.zone.centre),
                 "exits": one.exits,
-                "mean_cycles": _number(one.mean),
-                "predicted_cycles": _number(one.predicted),
-                "p_value": _number(one.mean_p_value),
+                "mean_cycles": number(one.mean),
+                "predicted_cycles": number(one.predicted),
+                "p_value": number(one.mean_p_value),
             }
             for one in found.visits
         ],
@@ -151,17 +150,8 @@ def _theory(found: StepComparison) -> Json:
 
 
 def _p_value(found: PValue | None) -> Json | None:
-    return None if found is None else {"statistic": _number(found.statistic), "p_value": _number(found.value)}
-
-
-def _number(value: float | None) -> float | None:
-    return float(value) if value is not None and math.isfinite(value) else None
-
-
-def _degrees(radians: float | None) -> float | None:
-    return None if radians is None else _number(math.degrees(radians))
+    return None if found is None else {"statistic": number(found.statistic), "p_value": number(found.value)}
 
 
 def _direction(radians: float | None) -> float | None:
-    """Degrees in [0, 360); a hair below zero must not round to 360."""
-    return None if radians is None else float(np.degrees(radians) % 360.0) % 360.0
+    return None if radians is None else direction_deg(radians)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from cyclemap.cli.json_numbers import degrees, number, numbers
 from cyclemap.cli.json_report import Json
 from cyclemap.evidence import PushTable
 from cyclemap.evidence.tables.law_table import MotionLaw
@@ -56,7 +57,7 @@ def _facts(fit: SetFit) -> Json:
     told: Json = {name: fit.pushes.facts.get(name) for name in ("surface", "object")}
     for column, (name, unit) in FACTS.items():
         value = fit.pushes.facts.get(column)
-        told[name] = None if value is None else _number(unit * value)
+        told[name] = None if value is None else number(unit * value)
     return told
 
 
@@ -72,9 +73,9 @@ def _one_statistic(name: str, one: MotionStatistics) -> Json:
     unit, scale = UNITS[name]
     return {
         "count": one.count,
-        f"mean_{unit}": _number(scale * one.mean),
-        f"std_{unit}": _number(scale * one.std),
-        "percent": _number(one.percent),
+        f"mean_{unit}": number(scale * one.mean),
+        f"std_{unit}": number(scale * one.std),
+        "percent": number(one.percent),
     }
 
 
@@ -87,32 +88,32 @@ def _law(found: MotionLaw) -> Json:
         "problem": None,
         "count": law.count,
         "harmonics": law.harmonics,
-        f"rmse_{unit}": _number(scale * law.rmse),
-        "percent": _number(law.percent),
-        f"cross_validated_rmse_{unit}": _number(scale * found.cross_validated_rmse),
-        "explained": _number(found.explained),
-        f"scatter_{unit}": _number(scale * law.sigma),
-        f"least_scatter_{unit}": _number(scale * float(np.min(noise))),
-        f"most_scatter_{unit}": _number(scale * float(np.max(noise))),
-        "lag_correlation": _number(law.lag_correlation),
-        f"cosine_{unit}": _numbers(scale * law.cosine),
-        f"sine_{unit}": _numbers(scale * law.sine),
-        "log_variance": _numbers(law.log_variance),
+        f"rmse_{unit}": number(scale * law.rmse),
+        "percent": number(law.percent),
+        f"cross_validated_rmse_{unit}": number(scale * found.cross_validated_rmse),
+        "explained": number(found.explained),
+        f"scatter_{unit}": number(scale * law.sigma),
+        f"least_scatter_{unit}": number(scale * float(np.min(noise))),
+        f"most_scatter_{unit}": number(scale * float(np.max(noise))),
+        "lag_correlation": number(law.lag_correlation),
+        f"cosine_{unit}": numbers(scale * law.cosine),
+        f"sine_{unit}": numbers(scale * law.sine),
+        "log_variance": numbers(law.log_variance.tolist()),
     }
 
 
 def _turn_histogram(found: TurnHistogram) -> Json:
     return {
-        "edges_deg": _numbers(np.degrees(found.edges)),
+        "edges_deg": numbers(np.degrees(found.edges)),
         "measured": found.measured.tolist(),
-        "predicted": _numbers(found.predicted),
-        "law_alone": _numbers(found.law_alone),
-        "total_variation": _number(found.total_variation),
-        "chance_total_variation": _number(found.chance_total_variation),
-        "p_value": _number(found.chance.value),
-        "distance_deg": _degrees(found.distance),
-        "law_alone_total_variation": _number(found.law_alone_total_variation),
-        "law_alone_distance_deg": _degrees(found.law_alone_distance),
+        "predicted": numbers(found.predicted.tolist()),
+        "law_alone": numbers(found.law_alone.tolist()),
+        "total_variation": number(found.total_variation),
+        "chance_total_variation": number(found.chance_total_variation),
+        "p_value": number(found.chance.value),
+        "distance_deg": degrees(found.distance),
+        "law_alone_total_variation": number(found.law_alone_total_variation),
+        "law_alone_distance_deg": degrees(found.law_alone_distance),
     }
 
 
@@ -124,12 +125,12 @@ def _cycle_map(found: MeasuredCycleMap) -> Json:
         "dropped": dict(found.pairs.dropped),
         "harmonics": law.harmonics,
         "wear_degree": None if found.fitted.wear is None else found.fitted.wear.degree,
-        "rmse_deg": _degrees(law.rmse),
-        "rmse_without_wear_deg": _degrees(found.fitted.law.rmse),
-        "scatter_deg": _degrees(law.sigma),
+        "rmse_deg": degrees(law.rmse),
+        "rmse_without_wear_deg": degrees(found.fitted.law.rmse),
+        "scatter_deg": degrees(law.sigma),
         "least_scatter": _place(found.quietest, "scatter_deg"),
         "most_scatter": _place(found.loudest, "scatter_deg"),
-        "lag_correlation": _number(law.lag_correlation),
+        "lag_correlation": number(law.lag_correlation),
         "early": _state(found.early),
         "late": _state(found.late),
         "forecast": None if found.forecast is None else _forecast(found.forecast),
@@ -137,18 +138,18 @@ def _cycle_map(found: MeasuredCycleMap) -> Json:
 
 
 def _place(place: tuple[float, float], name: str) -> Json:
-    return {"theta_deg": _degrees(place[0]), name: _degrees(place[1])}
+    return {"theta_deg": degrees(place[0]), name: degrees(place[1])}
 
 
 def _state(state: MapState) -> Json:
     return {
-        "cycle": _number(state.cycle),
+        "cycle": number(state.cycle),
         "fixed_points": [
-            {"theta_deg": _degrees(orbit.points[0]), "multiplier": _number(orbit.multiplier), "kind": orbit.kind}
+            {"theta_deg": degrees(orbit.points[0]), "multiplier": number(orbit.multiplier), "kind": orbit.kind}
             for orbit in state.fixed_points
         ],
         "bottlenecks": [
-            {"theta_deg": _degrees(p.theta), "least_turn_deg": _degrees(p.gap), "cycles": _number(p.passage_cycles)}
+            {"theta_deg": degrees(p.theta), "least_turn_deg": degrees(p.gap), "cycles": number(p.passage_cycles)}
             for p in state.passages
         ],
         "slowest": _place(state.slowest, "turn_deg"),
@@ -158,17 +159,17 @@ def _state(state: MapState) -> Json:
 def _forecast(found: WornForecast) -> Json:
     low, high = np.quantile(found.turns, [0.025, 0.975])
     return {
-        "first_cycle": _number(found.first_cycle),
-        "measured_turns": _number(found.measured_turns),
-        "left_out_turns": _number(found.left_out_turns),
-        "predicted_turns": _number(float(np.mean(found.turns))),
-        "predicted_turns_std": _number(float(np.std(found.turns))),
-        "predicted_turns_95": [_number(float(low)), _number(float(high))],
+        "first_cycle": number(found.first_cycle),
+        "measured_turns": number(found.measured_turns),
+        "left_out_turns": number(found.left_out_turns),
+        "predicted_turns": number(float(np.mean(found.turns))),
+        "predicted_turns_std": number(float(np.std(found.turns))),
+        "predicted_turns_95": [number(float(low)), number(float(high))],
         "full_turns": _pace(found.pace),
         "peak_deg": _peak(found.measured_histogram),
         "predicted_peak_deg": _peak(found.histogram),
-        "total_variation": _number(found.total_variation),
-        "wasserstein_deg": _degrees(found.wasserstein),
+        "total_variation": number(found.total_variation),
+        "wasserstein_deg": degrees(found.wasserstein),
     }
 
 
@@ -176,10 +177,10 @@ def _pace(pace: TurnPace) -> list[Json]:
     columns = zip(pace.start, pace.measured, pace.predicted, pace.lower, pace.upper, strict=True)
     return [
         {
-            "start_cycle": _number(start),
-            "measured_pushes": _number(measured),
-            "predicted_pushes": _number(predicted),
-            "predicted_95": [_number(low), _number(high)],
+            "start_cycle": number(start),
+            "measured_pushes": number(measured),
+            "predicted_pushes": number(predicted),
+            "predicted_95": [number(low), number(high)],
         }
         for start, measured, predicted, low, high in columns
     ]
@@ -189,15 +190,3 @@ def _peak(histogram: AngleHistogram) -> list[float]:
     """The ends of the highest bin."""
     highest = int(np.argmax(histogram.density))
     return [round(float(edge), 9) for edge in np.degrees(histogram.edges[highest : highest + 2])]
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
-
-
-def _numbers(values: np.ndarray) -> list[float | None]:
-    return [_number(value) for value in values.tolist()]
-
-
-def _degrees(radians: float) -> float | None:
-    return _number(math.degrees(radians))

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from cyclemap.cli.json_numbers import number
 from cyclemap.cli.json_report import Json
 from cyclemap.evidence.identification.cross_validation import KindErrors
 from cyclemap.evidence.identification.derived_quantities import Derived
@@ -28,7 +29,7 @@ def identify_report(
         "converged": found.converged,
         "level": found.level,
         "parameters": [_parameter(one) for one in found.estimates],
-        "held": {name: _number(value) for name, value in sorted(found.problem.fixed.items())},
+        "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
         "derived": [_derived(one) for one in derived],
         "errors": [_errors(one) for one in found.errors],
         "starts": _starts(found),
@@ -51,8 +52,8 @@ def _material(material: Material) -> Json:
 
 
 def _friction(law: EllipseFriction) -> Json:
-    told = {name: _number(getattr(law, name)) for name in ("mu_a", "mu_b", "m0", "n0")}
-    return {**told, "phi_deg": _number(math.degrees(law.phi))}
+    told = {name: number(getattr(law, name)) for name in ("mu_a", "mu_b", "m0", "n0")}
+    return {**told, "phi_deg": number(math.degrees(law.phi))}
 
 
 def _parameter(one: Estimate) -> Json:
@@ -61,10 +62,10 @@ def _parameter(one: Estimate) -> Json:
         "name": one.name,
         "description": one.description,
         "unit": _NAMES.get(unit, unit.strip()),
-        "value": _number(factor * one.value),
-        "lower": _number(factor * one.lower),
-        "upper": _number(factor * one.upper),
-        "standard_error": _number(factor * one.standard_error),
+        "value": number(factor * one.value),
+        "lower": number(factor * one.lower),
+        "upper": number(factor * one.upper),
+        "standard_error": number(factor * one.standard_error),
         "identifiable": bool(one.identifiable),
         "at_bound": one.at_bound or None,
         "method": one.method,
@@ -73,14 +74,14 @@ def _parameter(one: Estimate) -> Json:
 
 def _derived(one: Derived) -> Json:
     unit, factor = readable_unit(one.unit)
-    values = {name: _number(factor * getattr(one, name)) for name in ("value", "lower", "upper")}
+    values = {name: number(factor * getattr(one, name)) for name in ("value", "lower", "upper")}
     return {"name": one.name, "description": one.description, "unit": _NAMES[unit], **values, "known": one.known}
 
 
 def _errors(one: KindErrors) -> Json:
     kind, unit, factor = readable_kind(one.kind)
     sizes = ("mean", "median", "rms", "left_out_mean", "left_out_median", "left_out_rms")
-    told = {name: _number(factor * getattr(one, name)) for name in sizes}
+    told = {name: number(factor * getattr(one, name)) for name in sizes}
     return {"block": one.block, "kind": kind, "unit": _NAMES.get(unit, unit.strip()), "rows": one.rows, **told}
 
 
@@ -102,14 +103,10 @@ def _explanation(one: Explanation) -> Json:
         "name": one.name,
         "extra": list(one.extra),
         "problem": one.problem or None,
-        "deviance_above_best": _number(one.deviance),
-        "loss_above_best": _number(one.worse),
-        "standard_error": _number(one.standard_error),
+        "deviance_above_best": number(one.deviance),
+        "loss_above_best": number(one.worse),
+        "standard_error": number(one.standard_error),
         "told_from_best": bool(one.told_apart),
         "parameters": [] if one.found is None else [_parameter(estimate) for estimate in one.found.estimates],
         "errors": [] if one.found is None else [_errors(errors) for errors in one.found.errors],
     }
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None

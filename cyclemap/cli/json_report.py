@@ -1,11 +1,9 @@
 """Results as JSON: degrees and millimetres, every number finite or null."""
 
 import json
-import math
 from collections.abc import Sequence
 
-import numpy as np
-
+from cyclemap.cli.json_numbers import degrees, direction_deg, number
 from cyclemap.collection.loop import Cycle
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.staircase_forecast import StaircaseForecast
@@ -26,8 +24,8 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
         "map": _map(portrait),
         "fixed_points": [
             {
-                "theta_deg": _direction_deg(orbit.points[0]),
-                "multiplier": _number(orbit.multiplier),
+                "theta_deg": direction_deg(orbit.points[0]),
+                "multiplier": number(orbit.multiplier),
                 "stable": bool(orbit.stable),
             }
             for orbit in portrait.fixed_points
@@ -43,10 +41,10 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
     """The report of `cyclemap staircase`; with data it has one entry more, "data"."""
     zones = zip(forecast.prediction.zones, forecast.log10_residences, strict=True)
     report: Json = {
-        "noise_deg": _degrees(forecast.noise.sigma),
+        "noise_deg": degrees(forecast.noise.sigma),
         "prediction": {
             **_staircase(forecast.prediction),
-            "zones": [{**_zone(zone), "log10_residence_cycles": _number(log10)} for zone, log10 in zones],
+            "zones": [{**_zone(zone), "log10_residence_cycles": number(log10)} for zone, log10 in zones],
         },
         "run": {"seed": forecast.run.seed, **_steps(forecast.steps)},
     }
@@ -64,12 +62,12 @@ def _cycle(start_deg: float, cycle: Cycle) -> Json:
     dx, dy = cycle.push_displacement
     return {
         "theta0_deg": start_deg,
-        "push_turn_deg": _degrees(cycle.push_turn),
-        "push_dx_mm": _number(1000 * dx),
-        "push_dy_mm": _number(1000 * dy),
-        "drag_turn_deg": _degrees(cycle.drag_turn),
-        "drag_mm": _number(1000 * cycle.drag_length),
-        "theta1_deg": _degrees(cycle.theta_next),
+        "push_turn_deg": degrees(cycle.push_turn),
+        "push_dx_mm": number(1000 * dx),
+        "push_dy_mm": number(1000 * dy),
+        "drag_turn_deg": degrees(cycle.drag_turn),
+        "drag_mm": number(1000 * cycle.drag_length),
+        "theta1_deg": degrees(cycle.theta_next),
     }
 
 
@@ -78,12 +76,12 @@ def _map(portrait: Portrait) -> Json:
     return {
         "degree": int(portrait.map.degree),
         "samples": int(portrait.map.samples),
-        "max_error_deg": _degrees(portrait.map.max_error),
-        "mean_turn_deg": _degrees(turns.mean),
-        "min_turn_deg": _degrees(turns.minimum),
-        "max_turn_deg": _degrees(turns.maximum),
-        "min_slope": _number(turns.min_slope),
-        "max_slope": _number(turns.max_slope),
+        "max_error_deg": degrees(portrait.map.max_error),
+        "mean_turn_deg": degrees(turns.mean),
+        "min_turn_deg": degrees(turns.minimum),
+        "max_turn_deg": degrees(turns.maximum),
+        "min_slope": number(turns.min_slope),
+        "max_slope": number(turns.max_slope),
     }
 
 
@@ -91,9 +89,9 @@ def _rotation(portrait: Portrait) -> Json:
     rotation = portrait.rotation
     locked = rotation.locked
     return {
-        "value": _number(rotation.value),
-        "lower": _number(rotation.lower),
-        "upper": _number(rotation.upper),
+        "value": number(rotation.value),
+        "lower": number(rotation.lower),
+        "upper": number(rotation.upper),
         "locked": None if locked is None else f"{locked.numerator}/{locked.denominator}",
     }
 
@@ -101,39 +99,39 @@ def _rotation(portrait: Portrait) -> Json:
 def _stationary(portrait: Portrait) -> Json:
     operator = portrait.operator
     return {
-        "noise_deg": _degrees(portrait.noise.sigma),
-        "peaks_deg": sorted(_direction_deg(peak) for peak in portrait.highest_peaks),
-        "spectral_gap": _number(operator.spectral_gap),
-        "mixing_cycles": _number(operator.mixing_cycles),
-        "tv_from_uniform": _number(portrait.tv_from_uniform),
+        "noise_deg": degrees(portrait.noise.sigma),
+        "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
+        "spectral_gap": number(operator.spectral_gap),
+        "mixing_cycles": number(operator.mixing_cycles),
+        "tv_from_uniform": number(portrait.tv_from_uniform),
     }
 
 
 def _staircase(prediction: StaircaseSummary) -> Json:
     return {
-        "mean_turn_deg": _degrees(prediction.mean_turn),
-        "mean_residence_cycles": _number(prediction.mean_residence_cycles),
-        "step_deg": _degrees(prediction.step),
+        "mean_turn_deg": degrees(prediction.mean_turn),
+        "mean_residence_cycles": number(prediction.mean_residence_cycles),
+        "step_deg": degrees(prediction.step),
     }
 
 
 def _zone(zone: SlowZone) -> Json:
     return {
-        "centre_deg": _direction_deg(zone.centre),
-        "arc_deg": [_degrees(end) for end in zone.arc],
+        "centre_deg": direction_deg(zone.centre),
+        "arc_deg": [degrees(end) for end in zone.arc],
         "kind": zone.kind,
-        "residence_cycles": _number(zone.residence_cycles),
+        "residence_cycles": number(zone.residence_cycles),
     }
 
 
 def _steps(steps: Steps) -> Json:
     return {
         "cycles": int(steps.cycles),
-        "climb_deg": _degrees(steps.climb),
+        "climb_deg": degrees(steps.climb),
         "steps": int(steps.count),
-        "heights_deg": [_degrees(height) for height in steps.heights],
+        "heights_deg": [degrees(height) for height in steps.heights],
         "dwells": [
-            {"first_cycle": int(first), "cycles": int(length), "level_deg": _degrees(level), "censored": bool(censored)}
+            {"first_cycle": int(first), "cycles": int(length), "level_deg": degrees(level), "censored": bool(censored)}
             for first, length, level, censored in zip(
                 steps.start, steps.lengths, steps.levels, steps.censored, strict=True
             )
@@ -148,22 +146,22 @@ def _measured_staircase(measured: MeasuredStaircase) -> Json:
         "fitted": {
             "harmonics": measured.fitted.cosine.size - 1,
             "pairs": measured.fitted.pairs,
-            "noise_deg": _degrees(measured.fitted.sigma),
+            "noise_deg": degrees(measured.fitted.sigma),
             **_staircase(measured.prediction),
             "zones": [_zone(zone) for zone in measured.prediction.zones],
         },
         "comparison": {
-            "steps": _number(comparison.net_steps),
-            "expected_steps": _number(comparison.expected_steps),
-            "pace_p_value": _number(comparison.pace_p_value),
+            "steps": number(comparison.net_steps),
+            "expected_steps": number(comparison.expected_steps),
+            "pace_p_value": number(comparison.pace_p_value),
             "visits": [
                 {
-                    "centre_deg": _direction_deg(visit.zone.centre),
+                    "centre_deg": direction_deg(visit.zone.centre),
                     "exits": visit.exits,
-                    "mean_cycles": _number(visit.mean),
-                    "standard_error_cycles": _number(visit.standard_error),
-                    "predicted_cycles": _number(visit.predicted),
-                    "p_value": _number(visit.mean_p_value),
+                    "mean_cycles": number(visit.mean),
+                    "standard_error_cycles": number(visit.standard_error),
+                    "predicted_cycles": number(visit.predicted),
+                    "p_value": number(visit.mean_p_value),
                 }
                 for visit in comparison.visits
             ],
@@ -176,20 +174,7 @@ def _data(measured: MeasuredOverlay) -> Json:
     return {
         "pairs": agreement.pairs,
         "dropped": dict(measured.pairs.dropped),
-        "rms_deg": _degrees(agreement.rms),
+        "rms_deg": degrees(agreement.rms),
         "bins": agreement.bins,
-        "bin_rms_deg": _degrees(agreement.bin_rms),
+        "bin_rms_deg": degrees(agreement.bin_rms),
     }
-
-
-def _number(value: float | None) -> float | None:
-    return float(value) if value is not None and math.isfinite(value) else None
-
-
-def _degrees(radians: float | None) -> float | None:
-    return None if radians is None else _number(math.degrees(radians))
-
-
-def _direction_deg(radians: float) -> float:
-    """Degrees in [0, 360); a hair below zero must not round to 360."""
-    return float(np.degrees(radians) % 360.0) % 360.0

@@ -47,7 +47,7 @@ def loop_options(command: Callable[..., None]) -> Callable[..., None]:
             help="One fact of the experiment; repeatable.",
         ),
     ]
-    return _decorated(command, decorators)
+    return decorated(command, decorators)
 
 
 def run_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -58,30 +58,25 @@ def run_options(command: Callable[..., None]) -> Callable[..., None]:
             "--cycles", type=click.IntRange(min=1), help="Length of the staircase. [default: 2000, or the data's]"
         ),
         click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of its noise."),
-        click.option(
-            "--out",
-            metavar="DIR",
-            type=click.Path(path_type=Path),
-            default="out",
-            show_default=True,
-            help="Where COMMAND_MATERIAL.png and .json go.",
-        ),
-        click.option(
-            "--format",
-            "picture_format",
-            type=click.Choice(["png", "pdf", "svg"]),
-            default="png",
-            show_default=True,
-            help="Format of the picture.",
-        ),
-        click.option(
-            "--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else."
-        ),
+        *result_options("COMMAND_MATERIAL.png and .json"),
     ]
-    return _decorated(command, decorators)
+    return decorated(command, decorators)
 
 
-def _decorated(command: Callable[..., None], decorators: list[Callable[[Any], Any]]) -> Callable[..., None]:
+def result_options(files: str) -> list[Callable[[Any], Any]]:
+    """Options of where results go, and as what; `files` names them in the help."""
+    only = "Write JSON there; '-' prints JSON and nothing else."
+    folder: dict[str, Any] = {"metavar": "DIR", "type": click.Path(path_type=Path), "default": "out"}
+    formats: dict[str, Any] = {"type": click.Choice(["png", "pdf", "svg"]), "default": "png"}
+    return [
+        click.option("--out", show_default=True, help=f"Where {files} go.", **folder),
+        click.option("--format", "picture_format", show_default=True, help="Format of the picture.", **formats),
+        click.option("--json", "json_target", metavar="FILE", help=only),
+    ]
+
+
+def decorated(command: Callable[..., None], decorators: list[Callable[[Any], Any]]) -> Callable[..., None]:
+    """Give `command` the options, in this order."""
     for decorate in reversed(decorators):
         command = decorate(command)
     return command

@@ -1,9 +1,7 @@
 """Where results go: files that appear whole or not at all, the terminal, and a bar for slow work."""
 
-import os
 import re
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,23 +10,9 @@ from pathlib import Path
 import click
 
 from cyclemap.cli.json_report import Json, json_text
+from cyclemap.whole_files import write_whole
 
 PATIENCE_SECONDS = 2.0
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write `content` to `path` by way of a temporary file beside it, making the folder where needed."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    temporary = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        # Temporary files are private; the result should be as readable as any other new file.
-        temporary.chmod(0o666 & ~_umask())
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def write_json(path: Path, report: Json) -> None:
@@ -77,9 +61,3 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
         yield report
     finally:
         bar.stop()
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

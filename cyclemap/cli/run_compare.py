@@ -8,7 +8,7 @@ from rich.table import Table
 from cyclemap.cli.command_compare import CompareRequest
 from cyclemap.cli.compare_report import compare_report
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json, write_whole
+from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.portrait_curves import turn_curve
@@ -18,6 +18,7 @@ from cyclemap.maps import WrappedNormal
 from cyclemap.views import compare_sentences as sentences
 from cyclemap.views.compare_page import compare_page
 from cyclemap.views.style import render
+from cyclemap.whole_files import write_whole
 
 PUSH_COLUMNS = ("", "measured", "std", "predicted", "bias", "spread", "RMSE", "%", "std %")
 SYMBOLS = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from cyclemap.cli.fit_report import fit_report, set_report
 from cyclemap.cli.fit_tables import law_table, statistics_table
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json, write_whole
+from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence import PushTable, load_pushes
@@ -16,6 +16,7 @@ from cyclemap.suggestions import unknown_name
 from cyclemap.views.fit_page import fit_page
 from cyclemap.views.fit_sentences import set_sentences
 from cyclemap.views.style import render
+from cyclemap.whole_files import write_whole
 
 # Bad files are told by name up to this many, and counted beyond.
 MOST_NAMED = 10

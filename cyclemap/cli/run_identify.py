@@ -11,7 +11,7 @@ from cyclemap.cli.identify_report import identify_report
 from cyclemap.cli.identify_tables import derived_table, error_table, explanation_table, parameter_table
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_whole
+from cyclemap.cli.output import file_stem, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole
@@ -35,6 +35,7 @@ from cyclemap.mechanics.material_text import material_toml
 from cyclemap.views import identify_sentences as sentences
 from cyclemap.views.identify_page import identify_page
 from cyclemap.views.style import render
+from cyclemap.whole_files import write_whole
 
 WIDE = 200
 

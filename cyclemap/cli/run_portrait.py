@@ -7,7 +7,7 @@ from rich.table import Table
 
 from cyclemap.cli.json_report import portrait_report
 from cyclemap.cli.options import LoopOptions, RunRequest
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json, write_whole
+from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
@@ -17,6 +17,7 @@ from cyclemap.evidence import MeasuredOverlay, Theta0Pairs, measured_overlay, re
 from cyclemap.views import sentences
 from cyclemap.views.portrait_page import portrait_page
 from cyclemap.views.style import render
+from cyclemap.whole_files import write_whole
 
 
 def run_portrait(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:

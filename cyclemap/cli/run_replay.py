@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.table import Table
 
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json, write_whole
+from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.replay_report import replay_report
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.errors import CycleMapError
@@ -15,6 +15,7 @@ from cyclemap.evidence.replay.replay_table import ReplayedPushes, replay_pushes
 from cyclemap.mechanics import Pusher, load_material
 from cyclemap.views.replay_page import replay_headline, replay_page
 from cyclemap.views.style import render
+from cyclemap.whole_files import write_whole
 
 # Files left out are told by name up to this many, and counted beyond.
 MOST_NAMED = 10

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from cyclemap.cli.json_report import staircase_report
 from cyclemap.cli.options import LoopOptions, RunRequest
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json, write_whole
+from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
@@ -14,6 +14,7 @@ from cyclemap.evidence import MeasuredStaircase, measured_staircase, read_theta0
 from cyclemap.views import staircase_sentences as sentences
 from cyclemap.views.staircase_page import staircase_page
 from cyclemap.views.style import render
+from cyclemap.whole_files import write_whole
 
 
 def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:

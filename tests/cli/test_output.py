@@ -7,7 +7,8 @@ import pytest
 
 from cyclemap.cli import output
 from cyclemap.cli.json_report import json_text
-from cyclemap.cli.output import file_stem, progress_bar, write_json, write_whole
+from cyclemap.cli.output import file_stem, progress_bar, write_json
+from cyclemap.whole_files import write_whole
 
 
 def test_written_file_is_whole_readable_and_alone(tmp_path) -> None:

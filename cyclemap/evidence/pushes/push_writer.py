@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +11,11 @@ from numpy.typing import NDArray
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_files import HDF5_SUFFIXES, SUFFIXES
 from cyclemap.evidence.pushes.push_record import PUSH_TABLES, PushRecord, ScanRecord
+from cyclemap.whole_files import write_whole
 
 Array = NDArray[np.float64]
 
 SCAN_TABLES = ("tip_array", "ft_wrench")
-# What a process killed while writing leaves behind ends so; no reader of push data takes it for a push.
-UNFINISHED_SUFFIX = ".part"
 
 
 def write_push_file(path: str | Path, record: PushRecord | ScanRecord) -> int:
@@ -51,21 +49,6 @@ def record_tables(record: PushRecord | ScanRecord) -> dict[str, Array]:
     if isinstance(record, PushRecord):
         return {name: getattr(record, name) for name in PUSH_TABLES}
     return dict(zip(SCAN_TABLES, (record.tip, record.ft_wrench), strict=True))
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Write `content` to `path` by way of a file beside it; OSError, naming the path, where that cannot be done."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}{UNFINISHED_SUFFIX}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            temporary.write_bytes(content)
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        cause = f"{error.strerror}: {error.filename}" if error.filename else error.strerror
-        raise OSError(f"{path} cannot be written ({cause}); nothing was left half-written") from error
 
 
 def _hdf5(tables: dict[str, Array]) -> bytes:

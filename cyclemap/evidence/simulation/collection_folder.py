@@ -9,9 +9,9 @@ from pathlib import Path
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_name, scan_name
-from cyclemap.evidence.pushes.push_writer import UNFINISHED_SUFFIX, write_whole
 from cyclemap.evidence.simulation.collection_plan import Arguments, CollectionPlan
 from cyclemap.text_files import read_toml
+from cyclemap.whole_files import UNFINISHED_SUFFIX, write_whole
 
 # Neither is a kind of file that readers of push data look at.
 ARGUMENTS_FILE = "simulation.toml"
