@@ -12,9 +12,9 @@ from cyclemap.cli import output
 from cyclemap.cli.command_identify import identify_command
 from cyclemap.cli.main import cli, run
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.evidence.data_blocks import collected_blocks as module
 from cyclemap.evidence.data_blocks.measured_strokes import MeasuredPush
 from cyclemap.evidence.data_blocks.stroke_block import predicted_push_end, surface_model
-from cyclemap.evidence.identification import collected_blocks as module
 from cyclemap.evidence.identification.data_block import FunctionBlock
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.mechanics import EllipseFriction, Pose, Slider, load_material

@@ -18,7 +18,7 @@ def largest_saddles(slider: Slider) -> tuple[float, float]:
     With the rim share w they grow by 1 + RIM_RISE w, as the pressure of the frame does.
 
     >>> [round(value, 3) for value in largest_saddles(Slider.mit("rect1"))]
-    [0.72, 0.36]
+    [0.719, 0.36]
     """
     assert slider.centre_of_mass is not None
     footprint = PatchFootprint.under(slider.outline, slider.centre_of_mass)

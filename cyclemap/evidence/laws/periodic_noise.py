@@ -18,6 +18,8 @@ TOLERANCE = 1e-12
 MAX_ROUNDS = 500
 # Residuals this small beside the values are rounding: there is no scatter to describe.
 ROUNDING = 1e-12
+# e to this is far beyond any ratio of variances, and its square is still a number.
+_LARGEST_EXPONENT = 300.0
 
 
 def fit_with_scatter(
@@ -150,5 +152,6 @@ def _held_out_losses(columns: Array, squares: Array, fold: NDArray[np.int64]) ->
     for one in range(int(fold.max()) + 1):
         out = fold == one
         level = columns[out] @ fit_log_variance(columns[~out], squares[~out])
-        losses[out] = 0.5 * (level + squares[out] * np.exp(-level))
+        # A law that leaves no scatter at all where something was left out is lost by any measure.
+        losses[out] = 0.5 * (level + squares[out] * np.exp(np.minimum(-level, _LARGEST_EXPONENT)))
     return losses
