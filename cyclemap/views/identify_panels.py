@@ -96,7 +96,10 @@ def draw_interval(axes: Axes, one: Estimate) -> None:
     for end, opened in ((lower, one.lower_open), (upper, one.upper_open)):
         axes.plot(end, 0.0, "|" if not opened else "x", color=look["color"], markersize=8)
     room = 0.35 * max(upper - lower, 1e-9)
+    # An interval narrower than the digits of its ticks would be labelled with an offset that nobody can read.
+    room = max(room, 1e-3 * max(abs(lower), abs(upper), 1e-3))
     axes.set_xlim(lower - room, upper + room)
+    axes.ticklabel_format(axis="x", useOffset=False)
     axes.set(yticks=[], ylim=(-1.0, 1.0))
     axes.xaxis.set_major_locator(MaxNLocator(4))
     axes.grid(visible=False)

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cyclemap.cli import output
 from cyclemap.cli.command_identify import identify_command
 from cyclemap.cli.main import cli, run
 from cyclemap.collection.loop import CollectionLoop
@@ -197,7 +196,7 @@ def test_an_interrupt_leaves_nothing_half_written(here, monkeypatch) -> None:
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(output.os, "fdopen", interrupted)
+    monkeypatch.setattr(Path, "write_bytes", interrupted)
     assert run(["identify", "ends.csv", "--free", "offset_x", "--folds", "0", "--starts", "1"]) == 130
     assert list((here / "out").iterdir()) == []
 
