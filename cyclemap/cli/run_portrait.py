@@ -61,6 +61,8 @@ def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture
         console.print(sentences.agreement_sentence(measured.agreement))
     if drawn.fixed_points:
         console.print(_fixed_point_table(drawn))
+    if told := sentences.material_line(drawn.loop.material):
+        console.print(told)
     for line in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line):
         console.print(line(drawn), style="dim")
     console.print(f"picture: {picture}")

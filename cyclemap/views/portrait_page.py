@@ -99,7 +99,10 @@ def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, mea
     figure.text(0.015, 0.955, headline(portrait), fontsize=18, fontweight="bold", va="center")
     told = f"{lock_sentence(portrait)} {noise_sentence(portrait)} {staircase_sentence(portrait)}"
     figure.text(0.015, 0.928, fill(told, LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
-    foot = [parameters_line(portrait), f"{push_line(portrait)}  ·  {accuracy_line(portrait)}"]
+    inferred = (
+        f"{portrait.loop.material.name} was inferred, not measured  ·  " if portrait.loop.material.inferred else ""
+    )
+    foot = [parameters_line(portrait), f"{inferred}{push_line(portrait)}  ·  {accuracy_line(portrait)}"]
     if measured is not None:
         foot.append(agreement_sentence(measured.agreement))
     figure.text(0.015, 0.06, "\n".join(foot), fontsize=8, color=QUIET, va="top", linespacing=1.35)

@@ -6,6 +6,7 @@ from decimal import Decimal
 from cyclemap.collection.portrait import Portrait
 from cyclemap.evidence import MapAgreement
 from cyclemap.maps import Orbit
+from cyclemap.mechanics import Material
 
 # A stay longer than this is beyond any experiment: only its order of magnitude is told.
 LONGEST_STAY = 1e5
@@ -80,6 +81,14 @@ def parameters_line(portrait: Portrait) -> str:
     friction = f"friction μa {law.mu_a:g}, μb {law.mu_b:g}, m0 {law.m0:g}, n0 {law.n0:g}, φ {angle(law.phi)}"
     rod = f"rod ⌀ {2000 * loop.pusher.radius:g} mm, μ {loop.pusher.friction:g}"
     return f"{friction}  ·  {rod}  ·  ring at ({ring_x:.1f}, {ring_y:.1f}) mm"
+
+
+def material_line(material: Material) -> str:
+    """That a material was inferred and how far it misses its data, and that it wears; empty where there is neither."""
+    said = [f"{material.name} was inferred, not measured: {material.misfit}"] if material.inferred else []
+    if material.wear is not None:
+        said.append(f"it wears over {material.wear.cycles:g} cycles; this is the fresh surface")
+    return "; ".join(said)
 
 
 def push_line(portrait: Portrait) -> str:

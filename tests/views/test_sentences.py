@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from cyclemap.evidence import MapAgreement
+from cyclemap.mechanics import load_material
 from cyclemap.views import sentences
 
 
@@ -75,3 +76,10 @@ def test_counts_are_short(value, said) -> None:
 def test_angles_never_say_minus_zero() -> None:
     assert sentences.angle(-1e-9) == "0.0°"
     assert sentences.angle(math.radians(-65.04)) == "−65.0°"
+
+
+def test_an_inferred_material_is_said_to_be_and_a_measured_one_says_nothing() -> None:
+    told = sentences.material_line(load_material("plywood-measured"))
+    assert told.startswith("plywood-measured was inferred, not measured: cycles 1.56 deg")
+    assert "wears over 2000 cycles" in told
+    assert sentences.material_line(load_material("plywood")) == ""
