@@ -43,7 +43,7 @@ def run_compare(options: LoopOptions, request: CompareRequest, json_target: str 
     stem = request.out / f"compare_{file_stem(name)}"
     write_json(stem.with_name(f"{stem.name}.json"), told)
     picture = stem.with_name(f"{stem.name}.{request.picture_format}")
-    page = compare_page(name, found, turn_curve(found.prediction.map_at(0)))
+    page = compare_page(name, found, turn_curve(found.prediction.map_at(found.middle)))
     write_whole(picture, render(page, request.picture_format))
     if not publish_json(told, json_target):
         _print_for_people(name, found, picture)

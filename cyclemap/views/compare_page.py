@@ -57,7 +57,7 @@ def _draw_cycles(panels: list[Axes], found: Comparison, curve: TurnCurve) -> Non
     assert found.cycle is not None and found.data.pairs is not None
     draw_turn(turn, curve, ())
     draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
-    turn.set_title("Cycle map", pad=TITLE_PAD)
+    turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
     legend_above(turn)
     _draw_histograms(histogram, found.orientations)
     _draw_stairs(staircase, found.data.path, found.staircase)

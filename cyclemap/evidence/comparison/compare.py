@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 from cyclemap.checks import whole_number
@@ -69,6 +70,11 @@ class Comparison:
     staircase: StaircaseAgreement | None
     refitted: bool
     uncertified: tuple[str, ...] = ()
+
+    @property
+    def middle(self) -> float:
+        """The push in the middle of those compared, whose map stands for all where the surface wears."""
+        return float(median(self.data.cycle.tolist())) if self.data.cycle.size else 0.0
 
     @property
     def told_pushes(self) -> tuple[tuple[str, tuple[QuantityAgreement, ...]], ...]:
