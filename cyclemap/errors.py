@@ -13,6 +13,14 @@ class DataFileError(InvalidInput):
     """A file that cannot be read as what it should be: the message names the file, the place and the mend."""
 
 
+class RodInsideObject(InvalidInput):
+    """A push whose rod starts inside the object: the message names the place."""
+
+
+class RodMissesObject(InvalidInput):
+    """A push whose rod passes the object by, or stops before it: nothing moves."""
+
+
 class ConvergenceError(CycleMapError, ArithmeticError):
     """A computation that could not reach its stated tolerance: the message carries the residual."""
 

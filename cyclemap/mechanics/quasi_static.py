@@ -8,7 +8,7 @@ import numpy as np
 from scipy.constants import g as GRAVITY
 
 from cyclemap.checks import finite_number, non_negative_number, positive_number
-from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.errors import InvalidInput, RodInsideObject, RodMissesObject, UnsupportedContact
 from cyclemap.mechanics.contact_curve import OutlinePiece, RingPiece, contact_curve, side_coordinate
 from cyclemap.mechanics.contact_solver import ContactSolver
 from cyclemap.mechanics.event_integration import integrate
@@ -171,7 +171,7 @@ class QuasiStaticModel:
             travel, index, coordinate = self._touch(pose, push)
             length = push.distance / self.unit - travel
             if length <= 0.0:
-                raise InvalidInput(
+                raise RodMissesObject(
                     f"the rod stops {-length * self.unit * 1e3:.3g} mm short of the object: lengthen the push"
                 )
         place = self.rod_place(pose, index, coordinate)
@@ -180,10 +180,10 @@ class QuasiStaticModel:
     def _touch(self, pose: Pose, push: WorldPush) -> tuple[float, int, float]:
         start = np.array(pose.to_object(*push.start)) / self.unit
         if overlaps(self._outline, self.radius, start):
-            raise InvalidInput(f"the rod starts inside the object, at {push.start} m: move its start outside")
+            raise RodInsideObject(f"the rod starts inside the object, at {push.start} m: move its start outside")
         touch = first_touch(self.pieces, self.radius, start, push.direction - pose.theta)
         if touch is None:
-            raise InvalidInput(
+            raise RodMissesObject(
                 f"the rod never touches the object: from {push.start} m its path in direction {push.direction:.6g} rad "
                 "passes it by or points away"
             )

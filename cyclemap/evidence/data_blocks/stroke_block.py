@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import InvalidInput, RodInsideObject, RodMissesObject
 from cyclemap.evidence.data_blocks.measured_strokes import MeasuredDrag, MeasuredPush
 from cyclemap.evidence.data_blocks.underside import warp_jacobian, warp_of
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, kept_rows
@@ -133,12 +133,10 @@ def predicted_push_end(
         start = (push.tip_start[0] + shift[0] - back * c, push.tip_start[1] + shift[1] - back * s)
         try:
             run = model.push(push.start, WorldPush(start, push.direction, push.length + back))
-        except InvalidInput as cause:
-            if "starts inside" in str(cause):
-                continue
-            if "never touches" in str(cause) or "short of the object" in str(cause):
-                return push.start, None
-            raise
+        except RodInsideObject:
+            continue
+        except RodMissesObject:
+            return push.start, None
         return run.end, run
     raise InvalidInput(f"the rod at {push.tip_start} m lies deep inside the object at {push.start}: check the frames")
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.cross_validation import CrossValidation, KindErrors
 from cyclemap.evidence.identification.identifiability import Uncertainty
 from cyclemap.evidence.identification.joint_problem import JointProblem
@@ -13,7 +12,7 @@ from cyclemap.evidence.identification.least_squares import Fit, MultiStart
 from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.profile_likelihood import Interval
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
-from cyclemap.mechanics import EllipseFriction, Material
+from cyclemap.mechanics import EllipseFriction
 from cyclemap.suggestions import unknown_name
 
 
@@ -90,27 +89,6 @@ class Identification:
     def friction(self) -> EllipseFriction:
         """Return the identified friction ellipse."""
         return self.surface.to_friction()
-
-    def material(self, name: str) -> Material:
-        """Return the friction as a material, its provenance telling data, intervals and misfit. Needs a name."""
-        if not name.strip():
-            raise InvalidInput("a material needs a name")
-        return Material(name, self.friction(), self.provenance)
-
-    @property
-    def provenance(self) -> str:
-        """Where the numbers come from, in one paragraph."""
-        data = ", ".join(f"{block.name} ({len(block.groups)} values)" for block in self.problem.blocks)
-        free = "; ".join(str(estimate) for estimate in self.estimates)
-        held = "; ".join(f"{name} {value:.4g}" for name, value in sorted(self.problem.fixed.items()))
-        misfit = "; ".join(_misfit(errors) for errors in self.errors)
-        text = f"inferred from {data}: {free}, intervals of {100 * self.level:g} %"
-        return text + (f"; held: {held}" if held else "") + f"; misfit (root mean square): {misfit}"
-
-
-def _misfit(errors: KindErrors) -> str:
-    left_out = f", left out {errors.left_out_rms:.3g}" if errors.left_out_rms == errors.left_out_rms else ""
-    return f"{errors.block}, {errors.kind}: {errors.rms:.3g}{left_out}"
 
 
 def estimate(

@@ -15,6 +15,7 @@ from cyclemap.evidence.identification.least_squares import Fit, fit_with_noise
 from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.profile_likelihood import profile_interval
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
+from cyclemap.evidence.identified.identified_material import identified_material
 
 NAMES = (*ELLIPSE, "pusher_friction", "hitch_scale")
 SPACE = SURFACE.select(NAMES)
@@ -33,10 +34,10 @@ def test_without_noise_the_friction_comes_back_exactly_and_becomes_a_material() 
     assert max(abs(found.values[name] - TRUTH[name]) for name in NAMES) < 1e-9
     assert found.starts.arrived == 3
     truth = SurfaceParameters.from_values(TRUTH).to_friction()
-    material = found.material("made")
-    assert np.allclose(dataclasses.astuple(material.friction), dataclasses.astuple(truth), atol=1e-9)
+    material = identified_material(found, "made")
+    assert np.allclose(dataclasses.astuple(found.friction()), dataclasses.astuple(truth), atol=1e-9)
     assert "inferred from scan (24 values), pushes (32 values)" in material.provenance
-    assert "left out" in material.provenance
+    assert "left out" in material.misfit
     assert steps == sorted(steps)
     assert steps[-1] == 1.0
 
@@ -174,6 +175,6 @@ def test_questions_that_make_no_sense_are_refused_by_name() -> None:
         identify(both, NAMES, starts=0)
     found = identify(both, NAMES, starts=1, intervals="covariance")
     with pytest.raises(InvalidInput, match="needs a name"):
-        found.material(" ")
+        identified_material(found, " ")
     with pytest.raises(InvalidInput, match="unknown identified parameter"):
         found["rim_share"]
