@@ -80,7 +80,7 @@ def _contact_frame(
     """Normal and tangential force, contact, and times with the rod's places and tangents in the object's frame."""
     time, force = _within(push.ft_wrench, (push.object_pose, push.tip_pose))
     rod, force = _in_object_frame(push, time, -force)
-    offset = _nearest_point(rod, outline) - rod
+    offset = nearest_on_polyline(rod, outline)[0] - rod
     distance = np.hypot(*offset.T)
     with np.errstate(divide="ignore", invalid="ignore"):
         normal = offset / distance[:, None]
@@ -161,13 +161,18 @@ def _in_object_frame(push: PushRecord, time: Array, force: Array) -> tuple[Array
     return c * offset + s * back * offset[:, ::-1], c * force + s * back * force[:, ::-1]
 
 
-def _nearest_point(points: Array, outline: Array) -> Array:
-    """The nearest point of a polyline (k, 2) to each of the points (n, 2)."""
-    first, edge = outline[:-1], np.diff(outline, axis=0)
+def nearest_on_polyline(points: Array, polyline: Array) -> tuple[Array, NDArray[np.intp]]:
+    """Return the nearest point (n, 2) of a polyline (k, 2) to each of the points (n, 2), and the edge (n,) it is on.
+
+    >>> place, edge = nearest_on_polyline(np.array([[1.0, 2.0]]), np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 3.0]]))
+    >>> place.tolist(), edge.tolist()
+    ([[1.0, 0.0]], [0])
+    """
+    first, edge = polyline[:-1], np.diff(polyline, axis=0)
     share = np.sum((points[:, None] - first) * edge, axis=-1) / np.sum(edge * edge, axis=-1)
     on_edge = first + np.clip(share, 0.0, 1.0)[..., None] * edge
     nearest = np.argmin(np.sum((points[:, None] - on_edge) ** 2, axis=-1), axis=1)
-    return np.asarray(on_edge[np.arange(len(points)), nearest])
+    return np.asarray(on_edge[np.arange(len(points)), nearest]), nearest
 
 
 def _inside(points: Array, outline: Array) -> NDArray[np.bool_]:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.pushes.contact_forces import nearest_on_polyline
 from cyclemap.mechanics import Pose, QuasiStaticModel
 
 Array = NDArray[np.float64]
@@ -33,14 +34,12 @@ def rod_gap(model: QuasiStaticModel, pose: Pose, place: tuple[float, float]) -> 
     outline = model.slider.outline
     rod = np.array(pose.to_object(*place))
     corners = outline.points(_PIECES)
-    first, edge = corners[:-1], np.diff(corners, axis=0)
-    share = np.clip(((rod - first) * edge).sum(1) / (edge * edge).sum(1), 0.0, 1.0)
-    offset = rod - first - share[:, None] * edge
-    distance = np.hypot(*offset.T)
-    nearest = int(distance.argmin())
+    (place_on,), (edge,) = nearest_on_polyline(rod[np.newaxis], corners)
+    offset = rod - place_on
+    distance = float(np.hypot(*offset))
     inside = bool(outline.contains(rod))
-    outward = _outward(offset[nearest], edge[nearest], inside)
-    gap = float(-distance[nearest] if inside else distance[nearest]) - model.pusher.radius
+    outward = _outward(offset, corners[edge + 1] - corners[edge], inside)
+    gap = (-distance if inside else distance) - model.pusher.radius
     return gap, np.array(Pose(theta=pose.theta).to_world(*outward))
 
 
