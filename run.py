@@ -4,6 +4,7 @@
     python3 run.py portrait plywood     install what is needed, then run `cyclemap portrait plywood`
     python3 run.py COMMAND ...          the same for any command of cyclemap
     python3 run.py test [PYTEST ...]    install the test tools too, check style and types, run the tests
+    python3 run.py docs [SPHINX ...]    build the documentation into docs/_build/html
 
 The packages go into the folder .venv beside this file. It is made on the first run, brought up to date when
 pyproject.toml or Python changes, and repaired when an earlier run was cut short.
@@ -42,11 +43,13 @@ def main(arguments: list[str]) -> int:
     if not arguments or arguments[0] in ("-h", "--help"):
         print(__doc__.strip())
         return 0 if arguments else 2
-    testing = arguments[0] == "test"
+    tools = {"test": run_tests, "docs": build_docs}
     try:
         check_python()
-        ensure_installed(testing)
-        return run_tests(arguments[1:]) if testing else call([PYTHON, "-m", "cyclemap", *arguments])
+        ensure_installed(testing=arguments[0] in tools)
+        if arguments[0] in tools:
+            return tools[arguments[0]](arguments[1:])
+        return call([PYTHON, "-m", "cyclemap", *arguments])
     except InstallError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -129,6 +132,14 @@ def run_tests(arguments: list[str]) -> int:
     codes = [call([PYTHON, "-m", *check], cwd=ROOT) for check in CHECKS]
     codes.append(call([PYTHON, "-m", "pytest", "-n", "auto", *arguments], cwd=ROOT))
     return next((code for code in codes if code), 0)
+
+
+def build_docs(arguments: list[str]) -> int:
+    """Build the documentation, its warnings as errors, and say where it is; the exit code."""
+    code = call([PYTHON, "-m", "sphinx", "-W", "--keep-going", "-q", *arguments, "docs", "docs/_build/html"], cwd=ROOT)
+    if not code:
+        print(f"open {ROOT / 'docs' / '_build' / 'html' / 'index.html'}")
+    return code
 
 
 def call(command: list, cwd: Path | None = None) -> int:

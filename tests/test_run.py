@@ -133,6 +133,20 @@ def test_every_check_runs_and_any_failure_counts(run, monkeypatch, failing) -> N
     assert made[-1][-2:] == ["-k", "cycle"]
 
 
+@pytest.mark.parametrize(("code", "said"), [(0, "index.html"), (2, "")])
+def test_documentation_is_built_with_warnings_as_errors_and_its_place_told(
+    run, monkeypatch, capsys, code, said
+) -> None:
+    made: list[list[str]] = []
+    monkeypatch.setattr(run, "ensure_installed", lambda testing: made.append(["installed", str(testing)]))
+    monkeypatch.setattr(run, "call", lambda command, cwd=None: made.append([str(part) for part in command]) or code)
+    assert run.main(["docs", "-E"]) == code
+    assert made[0] == ["installed", "True"]
+    assert made[1][1:4] == ["-m", "sphinx", "-W"]
+    assert "-E" in made[1]
+    assert capsys.readouterr().out.strip().endswith(said)
+
+
 def test_no_argument_shows_how_to_use_it(run, capsys) -> None:
     assert run.main([]) == 2
     assert "python3 run.py portrait plywood" in capsys.readouterr().out
