@@ -1,0 +1,89 @@
+"""Isotropic friction: a rigid rotation, in symbols and in the code; the ellipsoid's rotation beside the real one."""
+
+import math
+
+import numpy as np
+import sympy as sp
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.mechanics import (
+    DragBack,
+    Ellipse,
+    EllipseFriction,
+    LimitSurface,
+    Material,
+    PatchFootprint,
+    SidePush,
+    Slider,
+    grid_footprint,
+)
+from theory import isotropy as theory
+from theory.turned_surface import PHI, THETA, spelled_out
+
+ISOTROPIC = EllipseFriction.isotropic(0.25)
+SQUARE = Slider.mit("rect1").outline
+
+
+def loop_with(**changes):
+    return CollectionLoop.mit(material=Material("test", ISOTROPIC), accuracy=1e-9, **changes)
+
+
+def test_orientation_and_material_angle_drop_out_and_the_wrench_turns_along():
+    assert not theory.squared_isotropic_dissipation().has(THETA, PHI)
+    assert theory.turning_residual() == sp.zeros(4, 1)
+
+
+def test_the_leg_back_looks_the_same_from_every_start():
+    leg = theory.leg_seen_by_the_object()
+    assert not leg.has(THETA)
+    assert not theory.turn_of_the_ellipsoids_leg().has(THETA)
+    turn = theory.PUSH_TURN
+    rotation = sp.Matrix([[sp.cos(turn), sp.sin(turn)], [-sp.sin(turn), sp.cos(turn)]])
+    wanted = -rotation * sp.Matrix([theory.RING_X, theory.RING_Y])
+    assert (leg - wanted).applyfunc(spelled_out) == sp.zeros(2, 1)
+
+
+def test_the_codes_wrench_turns_with_the_object():
+    surface = LimitSurface(PatchFootprint(SQUARE), ISOTROPIC)
+    twists = np.random.default_rng(1).normal(size=(20, 3)) * (1.0, 1.0, 20.0)
+    for theta in (0.4, -2.0):
+        np.testing.assert_allclose(surface.wrench(twists, theta), surface.wrench(twists), rtol=0, atol=1e-14)
+
+
+def test_the_codes_cycle_is_a_rigid_rotation_for_every_footprint_push_and_object():
+    loops = (
+        loop_with(footprint=grid_footprint(SQUARE, 8)),
+        loop_with(push=SidePush(side=1, fraction=0.35, angle=0.3, distance=0.1)),
+        loop_with(slider=Slider(Ellipse(0.05, 0.03)), push=SidePush(side=0, fraction=0.2, distance=0.08)),
+    )
+    for loop in loops:
+        found = loop.cycles(np.random.default_rng(2).uniform(-6, 6, 3))
+        assert np.ptp(found.theta_next - found.theta) < 1e-8
+        assert np.ptp(found.push_turn) < 1e-8
+        assert abs(loop.sensitivity(1.0, ("theta",)).by_theta - 1.0) < 1e-9
+
+
+def test_a_way_point_fixed_in_the_world_breaks_it():
+    turns = [loop_with(reset=DragBack(((0.1, 0.0),))).cycle(theta).theta_next - theta for theta in (0.0, 1.0, 2.0)]
+    assert np.ptp(turns) > 0.01
+
+
+def test_the_ellipsoids_drag_turn_is_five_degrees_more_than_the_squares():
+    """MIT's push: the square turns back by 66.52 degrees, the ellipsoid of its second moment by 71.50."""
+    loop = loop_with()
+    cycle = loop.cycle(0.0)
+    ring = np.array(loop.model.ring_place(cycle.push.end))
+    hx, hy = loop.slider.hitch
+    kappa = math.hypot(hx, hy) / (hx**2 + hy**2 + 0.09**2 / 12)
+    numbers = {
+        theory.PUSH_TURN: cycle.push_turn,
+        theory.RING_X: ring[0],
+        theory.RING_Y: ring[1],
+        theory.LEVER_X: hx,
+        theory.LEVER_Y: hy,
+        theory.RATE: kappa,
+    }
+    tangent = theory.turn_of_the_ellipsoids_leg()
+    end, start = (2.0 * math.atan(float(tangent.subs(one))) for one in (numbers, {**numbers, theory.RATE: 0}))
+    assert abs(math.degrees(cycle.drag_turn) + 66.51814) < 1e-4
+    assert abs(math.degrees(end - start) + 71.498) < 1e-3

@@ -1,0 +1,154 @@
+"""The normal form follows from symmetry alone, and the code's fingerprint has it."""
+
+import doctest
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from cyclemap.collection.anisotropy import Anisotropy
+from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
+from cyclemap.collection.fingerprint_lock_in import first_order_lock_in
+from cyclemap.collection.fingerprint_prediction import Prediction
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.mechanics import EllipseFriction, load_material
+from theory import normal_form as theory
+
+NOTE = Path(__file__).parents[2] / "docs" / "theory" / "normal-form.md"
+VALUES = {theory.MU_A: 0.3, theory.MU_B: 0.2, theory.M0: 0.04, theory.N0: -0.03, theory.PHI: 0.7}
+
+
+def zero(expression) -> bool:
+    return sp.simplify(sp.expand_trig(sp.expand(expression))) == 0
+
+
+def made_prediction(turn: float, offset: float, ellipticity: float, gradient, psi: float, phi: float) -> Prediction:
+    nothing = TurnResponse(0.0, np.zeros(4), np.zeros((4, 4)))
+    response = TurnResponse(turn, gradient, np.zeros((4, 4)))
+    return Prediction(Fingerprint(response, nothing, 0.0, 0.0), Anisotropy(offset, psi, ellipticity, phi))
+
+
+def test_turning_the_surface_turns_the_offset_once_and_the_ellipticity_twice() -> None:
+    turned = {theory.PHI: theory.PHI + theory.ALPHA}
+    offset, ellipticity, shape = theory.offset_vector(), theory.ellipticity_vector(), theory.shape_logarithm()
+    once, twice = theory.rotation(theory.ALPHA), theory.rotation(2 * theory.ALPHA)
+    residuals = [
+        *(offset.subs(turned) - once * offset),
+        *(ellipticity.subs(turned) - twice * ellipticity),
+        *(shape.subs(turned) - once * shape * once.T),
+    ]
+    assert len(residuals) == 8 and all(zero(residual) for residual in residuals)
+
+
+def test_the_codes_anisotropy_is_the_theorys_offset_and_ellipticity() -> None:
+    """At a random ellipse, seen from the surface's own axes."""
+    expected = [
+        float(value) for value in [*theory.offset_vector().subs(VALUES), *theory.ellipticity_vector().subs(VALUES)]
+    ]
+    seen = Anisotropy.of(EllipseFriction(0.3, 0.2, 0.04, -0.03, 0.7)).seen_from(0.0)
+    assert seen == pytest.approx(expected, abs=1e-15)
+
+
+def test_first_order_is_one_harmonic_each_so_that_five_numbers_suffice() -> None:
+    """A constant, a pure first harmonic and a pure second one: 1 + 2 + 2 real coefficients."""
+    assert theory.harmonics(1, 0) == {1: 2} and theory.harmonics(0, 1) == {2: 2}
+    assert 1 + sum(theory.harmonics(1, 0).values()) + sum(theory.harmonics(0, 1).values()) == 5
+
+
+def test_second_order_has_harmonics_0_2_then_1_3_then_0_4_with_ten_numbers() -> None:
+    content = [theory.harmonics(*degrees) for degrees in ((2, 0), (1, 1), (0, 2))]
+    assert content == [{0: 1, 2: 2}, {1: 2, 3: 2}, {0: 1, 4: 2}]
+    assert sum(sum(part.values()) for part in content) == 10
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_the_response_is_equivariant_and_holds_one_harmonic(order) -> None:
+    """R(θ + α) T(α) = R(θ) for every α, and R'' = -order² R."""
+    response = theory.response(order)
+    turned = response.subs(theory.THETA, theory.THETA + theory.ALPHA) * theory.rotation(order * theory.ALPHA)
+    oscillates = response.diff(theory.THETA, 2) + order**2 * response
+    assert all(zero(entry) for entry in [*(turned - response), *oscillates])
+
+
+def test_the_full_map_is_conjugate_to_itself_on_a_turned_surface() -> None:
+    """What everything rests on, run with the mechanics: f of the surface turned by α at θ + α is f(θ) + α."""
+    loop, alpha, theta = CollectionLoop.mit(material="plywood"), 0.8, 1.1
+    turned = replace(loop, material=replace(loop.material, friction=loop.material.friction.turned(alpha)))
+    assert turned.cycle(theta + alpha).theta_next == pytest.approx(loop.cycle(theta).theta_next + alpha, abs=1e-9)
+
+
+def test_dissipation_is_homogeneous_so_that_the_scale_of_friction_drops_out_of_the_motion() -> None:
+    """Symbolically by Euler's identity, and in the code: mu_a ∂a + mu_b ∂b + m0 ∂m + n0 ∂n of the cycle vanishes."""
+    law = theory.dissipation(sp.Matrix(sp.symbols("v_x v_y", real=True)))
+    scales = (theory.MU_A, theory.MU_B, theory.M0, theory.N0)
+    assert sp.simplify(sum(one * sp.diff(law, one) for one in scales) - law) == 0
+    names = ("mu_a", "mu_b", "m0", "n0")
+    friction = load_material("plywood").friction
+    jacobian = CollectionLoop.mit(material="plywood").sensitivity(1.3, names).jacobian
+    values = np.array([getattr(friction, name) for name in names])
+    assert np.abs(jacobian).max() > 1.0
+    assert jacobian @ values == pytest.approx(np.zeros(6), abs=1e-6)
+
+
+def test_other_measures_of_the_ellipse_differ_at_third_order_only() -> None:
+    v = sp.Symbol("v")
+    ratios = [sp.series(ratio, v, 0, 4).removeO() for ratio in theory.ellipticity_ratios()]
+    assert len(ratios) == 3
+    for ratio in ratios:
+        assert ratio.subs(v, 0) == 1 and ratio.coeff(v, 1) == 0 and ratio.coeff(v, 2) != 0
+
+
+def test_the_offset_alone_has_its_fixed_points_in_closed_form() -> None:
+    """Symbolically, and against the fixed points that are found of the map."""
+    x, y = sp.symbols("X Y", nonnegative=True)
+    psi, delta_1 = sp.symbols("psi delta_1", real=True)
+    turn = theory.first_order_turn().subs(y, 0)
+    for angle, multiplier in theory.offset_fixed_points():
+        place = {theory.THETA: angle.subs(sp.Symbol("X", positive=True), x) + psi + delta_1}
+        assert sp.simplify(turn.subs(place)) == 0
+        slope = 1 + sp.diff(turn, theory.THETA).subs(place)
+        for numbers in ({theory.OMEGA: 0.1, x: 0.3}, {theory.OMEGA: -0.2, x: 0.25}):
+            known = multiplier.subs(sp.Symbol("X", positive=True), x)
+            assert float((slope - known).subs(numbers)) == pytest.approx(0.0, abs=1e-14)
+    prediction = made_prediction(0.1, 0.15, 0.0, [2.0, 0.0, 0.0, 0.0], psi=0.4, phi=0.0)
+    found = {direction.stable: direction for direction in prediction.directions}
+    assert len(found) == 2
+    for stable, (angle, multiplier) in zip((True, False), theory.offset_fixed_points(), strict=True):
+        numbers = {theory.OMEGA: 0.1, sp.Symbol("X", positive=True): 0.3}
+        assert found[stable].theta == pytest.approx((float(angle.subs(numbers)) + 0.4) % (2 * math.pi), abs=1e-9)
+        assert found[stable].multiplier == pytest.approx(float(multiplier.subs(numbers)), abs=1e-9)
+
+
+def test_the_saddle_node_curve_solves_both_equations_and_is_the_lock_in_that_the_code_finds() -> None:
+    s, chi = sp.symbols("s chi", real=True)
+    x, y = theory.lock_in_curve()
+    turn = theory.OMEGA + x * sp.cos(s) + y * sp.cos(2 * s - chi)
+    slope = x * sp.sin(s) + 2 * y * sp.sin(2 * s - chi)
+    assert sp.simplify(turn) == 0 and sp.simplify(slope) == 0
+    curve = sp.lambdify((s, chi, theory.OMEGA), (x, y))
+    found = 0
+    for angle, shift in zip(np.linspace(2.0, 4.2, 23), np.linspace(0.3, 5.9, 23), strict=True):
+        along, across = curve(angle, shift, 0.1)
+        over = 0.1 + along * np.cos(ANGLES) + across * np.cos(2 * ANGLES - shift)
+        if min(along, across) < 0.0 or over.min() < -1e-6:
+            continue
+        # Ellipse amplitude 1 with δ₂ = 0, offset amplitude 1 with δ₁ = 0 and ψ = 0: χ = 2φ.
+        prediction = made_prediction(0.1, along, across, [1.0, 0.0, 1.0, 0.0], psi=0.0, phi=0.5 * shift)
+        lock_in = first_order_lock_in(prediction.fingerprint.cycle, prediction.anisotropy)
+        assert lock_in.scale == pytest.approx(1.0, abs=1e-12) and lock_in.theta == pytest.approx(angle, abs=1e-6)
+        found += 1
+    assert found >= 5
+
+
+def test_the_notes_example_gives_what_its_text_says() -> None:
+    blocks = NOTE.read_text(encoding="utf-8").split("```python\n")[1:]
+    assert len(blocks) == 1
+    example = doctest.DocTestParser().get_doctest(blocks[0].split("```")[0], {}, NOTE.name, str(NOTE), 0)
+    assert len(example.examples) >= 3
+    assert doctest.DocTestRunner().run(example).failed == 0
+
+
+ANGLES = np.linspace(0.0, 2.0 * math.pi, 2001)

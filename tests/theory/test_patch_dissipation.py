@@ -1,0 +1,143 @@
+"""The closed form of a polygon's dissipation: proved, and equal to the code's patch and to plain quadrature."""
+
+import math
+
+import numpy as np
+import pytest
+import sympy as sp
+from residuals import residuals, vanishes
+from scipy.integrate import dblquad
+
+from cyclemap.mechanics.footprint import PatchFootprint
+from cyclemap.mechanics.friction import EllipseFriction
+from cyclemap.mechanics.limit_surface import LimitSurface
+from cyclemap.mechanics.outline import Polygon
+from theory import patch_dissipation as theory
+
+RESIDUALS = residuals(theory)
+LAW = EllipseFriction(0.31, 0.17, phi=0.8)
+CONCAVE = ((0.0, 0.0), (0.1, 0.0), (0.1, 0.04), (0.04, 0.04), (0.04, 0.1), (0.0, 0.1))
+
+
+@pytest.mark.parametrize("name", RESIDUALS)
+def test_every_residual_of_the_patch_is_exactly_zero(name):
+    assert vanishes(RESIDUALS[name]())
+
+
+def test_there_are_seven_residuals():
+    assert len(RESIDUALS) == 7
+
+
+@pytest.mark.parametrize("weight", [theory.W_X, theory.W_Y, theory.W_X**2, theory.W_X * theory.W_Y, theory.W_Y**2])
+def test_the_divergence_theorem_carries_leaning_and_warped_pressure_too(weight):
+    assert vanishes(theory.divergence_residual(weight))
+
+
+def test_the_integrals_start_at_zero_and_a_side_through_the_centre_of_rotation_adds_nothing():
+    assert theory.length_integral(theory.D, sp.Integer(0)) == 0
+    assert theory.inverse_integral(theory.D, sp.Integer(0)) == 0
+    assert theory.side_term(sp.Integer(0)) == 0
+    assert theory.side_term(t_1=theory.T0) == 0
+
+
+def closed_form(corners):
+    """Return a numerical function (twist, law) -> mean of |w| over a polygon and its derivative by v."""
+    symbols = [sp.symbols(f"x_{i} y_{i}", real=True) for i in range(len(corners))]
+    v_x, v_y, phi = sp.symbols("v_x v_y phi", real=True)
+    matrix = theory.traction_matrix(phi)
+    images = [sp.symbols(f"p_{i} q_{i}", real=True) for i in range(len(corners))]
+    flat = [c for image in images for c in image]
+    integrals = sp.lambdify(flat, [theory.polygon_integral(images), *theory.polygon_force(images)], cse=True)
+    image = sp.lambdify(
+        [[c for s in symbols for c in s], v_x, v_y, theory.OMEGA, theory.MU_A, theory.MU_B, phi],
+        [c for w in theory.velocity_image(symbols, (v_x, v_y), theory.OMEGA, matrix) for c in w],
+    )
+    numeric = sp.lambdify([theory.MU_A, theory.MU_B, phi], matrix)
+    area = Polygon(corners).area
+
+    def evaluate(twist, law):
+        integral, *force = integrals(*image(np.ravel(corners), *twist, law.mu_a, law.mu_b, law.phi))
+        size = area * twist[2] ** 2 * law.mu_a * law.mu_b
+        return integral / size, numeric(law.mu_a, law.mu_b, law.phi).T @ np.array(force) / size
+
+    return evaluate
+
+
+def random_polygons(count, seed):
+    """Triangles to hexagons, counter-clockwise about the origin, and one concave."""
+    rng = np.random.default_rng(seed)
+    for k in range(count):
+        angle = (np.arange(3 + k % 4) + 0.8 * rng.uniform(size=3 + k % 4)) * 2 * np.pi / (3 + k % 4)
+        radius = rng.uniform(0.03, 0.08, angle.size)
+        yield tuple(zip((radius * np.cos(angle)).tolist(), (radius * np.sin(angle)).tolist(), strict=True))
+    yield CONCAVE
+
+
+def random_twist(corners, rng):
+    """Centre of rotation within 2 extents of the middle, inside the patch and outside, either sense of turning."""
+    centre = np.mean(corners, axis=0) + rng.normal(size=2) * 0.08
+    omega = rng.choice((-1.0, 1.0)) * rng.uniform(0.5, 30.0)
+    return np.array((omega * centre[1], -omega * centre[0], omega))
+
+
+def test_the_codes_patch_is_the_closed_form_to_rounding():
+    rng, compared = np.random.default_rng(1), 0
+    for corners in random_polygons(4, seed=2):
+        evaluate, surface = closed_form(corners), LimitSurface(PatchFootprint(Polygon(corners)), LAW)
+        for _ in range(20):
+            twist = random_twist(corners, rng)
+            mean, force = evaluate(twist, LAW)
+            assert abs(surface.dissipation(twist) / mean - 1.0) < 1e-13
+            torque = (mean - force @ twist[:2]) / twist[2]
+            size = np.array((1.0, 1.0, surface.footprint.extent))
+            assert np.abs((surface.wrench(twist) - (*force, torque)) / size).max() < 1e-13
+            compared += 1
+    assert compared == 100
+
+
+def quadrature(corners, twist, law):
+    """Mean of |M v(r)| over a triangle by adaptive quadrature in coordinates (a, b) of its sides."""
+    origin, first, second = np.array(corners)
+    c, s = math.cos(law.phi), math.sin(law.phi)
+
+    def speed(b, a):
+        x, y = origin + a * (first - origin) + b * (second - origin)
+        v_x, v_y = twist[0] - twist[2] * y, twist[1] + twist[2] * x
+        return math.hypot(law.mu_a * (c * v_x + s * v_y), law.mu_b * (c * v_y - s * v_x))
+
+    return 2.0 * dblquad(speed, 0.0, 1.0, 0.0, lambda a: 1.0 - a, epsabs=1e-9, epsrel=1e-9)[0]
+
+
+def test_adaptive_quadrature_over_the_patch_gives_the_closed_form():
+    rng, inside = np.random.default_rng(3), 0
+    for corners in list(random_polygons(12, seed=4))[::4][:3]:
+        evaluate = closed_form(corners)
+        for away in (0.0, 0.1):
+            centre = np.mean(corners, axis=0) + away * rng.normal(size=2)
+            twist = np.array((5.0 * centre[1], -5.0 * centre[0], 5.0))
+            inside += bool(Polygon(corners).contains(centre))
+            assert abs(quadrature(corners, twist, LAW) / evaluate(twist, LAW)[0] - 1.0) < 1e-7
+    assert 3 <= inside < 6
+
+
+def test_the_curvature_of_a_polygon_is_the_derivative_of_its_force():
+    corners = [sp.symbols(f"p_{i} q_{i}", real=True) for i in range(3)]
+    a, b = sp.symbols("a b", real=True)
+    moved = [(p + a, q + b) for p, q in corners]
+    flat = [a, b, *(c for corner in corners for c in corner)]
+    force = sp.lambdify(flat, list(theory.polygon_force(moved)), cse=True)
+    bend = sp.lambdify(flat, theory.polygon_curvature(moved), cse=True)
+    place, step = (0.3, -0.4, 0.9, 0.1, 0.2, 0.8), 1e-5
+    slopes = [np.subtract(force(*e, *place), force(*-e, *place)) / (2 * step) for e in step * np.eye(2)]
+    assert np.allclose(np.array(slopes).T, bend(0.0, 0.0, *place), rtol=0, atol=1e-9)
+
+
+def test_the_mean_along_the_rim_is_the_limit_of_ever_more_points_on_it():
+    corners = [(0.4, -0.3), (1.1, 0.2), (0.3, 0.9)]
+    exact = float(theory.rim_integral([(sp.Float(x, 20), sp.Float(y, 20)) for x, y in corners]))
+    share = (np.arange(4000) + 0.5) / 4000
+    total = 0.0
+    for start, end in zip(np.array(corners), np.roll(corners, -1, axis=0), strict=True):
+        points = start + share[:, None] * (end - start)
+        total += np.hypot(*points.T).mean() * math.hypot(*(end - start))
+    assert abs(total / exact - 1.0) < 1e-7

@@ -1,0 +1,136 @@
+"""Limits of the patch: translation, far centres of rotation, frames and grids, proved and measured on the code."""
+
+import math
+
+import numpy as np
+import pytest
+import sympy as sp
+from residuals import residuals, vanishes
+
+from cyclemap.mechanics.footprint import RIM_INNER, PatchFootprint, grid_footprint
+from cyclemap.mechanics.friction import EllipseFriction
+from cyclemap.mechanics.limit_surface import LimitSurface
+from cyclemap.mechanics.outline import Polygon
+from theory import patch_limits as theory
+from theory.patch_dissipation import side_term, traction_matrix, velocity_image
+
+RESIDUALS = residuals(theory)
+LAW = EllipseFriction(0.31, 0.17, phi=0.8)
+SQUARE = Polygon(((-0.045, -0.045), (0.045, -0.045), (0.045, 0.045), (-0.045, 0.045)))
+TRIANGLE = Polygon(((-0.05, -0.03), (0.07, -0.02), (0.0, 0.06)))
+
+
+@pytest.mark.parametrize("name", RESIDUALS)
+def test_every_residual_of_the_patchs_limits_is_exactly_zero(name):
+    assert vanishes(RESIDUALS[name]())
+
+
+def test_there_are_six_residuals():
+    assert len(RESIDUALS) == 6
+
+
+def predicted_near_translation(patch, velocity, omega):
+    """Second-order dissipation about the centre of pressure, from the patch's second moments."""
+    c, s = math.cos(LAW.phi), math.sin(LAW.phi)
+    turn = np.array(((c, s), (-s, c)))
+    moments, (v_m, v_n) = turn @ patch.second_moments @ turn.T, turn @ velocity
+    symbols = (theory.MU_A, theory.MU_B, theory.V_M, theory.V_N, theory.OMEGA)
+    near = sp.lambdify((*symbols, theory.C_MM, theory.C_MN, theory.C_NN), theory.near_translation())
+    return near(LAW.mu_a, LAW.mu_b, v_m, v_n, omega, moments[0, 0], moments[0, 1], moments[1, 1])
+
+
+@pytest.mark.parametrize(("outline", "order"), [(SQUARE, 4), (TRIANGLE, 3)])
+def test_the_codes_patch_near_translation_is_the_second_order_form_with_an_error_of_the_next_order(outline, order):
+    """A patch that a half turn maps to itself has no term in omega^3."""
+    patch, velocity, errors = PatchFootprint(outline), np.array((0.5, -0.8)), []
+    x, y = patch.centre
+    for omega in (2.0, 1.0, 0.5):
+        twist = (velocity[0] + omega * y, velocity[1] - omega * x, omega)
+        found = LimitSurface(patch, LAW).dissipation(twist)
+        errors.append(abs(float(found) - predicted_near_translation(patch, velocity, omega)))
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert np.abs(orders - order).max() < 0.1
+
+
+def test_rounding_in_the_sum_over_sides_grows_with_the_distance_of_the_centre_of_rotation():
+    """In double precision, against the same sum with 60 digits: within a few units of rounding over epsilon."""
+    assert theory.cancellation() == sp.Rational(1, 3)
+    d, t_0, t_1 = sp.symbols("d t_0 t_1", real=True)
+    term = sp.lambdify((d, t_0, t_1), side_term(d, t_0, t_1))
+    rng, worst = np.random.default_rng(0), []
+    for epsilon in (1e-1, 1e-3, 1e-5):
+        errors = []
+        for e in epsilon * rng.uniform(0.5, 2.0, 30):
+            sides = ((1 + e, -e, e), (e, -1 - e, -1 + e), (e - 1, -e, e), (e, 1 - e, 1 + e))
+            mean = sum(term(*side) for side in sides) / (4 * e**2)
+            exact = 1 + e**2 / 6 + (fourth_order(e) if e > 1e-2 else 0)
+            errors.append(abs(mean / exact - 1.0))
+        worst.append(max(errors) * epsilon / np.finfo(float).eps)
+    assert min(worst) > 0.01
+    assert max(worst) < 20.0
+
+
+def fourth_order(e):
+    """Mean of |w| less 1 + e^2/6, with 60 digits."""
+    precise = sp.Float(str(e), 60)
+    sides = ((1 + precise, -precise, precise), (precise, -1 - precise, -1 + precise))
+    sides += ((precise - 1, -precise, precise), (precise, 1 - precise, 1 + precise))
+    mean = sum(side_term(*side) for side in sides) / (4 * precise**2)
+    return float(mean - 1 - precise**2 / 6)
+
+
+def image_of(outline, twist):
+    matrix = np.array(traction_matrix(LAW.phi).subs({theory.MU_A: LAW.mu_a, theory.MU_B: LAW.mu_b}), dtype=float)
+    floats = [(sp.Float(x), sp.Float(y)) for x, y in outline.vertices]
+    return velocity_image(
+        floats, (sp.Float(twist[0]), sp.Float(twist[1])), sp.Float(twist[2]), sp.Matrix(matrix)
+    ), matrix
+
+
+def test_weight_on_the_frame_alone_dissipates_the_closed_forms_difference():
+    for outline in (SQUARE, TRIANGLE):
+        for twist in ((0.4, -0.2, 9.0), (0.1, 0.3, -20.0), (0.6, 0.1, 4.0)):
+            outer, inner = (image_of(o, twist)[0] for o in (outline, outline.shrunk(RIM_INNER)))
+            found = LimitSurface(PatchFootprint(outline, rim_share=1.0), LAW).dissipation(twist)
+            assert abs(found / float(theory.frame_mean(outer, inner)) - 1.0) < 1e-12
+
+
+def grid_errors(twist, counts):
+    """Errors of n x n grids on the square, and what is left of them after the leading term."""
+    exact = float(LimitSurface(PatchFootprint(SQUARE), LAW).dissipation(twist))
+    corners = [(sp.Float(x), sp.Float(y)) for x, y in SQUARE.vertices]
+    velocity, matrix = (sp.Float(twist[0]), sp.Float(twist[1])), sp.Matrix(image_of(SQUARE, twist)[1])
+    unit = float(theory.grid_defect(corners, velocity, sp.Float(twist[2]), matrix, sp.Integer(1)))
+    errors = [float(LimitSurface(grid_footprint(SQUARE, n), LAW).dissipation(twist)) - exact for n in counts]
+    return np.array(errors), np.array(errors) - unit * (0.09 / np.array(counts)) ** 2
+
+
+def test_a_grid_errs_by_the_derived_leading_term_and_the_rest_falls_with_the_fourth_power():
+    for twist in ((1.0, 0.3, 8.0), (-0.7, 0.8, 6.0)):
+        errors, rest = grid_errors(twist, (8, 16, 32))
+        assert np.abs(np.log2(np.abs(errors[:-1] / errors[1:])) - 2.0).max() < 0.05
+        assert np.abs(np.log2(np.abs(rest[:-1] / rest[1:])) - 4.0).max() < 0.1
+
+
+def test_with_the_centre_of_rotation_inside_the_rest_falls_with_the_third_power():
+    """The cone of |w| adds an error that depends on where in its cell the centre lies, but stays below C h^3."""
+    rng, counts, compared = np.random.default_rng(0), (8, 16, 32), 0
+    for _ in range(6):
+        x, y = rng.uniform(-0.04, 0.04, 2)
+        errors, rest = grid_errors((y, -x, 1.0), counts)
+        assert (errors < 0.0).all()
+        assert (np.abs(rest / errors) < 0.6 / np.array(counts)).all()
+        compared += 1
+    assert compared == 6
+
+
+def test_a_square_that_spins_about_its_centre_on_the_papers_grid_lacks_the_derived_share_to_leading_order():
+    friction, spin = EllipseFriction.isotropic(0.25), (0.0, 0.0, 1.0)
+    exact = LimitSurface(PatchFootprint(SQUARE), friction).dissipation(spin)
+    counts = np.array((8, 16, 32))
+    lacks = [LimitSurface(grid_footprint(SQUARE, n), friction).dissipation(spin) / exact - 1.0 for n in (8, 16, 32)]
+    assert abs(lacks[0] + 0.0057) < 5e-5
+    # The cone of |w| lies on a corner of the cells: what is left is of third order.
+    rest = (np.array(lacks) / [float(theory.spinning_square_grid_defect(int(n))) for n in counts] - 1.0) * counts
+    assert np.ptp(rest) < 0.02
+    assert abs(rest.mean() + 0.45) < 0.02

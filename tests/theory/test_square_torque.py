@@ -1,0 +1,99 @@
+"""Closed torques of square, rectangle, regular polygon and disc: proved, and the code's."""
+
+import math
+
+import numpy as np
+import pytest
+import sympy as sp
+from residuals import residuals, vanishes
+from scipy.integrate import quad
+from scipy.special import ellipe
+
+from cyclemap.mechanics.footprint import PatchFootprint, corner_footprint
+from cyclemap.mechanics.friction import EllipseFriction
+from cyclemap.mechanics.limit_surface import LimitSurface
+from cyclemap.mechanics.outline import Ellipse, Polygon
+from theory import square_torque as theory
+
+RESIDUALS = residuals(theory)
+SPIN = (0.0, 0.0, 3.0)
+
+
+@pytest.mark.parametrize("name", RESIDUALS)
+def test_every_residual_of_the_torques_is_exactly_zero(name):
+    assert vanishes(RESIDUALS[name]())
+
+
+def test_there_are_nine_residuals():
+    assert len(RESIDUALS) == 9
+
+
+def torque(footprint, friction):
+    return float(LimitSurface(footprint, friction).wrench(SPIN)[2])
+
+
+def rectangle(a, b):
+    return Polygon(((-a / 2, -b / 2), (a / 2, -b / 2), (a / 2, b / 2), (-a / 2, b / 2)))
+
+
+def regular(count, radius):
+    angle = 2 * np.pi * np.arange(count) / count
+    return Polygon(tuple(zip((radius * np.cos(angle)).tolist(), (radius * np.sin(angle)).tolist(), strict=True)))
+
+
+def test_the_codes_square_and_rectangles_have_the_derived_torque_to_rounding():
+    rng = np.random.default_rng(0)
+    of_rectangle = sp.lambdify((theory.MU, theory.A, theory.B), theory.rectangle_torque())
+    for mu, a, b in rng.uniform((0.1, 0.02, 0.02), (0.6, 0.2, 0.2), (20, 3)):
+        friction = EllipseFriction.isotropic(mu)
+        square = float(theory.square_torque(sp.Float(mu), sp.Float(a)))
+        assert abs(torque(PatchFootprint(rectangle(a, a)), friction) / square - 1.0) < 1e-13
+        assert abs(torque(PatchFootprint(rectangle(a, b)), friction) / of_rectangle(mu, a, b) - 1.0) < 1e-13
+
+
+def test_direct_quadrature_of_the_lever_gives_the_squares_torque():
+    wedge, _ = quad(lambda angle: (0.5 / math.cos(angle)) ** 3 / 3.0, 0.0, math.pi / 4.0, epsabs=1e-14)
+    assert abs(8.0 * wedge - float(theory.square_torque(1, 1))) < 1e-14
+
+
+def test_the_integrals_of_the_secant_start_at_zero():
+    assert theory.secant_cubed_integral(sp.Integer(0)) == 0
+    assert sp.asinh(sp.tan(0)) == 0
+
+
+@pytest.mark.parametrize("count", [3, 4, 5, 6, 17])
+def test_the_codes_regular_polygons_have_the_derived_torque(count):
+    derived = float(theory.polygon_torque(count).subs({theory.MU: sp.Float(0.3), theory.R: sp.Float(0.06)}))
+    found = torque(PatchFootprint(regular(count, 0.06)), EllipseFriction.isotropic(0.3))
+    assert abs(found / derived - 1.0) < 1e-13
+
+
+def test_regular_polygons_approach_the_disc_with_the_second_order_of_the_series():
+    x, disc = sp.Symbol("x", positive=True), theory.disc_torque()
+    assert sp.expand(theory.polygon_series() - disc * (1 - x**2 / 3)) == 0
+    exact = torque(PatchFootprint(Ellipse(0.06, 0.06)), EllipseFriction.isotropic(0.3))
+    assert abs(exact / (2.0 / 3.0 * 0.3 * 0.06) - 1.0) < 1e-13
+    lacking = [1.0 - torque(PatchFootprint(regular(n, 0.06)), EllipseFriction.isotropic(0.3)) / exact for n in (12, 48)]
+    assert abs(lacking[1] / (math.pi**2 / (3 * 48**2)) - 1.0) < 0.01
+    assert abs(lacking[0] / lacking[1] - 16.0) < 0.5
+
+
+def test_weight_on_the_rim_and_on_the_corners_raises_the_torque_as_derived():
+    """Weight nearer the rim resists turning more: patch < frame < line of the rim (3/2) < corners."""
+    friction, outline = EllipseFriction.isotropic(0.25), rectangle(0.09, 0.09)
+    patch = torque(PatchFootprint(outline), friction)
+    # The frame between L and 0.8 L: what the large square's torque has more than the small one's.
+    frame = torque(PatchFootprint(outline, rim_share=1.0), friction)
+    assert abs(frame / (patch * (1 - 0.8**3) / (1 - 0.8**2)) - 1.0) < 1e-12
+    corners = torque(corner_footprint(outline), friction)
+    assert abs(corners / (0.25 * 0.09 / math.sqrt(2.0)) - 1.0) < 1e-13
+    assert patch < frame < 1.5 * patch < corners
+
+
+def test_a_disc_under_an_ellipse_has_the_torque_of_the_complete_elliptic_integral():
+    axes = sp.symbols("a b")
+    known = [{"elliptic_e": ellipe}, "numpy"]
+    derived = sp.lambdify((theory.R, *axes), theory.anisotropic_disc_torque(*axes), known)
+    for mu_a, mu_b, radius in np.random.default_rng(1).uniform((0.1, 0.1, 0.02), (0.6, 0.6, 0.2), (20, 3)):
+        found = torque(PatchFootprint(Ellipse(radius, radius)), EllipseFriction(mu_a, mu_b, phi=0.4))
+        assert abs(found / derived(radius, mu_a, mu_b) - 1.0) < 1e-12

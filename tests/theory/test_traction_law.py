@@ -1,0 +1,105 @@
+"""Maximum dissipation on the limit ellipse gives the traction law, and the code's friction is that law."""
+
+import math
+
+import numpy as np
+import pytest
+import sympy as sp
+from residuals import residuals, vanishes
+
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics.friction import EllipseFriction
+from theory import traction_law as theory
+
+RESIDUALS = residuals(theory)
+LAW = (theory.MU_A, theory.MU_B, theory.M0, theory.N0)
+VELOCITY = (theory.V_M, theory.V_N)
+
+
+def random_laws(count, seed=0):
+    """Axis ratio in [1/3, 3], centre anywhere inside 95 % of the ellipse."""
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        mu_a = rng.uniform(0.1, 0.5)
+        mu_b, off, towards = mu_a * 3.0 ** rng.uniform(-1, 1), 0.95 * math.sqrt(rng.uniform()), rng.uniform(0, 7)
+        yield EllipseFriction(
+            mu_a, mu_b, off * mu_a * math.cos(towards), off * mu_b * math.sin(towards), rng.uniform(0, 7)
+        )
+
+
+def numbers(law):
+    return law.mu_a, law.mu_b, law.m0, law.n0
+
+
+@pytest.mark.parametrize("name", RESIDUALS)
+def test_every_residual_of_the_traction_law_is_exactly_zero(name):
+    assert vanishes(RESIDUALS[name]())
+
+
+def test_there_are_nine_residuals():
+    assert len(RESIDUALS) == 9
+
+
+def test_the_codes_dissipation_and_traction_are_the_derived_ones_to_rounding():
+    h = sp.lambdify((*LAW, *VELOCITY), theory.dissipation())
+    force = sp.lambdify((*LAW, *VELOCITY), list(theory.most_dissipating_traction()))
+    velocities, compared = np.random.default_rng(1).normal(size=(50, 2)), 0
+    for law in random_laws(30):
+        c, s = math.cos(law.phi), math.sin(law.phi)
+        turn = np.array(((c, -s), (s, c)))
+        along, across = (velocities @ turn).T
+        assert np.allclose(law.dissipation(velocities), h(*numbers(law), along, across), rtol=1e-13, atol=1e-15)
+        derived = np.stack(force(*numbers(law), along, across), axis=-1) @ turn.T
+        assert np.allclose(law.traction(velocities), derived, rtol=0, atol=1e-14)
+        compared += len(velocities)
+    assert compared == 1500
+
+
+def test_the_codes_tractions_lie_on_the_limit_ellipse_and_no_point_inside_it_gains_more():
+    rng, gaps = np.random.default_rng(2), 0
+    eq_1 = sp.lambdify((*LAW, theory.T_M, theory.T_N), theory.limit_ellipse())
+    gap = sp.lambdify((*LAW, *VELOCITY, theory.T_M, theory.T_N), theory.dissipation_gap())
+    for law in random_laws(20, seed=3):
+        v = rng.normal(size=2)
+        t_m, t_n = law.traction(v, frame=law.phi)
+        assert abs(eq_1(*numbers(law), t_m, t_n)) < 1e-13
+        radius, angle = np.sqrt(rng.uniform(size=100)), rng.uniform(0, 2 * np.pi, 100)
+        inside = law.m0 + law.mu_a * radius * np.cos(angle), law.n0 + law.mu_b * radius * np.sin(angle)
+        lost = law.dissipation(v, frame=law.phi) - inside[0] * v[0] - inside[1] * v[1]
+        assert np.allclose(gap(*numbers(law), *v, *inside), lost, atol=1e-14)
+        assert lost.min() > 0.0
+        gaps += lost.size
+    assert gaps == 2000
+
+
+def test_the_curvature_is_the_derivative_of_the_codes_traction():
+    bend = sp.lambdify((*LAW, *VELOCITY), theory.curvature())
+    v, step = np.array((0.6, -0.7)), 1e-6
+    for law in random_laws(10, seed=4):
+        sides = [law.traction(v + sign * step * e, law.phi) for e in np.eye(2) for sign in (1, -1)]
+        slope = np.stack([(sides[0] - sides[1]), (sides[2] - sides[3])], axis=-1) / (2 * step)
+        assert np.allclose(slope, bend(*numbers(law), *v), atol=1e-8)
+
+
+def test_the_code_refuses_a_law_exactly_where_the_worst_velocity_no_longer_dissipates():
+    worst = sp.lambdify(LAW, theory.dissipation(*theory.worst_velocity()))
+    mu_a, mu_b, refused = 0.3, 0.2, 0
+    for angle in np.linspace(0.1, 6.2, 12):
+        for size in (0.5, 0.999, 1.001, 1.5):
+            values = (mu_a, mu_b, size * mu_a * math.cos(angle), size * mu_b * math.sin(angle))
+            if worst(*values) > 0.0:
+                assert EllipseFriction(*values).m0 == values[2]
+                continue
+            with pytest.raises(InvalidInput, match="does not contain zero"):
+                EllipseFriction(*values)
+            refused += 1
+    assert refused == 24
+
+
+def test_the_least_dissipation_of_the_codes_law_is_the_one_at_the_worst_velocity():
+    angle = np.linspace(0.0, 2.0 * np.pi, 7201)
+    for law in random_laws(10, seed=5):
+        v = np.stack([np.cos(angle) / law.mu_a, np.sin(angle) / law.mu_b], axis=-1)
+        least = 1.0 - math.hypot(law.m0 / law.mu_a, law.n0 / law.mu_b)
+        found = law.dissipation(v, frame=law.phi).min()
+        assert least - 1e-14 <= found < least + 1e-6
