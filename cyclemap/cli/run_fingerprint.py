@@ -1,0 +1,88 @@
+"""`cyclemap fingerprint`: the five numbers of a protocol and what they predict, in sentences, as JSON, as a picture."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.table import Table
+
+from cyclemap.cli.fingerprint_report import fingerprint_report
+from cyclemap.cli.options import LoopOptions
+from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
+from cyclemap.cli.settings import chosen_loop
+from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.collection.anisotropy import Anisotropy
+from cyclemap.collection.fingerprint import Fingerprint, fingerprint
+from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
+from cyclemap.collection.fingerprint_prediction import Prediction, predict
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.views import fingerprint_sentences as sentences
+from cyclemap.views.fingerprint_page import fingerprint_page
+from cyclemap.views.style import render
+from cyclemap.whole_files import write_whole
+
+COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)")
+
+
+@dataclass(frozen=True)
+class FingerprintRequest:
+    """Which loop, material None where only the protocol is asked for; whether to check; where results go."""
+
+    material: str | None
+    protocol: Path | None
+    settings: tuple[str, ...]
+    check: bool
+    out: Path
+    picture_format: str
+
+
+def run_fingerprint(request: FingerprintRequest, json_target: str | None) -> None:
+    """Compute the fingerprint and the prediction, draw both, and print them for people or as JSON."""
+    loop, _ = chosen_loop(LoopOptions(request.material or "isotropic", request.protocol, request.settings))
+    surface = Anisotropy.of(loop.material.friction)
+    predicts = request.material is not None or max(surface.offset, surface.ellipticity) > 0.0
+    if request.check and not predicts:
+        raise InvalidInput("--check compares a prediction with the full map: name a MATERIAL or set its friction")
+    name = loop.material.name if predicts else "protocol"
+    found, prediction, checked = _computed(loop, surface if predicts else None, request.check, name)
+    told = fingerprint_report(found, prediction, checked, name)
+    stem = request.out / f"fingerprint_{file_stem(name)}"
+    write_json(stem.with_name(f"{stem.name}.json"), told)
+    picture = stem.with_name(f"{stem.name}.{request.picture_format}")
+    write_whole(picture, render(fingerprint_page(found, prediction, checked, name), request.picture_format))
+    if not publish_json(told, json_target):
+        _print_for_people(found, prediction, checked, name)
+        PeopleConsole().print(f"picture: {picture}")
+
+
+def _computed(
+    loop: CollectionLoop, surface: Anisotropy | None, check: bool, name: str
+) -> tuple[Fingerprint, Prediction | None, PredictionCheck | None]:
+    with progress_bar(f"fingerprint of {name}") as report:
+        found = fingerprint(loop, (lambda done: report(0.2 * done)) if check else report)
+        if surface is None:
+            return found, None, None
+        prediction = predict(found, surface)
+        if not check:
+            return found, prediction, None
+        return found, prediction, check_prediction(prediction, loop, progress=lambda done: report(0.2 + 0.8 * done))
+
+
+def _print_for_people(
+    found: Fingerprint, prediction: Prediction | None, checked: PredictionCheck | None, name: str
+) -> None:
+    console = PeopleConsole()
+    table = Table(title="Fingerprint of the protocol", title_justify="left")
+    for column in COLUMNS:
+        table.add_column(column, justify="right" if column else "left")
+    for part, response in (("push", found.push), ("drag", found.drag), ("cycle", found.cycle)):
+        table.add_row(part, *sentences.five_numbers(response))
+    console.print(table)
+    console.print(sentences.protocol_sentence(found))
+    if prediction is not None:
+        console.print(sentences.surface_sentence(prediction, name))
+        console.print(sentences.direction_sentence(prediction, name), style="bold")
+        for sentence in filter(None, (sentences.lock_in_sentence(prediction), sentences.trust_sentence(prediction))):
+            console.print(sentence)
+    if checked is not None:
+        console.print(sentences.check_sentence(checked))

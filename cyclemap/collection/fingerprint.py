@@ -1,0 +1,233 @@
+"""The fingerprint of a protocol: five numbers that tell how its cycle answers any slightly anisotropic surface."""
+
+import cmath
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cyclemap.checks import finite_array, finite_number, read_only
+from cyclemap.collection.anisotropy import Anisotropy
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import Material
+
+Array = NDArray[np.float64]
+
+_FRICTION = ("mu_a", "mu_b", "m0", "n0", "phi")
+# Step of the differences that give second derivatives, in offset and ellipticity: gradients are good to about 1e-8.
+STEP = 0.002
+# The mean radius of the ellipses that are run: no turn depends on it.
+_MEAN = 0.25
+# Usual surfaces: their offset and ellipticity, and how many of them are run.
+_OFFSET, _ELLIPTICITY, _SURFACES = 0.12, 0.06, 16
+
+
+@dataclass(frozen=True, eq=False)
+class TurnResponse:
+    """A turn G(z) about the isotropic surface, z the anisotropy as the object sees it (`Anisotropy.seen_from`).
+
+    G(z) = turn + gradient·z + z·hessian·z / 2 up to third order: turn in rad, gradient (4,), hessian (4, 4). At
+    orientation θ on a surface of offset u along ψ and ellipticity v along φ, gradient·z is
+
+        u·offset_amplitude·cos(θ - ψ - offset_phase) + v·ellipse_amplitude·cos(2(θ - φ) - ellipse_phase).
+
+    Responses of one loop add: push plus drag is the cycle. Raises InvalidInput for wrong shapes.
+
+    >>> both = TurnResponse(0.1, [2.0, 0.0, 0.0, 1.0], np.zeros((4, 4)))
+    >>> both.offset_amplitude, both.offset_phase, both.ellipse_amplitude, round(both.ellipse_phase, 6)
+    (2.0, 0.0, 1.0, -1.570796)
+    """
+
+    turn: float
+    gradient: Array
+    hessian: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "turn", finite_number("turn", self.turn))
+        for name, shape in (("gradient", (4,)), ("hessian", (4, 4))):
+            array = read_only(finite_array(name, getattr(self, name)))
+            if array.shape != shape:
+                raise InvalidInput(f"{name} of a turn has shape {array.shape}: it must be {shape}")
+            object.__setattr__(self, name, array)
+
+    @property
+    def offset_amplitude(self) -> float:
+        """A₁: rad of turn a unit of offset."""
+        return math.hypot(*self.gradient[:2])
+
+    @property
+    def offset_phase(self) -> float:
+        """δ₁, rad in (-π, π]: the object's orientation, seen from the offset, at which the offset turns it most."""
+        return -cmath.phase(complex(*self.gradient[:2])) + 0.0
+
+    @property
+    def ellipse_amplitude(self) -> float:
+        """A₂: rad of turn a unit of ellipticity."""
+        return math.hypot(*self.gradient[2:])
+
+    @property
+    def ellipse_phase(self) -> float:
+        """δ₂, rad in (-π, π]: twice such an orientation, seen from the axis of greater friction."""
+        return -cmath.phase(complex(*self.gradient[2:])) + 0.0
+
+    def first_order(self, seen: ArrayLike) -> Array:
+        """Return the first-order part of the turn, (...), rad, of anisotropies (..., 4)."""
+        return np.asarray(seen, dtype=float) @ self.gradient
+
+    def second_order(self, seen: ArrayLike) -> Array:
+        """Return the second-order part of the turn, (...), rad, of anisotropies (..., 4)."""
+        z = np.asarray(seen, dtype=float)
+        return np.asarray(0.5 * np.sum((z @ self.hessian) * z, axis=-1))
+
+    def __add__(self, other: "TurnResponse") -> "TurnResponse":
+        """Return the response of both turns together."""
+        return TurnResponse(self.turn + other.turn, self.gradient + other.gradient, self.hessian + other.hessian)
+
+
+@dataclass(frozen=True, eq=False)
+class Fingerprint:
+    """How the cycle of a protocol answers a surface that is nearly isotropic.
+
+    f(θ) = θ + Ω + offset·A₁ cos(θ - ψ - δ₁) + ellipticity·A₂ cos(2(θ - φ) - δ₂), with an error of second order, offset
+    along ψ, greater friction along φ (`Anisotropy`). The five numbers Ω, A₁, δ₁, A₂, δ₂ belong to the protocol: object,
+    rod, ring and push. The ten of `cycle.hessian` give the second order.
+
+    push, drag : the two parts, both over the orientation before the push. hessian_error : largest asymmetry of the
+    cycle's hessian before it was made symmetric, in rad: what the differences that gave it are good for. remainder :
+    1/rad, what the second order leaves of the turn of usual surfaces, root mean square, over (offset·A₁ +
+    ellipticity·A₂)². It does not vanish with the anisotropy: where contact phases come and go, second derivatives jump.
+    """
+
+    push: TurnResponse
+    drag: TurnResponse
+    hessian_error: float
+    remainder: float
+
+    @property
+    def cycle(self) -> TurnResponse:
+        """The response of the whole cycle."""
+        return self.push + self.drag
+
+    def amplitude(self, anisotropy: Anisotropy) -> float:
+        """Return offset·A₁ + ellipticity·A₂, rad: the most that a surface changes the turn to first order."""
+        response = self.cycle
+        return anisotropy.offset * response.offset_amplitude + anisotropy.ellipticity * response.ellipse_amplitude
+
+    def margin(self, anisotropy: Anisotropy) -> float:
+        """Return what the second order may leave of the turn on a surface, rad: twice the remainder, an estimate.
+
+        It grows with the square of the amplitude, and with the cube on surfaces that are more anisotropic than usual.
+        """
+        size, usual = self.amplitude(anisotropy), self.amplitude(Anisotropy(_OFFSET, 0.0, _ELLIPTICITY, 0.0))
+        return 2.0 * self.remainder * size**2 * max(1.0, size / usual) if size else 0.0
+
+    @property
+    def turn(self) -> float:
+        """Ω, rad: the turn of a cycle on an isotropic surface."""
+        return self.cycle.turn
+
+    @property
+    def offset_amplitude(self) -> float:
+        """A₁, rad a unit of offset."""
+        return self.cycle.offset_amplitude
+
+    @property
+    def offset_phase(self) -> float:
+        """δ₁, rad in (-π, π]."""
+        return self.cycle.offset_phase
+
+    @property
+    def ellipse_amplitude(self) -> float:
+        """A₂, rad a unit of ellipticity."""
+        return self.cycle.ellipse_amplitude
+
+    @property
+    def ellipse_phase(self) -> float:
+        """δ₂, rad in (-π, π]."""
+        return self.cycle.ellipse_phase
+
+
+def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None = None) -> Fingerprint:
+    """Return the fingerprint of a loop's protocol; its material's friction plays no part.
+
+    By equivariance one orientation is enough. The gradient comes from the exact sensitivities of two isotropic cycles,
+    the hessian from central differences of those of twelve nearly isotropic ones, the remainder from sixteen cycles on
+    usual surfaces: half a second in all. `progress` is called with the fraction done.
+
+    Raises InvalidInput where the way back has way-points: they are fixed in the world, so that a cycle depends on the
+    object's orientation without any anisotropy and five numbers cannot tell it.
+
+    >>> found = fingerprint(CollectionLoop.mit())
+    >>> round(math.degrees(found.turn), 3), round(found.offset_amplitude, 3), round(found.ellipse_amplitude, 3)
+    (8.002, 2.047, 1.769)
+    """
+    if loop.reset.way_points:
+        raise InvalidInput(
+            f"way-points of the reset, {loop.reset.way_points}, are fixed in the world: a cycle then depends on the "
+            "orientation on any surface and has no fingerprint; leave way_points_mm out"
+        )
+    report: Callable[[float], Any] = progress or (lambda fraction: None)
+    isotropic = with_anisotropy(loop, Anisotropy.of_components(np.zeros(4))).cycle(0.0)
+    gradients = _gradients(loop, np.zeros(4))
+    report(0.1)
+    differences = np.zeros((2, 4, 4))
+    for axis in range(4):
+        ends = [_gradients(loop, sign * STEP * np.eye(4)[axis]) for sign in (1.0, -1.0)]
+        differences[:, axis] = (ends[0] - ends[1]) / (2.0 * STEP)
+        report(0.3 + 0.2 * axis)
+    hessians = 0.5 * (differences + differences.transpose(0, 2, 1))
+    whole = differences.sum(axis=0)
+    turns = isotropic.push_turn, isotropic.drag_turn
+    push, drag = (TurnResponse(*parts) for parts in zip(turns, gradients, hessians, strict=True))
+    return Fingerprint(push, drag, float(np.abs(whole - whole.T).max()), _remainder(loop, push + drag))
+
+
+def with_anisotropy(loop: CollectionLoop, anisotropy: Anisotropy, mean: float = _MEAN) -> CollectionLoop:
+    """Return the loop on a surface of this anisotropy and the mean friction `mean`."""
+    return replace(loop, material=Material("surface of given anisotropy", anisotropy.friction(mean)))
+
+
+def _remainder(loop: CollectionLoop, response: TurnResponse) -> float:
+    """Root mean square of what the second order leaves of usual surfaces' turns, over the first order squared."""
+    # Both directions are spread evenly, their pairs too: a golden-section lattice of the torus.
+    first = np.arange(_SURFACES) / _SURFACES
+    second = np.arange(_SURFACES) * 0.5 * (math.sqrt(5.0) - 1.0)
+    left = []
+    for psi, phi in zip(2.0 * math.pi * first, math.pi * second, strict=True):
+        surface = Anisotropy(_OFFSET, float(psi), _ELLIPTICITY, float(phi))
+        seen = surface.seen_from(0.0)
+        expected = response.turn + response.first_order(seen) + response.second_order(seen)
+        left.append(with_anisotropy(loop, surface).cycle(0.0).theta_next - float(expected))
+    size = _OFFSET * response.offset_amplitude + _ELLIPTICITY * response.ellipse_amplitude
+    return float(np.sqrt(np.mean(np.square(left)))) / size**2 if size else 0.0
+
+
+def _gradients(loop: CollectionLoop, seen: Array) -> Array:
+    """Gradients (2, 4) of the turns of push and drag, where offset or ellipticity is zero."""
+    surface = Anisotropy.of_components(seen)
+    if surface.ellipticity > 0.0:
+        by_offset, stretch, turning = _derivatives(loop, surface)
+        across = turning / (2.0 * surface.ellipticity)
+        c, s = seen[2:] / surface.ellipticity
+        by_ellipse = np.stack([c * stretch - s * across, s * stretch + c * across], axis=-1)
+    else:
+        # Without an ellipse its direction is free: two directions give both components.
+        by_offset, along, _ = _derivatives(loop, replace(surface, ellipse_direction=0.0))
+        oblique = _derivatives(loop, replace(surface, ellipse_direction=0.25 * math.pi))[1]
+        by_ellipse = np.stack([along, oblique], axis=-1)
+    return np.hstack([by_offset, by_ellipse])
+
+
+def _derivatives(loop: CollectionLoop, surface: Anisotropy) -> tuple[Array, Array, Array]:
+    """Derivatives of the turns of push and drag at θ = 0: by offset (2, 2), by ellipticity (2,) and by φ (2,)."""
+    law = surface.friction(_MEAN)
+    found = with_anisotropy(loop, surface).sensitivity(0.0, _FRICTION)
+    rows = found.jacobian[[found.outputs.index("push_turn"), found.outputs.index("drag_turn")]]
+    by_a, by_b, by_m, by_n, by_phi = rows.T
+    c, s = math.cos(law.phi), math.sin(law.phi)
+    by_offset = _MEAN * np.stack([c * by_m - s * by_n, s * by_m + c * by_n], axis=-1)
+    return by_offset, law.mu_a * by_a - law.mu_b * by_b, by_phi

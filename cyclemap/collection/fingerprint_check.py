@@ -1,0 +1,71 @@
+"""The full cycle map of a loop, to hold a fingerprint's prediction against."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from cyclemap.collection.fingerprint_prediction import PredictedDirection, Prediction
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.maps import CircleMap, Orbit, fixed_points
+
+
+@dataclass(frozen=True, eq=False)
+class CheckedDirection:
+    """A predicted direction beside the nearest one of its kind of the full map.
+
+    full : that fixed point, None where the full map has none of the kind. miss : rad between the two; inf without.
+    """
+
+    predicted: PredictedDirection
+    full: Orbit | None
+    miss: float
+
+    @property
+    def within_error(self) -> bool:
+        """Whether the full map's direction lies within the error that was stated."""
+        return self.miss <= self.predicted.error
+
+
+@dataclass(frozen=True, eq=False)
+class PredictionCheck:
+    """The full map of a loop, its fixed points by angle, and every predicted direction beside what it has."""
+
+    map: CircleMap
+    fixed_points: tuple[Orbit, ...]
+    directions: tuple[CheckedDirection, ...]
+
+    @property
+    def stable_points(self) -> tuple[Orbit, ...]:
+        """The fixed points that the loop locks into."""
+        return tuple(orbit for orbit in self.fixed_points if orbit.stable)
+
+
+def check_prediction(
+    prediction: Prediction,
+    loop: CollectionLoop,
+    tolerance: float = 1e-5,
+    progress: Callable[[float], None] | None = None,
+) -> PredictionCheck:
+    """Compute the full map of a loop to `tolerance` (rad), a hundred cycles and more, and set it beside a prediction.
+
+    >>> from cyclemap.collection.anisotropy import Anisotropy
+    >>> from cyclemap.collection.fingerprint import fingerprint
+    >>> loop = CollectionLoop.mit(material="plywood")
+    >>> prediction = Prediction(fingerprint(loop), Anisotropy.of(loop.material.friction))
+    >>> stable = check_prediction(prediction, loop, tolerance=1e-3).directions[0]
+    >>> round(math.degrees(stable.miss), 1), stable.within_error
+    (3.8, True)
+    """
+    full = loop.circle_map(tolerance=tolerance, progress=progress)
+    points = tuple(fixed_points(full))
+    return PredictionCheck(full, points, tuple(_checked(direction, points) for direction in prediction.directions))
+
+
+def _checked(direction: PredictedDirection, points: tuple[Orbit, ...]) -> CheckedDirection:
+    same = [orbit for orbit in points if orbit.stable == direction.stable]
+    nearest = min(same, key=lambda orbit: _distance(orbit, direction.theta), default=None)
+    return CheckedDirection(direction, nearest, math.inf if nearest is None else _distance(nearest, direction.theta))
+
+
+def _distance(orbit: Orbit, theta: float) -> float:
+    return abs(math.remainder(float(orbit.points[0]) - theta, 2.0 * math.pi))

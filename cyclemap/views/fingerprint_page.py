@@ -1,0 +1,155 @@
+"""A fingerprint on one landscape page: how the protocol answers, and the predicted map beside the full one."""
+
+from textwrap import fill
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from matplotlib.ticker import MaxNLocator
+
+from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
+from cyclemap.collection.fingerprint_check import PredictionCheck
+from cyclemap.collection.fingerprint_prediction import Prediction
+from cyclemap.collection.portrait_curves import turn_curve
+from cyclemap.maps import CircleMap, Orbit
+from cyclemap.views.fingerprint_sentences import (
+    check_sentence,
+    direction_sentence,
+    five_numbers,
+    lock_in_sentence,
+    protocol_sentence,
+    surface_sentence,
+    trust_sentence,
+)
+from cyclemap.views.panel_parts import legend_above, orbit_marker, stability
+from cyclemap.views.style import (
+    FORCE,
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    degree_axis,
+    new_figure,
+    picture_style,
+)
+
+PAGE_INCHES = (13.333, 7.5)
+LINE_LETTERS = 170
+_ANGLES = np.radians(np.arange(0.0, 361.0))
+
+
+def fingerprint_page(
+    found: Fingerprint,
+    prediction: Prediction | None = None,
+    checked: PredictionCheck | None = None,
+    name: str = "",
+) -> Figure:
+    """Draw a fingerprint; with a prediction its map too, and the full map where that was computed.
+
+    `name` is the material's, for the title and the sentences.
+    """
+    with picture_style():
+        figure = new_figure(*PAGE_INCHES)
+        grid = GridSpec(
+            2, 2, figure, width_ratios=(1.0, 1.5), left=0.065, right=0.985, bottom=0.12, top=0.76, wspace=0.16,
+            hspace=0.62,
+        )  # fmt: skip
+        column = 0 if prediction is not None else slice(None)
+        draw_responses(figure.add_subplot(grid[0, column]), found, ellipse=False)
+        draw_responses(figure.add_subplot(grid[1, column]), found, ellipse=True)
+        if prediction is not None:
+            draw_prediction(figure.add_subplot(grid[:, 1]), prediction, None if checked is None else checked.map)
+        _write_words(figure, found, prediction, checked, name)
+    return figure
+
+
+def draw_responses(axes: Axes, found: Fingerprint, ellipse: bool) -> None:
+    """Draw the change of a cycle's turn by one percent of offset, or of ellipticity, over the orientation."""
+    looks = (("push", found.push, FORCE, ":"), ("drag", found.drag, MEASURED_EDGE, "--"))
+    for name, response, colour, dash in looks:
+        axes.plot(*_response_curve(response, ellipse), color=colour, linestyle=dash, linewidth=1.6, label=name)
+    axes.plot(*_response_curve(found.cycle, ellipse), color=PREDICTED, linewidth=2.2, label="cycle")
+    axes.axhline(0.0, color=QUIET, linewidth=0.9)
+    axes.set_title("Answer to 1 % of ellipticity" if ellipse else "Answer to 1 % of offset")
+    seen = "θ - φ, from the axis of greater friction (°)" if ellipse else "θ - ψ, from the offset (°)"
+    degree_axis(axes, f"orientation {seen}")
+    axes.set_ylabel("change of turn (°)")
+    legend_above(axes)
+
+
+def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None = None) -> None:
+    """Draw the first-order turn with its error and its directions, the second-order turn, and the full map's."""
+    turn, error = prediction.turn(_ANGLES), prediction.turn_error(_ANGLES)
+    degrees = np.degrees(_ANGLES)
+    axes.axhline(0.0, color=QUIET, linewidth=0.9)
+    axes.fill_between(
+        degrees,
+        np.degrees(turn - error),
+        np.degrees(turn + error),
+        color=PREDICTED_FILL,
+        linewidth=0.0,
+        label="its error",
+        zorder=1,
+    )
+    axes.plot(degrees, np.degrees(turn), color=PREDICTED, linewidth=2.2, label="first order", zorder=4)
+    second = np.degrees(prediction.second_order_turn(_ANGLES))
+    axes.plot(degrees, second, color=INK, linewidth=1.0, linestyle="--", label="second order", zorder=5)
+    for index, (theta, whole) in enumerate([] if full is None else turn_curve(full).pieces):
+        label = None if index else "full map"
+        axes.plot(np.degrees(theta), np.degrees(whole), color=MEASURED, linewidth=3.0, label=label, zorder=3)
+    for direction in prediction.directions:
+        _draw_direction(axes, direction.orbit)
+    degree_axis(axes, "θ0, orientation before the push (°)")
+    axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
+    axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 3, 5, 6, 10]))
+    axes.set_title("Turn of one cycle")
+    legend_above(axes, columns=4)
+
+
+def _response_curve(response: TurnResponse, ellipse: bool) -> tuple[np.ndarray, np.ndarray]:
+    angle = -2.0 * _ANGLES if ellipse else -_ANGLES
+    part = response.gradient[2:] if ellipse else response.gradient[:2]
+    turn = part[0] * np.cos(angle) + part[1] * np.sin(angle)
+    return np.degrees(_ANGLES), np.degrees(0.01 * turn)
+
+
+def _draw_direction(axes: Axes, orbit: Orbit) -> None:
+    place, kind = float(np.degrees(orbit.points[0])), stability(orbit)
+    axes.plot(place, 0.0, **orbit_marker(kind))
+    # A turn falls through a stable direction and rises through an unstable one: names stand where it does not run.
+    left = place > 290.0
+    above = orbit.stable != left
+    axes.annotate(
+        f"{place:.1f}° {kind}",
+        (place, 0.0),
+        xytext=(-8 if left else 8, 8 if above else -16),
+        textcoords="offset points",
+        ha="right" if left else "left",
+        fontsize=8,
+        zorder=7,
+        bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
+    )
+
+
+def _write_words(
+    figure: Figure, found: Fingerprint, prediction: Prediction | None, checked: PredictionCheck | None, name: str
+) -> None:
+    title = "Fingerprint of the protocol" if prediction is None else f"Fingerprint of the protocol, on {name}"
+    figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
+    told = [protocol_sentence(found)]
+    if prediction is not None:
+        told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
+        told += [lock_in_sentence(prediction), trust_sentence(prediction)]
+    if checked is not None:
+        told.append(check_sentence(checked))
+    figure.text(0.015, 0.925, fill(" ".join(filter(None, told)), LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
+    numbers = "   ".join(
+        f"{symbol} {value}°"
+        for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
+    )
+    figure.text(
+        0.015, 0.02, f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity", fontsize=8, color=QUIET
+    )

@@ -1,0 +1,56 @@
+"""The figure's caption holds: within the stated error, the square of the anisotropy, an edge that is nearly right."""
+
+import math
+
+import numpy as np
+import pytest
+from drawn_figures import assert_drawn, words_of
+
+from cyclemap.figures import fingerprint as figure
+from cyclemap.figures.fingerprint import FIGURE
+from cyclemap.figures.measured_folder import MeasuredFolder
+
+
+@pytest.fixture(scope="module")
+def result():
+    """The figure's result with fewer scales, and two rays: those of one kind of anisotropy alone."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(figure, "SCALES", np.array([1.0, 1 / 8, 1 / 16, 1 / 32]))
+        patch.setattr(figure, "RAYS", np.radians([0.0, 90.0]))
+        return FIGURE.compute(MeasuredFolder(None))
+
+
+def test_the_predicted_direction_lies_within_the_error_it_states(result) -> None:
+    (stable,) = (one for one in result.checked.directions if one.predicted.stable)
+    assert stable.within_error
+    assert math.degrees(stable.full.points[0]) == pytest.approx(63.168, abs=0.02)
+
+
+def test_the_error_of_the_turn_is_of_second_order_and_that_of_the_direction_of_first(result) -> None:
+    assert figure.order(result.scales, result.turn_error) == pytest.approx(2.0, abs=0.1)
+    assert figure.order(result.scales, result.direction_error) == pytest.approx(1.0, abs=0.05)
+    small = result.scales <= figure.ASYMPTOTIC
+    assert np.count_nonzero(small) == 3
+    assert np.all(result.second_turn_error < result.turn_error)
+
+
+def test_the_edge_is_omega_over_the_amplitude_and_the_full_maps_lies_a_little_inside(result) -> None:
+    found = result.prediction.fingerprint
+    expected = [[found.turn / found.offset_amplitude, 0.0], [0.0, found.turn / found.ellipse_amplitude]]
+    assert result.predicted_edge == pytest.approx(np.array(expected), abs=1e-12)
+    shares = np.linalg.norm(result.full_edge, axis=1) / np.linalg.norm(result.predicted_edge, axis=1)
+    assert np.all((shares > 0.8) & (shares < 1.0))
+
+
+def test_the_ring_of_the_neutral_loop_lies_further_out_than_the_nominal_one(result) -> None:
+    assert result.ring == pytest.approx(0.0213, abs=1e-4)
+
+
+def test_the_picture_has_three_panels_and_a_caption_with_its_numbers(result) -> None:
+    drawn = FIGURE.draw(result)
+    assert_drawn(drawn, 3)
+    assert "order 2.0" in words_of(drawn) and "order 1.0" in words_of(drawn)
+    caption = FIGURE.caption(result)
+    for words in ("Ω 8.00°", "59.4° ± 21.1°", "3.8° away, within that error", "power 2.0", "21.3 mm"):
+        assert words in caption
+    assert FIGURE.name == "fingerprint" and FIGURE.source == "not in the paper"

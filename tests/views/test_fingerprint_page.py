@@ -1,0 +1,118 @@
+"""The fingerprint page draws the protocol's answers, the predicted turn with its error, and the full map's."""
+
+import math
+
+import numpy as np
+import pytest
+from drawn_panels import faces, labelled, legend_words, panel, png
+
+from cyclemap.collection.anisotropy import Anisotropy
+from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
+from cyclemap.collection.fingerprint_check import CheckedDirection, PredictionCheck
+from cyclemap.collection.fingerprint_prediction import Prediction
+from cyclemap.maps import CircleMap, fixed_points
+from cyclemap.views import fingerprint_sentences as sentences
+from cyclemap.views.fingerprint_page import draw_prediction, draw_responses, fingerprint_page
+from cyclemap.views.style import PREDICTED, render
+
+PUSH = TurnResponse(1.2, [0.3, 0.1, 0.2, -0.4], np.zeros((4, 4)))
+DRAG = TurnResponse(-1.1, [1.5, -0.6, 0.9, 1.0], 0.4 * np.eye(4))
+FOUND = Fingerprint(PUSH, DRAG, 0.0, 0.1)
+LOCKED = Prediction(FOUND, Anisotropy(0.12, 0.3, 0.05, 1.0))
+DRIFTING = Prediction(FOUND, Anisotropy(0.01, 0.3, 0.005, 1.0))
+STRONG = Prediction(FOUND, Anisotropy(0.8, 0.3, 0.9, 1.0))
+
+
+def checked(prediction: Prediction) -> PredictionCheck:
+    """A full map a hundredth of a radian off the predicted one."""
+    full = CircleMap(lambda theta: prediction.map(theta - 0.01) + 0.01)
+    points = tuple(fixed_points(full))
+    pairs = zip(prediction.directions, points, strict=True)
+    return PredictionCheck(full, points, tuple(CheckedDirection(one, orbit, 0.01) for one, orbit in pairs))
+
+
+@pytest.mark.parametrize(("ellipse", "harmonic"), [(False, 1), (True, 2)])
+def test_the_answers_are_one_harmonic_with_the_amplitude_and_phase_of_the_numbers(ellipse, harmonic) -> None:
+    axes = panel()
+    draw_responses(axes, FOUND, ellipse)
+    assert legend_words(axes) == ["push", "drag", "cycle"]
+    for name, response in (("push", PUSH), ("drag", DRAG), ("cycle", FOUND.cycle)):
+        amplitude = response.ellipse_amplitude if ellipse else response.offset_amplitude
+        phase = response.ellipse_phase if ellipse else response.offset_phase
+        degrees, turn = labelled(axes, name).get_data()
+        expected = math.degrees(0.01 * amplitude) * np.cos(harmonic * np.radians(degrees) - phase)
+        assert turn == pytest.approx(expected, abs=1e-12)
+    assert "(°)" in axes.get_xlabel() and "(°)" in axes.get_ylabel()
+    png(axes)
+
+
+def test_the_prediction_is_drawn_with_its_error_its_directions_and_the_full_map() -> None:
+    axes = panel(8.0, 5.0)
+    draw_prediction(axes, LOCKED, checked(LOCKED).map)
+    assert legend_words(axes) == ["its error", "first order", "second order", "full map"]
+    degrees, turn = labelled(axes, "first order").get_data()
+    angles = np.radians(degrees)
+    assert turn == pytest.approx(np.degrees(LOCKED.turn(angles)))
+    (band,) = axes.collections
+    edge = band.get_paths()[0].vertices
+    assert edge[:, 1].max() == pytest.approx(np.degrees(LOCKED.turn(angles) + LOCKED.turn_error(angles)).max())
+    assert len(faces(axes)) == 2 and {face for face, _, _ in faces(axes)} == {PREDICTED, "#ffffff"}
+    assert [text.get_text().split()[1] for text in axes.texts] == [
+        "stable" if direction.stable else "unstable" for direction in LOCKED.directions
+    ]
+    png(axes)
+
+
+@pytest.mark.parametrize(
+    ("prediction", "panels", "title"),
+    [
+        (None, 2, "Fingerprint of the protocol"),
+        (LOCKED, 3, "Fingerprint of the protocol, on wood"),
+        (DRIFTING, 3, "wood"),
+    ],
+)
+def test_the_page_holds_the_numbers_and_the_sentences(prediction, panels, title) -> None:
+    page = fingerprint_page(FOUND, prediction, None, "wood")
+    assert len(page.axes) == panels
+    words = [text.get_text().replace("\n", " ") for text in page.texts]
+    assert title in words[0] and sentences.protocol_sentence(FOUND) in words[1]
+    assert all(number in words[-1] for number in sentences.five_numbers(FOUND.cycle))
+    assert render(page, "png", 60).startswith(b"\x89PNG")
+
+
+def test_the_checked_page_says_how_far_off_the_prediction_is() -> None:
+    page = fingerprint_page(FOUND, LOCKED, checked(LOCKED), "wood")
+    told = page.texts[1].get_text().replace("\n", " ")
+    assert "The full map locks into" in told and "The prediction is 0.6° off, within its error." in told
+
+
+def test_sentences_tell_locking_drifting_and_distrust() -> None:
+    (stable,) = LOCKED.stable_directions
+    told = sentences.direction_sentence(LOCKED, "wood")
+    assert told.startswith(f"To first order wood locks into {math.degrees(stable.theta):.1f}° ± ")
+    assert sentences.trust_sentence(LOCKED) == ""
+    drifting = sentences.direction_sentence(DRIFTING, "wood")
+    assert drifting.startswith("To first order wood has no stable direction: the map turns ")
+    assert f"slowest near {math.degrees(DRIFTING.slowest):.0f}°" in drifting and "leaves open" not in drifting
+    assert "Lock-in begins at" in sentences.lock_in_sentence(DRIFTING)
+    assert "not to be trusted" in sentences.trust_sentence(STRONG)
+    isotropic = Prediction(FOUND, Anisotropy(0.0, 0.0, 0.0, 0.0))
+    assert sentences.lock_in_sentence(isotropic) == ""
+    assert sentences.surface_sentence(isotropic, "wood") == "wood is the same in every direction."
+    assert "turns 5.73° a cycle on average." in sentences.direction_sentence(isotropic, "wood")
+
+
+def test_a_surface_that_locks_to_second_order_only_is_told_so() -> None:
+    """The second order lowers the turn by |u|², which is enough to reach zero."""
+    lower = TurnResponse(-1.1, DRAG.gradient, np.diag([-2.0, -2.0, 0.0, 0.0]))
+    edge = Prediction(Fingerprint(PUSH, lower, 0.0, 0.0), LOCKED.anisotropy.scaled(0.97 * LOCKED.lock_in.scale))
+    (stable,) = (orbit for orbit in edge.second_order_points if orbit.stable)
+    told = sentences.direction_sentence(edge, "wood")
+    assert "no stable direction" in told and "leaves open" in told
+    assert told.endswith(f"; to second order it locks into {math.degrees(stable.points[0]):.1f}°.")
+
+
+def test_a_full_map_without_the_predicted_direction_is_said_to_have_none() -> None:
+    full = CircleMap.rigid(0.1)
+    nothing = tuple(CheckedDirection(direction, None, math.inf) for direction in LOCKED.directions)
+    assert sentences.check_sentence(PredictionCheck(full, (), nothing)) == "The full map has no stable direction."
