@@ -67,7 +67,8 @@ def fit_log_variance(columns: Array, squares: Array) -> Array:
     """The coefficients γ (q,) of log variance = columns @ γ that make normal residuals, squares (n,), likeliest.
 
     Harvey's model (1976). Minus the log-likelihood ½Σ(g + r²e^{-g}) is convex in γ: Newton's method with halved steps
-    finds its one minimum, until the decrease it foresees is below 1e-12 a value.
+    finds its one minimum, until the decrease it foresees is below 1e-12 a value. Raises ConvergenceError where the
+    residuals vanish along a part of the circle, since the likelihood then has no bound.
 
     >>> fit_log_variance(np.ones((3, 1)), np.array([1.0, 2.0, 3.0])).round(9).tolist()
     [0.693147181]
@@ -89,7 +90,11 @@ def fit_log_variance(columns: Array, squares: Array) -> Array:
 def _halved(columns: Array, squares: Array, gamma: Array, step: Array, decrease: float) -> float:
     """The share 1, ½, ¼, ... of the step whose gain is a fair part of what its slope promises (Armijo's rule)."""
     start, share = _loss(columns @ gamma, squares), 1.0
-    while share > 1e-6 and not start - _loss(columns @ (gamma + share * step), squares) >= 1e-4 * share * decrease:
+    while not start - (loss := _loss(columns @ (gamma + share * step), squares)) >= 1e-4 * share * decrease:
+        if share < 1e-6 and np.isfinite(loss):
+            break
+        if share < 1e-12:
+            raise ConvergenceError("the scatter vanishes along a part of the circle: use fewer noise harmonics")
         share *= 0.5
     return share
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import i0
 
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import fit_linear
 from cyclemap.evidence.laws.order_choice import cycle_folds, nested_errors, simplest_good
 from cyclemap.evidence.laws.periodic_basis import fourier_columns
@@ -171,6 +171,22 @@ def test_the_fitted_log_variance_makes_the_likelihood_stationary() -> None:
     squares = np.random.default_rng(0).standard_normal(50) ** 6
     gamma = fit_log_variance(columns, squares)
     assert np.max(np.abs(columns.T @ (1.0 - squares * np.exp(-columns @ gamma)))) < 1e-3
+
+
+@pytest.mark.parametrize("tiny", [1e-12, 1e-20, 1e-40])
+def test_scatter_that_all_but_vanishes_on_an_arc_is_fitted_where_newton_first_leaps_too_far(tiny) -> None:
+    rng = np.random.default_rng(1)
+    theta = rng.uniform(0.0, 2.0 * np.pi, 2000)
+    columns = fourier_columns(theta, 6)
+    squares = np.where(np.cos(theta) > 0.5, 1.0, tiny) * rng.chisquare(1, 2000)
+    gamma = fit_log_variance(columns, squares)
+    assert np.max(np.abs(columns.T @ (1.0 - squares * np.exp(-columns @ gamma)))) < 1e-2
+
+
+def test_scatter_that_vanishes_on_an_arc_is_said_to() -> None:
+    theta = np.linspace(0.0, 2.0 * np.pi, 400)
+    with pytest.raises(ConvergenceError, match="vanishes along a part of the circle"):
+        fit_log_variance(fourier_columns(theta, 6), np.where(np.cos(theta) > 0.5, 1.0, 0.0))
 
 
 def test_robust_fits_withstand_outliers_and_cover_on_clean_data() -> None:
