@@ -1,14 +1,15 @@
-"""What a figure and a table of the gallery are: how each is computed, drawn or set in rows, and captioned."""
+"""What a figure, a table and an animation of the gallery are: how each is computed, drawn or set, and captioned."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
+from cyclemap.figures.catalogue import BEYOND as BEYOND
 from cyclemap.figures.measured_folder import MeasuredFolder
-
-BEYOND = "not in the paper"
 
 
 @dataclass(frozen=True)
@@ -39,3 +40,26 @@ class PaperTable:
     header: tuple[str, ...]
     rows: Callable[[Any], list[tuple[str, ...]]]
     caption: Callable[[Any], str]
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One picture of an animation. pixels : (height, width, 3), 0 to 255. seconds : how long it is shown."""
+
+    pixels: NDArray[np.uint8]
+    seconds: float
+
+
+@dataclass(frozen=True)
+class PaperAnimation:
+    """One animation: as a figure, but drawn as frames, all of one size."""
+
+    name: str
+    source: str
+    title: str
+    compute: Callable[[MeasuredFolder], Any]
+    frames: Callable[[Any], Iterator[Frame]]
+    caption: Callable[[Any], str]
+
+
+Exhibit = PaperFigure | PaperTable | PaperAnimation

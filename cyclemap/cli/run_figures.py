@@ -1,0 +1,182 @@
+"""`cyclemap figures`: what there is, and each of it made, written, captioned and told."""
+
+import csv
+import io
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from cyclemap.cli.json_report import Json
+from cyclemap.cli.output import publish_json, write_json
+from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.errors import CycleMapError, DataFileError
+from cyclemap.figures.catalogue import Entry, entries, load_exhibit
+from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.whole_files import write_whole
+
+INDEX_FILE = "figures.json"
+TABLE_LETTERS = 240
+_KEYS = ("name", "title", "source", "caption", "file", "measured")
+
+
+@dataclass(frozen=True)
+class WatchedFolder(MeasuredFolder):
+    """Measured data that remember what was asked for and, of that, what was there (names within the folder)."""
+
+    asked: list[str] = field(default_factory=list)
+    there: list[str] = field(default_factory=list)
+
+    def file(self, name: str) -> Path | None:
+        """Return the path of the file `name` in the folder; None where it is not there."""
+        return self._noted(name, super().file(name))
+
+    def folder(self, name: str) -> Path | None:
+        """Return the path of the sub-folder `name`; None where it is not there."""
+        return self._noted(name, super().folder(name))
+
+    def _noted(self, name: str, path: Path | None) -> Path | None:
+        self.asked.append(name)
+        if path is not None and name not in self.there:
+            self.there.append(name)
+        return path
+
+
+@dataclass(frozen=True)
+class Made:
+    """One exhibit made: its line of the index, whether measured data were asked for, the rows of a table."""
+
+    line: Json
+    asked: bool
+    header: tuple[str, ...] = ()
+    rows: tuple[tuple[str, ...], ...] = ()
+
+
+def list_figures(json_target: str | None) -> None:
+    """Tell the names of all exhibits with their sources and titles; no exhibit is imported."""
+    listed = [{"name": entry.name, "source": entry.source, "title": entry.title} for entry in entries()]
+    if publish_json({"figures": listed}, json_target):
+        return
+    console, widest = PeopleConsole(), max(len(entry.name) for entry in entries())
+    for entry in entries():
+        console.print(f"{entry.name:<{widest}}  {entry.title} ({entry.source})")
+    console.print("make them with: cyclemap figures NAME ... (or all)")
+
+
+def run_figures(names: tuple[str, ...], data: Path | None, out: Path, picture_format: str, target: str | None) -> None:
+    """Make every exhibit named; what fails is told and loses none of the others.
+
+    Raises InvalidInput for an unknown name, a folder that is none and an index that cannot be read, before any work;
+    CycleMapError at the end where something failed.
+    """
+    chosen, folder, index = entries(names), MeasuredFolder.found(data), _read_index(out / INDEX_FILE)
+    console, made, failed = PeopleConsole(), list[Made](), list[Json]()
+    for number, entry in enumerate(chosen, 1):
+        try:
+            with _at_work(f"{entry.name} ({number} of {len(chosen)})"):
+                one = _make(entry, folder, out, picture_format)
+        except CycleMapError as error:
+            failed.append({"name": entry.name, "error": str(error)})
+            continue
+        made.append(one)
+        index[entry.name] = one.line
+        write_json(out / INDEX_FILE, _in_order(index))
+        if target != "-":
+            _tell(console, one, out)
+    report: Json = {"figures": [one.line for one in made], "failed": [*failed]}
+    publish_json(report, target)
+    if failed:
+        told = "; ".join(f"{one['name']}: {one['error']}" for one in failed)
+        raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {told}")
+
+
+def _make(entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str) -> Made:
+    """Compute, draw and write one exhibit."""
+    from cyclemap.figures.exhibit import PaperAnimation, PaperFigure
+
+    exhibit, data = load_exhibit(entry.name), WatchedFolder(folder.path)
+    result = exhibit.compute(data)
+    rows: tuple[tuple[str, ...], ...] = ()
+    header: tuple[str, ...] = ()
+    if isinstance(exhibit, PaperFigure):
+        from cyclemap.views.style import render
+
+        suffix, content = picture_format, render(exhibit.draw(result), picture_format)
+    elif isinstance(exhibit, PaperAnimation):
+        from cyclemap.figures.animation import animated_gif
+
+        suffix, content = "gif", animated_gif(exhibit.frames(result))
+    else:
+        header, rows = exhibit.header, tuple(exhibit.rows(result))
+        suffix, content = "csv", _csv(header, rows)
+    path = out / f"{entry.name}.{suffix}"
+    write_whole(path, content)
+    names = {"name": exhibit.name, "title": exhibit.title, "source": exhibit.source}
+    found = ", ".join(data.there) or None
+    line: Json = {**names, "caption": exhibit.caption(result), "file": path.name, "measured": found}
+    return Made(line, bool(data.asked), header, rows)
+
+
+def _csv(header: tuple[str, ...], rows: tuple[tuple[str, ...], ...]) -> bytes:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([header, *rows])
+    return text.getvalue().encode()
+
+
+def _tell(console: PeopleConsole, made: Made, out: Path) -> None:
+    """One exhibit for people: title, rows of a table, caption, file, and whether measured data were there."""
+    line = made.line
+    console.print(f"{line['name']}: {line['title']} ({line['source']})", style="bold")
+    if made.header:
+        _print_table(made.header, made.rows)
+    console.print(str(line["caption"]))
+    if made.asked:
+        console.print(f"measured data: {line['measured'] or NO_DATA}")
+    console.print(f"file: {out / str(line['file'])}\n")
+
+
+def _print_table(header: tuple[str, ...], rows: tuple[tuple[str, ...], ...]) -> None:
+    from rich.table import Table
+
+    table = Table()
+    for name in header:
+        table.add_column(name, no_wrap=True)
+    for row in rows:
+        table.add_row(*row)
+    wide = PeopleConsole()
+    # Squeezed into a narrow terminal a table would lose its numbers: it is printed at its own width.
+    wide.width = TABLE_LETTERS
+    wide.print(table)
+
+
+@contextmanager
+def _at_work(label: str) -> Iterator[None]:
+    """A sign of life on a terminal for as long as the block lasts."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status(label):
+        yield
+
+
+def _read_index(path: Path) -> dict[str, Any]:
+    """The lines of an index by name, in order; none where there is no file; DataFileError where it is no index."""
+    try:
+        lines = json.loads(path.read_text(encoding="utf-8"))["figures"]
+        return {line["name"]: {key: line[key] for key in _KEYS} for line in lines}
+    except FileNotFoundError:
+        return {}
+    except (ValueError, KeyError, TypeError) as error:
+        raise DataFileError(f"{path}: not an index of figures; remove it or choose another --out") from error
+
+
+def _in_order(index: dict[str, Any]) -> Json:
+    """The index in the gallery's order; names that are no longer there come last."""
+    known = [entry.name for entry in entries()]
+    names = sorted(index, key=lambda name: known.index(name) if name in known else len(known))
+    return {"figures": [index[name] for name in names]}

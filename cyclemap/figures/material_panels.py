@@ -1,0 +1,52 @@
+"""What the figures of the four materials share: a grid of panels, the look of simulated data, a line at the foot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from cyclemap.views.panel_parts import legend_above
+from cyclemap.views.style import QUIET, new_figure
+
+PANEL_INCHES = (5.2, 3.6)
+SIMULATED_FILL = "#c4c4c4"
+_SIDE, _GAP, _HEAD, _FOOT = 0.75, 0.85, 0.75, 0.85
+
+
+def material_grid(names: Iterable[str], columns: int = 2) -> tuple[Figure, dict[str, Axes]]:
+    """A figure with a panel a name, in rows of ``columns``, titled with the names; room above each for a legend."""
+    titles = list(names)
+    rows = -(-len(titles) // columns)
+    width, height = PANEL_INCHES
+    figure = new_figure(width * columns, height * rows + 0.1)
+    grid = figure.add_gridspec(
+        rows, columns, left=_SIDE / (width * columns), right=1.0 - 0.2 / (width * columns),
+        bottom=_FOOT / (height * rows), top=1.0 - _HEAD / (height * rows), hspace=0.5, wspace=0.22,
+    )  # fmt: skip
+    panels = {}
+    for place, name in enumerate(titles):
+        panels[name] = figure.add_subplot(grid[place // columns, place % columns])
+        panels[name].set_title(name)
+    return figure, panels
+
+
+def as_simulated(axes: Axes, columns: int = 2) -> None:
+    """Show what a view drew as measured for what it is here: simulated, in grey, in the legend too."""
+    for artist in axes.get_children():
+        if artist.get_label() != "measured":
+            continue
+        artist.set_label("simulated")
+        if isinstance(artist, Line2D):
+            artist.set_color(QUIET)
+        elif isinstance(artist, Patch):
+            artist.set(facecolor=SIMULATED_FILL, edgecolor=QUIET)
+    legend_above(axes, columns)
+
+
+def foot_note(figure: Figure, words: str) -> None:
+    """A line at the foot of the figure."""
+    figure.text(0.012, 0.012, words, fontsize=8, color=QUIET, va="bottom")

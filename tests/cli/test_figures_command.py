@@ -1,0 +1,188 @@
+"""`cyclemap figures` from outside: the list, the files, the index, what people are told, and what it refuses."""
+
+import csv
+import io
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from cyclemap.cli import run_figures as command
+from cyclemap.cli.command_figures import figures_command
+from cyclemap.cli.main import cli, run
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.figures.catalogue import CATALOGUE, entries
+from cyclemap.figures.exhibit import Frame, PaperAnimation, PaperFigure, PaperTable
+from cyclemap.figures.measured_folder import NO_DATA
+from cyclemap.views.style import new_figure
+
+KEYS = ["name", "title", "source", "caption", "file", "measured"]
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch) -> Path:
+    """An empty current folder, the command registered, and quick exhibits in place of four slow ones."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("CYCLEMAP_DATA", raising=False)
+    if "figures" not in cli.commands:
+        monkeypatch.setitem(cli.commands, "figures", figures_command)
+    quick = {"staircases": _figure(), "table-friction": _table(), "locking-in": _animation(), "fingerprint": _failing()}
+    monkeypatch.setattr(command, "load_exhibit", quick.__getitem__)
+    return tmp_path
+
+
+def _words(name: str) -> dict[str, str]:
+    entry = next(entry for entry in CATALOGUE if entry.name == name)
+    return {"name": name, "source": entry.source, "title": entry.title}
+
+
+def _figure() -> PaperFigure:
+    """It asks for a data file and counts its lines."""
+
+    def compute(measured):
+        file = measured.file("given.csv")
+        return 0 if file is None else len(file.read_text().splitlines())
+
+    return PaperFigure(
+        **_words("staircases"), compute=compute, draw=lambda _: new_figure(2, 1), caption=lambda n: f"{n} lines."
+    )
+
+
+def _table() -> PaperTable:
+    rows = [("plywood, table I", "0.2545"), ("a surface whose name is longer than a narrow terminal is wide", "0.25")]
+    return PaperTable(
+        **_words("table-friction"), compute=lambda _: rows, header=("surface", "μa"), rows=lambda found: found,
+        caption=lambda _: "Friction.",
+    )  # fmt: skip
+
+
+def _animation() -> PaperAnimation:
+    def frames(result):
+        for place in range(result):
+            pixels = np.full((6, 6, 3), 255, dtype=np.uint8)
+            pixels[place] = 0
+            yield Frame(pixels, 0.1)
+
+    return PaperAnimation(**_words("locking-in"), compute=lambda _: 3, frames=frames, caption=lambda _: "It moves.")
+
+
+def _failing() -> PaperFigure:
+    def compute(measured):
+        raise ConvergenceError("it does not converge; try again")
+
+    return PaperFigure(
+        **_words("fingerprint"), compute=compute, draw=lambda _: new_figure(1, 1), caption=lambda _: "Never."
+    )
+
+
+def test_without_a_name_all_are_listed_with_source_and_title(capsys) -> None:
+    assert run(["figures"]) == 0
+    shown = capsys.readouterr().out
+    for entry in entries():
+        (line,) = [line for line in shown.splitlines() if line.startswith(f"{entry.name} ")]
+        assert entry.title in line
+        assert entry.source in line
+    assert run(["figures", "--json", "-"]) == 0
+    listed = json.loads(capsys.readouterr().out)["figures"]
+    assert [one["name"] for one in listed] == [entry.name for entry in CATALOGUE]
+
+
+def test_figures_tables_and_animations_are_written_with_an_index_of_their_captions(here, capsys) -> None:
+    assert run(["figures", "locking-in", "table-friction", "staircases", "--out", "gallery", "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    made = report["figures"]
+    assert report["failed"] == []
+    assert [one["name"] for one in made] == ["staircases", "table-friction", "locking-in"]
+    assert all(list(one) == KEYS for one in made)
+    folder = here / "gallery"
+    assert sorted(path.name for path in folder.iterdir()) == [
+        *("figures.json", "locking-in.gif", "staircases.png", "table-friction.csv"),
+    ]
+    assert json.loads((folder / "figures.json").read_text())["figures"] == made
+    assert (folder / "staircases.png").read_bytes().startswith(b"\x89PNG")
+    rows = list(csv.reader(io.StringIO((folder / "table-friction.csv").read_text())))
+    assert rows[:2] == [["surface", "μa"], ["plywood, table I", "0.2545"]]
+    with Image.open(folder / "locking-in.gif") as picture:
+        assert picture.n_frames == 3
+
+
+def test_an_earlier_index_is_kept_replaced_by_name_and_put_in_order(here, capsys) -> None:
+    assert run(["figures", "locking-in"]) == 0
+    assert run(["figures", "staircases", "--format", "svg"]) == 0
+    assert run(["figures", "staircases", "--format", "png"]) == 0
+    lines = json.loads((here / "out" / "figures.json").read_text())["figures"]
+    assert [(one["name"], one["file"]) for one in lines] == [
+        ("staircases", "staircases.png"),
+        ("locking-in", "locking-in.gif"),
+    ]
+
+
+def test_measured_data_that_a_figure_finds_are_told_and_what_it_does_not_find_too(here, capsys) -> None:
+    (here / "data").mkdir()
+    assert run(["figures", "staircases", "table-friction", "--data", "data"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.count(NO_DATA) == 1
+    assert "0 lines." in shown
+    (here / "data" / "given.csv").write_text("a\nb\n")
+    assert run(["figures", "staircases", "--data", "data"]) == 0
+    shown = capsys.readouterr().out
+    assert "2 lines." in shown
+    assert "measured data: given.csv" in shown
+    line, other = json.loads((here / "out" / "figures.json").read_text())["figures"]
+    assert (line["measured"], other["measured"]) == ("given.csv", None)
+
+
+def test_people_are_told_title_caption_file_and_the_rows_of_a_table_whole(capsys, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    assert run(["figures", "table-friction"]) == 0
+    shown = capsys.readouterr().out
+    for part in (_words("table-friction")["title"], "Friction.", "table-friction.csv", "plywood, table I", "0.2545"):
+        assert part in shown
+    assert "longer than a narrow terminal is wide" in shown
+
+
+def test_one_that_fails_loses_none_of_the_others_and_is_told_with_exit_1(here, capsys) -> None:
+    assert run(["figures", "staircases", "fingerprint", "locking-in", "--json", "-"]) == 1
+    shown = capsys.readouterr()
+    report = json.loads(shown.out)
+    assert [one["name"] for one in report["figures"]] == ["staircases", "locking-in"]
+    assert report["failed"] == [{"name": "fingerprint", "error": "it does not converge; try again"}]
+    assert "1 of 3 could not be made: fingerprint: it does not converge" in shown.err
+    lines = json.loads((here / "out" / "figures.json").read_text())["figures"]
+    assert [one["name"] for one in lines] == ["staircases", "locking-in"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["sadle-node"], "did you mean 'saddle-node'"),
+        (["staircases", "--data", "nowhere"], "nowhere"),
+        (["staircases", "--format", "gif"], "gif"),
+    ],
+)
+def test_bad_use_is_one_line_and_exit_2_before_any_work(here, capsys, arguments, told) -> None:
+    assert run(["figures", *arguments]) == 2
+    shown = capsys.readouterr()
+    assert told in shown.err
+    assert len(shown.err.splitlines()) == 1
+    assert list(here.iterdir()) == []
+
+
+@pytest.mark.parametrize("text", ["{", '{"figures": [1]}', '{"figures": [{"name": "x"}]}', "[]"])
+def test_a_folder_with_another_kind_of_figures_json_is_left_alone(here, capsys, text) -> None:
+    (here / "out").mkdir()
+    (here / "out" / "figures.json").write_text(text)
+    assert run(["figures", "staircases"]) == 2
+    assert "not an index of figures" in capsys.readouterr().err
+    assert (here / "out" / "figures.json").read_text() == text
+    assert [path.name for path in (here / "out").iterdir()] == ["figures.json"]
+
+
+def test_a_terminal_gets_a_sign_of_life(monkeypatch) -> None:
+    quiet = SimpleNamespace(isatty=lambda: True, write=lambda text: len(text), flush=lambda: None)
+    monkeypatch.setattr(command.sys, "stderr", quiet)
+    with pytest.raises(InvalidInput, match="inside"), command._at_work("staircases (1 of 1)"):
+        raise InvalidInput("inside")

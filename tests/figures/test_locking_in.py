@@ -1,0 +1,89 @@
+"""The animation: it locks in, is to scale, and is a GIF that moves."""
+
+import io
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import ConvergenceError
+from cyclemap.figures import locking_in
+from cyclemap.figures.animation import animated_gif
+from cyclemap.figures.locking_in import ANIMATION, compute
+from cyclemap.figures.measured_folder import MeasuredFolder
+
+
+@pytest.fixture(scope="module")
+def result():
+    return compute(MeasuredFolder(), math.radians(38.0), math.radians(3.0), pace=((1, 3, 2),), slow=(2, 2))
+
+
+def test_the_run_ends_near_the_stable_direction_at_63_degrees_and_every_cycle_brings_it_nearer(result) -> None:
+    assert math.degrees(result.stable) == pytest.approx(63.2, abs=0.2)
+    off = np.abs(result.theta - result.stable)
+    assert np.all(np.diff(off) < 0.0)
+    assert np.degrees(off[-2:]).max() < 3.5
+    assert off[-1] / off[-2] == pytest.approx(result.multiplier, abs=0.02)
+
+
+def test_there_is_a_picture_for_every_moment_that_was_asked_for(result) -> None:
+    """Five of the first cycle, four of the last, one of each between."""
+    assert len(result.moments) == 5 + 4 + (result.cycles - 2)
+    assert [moment.cycle for moment in result.moments] == sorted(moment.cycle for moment in result.moments)
+    assert result.moments[-1].seconds > 1.0
+
+
+def test_the_object_keeps_its_size_and_every_drag_ends_with_the_ring_on_the_target(result) -> None:
+    for moment in result.moments:
+        sides = np.linalg.norm(np.diff(moment.outline, axis=0, append=moment.outline[:1]), axis=1)
+        assert np.allclose(sides, 0.09, atol=1e-12)
+    drags = [moment for moment in result.moments if not moment.pushing]
+    assert len(drags) == 4
+    for moment in drags:
+        assert np.allclose(moment.ring, moment.rod, atol=1e-5)
+    assert np.allclose(drags[-1].ring, 0.0, atol=1e-9)
+
+
+def test_the_rod_pushes_straight_and_as_far_as_the_mechanics_says(result) -> None:
+    last_of_push = [moment for moment in result.moments if moment.pushing and moment.cycle == 0][-1]
+    way = last_of_push.rod_path[-1] - last_of_push.rod_path[0]
+    travel = CollectionLoop.mit(material="plywood").cycle(result.theta[0]).push.travel
+    assert 0.14 < travel <= 0.15
+    assert np.hypot(*way) == pytest.approx(travel, abs=1e-6)
+    across = (last_of_push.rod_path - last_of_push.rod_path[0]) @ np.array([-way[1], way[0]])
+    assert np.abs(across).max() < 1e-12
+    # The push goes along -y of the object's frame at θ0.
+    assert math.atan2(way[1], way[0]) == pytest.approx(result.theta[0] - math.pi / 2, abs=1e-9)
+
+
+def test_the_gif_opens_moves_and_lasts_as_long_as_its_frames(result) -> None:
+    frames = list(ANIMATION.frames(result))
+    assert len(frames) == len(result.moments)
+    assert {frame.pixels.shape for frame in frames} == {(410, 720, 3)}
+    picture = Image.open(io.BytesIO(animated_gif(frames)))
+    assert picture.format == "GIF"
+    assert picture.n_frames == len(frames)
+    lasted, seen = 0.0, []
+    for number in range(picture.n_frames):
+        picture.seek(number)
+        lasted += picture.info["duration"] / 1000
+        seen.append(np.asarray(picture.convert("RGB"), dtype=float))
+    assert lasted == pytest.approx(sum(moment.seconds for moment in result.moments), abs=0.01)
+    assert all(np.abs(one - other).max() > 50 for one, other in pairwise(seen))
+    assert seen[0][5, 400].tolist() == [255.0, 255.0, 255.0]
+    assert np.abs(seen[-1] - frames[-1].pixels).mean() < 3.0
+
+
+def test_the_caption_tells_start_end_and_cycles(result) -> None:
+    caption = ANIMATION.caption(result)
+    for part in ("38°", "63°", f"{result.cycles} cycles"):
+        assert part in caption
+
+
+def test_a_run_that_does_not_lock_in_is_refused(monkeypatch) -> None:
+    monkeypatch.setattr(locking_in, "MOST_CYCLES", 2)
+    with pytest.raises(ConvergenceError, match="do not lock in"):
+        compute(MeasuredFolder(), math.radians(120.0))

@@ -1,0 +1,77 @@
+"""Recorded sets are found by the names of their files, the paper's protocol alone, and missing ones are named."""
+
+import shutil
+
+import numpy as np
+import pytest
+from small_collections import NOWHERE, RECORDED_ABS, RECORDED_PLYWOOD, SCANS, recorded_folder, recorded_loop
+
+from cyclemap.collection import CollectionLoop
+from cyclemap.evidence import simulate_collection
+from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.figures.measured_sets import (
+    measured_run,
+    measured_scans,
+    measured_theta0,
+    not_found,
+)
+from cyclemap.mechanics import SidePush
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    return recorded_folder(tmp_path_factory)
+
+
+def test_sets_are_found_wherever_they_lie_below_the_folder(recorded) -> None:
+    counts = {name: measured_run(recorded, name) for name in ("plywood", "abs", "delrin", "pu")}
+    assert counts["abs"].pushes.count == RECORDED_ABS and counts["plywood"].pushes.count == RECORDED_PLYWOOD
+    assert counts["delrin"] is None and counts["pu"] is None
+    assert counts["abs"].unreadable == 0
+
+
+def test_recorded_pushes_are_those_of_the_loop_that_made_the_files(recorded) -> None:
+    pushes = measured_run(recorded, "abs").pushes
+    direct = recorded_loop("abs").cycles(pushes.theta[:3])
+    assert pushes.dtheta[:3] == pytest.approx(direct.push_turn, abs=1e-4)
+    assert pushes.dx[:3] == pytest.approx(direct.push_displacement[:, 0], abs=1e-6)
+
+
+def test_theta0_of_a_set_is_its_path(recorded) -> None:
+    pairs = measured_theta0(recorded, "abs")
+    assert pairs.path.size == RECORDED_ABS and pairs.theta.size == RECORDED_ABS - 1
+    assert measured_theta0(recorded, "pu") is None
+
+
+def test_plywoods_theta0_come_from_their_own_file_where_no_set_is_there(measured_data) -> None:
+    folder = MeasuredFolder(measured_data)
+    assert measured_theta0(folder, "plywood").path.size == 2000
+    assert measured_theta0(folder, "abs") is None
+    assert [measured_run(folder, name) for name in ("plywood", "abs")] == [None, None]
+
+
+def test_pushes_of_another_protocol_or_too_few_are_no_set(tmp_path) -> None:
+    base = CollectionLoop.mit("abs", accuracy=1e-4, push=SidePush(distance=0.02))
+    simulate_collection(CollectionLoop.from_settings({"fraction": 0.5}, base), tmp_path / "other", 20)
+    simulate_collection(base, tmp_path / "few", 19)
+    assert measured_run(MeasuredFolder(tmp_path), "abs") is None
+
+
+def test_damaged_files_are_counted_and_the_rest_is_kept(recorded, tmp_path) -> None:
+    shutil.copytree(recorded.path / "one", tmp_path / "one")
+    files = sorted((tmp_path / "one").rglob("*.h5"))
+    files[3].write_bytes(b"no HDF5")
+    found = measured_run(MeasuredFolder(tmp_path), "abs")
+    assert found.unreadable == 1 and found.pushes.count == RECORDED_ABS - 1
+
+
+def test_friction_scans_are_found_with_their_forces(recorded) -> None:
+    scans = measured_scans(recorded, "plywood")
+    assert len(scans) == SCANS and np.isfinite(scans["force_along"]).all()
+    assert measured_scans(recorded, "abs") is None and measured_scans(NOWHERE, "plywood") is None
+
+
+def test_without_a_folder_nothing_is_found_and_the_note_names_what_is_missing() -> None:
+    assert measured_run(NOWHERE, "abs") is None and measured_theta0(NOWHERE, "plywood") is None
+    assert not_found("θ0", ["abs"]) == f"Recorded θ0 on abs: {NO_DATA}."
+    assert not_found("pushes", []) == ""

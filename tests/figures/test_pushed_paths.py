@@ -1,0 +1,122 @@
+"""Paths of pushes are those of the mechanics, in both frames, simulated and read back from recorded files."""
+
+import math
+import shutil
+
+import numpy as np
+import pytest
+from small_paths import CYCLES, DRAWN, RECORDED, recorded_folder, small_paths
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.figures.measured_folder import MeasuredFolder
+from cyclemap.figures.pushed_paths import (
+    crossing_pairs,
+    paths_from_measured_theta0,
+    paths_on_four_surfaces,
+    recorded_paths,
+    simulated_paths,
+)
+
+
+def test_four_surfaces_in_the_papers_order_with_as_many_pushes_as_asked() -> None:
+    found = small_paths()
+    assert [paths.surface for paths in found] == ["plywood", "abs", "delrin", "pu"]
+    assert [paths.material for paths in found] == ["plywood-measured", "abs", "delrin", "pu"]
+    assert all(paths.theta0.shape == (DRAWN,) and paths.orientations.shape == (CYCLES,) for paths in found)
+    assert not any(paths.recorded for paths in found)
+
+
+@pytest.mark.parametrize("number", [1, 3])
+def test_a_path_ends_where_the_cycle_of_the_loop_ends_its_push(number: int) -> None:
+    paths = small_paths()[number]
+    loop = CollectionLoop.mit(paths.material)
+    for push in (0, DRAWN // 2, DRAWN - 1):
+        cycle = loop.cycle(float(paths.theta0[push]))
+        assert paths.turn[push] == pytest.approx(cycle.push_turn, abs=1e-4)
+        assert np.allclose(paths.end[push], cycle.push_displacement, atol=1e-5)
+        assert np.allclose(paths.robot_frame[push, -1], (cycle.push.end.x, cycle.push.end.y), atol=1e-5)
+
+
+def test_wear_runs_from_the_fresh_surface_to_the_worn_one_within_the_run() -> None:
+    paths = small_paths()[0]
+    loop = CollectionLoop.mit("plywood-measured")
+    fresh = loop.cycle(float(paths.theta0[0]))
+    assert paths.turn[0] == pytest.approx(fresh.push_turn, abs=1e-4)
+    last = loop.cycle(float(paths.theta0[-1]))
+    assert abs(paths.turn[-1] - last.push_turn) > math.radians(0.1)
+
+
+def test_both_frames_tell_the_same_path_turned_by_theta0() -> None:
+    for paths in small_paths():
+        c, s = np.cos(paths.theta0)[:, None], np.sin(paths.theta0)[:, None]
+        x, y = np.moveaxis(paths.object_frame, -1, 0)
+        turned = np.stack([c * x - s * y, s * x + c * y], axis=-1)
+        assert np.allclose(turned, paths.robot_frame - paths.robot_frame[:, :1], atol=1e-12)
+        assert np.all(paths.object_frame[:, 0] == 0.0)
+
+
+def test_isotropic_friction_gives_a_single_path_in_the_objects_frame(monkeypatch) -> None:
+    monkeypatch.setattr("cyclemap.figures.pushed_paths.STANDS_FOR", {"pu": "isotropic"})
+    paths = simulated_paths.__wrapped__("pu", 60, 8)
+    assert len(np.unique(paths.theta0)) == 8
+    assert np.ptp(paths.object_frame, axis=0).max() < 1e-6
+    assert np.ptp(paths.robot_frame[:, -1], axis=0).min() > 0.05
+
+
+def test_recorded_pushes_are_read_back_as_the_paths_that_were_recorded(tmp_path_factory) -> None:
+    measured = recorded_folder(tmp_path_factory)
+    paths = recorded_paths(measured, "plywood", 5)
+    assert paths is not None and paths.recorded
+    assert paths.theta0.shape == (5,) and paths.orientations.shape == (RECORDED,)
+    loop = CollectionLoop.mit("plywood")
+    for push in range(5):
+        cycle = loop.cycle(float(paths.theta0[push]))
+        assert np.allclose(paths.end[push], cycle.push_displacement, atol=1e-5)
+        assert np.allclose(paths.robot_frame[push, -1], (cycle.push.end.x, cycle.push.end.y), atol=1e-5)
+    surfaces = paths_on_four_surfaces(measured, CYCLES, DRAWN)
+    assert [one.recorded for one in surfaces] == [True, False, False, False]
+
+
+def test_pushes_of_another_kind_in_the_folder_are_left_out(tmp_path, tmp_path_factory) -> None:
+    shutil.copytree(recorded_folder(tmp_path_factory).path, tmp_path / "mixed")
+    home = tmp_path / "mixed" / "plywood" / "rect1" / "normal"
+    first = sorted(home.iterdir())[0]
+    for old, new in (("=plywood", "=abs"), ("s=0.700", "s=0.200")):
+        assert old in first.name
+        shutil.copy(first, home / first.name.replace(old, new))
+    paths = recorded_paths(MeasuredFolder(tmp_path / "mixed"), "plywood")
+    assert paths is not None and len(paths.theta0) == len(paths.orientations) == RECORDED
+
+
+def test_measured_orientations_are_pushed_on_the_floor_as_worn_as_it_then_was(measured_data) -> None:
+    paths = paths_from_measured_theta0(MeasuredFolder(measured_data), "plywood", 5)
+    assert paths is not None and paths.origin == "from measured θ0"
+    loop = CollectionLoop.mit("plywood-measured")
+    for push, cycle in enumerate((0, 500, 1000, 1499, 1999)):
+        run = worn_loop(loop, cycle).cycle(float(paths.orientations[cycle]))
+        assert paths.theta0[push] == paths.orientations[cycle]
+        assert paths.turn[push] == pytest.approx(run.push_turn, abs=1e-4)
+    assert paths_from_measured_theta0(MeasuredFolder(measured_data), "abs") is None
+
+
+def test_no_folder_holds_no_recorded_pushes(tmp_path) -> None:
+    assert recorded_paths(MeasuredFolder(None), "plywood") is None
+    assert recorded_paths(MeasuredFolder(tmp_path), "plywood") is None
+    assert paths_from_measured_theta0(MeasuredFolder(tmp_path), "plywood") is None
+
+
+def test_chords_of_a_circle_cross_exactly_when_their_ends_alternate() -> None:
+    """Every pair of chords of random points on a circle, by the order of the four ends round it."""
+    angle = np.random.default_rng(3).uniform(0.0, 2 * np.pi, (24, 2))
+    chords = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    low, high = np.sort(angle, axis=1).T
+    between = (angle[None] > low[:, None, None]) & (angle[None] < high[:, None, None])
+    alternate = between[..., 0] != between[..., 1]
+    assert crossing_pairs(chords, np.ones((24, 24), dtype=bool)) == (int(np.triu(alternate, 1).sum()), 276)
+
+
+def test_paths_that_start_at_one_point_do_not_cross_there() -> None:
+    fan = np.array([[[0.0, 0.0], [np.cos(a), np.sin(a)]] for a in (0.1, 0.4, 0.9)])
+    assert crossing_pairs(fan, np.ones((3, 3), dtype=bool)) == (0, 3)
+    assert crossing_pairs(fan, np.zeros((3, 3), dtype=bool)) == (0, 0)

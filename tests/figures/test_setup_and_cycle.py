@@ -1,0 +1,73 @@
+"""The set-up is drawn to scale, and the second cycle starts where the first one ends."""
+
+import math
+
+import numpy as np
+import pytest
+from drawn_figures import assert_drawn
+from matplotlib.patches import Circle, Polygon
+
+from cyclemap.figures.measured_folder import MeasuredFolder
+from cyclemap.figures.setup_and_cycle import FIGURE, draw
+
+
+@pytest.fixture(scope="module")
+def result():
+    return FIGURE.compute(MeasuredFolder(None))
+
+
+def test_the_second_cycle_starts_from_the_pose_in_which_the_first_one_ends(result) -> None:
+    first, second = result.cycles
+    assert second.theta == first.theta_next == first.theta + first.push_turn + first.drag_turn
+    ends = result.scenes[0].drag.after, result.scenes[1].push.before
+    assert np.allclose(*ends, atol=1e-9)
+
+
+def test_the_ring_is_at_the_target_before_and_after_each_cycle_and_the_centre_is_elsewhere(result) -> None:
+    for scene in result.scenes:
+        assert np.allclose([scene.push.ring_before, scene.drag.ring_after], 0.0, atol=1e-12)
+        assert np.hypot(*scene.drag.centre[-1]) == pytest.approx(0.015, abs=1e-9)
+    starts = [scene.push.centre[0] for scene in result.scenes]
+    turned = result.cycles[1].theta - result.cycles[0].theta
+    assert np.hypot(*(starts[1] - starts[0])) == pytest.approx(2 * 0.015 * math.sin(turned / 2), abs=1e-9)
+
+
+def test_both_pushes_are_the_same_in_the_objects_frame_before_the_push(result) -> None:
+    """Where the rod first touches, turned back by θ0 about the centre, is the contact of the protocol."""
+    places = []
+    for cycle, scene in zip(result.cycles, result.scenes, strict=True):
+        x, y = scene.push.rod[0] - scene.push.centre[0]
+        c, s = math.cos(cycle.theta), math.sin(cycle.theta)
+        places.append((c * x + s * y, -s * x + c * y))
+    assert np.allclose(places, [(-0.018, 0.04975)] * 2, atol=1e-9)
+    assert np.allclose(result.contact, (-0.018, 0.045), atol=1e-15)
+
+
+def test_the_set_up_is_drawn_with_the_lengths_of_the_protocol(result) -> None:
+    setup = draw(result).axes[0]
+    (square,) = (patch for patch in setup.patches if isinstance(patch, Polygon))
+    assert np.ptp(square.get_xy(), axis=0).tolist() == pytest.approx([90.0, 90.0])
+    circles = {round(patch.radius, 2): patch.center for patch in setup.patches if isinstance(patch, Circle)}
+    assert circles[4.75] == pytest.approx((-18.0, 49.75))
+    assert circles[7.0] == pytest.approx((-10.607, 10.607), abs=1e-3)
+    assert setup.get_aspect() == 1.0
+    (push,) = (text for text in setup.texts if hasattr(text, "xyann") and text.xy[0] == pytest.approx(-18.0))
+    assert math.dist(push.xy, push.xyann) == pytest.approx(150.0)
+
+
+def test_paths_are_solid_in_the_push_and_dashed_in_the_drag(result) -> None:
+    paths = [line for line in draw(result).axes[1].lines if len(line.get_xdata()) > 2]
+    assert [line.get_linestyle() for line in paths] == ["-", "--", "-", "--"]
+    assert [line.get_label() for line in paths] == ["push k", "drag back k", "push k+1", "drag back k+1"]
+    assert len({line.get_color() for line in paths}) == 2
+
+
+def test_the_caption_tells_the_numbers_of_design_and_of_the_cycles(result) -> None:
+    """At θ0 = 270 degrees on Table I's plywood an independent solver has +72.409 and -49.512 degrees."""
+    told = FIGURE.caption(result)
+    for words in ("90 mm", "150 mm", "18 mm", "15 mm", "270°", "72.4°", "-49.5°", "292.9°"):
+        assert words in told
+
+
+def test_the_picture_has_two_full_panels_with_units_and_clear_words(result) -> None:
+    assert_drawn(draw(result), 2)

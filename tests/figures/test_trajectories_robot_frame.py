@@ -1,0 +1,87 @@
+"""In the robot's frame paths of different orientations do not cross, and crowded directions are marked."""
+
+import numpy as np
+import pytest
+from drawn_figures import assert_drawn, words_of
+from matplotlib.colors import to_hex
+from small_paths import CYCLES, DRAWN, recorded_folder
+
+from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.figures.trajectories_robot_frame import CROWDED, FIGURE, compute, crowded_arcs, draw
+from cyclemap.views.style import FORCE
+
+
+@pytest.fixture(scope="module")
+def result():
+    return compute(MeasuredFolder(None), CYCLES, DRAWN)
+
+
+def test_paths_seldom_cross_in_the_robots_frame_but_often_in_the_objects(result) -> None:
+    here, there, pairs = np.sum(result.crossed, axis=0)
+    assert pairs > 300
+    assert here == 0
+    assert there > 0.2 * pairs
+    assert f"Of {pairs} pairs of paths from orientations 5° or more apart, {here} cross here" in FIGURE.caption(result)
+    assert f"{there} in the object's frame" in FIGURE.caption(result)
+
+
+def test_crowded_arcs_hold_their_directions_more_than_twice_as_densely_as_all_alike(result) -> None:
+    assert all(result.arcs)
+    for paths, arcs in zip(result.surfaces, result.arcs, strict=True):
+        for begin, end in arcs:
+            share = np.mean(np.mod(paths.orientations - begin, 2 * np.pi) < end - begin)
+            assert share >= CROWDED * (end - begin) / (2 * np.pi)
+
+
+def test_arcs_are_found_across_zero_and_nowhere_where_all_directions_are_alike() -> None:
+    assert crowded_arcs(np.linspace(0.0, 2 * np.pi, 720, endpoint=False)) == []
+    ((begin, end),) = crowded_arcs(np.deg2rad([355.0, 358.0, 2.0, 8.0]))
+    assert np.degrees((begin, end)) == pytest.approx((350.0, 370.0))
+
+
+def test_a_mark_stands_outside_the_ends_of_the_paths_of_its_arc(result) -> None:
+    marks = 0
+    for axes, paths in zip(draw(result).axes, result.surfaces, strict=False):
+        for line in axes.lines:
+            if to_hex(line.get_color()) != FORCE:
+                continue
+            marks += 1
+            radius = np.hypot(*line.get_data())
+            assert np.ptp(radius) < 1e-9
+            assert radius[0] < 1000.0 * np.hypot(*paths.robot_frame[:, -1].T).max() + 9.0
+    assert marks >= 4
+
+
+def test_the_caption_tells_the_arcs_in_degrees(result) -> None:
+    told = FIGURE.caption(result)
+    for paths, arcs in zip(result.surfaces, result.arcs, strict=True):
+        begin, end = np.degrees(arcs[0])
+        assert f"{paths.surface} {begin:.0f}° to {end:.0f}°" in told
+    assert NO_DATA in told
+    assert "begins 9.3 mm off, not 15" in told
+
+
+def test_every_path_starts_the_rings_distance_from_the_target(result) -> None:
+    """The effective ring of the material: 15 mm times what was identified of its lever."""
+    for paths, scale in zip(result.surfaces, (0.6168, 1.0956, 1.0663, 0.998), strict=True):
+        assert np.hypot(*paths.robot_frame[:, 0].T) == pytest.approx(0.015 * scale, abs=1e-6)
+
+
+def test_the_picture_has_four_full_panels_with_and_without_recorded_pushes(result, tmp_path_factory) -> None:
+    assert_drawn(draw(result), 5)
+    found = compute(recorded_folder(tmp_path_factory), CYCLES, DRAWN)
+    figure = draw(found)
+    assert "plywood, recorded" in words_of(figure)
+    assert "Recorded pushes: plywood." in FIGURE.caption(found)
+    assert_drawn(figure, 5)
+
+
+def test_on_plywood_the_pushes_start_where_the_robots_did(measured_data) -> None:
+    found = compute(MeasuredFolder(measured_data), CYCLES, DRAWN)
+    plywood = found.surfaces[0]
+    assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
+    assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))
+    told, figure = FIGURE.caption(found), draw(found)
+    assert f"from {DRAWN} of the 2000 measured orientations of plywood" in told
+    assert "plywood, from measured θ0" in words_of(figure)
+    assert_drawn(figure, 5)

@@ -1,0 +1,70 @@
+"""The wearing map: what the caption claims, on a small version and on measured data."""
+
+import math
+
+import numpy as np
+import pytest
+from drawn_figures import assert_drawn
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.portrait import DEFAULT_SIGMA
+from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.figures.wear_drift import AGES, FIGURE, MATERIAL, compute
+from cyclemap.maps import WrappedNormal, fixed_points, transfer_operator
+
+
+@pytest.fixture(scope="module")
+def result():
+    return compute(MeasuredFolder(), nodes=4, angles=32, points=5)
+
+
+def test_the_least_turn_grows_and_passes_zero_at_the_cycle_told(result) -> None:
+    assert np.all(np.diff(result.least) > 0.0)
+    assert np.degrees(result.least[[0, -1]]) == pytest.approx((-0.55, 0.5), abs=0.1)
+    assert result.opened == pytest.approx(742, abs=60)
+    assert f"cycle {result.opened:.0f}" in FIGURE.caption(result)
+
+
+def test_before_that_cycle_a_direction_holds_the_robot_and_after_it_none_does(result) -> None:
+    loop = CollectionLoop.mit(material=MATERIAL)
+    counts = [len(fixed_points(worn_loop(loop, result.opened + off).circle_map(tolerance=1e-4))) for off in (-200, 200)]
+    assert counts == [2, 0]
+
+
+def test_the_interpolated_turns_are_those_of_the_worn_loops(result) -> None:
+    loop = worn_loop(CollectionLoop.mit(material=MATERIAL), AGES[1])
+    turn = loop.cycle(math.radians(100.0)).theta_next - math.radians(100.0)
+    assert result.turns[1][200] == pytest.approx(turn, abs=max(2 * result.error, 1e-3))
+    assert result.error < math.radians(0.3)
+
+
+def test_a_turn_takes_fewer_and_fewer_cycles_about_as_many_as_the_robot_took_late(result) -> None:
+    assert np.all(np.diff(result.cycles_a_turn)[:3] < 0.0)
+    assert result.cycles_a_turn[-1] == pytest.approx(60, abs=15)
+    noise = WrappedNormal(DEFAULT_SIGMA)
+    worn = worn_loop(CollectionLoop.mit(material=MATERIAL), 2000.0).circle_map(tolerance=1e-4)
+    assert result.mean_turn[-1] == pytest.approx(2 * np.pi * transfer_operator(worn, noise).rotation_number, rel=0.05)
+    assert 15 < result.expected_turns < 22
+
+
+def test_without_data_picture_and_caption_say_so(result) -> None:
+    figure = FIGURE.draw(result)
+    assert any(NO_DATA in text.get_text() for axes in figure.axes for text in axes.texts)
+    assert NO_DATA in FIGURE.caption(result)
+
+
+def test_the_robot_took_257_cycles_a_turn_early_on_and_45_late(measured_data) -> None:
+    found = compute(MeasuredFolder(measured_data), nodes=3, angles=16, points=3, runs=8, harmonics=10)
+    assert found.fitted is not None
+    assert found.fitted.forecast is not None
+    pace = found.fitted.forecast.pace
+    assert pace.measured[[0, -1]] == pytest.approx((257, 45), abs=2)
+    assert pace.inside > 0.6
+    assert found.measured_least is not None
+    assert found.measured_least[-1] > found.measured_least[0]
+    assert found.measured_turns is not None
+    assert np.isnan(found.measured_turns[0]).mean() > 0.5
+    assert np.isnan(found.measured_turns[2]).mean() < 0.1
+    assert_drawn(FIGURE.draw(found), 4)
+    assert f"took {pace.measured[0]:.0f} cycles early on and {pace.measured[-1]:.0f} late" in FIGURE.caption(found)
