@@ -136,7 +136,9 @@ def run_tests(arguments: list[str]) -> int:
 
 def build_docs(arguments: list[str]) -> int:
     """Build the documentation, its warnings as errors, and say where it is; the exit code."""
-    code = call([PYTHON, "-m", "sphinx", "-W", "--keep-going", "-q", *arguments, "docs", "docs/_build/html"], cwd=ROOT)
+    code = call(
+        [PYTHON, "-m", "sphinx", "-W", "-E", "--keep-going", "-q", *arguments, "docs", "docs/_build/html"], cwd=ROOT
+    )
     if not code:
         print(f"open {ROOT / 'docs' / '_build' / 'html' / 'index.html'}")
     return code

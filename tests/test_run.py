@@ -140,10 +140,10 @@ def test_documentation_is_built_with_warnings_as_errors_and_its_place_told(
     made: list[list[str]] = []
     monkeypatch.setattr(run, "ensure_installed", lambda testing: made.append(["installed", str(testing)]))
     monkeypatch.setattr(run, "call", lambda command, cwd=None: made.append([str(part) for part in command]) or code)
-    assert run.main(["docs", "-E"]) == code
+    assert run.main(["docs", "-j2"]) == code
     assert made[0] == ["installed", "True"]
     assert made[1][1:4] == ["-m", "sphinx", "-W"]
-    assert "-E" in made[1]
+    assert "-j2" in made[1]
     assert capsys.readouterr().out.strip().endswith(said)
 
 

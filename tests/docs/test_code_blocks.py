@@ -1,0 +1,103 @@
+"""Every code block of the site runs and gives what stands beside it; `code_blocks.py` tells the convention."""
+
+import re
+from pathlib import Path
+
+import click
+import pytest
+from code_blocks import (
+    DOCS,
+    Block,
+    PageRun,
+    blocks,
+    check_named,
+    commands_in,
+    pages,
+    pages_with_blocks,
+    run_block,
+    run_page,
+)
+
+from cyclemap.cli.main import cli
+
+PAGES = pages_with_blocks()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
+def test_blocks_of_a_page_run_and_give_what_the_page_says(page: Path, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    done = run_page(page)
+    assert sum(done.ran.values()) == len(list(blocks(page.read_text(encoding="utf-8"))))
+
+
+def test_the_pages_that_teach_by_example_have_examples() -> None:
+    """A page whose blocks were not found would pass in silence."""
+    taught = [page for page in PAGES if page.parent.name == "how-to" or page.name == "quick-start.md"]
+    counts = {page.name: len(list(blocks(page.read_text(encoding="utf-8")))) for page in taught}
+    assert len(counts) >= 6
+    assert min(counts.values()) >= 2, counts
+
+
+def test_blocks_are_found_with_their_captions_and_reasons() -> None:
+    page = (
+        "```{toctree}\na\n```\ntext\n```python\n>>> 1\n1\n```\n:::{note}\n```sh\n$ cyclemap --version\n```\n:::\n"
+        "```{code-block} toml\n:caption: a.toml\n\nx = 1\n```\n% not run: it takes long\n```sh\n$ cyclemap x\n```\n"
+    )
+    found = list(blocks(page))
+    assert [block.kind for block in found] == ["python", "sh", "toml", "sh"]
+    assert [block.caption for block in found] == [None, None, "a.toml", None]
+    assert [block.why for block in found] == [None, None, None, "it takes long"]
+    assert [block.text for block in found][2] == "x = 1\n"
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ("python", ">>> 1 + 1\n3\n"),
+        ("python", "import no_such_module\n"),
+        ("console", "$ cyclemap no-such-command\n"),
+        ("console", "$ cyclemap --version\nversion twelve\n"),
+        ("console", "cyclemap --version\n"),
+        ("sh", "$ ls\n"),
+        ("toml", "x = = 1\n"),
+    ],
+)
+def test_a_block_that_says_something_wrong_fails(kind: str, text: str, tmp_path, monkeypatch) -> None:
+    """The checker itself: each of these is wrong, and must not pass."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises((AssertionError, ImportError, ValueError)):
+        run_block(Block(kind, text, 1), PageRun(Path("page.md")), "here")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "$ cyclemap no-such-command\n",
+        "$ cyclemap cycle plywood --no-such-option 3\n",
+        "$ python3 run.py no-such-tool\n",
+        "$ python -m tests.no_such_module\n",
+        "$ rm -r out\n",
+        "text\n",
+    ],
+)
+def test_a_block_that_is_not_run_and_names_what_is_not_there_fails(text: str) -> None:
+    with pytest.raises((AssertionError, click.NoSuchOption)):
+        check_named(Block("console", text, 1, why="it takes long"), "here")
+
+
+def test_commands_that_pages_name_in_passing_exist() -> None:
+    named = {
+        name for page in pages() for name in re.findall(r"`cyclemap ([a-z][a-z-]*)", page.read_text(encoding="utf-8"))
+    }
+    assert {"cycle", "portrait", "identify"} <= named | set(cli.commands)
+    assert len(named) >= 5
+    assert named - set(cli.commands) == set()
+
+
+def test_commands_are_split_from_what_they_print() -> None:
+    text = "$ cyclemap a \\\n  --b\nsaid\nmore\n$ cyclemap c\n"
+    assert [(" ".join(command.split()), wanted) for command, wanted in commands_in(text)] == [
+        ("cyclemap a --b", "said\nmore\n"),
+        ("cyclemap c", ""),
+    ]

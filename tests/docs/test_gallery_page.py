@@ -1,0 +1,84 @@
+"""The gallery's page shows what figures.json lists, says how to make what is not there, and warns of a lost file."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from gallery import entries
+from PIL import Image
+
+EXTENSIONS = Path(__file__).parents[2] / "docs" / "_extensions"
+MOVING = {"name": "moving", "title": "It moves", "source": "not in the paper", "caption": "Round and round."}
+PICTURE = {"name": "first-look", "title": "A first look", "source": "figure 1", "caption": "It shows 3 mm."}
+TABLE = {"name": "numbers", "title": "Some numbers", "source": "Table I", "caption": "Two rows."}
+
+
+@pytest.fixture
+def sources(tmp_path) -> Path:
+    """A site of one page with the gallery, and one with a single picture."""
+    folder = tmp_path / "source"
+    (folder / "gallery").mkdir(parents=True)
+    conf = f"import sys\nsys.path.insert(0, {str(EXTENSIONS)!r})\nextensions = ['gallery']\nhtml_theme = 'basic'\n"
+    (folder / "conf.py").write_text(conf, encoding="utf-8")
+    page = "Gallery\n=======\n\n.. gallery-picture:: moving.gif\n\n.. gallery::\n"
+    (folder / "index.rst").write_text(page, encoding="utf-8")
+    return folder
+
+
+def listed(folder: Path, *lines: dict) -> None:
+    (folder / "gallery" / "figures.json").write_text(json.dumps({"figures": lines}), encoding="utf-8")
+
+
+def told(page: str) -> str:
+    """The words of a page."""
+    return re.sub(r"<[^>]+>", "", page)
+
+
+def built(folder: Path) -> tuple[str, str]:
+    """The page, and what Sphinx had to say."""
+    out = folder.parent / "html"
+    command = [sys.executable, "-m", "sphinx", "-q", str(folder), str(out)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return (out / "index.html").read_text(encoding="utf-8"), done.stderr
+
+
+def test_pictures_and_tables_are_shown_with_source_caption_and_anchor(sources):
+    Image.new("RGB", (4, 4)).save(sources / "gallery" / "first-look.png")
+    Image.new("RGB", (4, 4)).save(sources / "gallery" / "moving.gif")
+    (sources / "gallery" / "numbers.csv").write_text('surface,mean\nplywood,"0.25"\n', encoding="utf-8")
+    listed(
+        sources,
+        {**PICTURE, "file": "first-look.png", "measured": "turns.csv"},
+        {**TABLE, "file": "numbers.csv", "measured": None},
+        {**MOVING, "file": "moving.gif", "measured": None},
+    )
+    page, words = built(sources)
+    assert words == ""
+    assert 'id="figure-first-look"' in page and 'id="figure-numbers"' in page
+    assert "_images/first-look.png" in page and page.count("_images/moving.gif") >= 2
+    assert page.count('alt="It moves"') == 2 and page.count("Round and round.") == 1
+    assert "It shows 3 mm." in page and "Measured data: turns.csv." in page
+    assert page.count("<tr") == 2 and "<th" in page and "0.25" in page
+    assert "Figure 1. Made by cyclemap figures first-look." in told(page)
+
+
+def test_an_empty_gallery_says_how_to_make_it(sources):
+    page, words = built(sources)
+    assert words == ""
+    assert told(page).count("cyclemap figures all --out docs/gallery") == 2
+
+
+def test_a_file_that_is_listed_and_not_there_is_a_warning(sources):
+    listed(sources, {**PICTURE, "file": "first-look.png", "measured": None})
+    assert "names first-look.png, which is not there" in built(sources)[1]
+
+
+def test_lists_and_tables_of_entries_are_read(tmp_path):
+    assert entries(tmp_path) == []
+    for written in ([{"name": "a"}], {"figures": [{"name": "a"}]}, {"a": {}}):
+        (tmp_path / "figures.json").write_text(json.dumps(written), encoding="utf-8")
+        assert entries(tmp_path) == [{"name": "a"}]

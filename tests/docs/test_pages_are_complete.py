@@ -1,0 +1,44 @@
+"""What the pages promise to list is all there: settings, materials, commands; and no page needs the network."""
+
+import re
+from pathlib import Path
+
+from cyclemap.cli.main import cli
+from cyclemap.cli.settings import NOISE_KEY
+from cyclemap.collection.settings import SETTING_KEYS
+from cyclemap.mechanics import material_names
+
+DOCS = Path(__file__).parents[2] / "docs"
+SOURCES = [
+    path for path in DOCS.rglob("*") if path.suffix in {".md", ".rst", ".py", ".css"} and "_build" not in path.parts
+]
+
+
+def words(name: str) -> str:
+    return (DOCS / name).read_text(encoding="utf-8")
+
+
+def test_every_key_of_a_protocol_is_in_the_guide_and_nothing_else_is() -> None:
+    table = [line for line in words("how-to/own-protocol.md").splitlines() if line.startswith("| `")]
+    told = {key for line in table for key in re.findall(r"`(\w+)`", line.split("|")[1])}
+    assert told == {*SETTING_KEYS, NOISE_KEY}
+
+
+def test_every_command_is_named_where_its_use_is_shown() -> None:
+    guides = [*(DOCS / "how-to").glob("*.md"), *(DOCS / "concepts").glob("*.md"), DOCS / "quick-start.md"]
+    text = " ".join(page.read_text(encoding="utf-8") for page in guides)
+    assert len(cli.commands) >= 8
+    assert [name for name in cli.commands if f"cyclemap {name}" not in text] == []
+
+
+def test_every_inferred_material_is_told_among_the_limits() -> None:
+    names = [name for name in material_names() if name != "isotropic"]
+    assert len(names) >= 5
+    assert [name for name in names if name not in words("limits.md")] == []
+
+
+def test_no_source_names_an_address() -> None:
+    assert len(SOURCES) > 40
+    # The namespace of MathML is a name, not a place.
+    address = re.compile(r"\w+://(?!www\.w3\.org/1998/Math)")
+    assert [path.name for path in SOURCES if address.search(path.read_text(encoding="utf-8"))] == []

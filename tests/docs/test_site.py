@@ -1,0 +1,168 @@
+"""The site builds with its warnings as errors, without a network, and everything that its pages point to is there."""
+
+import os
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+from xml.etree import ElementTree
+
+import pytest
+
+import cyclemap as cm
+from cyclemap.cli.main import cli
+
+DOCS = Path(__file__).parents[2] / "docs"
+# What a page loads by itself; `a` only leads somewhere.
+LOADS = {"img": "src", "script": "src", "link": "href", "source": "src", "iframe": "src"}
+
+
+class PageReader(HTMLParser):
+    """Anchors, links and loaded files of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.anchors: set[str] = set()
+        self.links: list[str] = []
+        self.loads: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = {name: value or "" for name, value in attrs}
+        self.anchors |= {given[name] for name in ("id", "name") if name in given}
+        if tag == "a" and "href" in given:
+            self.links.append(given["href"])
+        if tag in LOADS and LOADS[tag] in given:
+            self.loads.append(given[LOADS[tag]])
+
+
+@pytest.fixture(scope="session")
+def site(tmp_path_factory) -> Path:
+    """The site, built once for all workers of a test run."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER")
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if worker else base) / "site"
+    outcome = folder / "outcome.txt"
+    try:
+        folder.mkdir()
+    except FileExistsError:
+        wait_for(outcome)
+    else:
+        words = build(folder)
+        (folder / "outcome.new").write_text(words, encoding="utf-8")
+        (folder / "outcome.new").replace(outcome)
+    words = outcome.read_text(encoding="utf-8")
+    assert words == "", f"the site does not build:\n{words}"
+    return folder / "html"
+
+
+def build(folder: Path) -> str:
+    """Build as `python3 run.py docs` does, but elsewhere; what Sphinx has to say, nothing where all is well."""
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-E", "-d", str(folder / "doctrees")]
+    # Nothing listens at this address: a build that asks the network for something fails.
+    blocked = dict.fromkeys(("https_proxy", "http_proxy", "all_proxy"), "127.0.0.1:9")
+    done = subprocess.run(
+        [*command, str(DOCS), str(folder / "html")],
+        cwd=DOCS.parent,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **blocked, "OPENBLAS_NUM_THREADS": "1"},
+    )
+    return done.stderr + (f"exit code {done.returncode}" if done.returncode else "")
+
+
+def wait_for(outcome: Path) -> None:
+    """Wait for the worker that builds."""
+    for _ in range(6000):
+        if outcome.exists():
+            return
+        time.sleep(0.1)
+    raise AssertionError("the worker that builds the site has not finished in ten minutes")
+
+
+@pytest.fixture(scope="session")
+def pages(site) -> dict[Path, PageReader]:
+    """Every page, read."""
+    return {path: PageReader(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))}
+
+
+def inside(pages: dict[Path, PageReader]) -> Iterator[tuple[Path, str, Path, str]]:
+    """Page, reference as written, file and anchor that it means, for all that stays in the site."""
+    for page, read in pages.items():
+        for reference in read.links + read.loads:
+            parts = urlsplit(reference)
+            if not parts.scheme and not parts.netloc:
+                target = (page.parent / unquote(parts.path)).resolve() if parts.path else page
+                yield page, reference, target, unquote(parts.fragment)
+
+
+def test_every_source_page_is_built(pages, site):
+    sources = [path for path in DOCS.rglob("*") if path.suffix in {".md", ".rst"}]
+    wanted = {path.relative_to(DOCS).with_suffix(".html") for path in sources if not is_left_out(path)}
+    assert len(wanted) >= 30
+    assert wanted <= {page.relative_to(site) for page in pages}
+
+
+def is_left_out(path: Path) -> bool:
+    return bool({"_build", "_extensions", "_figures", "gallery"} & set(path.relative_to(DOCS).parts[:-1]))
+
+
+def test_every_link_anchor_picture_and_file_inside_the_site_is_there(pages):
+    checked = list(inside(pages))
+    assert len(checked) > 2000
+    lost = {(page.name, reference) for page, reference, target, _ in checked if not target.exists()}
+    assert lost == set()
+    anchored = [one for one in checked if one[3] and one[2] in pages]
+    assert len(anchored) > 1000
+    astray = {(page.name, reference) for page, reference, target, name in anchored if name not in pages[target].anchors}
+    assert astray == set()
+
+
+def test_pages_load_nothing_from_elsewhere(pages):
+    """The site is read without a network."""
+    loads = [reference for read in pages.values() for reference in read.loads]
+    assert len(loads) > 200
+    assert [reference for reference in loads if urlsplit(reference).scheme or urlsplit(reference).netloc] == []
+
+
+def test_style_sheets_load_nothing_from_elsewhere(site):
+    sheets = sorted(site.rglob("*.css"))
+    assert len(sheets) >= 3
+    for sheet in sheets:
+        assert re.findall(r"(?:@import|url\()\s*['\"]?(?:https?:)?//", sheet.read_text(encoding="utf-8")) == [], sheet
+
+
+def test_every_public_name_is_in_the_reference(pages):
+    """Each name of the package has an entry of its own that can be linked to."""
+    anchors = {name for read in pages.values() for name in read.anchors}
+    assert len(cm.__all__) > 180
+    assert [name for name in cm.__all__ if f"cyclemap.{name}" not in anchors] == []
+
+
+def test_every_command_is_in_the_reference(pages, site):
+    anchors = pages[site / "reference" / "command-line.html"].anchors
+    assert len(cli.commands) >= 8
+    assert [name for name in cli.commands if f"cyclemap-{name}" not in anchors] == []
+
+
+def test_formulas_are_well_formed_mathml(site):
+    formulas = [
+        formula
+        for page in site.rglob("*.html")
+        for formula in re.findall(r"<math .*?</math>", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    ]
+    assert len(formulas) > 100
+    for formula in formulas:
+        assert ElementTree.fromstring(formula).tag.endswith("math")
+
+
+def test_no_page_shows_markup_that_was_not_understood(site):
+    """A role or a formula that came through as text."""
+    for page in site.rglob("*.html"):
+        words = re.sub(r"<(script|pre|style)\b.*?</\1>|<[^>]+>", " ", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+        assert not re.search(r":py:\w+:|\{py:|\{doc\}|\$\$|``", words), page
