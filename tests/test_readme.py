@@ -24,10 +24,12 @@ def test_python_examples_run_and_are_short(tmp_path, monkeypatch, capsys, index,
 
 def test_every_function_named_in_the_readme_exists() -> None:
     rows = re.findall(
-        r"^\| (?:maps|orbits|rotation|families|noise|passages|staircases|data) \| (.*) \|$", README.read_text(), re.M
+        r"^\| (?:maps|orbits|rotation|families|noise|passages|staircases|protocols|data) \| (.*) \|$",
+        README.read_text(),
+        re.M,
     )
     names = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
-    assert len(rows) == 8
+    assert len(rows) == 9
     missing = {name for name in names if not hasattr(cm, name) and not hasattr(cm.CircleMap, name)}
     assert missing == set()
 

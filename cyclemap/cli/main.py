@@ -12,6 +12,8 @@ from typing import NoReturn
 import click
 
 from cyclemap.cli.command_compare import compare_command
+from cyclemap.cli.command_dynamics import dynamics_command
+from cyclemap.cli.command_experiment import experiment_command
 from cyclemap.cli.command_figures import figures_command
 from cyclemap.cli.command_fingerprint import fingerprint_command
 from cyclemap.cli.command_fit import fit_command
@@ -34,7 +36,8 @@ def cli() -> None:
 
 
 for _command in (
-    *(cycle_command, portrait_command, staircase_command, fingerprint_command, figures_command),
+    *(cycle_command, portrait_command, staircase_command, fingerprint_command),
+    *(dynamics_command, experiment_command, figures_command),
     *(simulate_command, fit_command, identify_command, compare_command, replay_command),
 ):
     cli.add_command(_command)

@@ -1,30 +1,47 @@
 """The data-collection loop, its cycle map and its portrait: the bridge from the mechanics to the maps."""
 
 from cyclemap.collection.anisotropy import Anisotropy
+from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun, batch_experiment
+from cyclemap.collection.cycle import Cycles
+from cyclemap.collection.dynamic_loop import (
+    DynamicCycle,
+    DynamicLoop,
+    DynamicsComparison,
+    compare_dynamics,
+    isotropic_twin,
+)
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse, fingerprint
 from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
 from cyclemap.collection.fingerprint_prediction import Prediction, predict
-from cyclemap.collection.loop import CollectionLoop, Cycle, Cycles, CycleSensitivity, CycleTrajectory
+from cyclemap.collection.loop import CollectionLoop, Cycle, CycleSensitivity, CycleTrajectory
 from cyclemap.collection.portrait import Portrait, portrait
 from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
 from cyclemap.collection.wearing_loop import drifting_map, worn_loop
 
 __all__ = [
     "Anisotropy",
+    "BatchExperiment",
+    "BatchRun",
     "CollectionLoop",
     "Cycle",
     "CycleSensitivity",
     "CycleTrajectory",
     "Cycles",
+    "DynamicCycle",
+    "DynamicLoop",
+    "DynamicsComparison",
     "Fingerprint",
     "Portrait",
     "Prediction",
     "PredictionCheck",
     "StaircaseForecast",
     "TurnResponse",
+    "batch_experiment",
     "check_prediction",
+    "compare_dynamics",
     "drifting_map",
     "fingerprint",
+    "isotropic_twin",
     "portrait",
     "predict",
     "staircase_forecast",

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
+from cyclemap.collection.cycle import Cycles, StrokePair
 from cyclemap.collection.found_with import with_found
 from cyclemap.collection.settings import apply_settings
 from cyclemap.errors import InvalidInput
@@ -45,7 +46,7 @@ class CycleTrajectory:
 
 
 @dataclass(frozen=True, eq=False)
-class Cycle:
+class Cycle(StrokePair[PushResult, DragResult]):
     """One push and reset.
 
     theta : orientation before, rad; theta_next : after, on the lift (theta + push_turn + drag_turn).
@@ -54,63 +55,13 @@ class Cycle:
     push, drag : the results of both strokes. loop : what was run.
     """
 
-    theta: float
-    push: PushResult
-    drag: DragResult
     loop: "CollectionLoop"
-
-    @property
-    def push_turn(self) -> float:
-        """Turn during the push, rad."""
-        return self.push.turn
-
-    @property
-    def push_displacement(self) -> NDArray[np.float64]:
-        """Displacement of the object's origin during the push, in its initial frame, (2,), m."""
-        return self.push.displacement
-
-    @property
-    def drag_turn(self) -> float:
-        """Turn during the drag, rad."""
-        return self.drag.turn
-
-    @property
-    def drag_length(self) -> float:
-        """Path of the ring during the drag, m."""
-        return self.drag.length
-
-    @property
-    def theta_next(self) -> float:
-        """Orientation before the next push, rad, on the lift."""
-        return self.drag.end.theta
-
-    @property
-    def ended(self) -> str:
-        """Why the push ended: `distance`, or `left` where the rod lost the object."""
-        return self.push.ended
 
     @cached_property
     def trajectory(self) -> CycleTrajectory:
         """The course of the cycle, run once more with steps short enough to be drawn."""
         push, drag = self.loop.strokes(self.theta, self.push.travel / _DRAWN)
         return CycleTrajectory(push.trajectory, drag.trajectory)
-
-
-@dataclass(frozen=True, eq=False)
-class Cycles:
-    """Many cycles as arrays, in the shape (...) of the orientations they start from.
-
-    theta, theta_next (lift), push_turn, drag_turn : (...), rad. push_displacement : (..., 2), m, initial object frame.
-    drag_length : (...), m. left : (...), bool, where the rod lost the object before the push's distance was done.
-    """
-
-    theta: NDArray[np.float64]
-    push_turn: NDArray[np.float64]
-    push_displacement: NDArray[np.float64]
-    drag_turn: NDArray[np.float64]
-    drag_length: NDArray[np.float64]
-    theta_next: NDArray[np.float64]
-    left: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,20 +155,7 @@ class CollectionLoop:
         array([73.653, 73.927])
         """
         values = finite_array("theta", theta)
-        runs = [self.cycle(t) for t in values.ravel().tolist()]
-
-        def gathered(name: str, *tail: int) -> NDArray[np.float64]:
-            return np.array([getattr(run, name) for run in runs], dtype=float).reshape((*values.shape, *tail))
-
-        return Cycles(
-            values,
-            gathered("push_turn"),
-            gathered("push_displacement", 2),
-            gathered("drag_turn"),
-            gathered("drag_length"),
-            gathered("theta_next"),
-            np.array([run.ended == "left" for run in runs]).reshape(values.shape),
-        )
+        return Cycles.gathered(values, [self.cycle(t) for t in values.ravel().tolist()])
 
     def next_theta(self, theta: ArrayLike) -> NDArray[np.float64]:
         """Return theta_next (...), rad on the lift, at orientations (...)."""

@@ -1,5 +1,7 @@
-"""Quasi-static pushing and dragging under anisotropic friction; knows no circle map."""
+"""Pushing and dragging under anisotropic friction, quasi-static and dynamic; knows no circle map."""
 
+from cyclemap.mechanics.dynamics.dynamic_model import DynamicModel
+from cyclemap.mechanics.dynamics.dynamic_results import DynamicDrag, DynamicPush, DynamicTrajectory, EnergyBalance
 from cyclemap.mechanics.footprint import (
     Footprint,
     PatchFootprint,
@@ -27,8 +29,13 @@ __all__ = [
     "MIT_SHAPE_NAMES",
     "DragBack",
     "DragResult",
+    "DynamicDrag",
+    "DynamicModel",
+    "DynamicPush",
+    "DynamicTrajectory",
     "Ellipse",
     "EllipseFriction",
+    "EnergyBalance",
     "Footprint",
     "FoundWith",
     "LimitSurface",

@@ -1,0 +1,42 @@
+"""The command `cyclemap dynamics`: its arguments and options."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cyclemap.cli.commands import DEFAULT_THETA0_DEG
+from cyclemap.cli.options import chosen_options, decorated, loop_options, result_options
+
+
+def _results(command: Callable[..., None]) -> Callable[..., None]:
+    return decorated(command, result_options("dynamics_MATERIAL.png and .json"))
+
+
+@click.command("dynamics")
+@loop_options
+@click.option(
+    "--theta0-deg",
+    metavar="LIST",
+    default=DEFAULT_THETA0_DEG,
+    show_default=True,
+    help="Start angles, by commas.",
+)
+@click.option("--speed-mm-s", type=float, default=20.0, show_default=True, help="Speed of the rod.")
+@_results
+def dynamics_command(
+    material: str | None,
+    material_file: str | None,
+    protocol: Path | None,
+    settings: tuple[str, ...],
+    json_target: str | None,
+    **request: Any,
+) -> None:
+    """Set dynamic cycles (with inertia) beside quasi-static ones, on MATERIAL and on isotropic friction.
+
+    Both stand on the footprint if it is made of points, else on the paper's grid:8.
+    """
+    from cyclemap.cli.run_dynamics import DynamicsRequest, run_dynamics
+
+    run_dynamics(chosen_options(material, material_file, protocol, settings), DynamicsRequest(**request), json_target)

@@ -1,0 +1,170 @@
+"""The paper's numerical experiment: batches of consecutive cycles from several orientations, and where they end."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.checks import finite_array, positive_number, whole_number
+from cyclemap.collection.cycle_scene import placed
+from cyclemap.collection.dynamic_loop import DynamicLoop, isotropic_twin
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+
+Array = NDArray[np.float64]
+
+# Ma & Rodriguez (2018): 600 cycles in 6 batches.
+BATCHES, CYCLES = 6, 100
+# A batch has settled once it stays this near its last orientation, rad.
+WITHIN = math.radians(1.0)
+# Places kept of the centre's path in each push, beside its start.
+SAMPLES = 20
+# Longest step of a quasi-static push, as a fraction of it: between steps its path is taken as straight.
+_STEPS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class BatchRun:
+    """Batches of consecutive cycles on one surface.
+
+    theta : (batches, cycles + 1) rad, on the lift. path : (batches, cycles, samples + 1, 2) m, the centre of
+    mass during each push, evenly in rod travel (last: at rest), in the world, whose origin is the reset's target.
+    """
+
+    theta: Array
+    path: Array
+
+    @property
+    def final(self) -> Array:
+        """Last orientation of each batch, rad, in [0, 2 pi)."""
+        return np.mod(self.theta[:, -1], 2.0 * np.pi)
+
+    @property
+    def last_step(self) -> Array:
+        """How far the last cycle of each batch still turned it, rad."""
+        return np.abs(self.theta[:, -1] - self.theta[:, -2])
+
+    def directions(self, within: float = WITHIN) -> tuple[float, ...]:
+        """Return where the batches end, rad in [0, 2 pi): ends within `within` (rad) of each other are one direction.
+
+        Empty where a batch still moves, by more than a tenth of `within` a cycle: then it ends nowhere.
+        """
+        if self.last_step.max() > 0.1 * positive_number("within", within):
+            return ()
+        found: list[Array] = []
+        for end in np.sort(self.final):
+            near = [k for k, group in enumerate(found) if abs(_wrapped(end - group[0])) <= within]
+            if near:
+                found[near[0]] = np.append(found[near[0]], end)
+            else:
+                found.append(np.array([end]))
+        return tuple(sorted(float(np.angle(np.exp(1j * group).mean()) % (2.0 * np.pi)) for group in found))
+
+    def settled_after(self, within: float = WITHIN) -> Array:
+        """Return the number of cycles (batches,) after which each batch stays `within` (rad) of its last orientation.
+
+        Where a batch still moves (`directions` is empty) that is no time of settling.
+        """
+        off = np.abs(self.theta - self.theta[:, -1:]) > positive_number("within", within)
+        return np.array([int(np.flatnonzero(row)[-1]) + 1 if row.any() else 0 for row in off])
+
+    @cached_property
+    def object_path(self) -> Array:
+        """`path` in the object's frame before each push, (batches, cycles, samples + 1, 2), m."""
+        offset = self.path - self.path[:, :, :1]
+        theta = self.theta[:, :-1, None]
+        c, s = np.cos(theta), np.sin(theta)
+        x, y = offset[..., 0], offset[..., 1]
+        return np.stack([c * x + s * y, c * y - s * x], axis=-1)
+
+    @property
+    def spread(self) -> float:
+        """Largest distance of a place of any path in the object's frame from the mean path, m."""
+        away = self.object_path - self.object_path.mean(axis=(0, 1))
+        return float(np.hypot(away[..., 0], away[..., 1]).max())
+
+
+@dataclass(frozen=True, eq=False)
+class BatchExperiment:
+    """The numerical experiment on a surface and on its isotropic twin.
+
+    starts : (batches,) rad. speed : of the rod, m/s; None for the quasi-static model.
+    """
+
+    loop: CollectionLoop
+    speed: float | None
+    starts: Array
+    anisotropic: BatchRun
+    isotropic: BatchRun
+
+    @property
+    def cycles(self) -> int:
+        """Cycles a batch."""
+        return int(self.anisotropic.theta.shape[1]) - 1
+
+
+def batch_experiment(
+    loop: DynamicLoop | CollectionLoop,
+    batches: int = BATCHES,
+    cycles: int = CYCLES,
+    progress: Callable[[float], None] | None = None,
+) -> BatchExperiment:
+    """Run batches of cycles from evenly spaced orientations, on the loop's surface and on its isotropic twin.
+
+    A `DynamicLoop` runs the paper's experiment (Ma & Rodriguez 2018, "Simulation"); a `CollectionLoop` the same with
+    quasi-static cycles on its own footprint. `progress` is called with the fraction done.
+    """
+    count, report = whole_number("batches", batches, least=1), progress or (lambda fraction: None)
+    starts = 2.0 * np.pi * np.arange(count) / count
+    anisotropic = run_batches(loop, starts, cycles, lambda done: report(0.5 * done))
+    isotropic = run_batches(_twin(loop), starts, cycles, lambda done: report(0.5 + 0.5 * done))
+    if isinstance(loop, DynamicLoop):
+        return BatchExperiment(loop.loop, loop.speed, starts, anisotropic, isotropic)
+    return BatchExperiment(loop, None, starts, anisotropic, isotropic)
+
+
+def run_batches(
+    loop: DynamicLoop | CollectionLoop,
+    starts: Sequence[float] | Array,
+    cycles: int = CYCLES,
+    progress: Callable[[float], None] | None = None,
+) -> BatchRun:
+    """Run a batch of consecutive cycles from each of the orientations `starts` (rad)."""
+    now, length = finite_array("starts", starts, ndim=1), whole_number("cycles", cycles, least=1)
+    if not now.size:
+        raise InvalidInput("starts must hold at least one orientation")
+    theta, paths = np.empty((now.size, length + 1)), np.empty((now.size, length, SAMPLES + 1, 2))
+    for batch, start in enumerate(now.tolist()):
+        theta[batch, 0] = start
+        for cycle in range(length):
+            theta[batch, cycle + 1], paths[batch, cycle] = _course(loop, theta[batch, cycle])
+            if progress is not None:
+                progress((batch * length + cycle + 1) / theta[:, 1:].size)
+    return BatchRun(theta, paths)
+
+
+def _twin(loop: DynamicLoop | CollectionLoop) -> DynamicLoop | CollectionLoop:
+    if isinstance(loop, DynamicLoop):
+        return replace(loop, loop=isotropic_twin(loop.loop))
+    return isotropic_twin(loop)
+
+
+def _course(loop: DynamicLoop | CollectionLoop, theta: float) -> tuple[float, Array]:
+    """Orientation after a cycle, and places (samples + 1, 2) of the centre of mass during its push."""
+    if isinstance(loop, DynamicLoop):
+        cycle = loop.cycle(theta, SAMPLES)
+        # The last sample, at rest, takes the place of that where the rod stops.
+        pose = cycle.push.trajectory.pose[np.r_[0:SAMPLES, SAMPLES + 1]]
+        return cycle.theta_next, placed(pose.T, np.array(loop.loop.slider.centre_of_mass))
+    push, drag = loop.strokes(theta, loop.push.distance / _STEPS)
+    course = push.trajectory
+    centre = placed(course.pose.T, np.array(loop.slider.centre_of_mass))
+    travel = np.linspace(0.0, loop.push.distance, SAMPLES + 1)
+    return drag.end.theta, np.column_stack([np.interp(travel, course.path, values) for values in centre.T])
+
+
+def _wrapped(angle: Array) -> Array:
+    return np.asarray(np.angle(np.exp(1j * angle)))

@@ -1,0 +1,119 @@
+"""One push and reset told by its two strokes, whoever ran them, and many of them as arrays."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.mechanics import Pose
+
+
+class PushStroke(Protocol):
+    """What a cycle reads off a push."""
+
+    @property
+    def turn(self) -> float:
+        """Turn of the object, rad."""
+
+    @property
+    def displacement(self) -> NDArray[np.float64]:
+        """Displacement of the object's origin in its initial frame, (2,), m."""
+
+    @property
+    def ended(self) -> str:
+        """Why it ended: `distance` or `left`."""
+
+
+class DragStroke(Protocol):
+    """What a cycle reads off a drag."""
+
+    @property
+    def turn(self) -> float:
+        """Turn of the object, rad."""
+
+    @property
+    def length(self) -> float:
+        """Path of the ring, m."""
+
+    @property
+    def end(self) -> Pose:
+        """Where the object is left."""
+
+
+P = TypeVar("P", bound=PushStroke)
+D = TypeVar("D", bound=DragStroke)
+
+
+@dataclass(frozen=True, eq=False)
+class StrokePair(Generic[P, D]):
+    """A push from orientation `theta` (rad) and the drag that followed it."""
+
+    theta: float
+    push: P
+    drag: D
+
+    @property
+    def push_turn(self) -> float:
+        """Turn during the push, rad."""
+        return self.push.turn
+
+    @property
+    def push_displacement(self) -> NDArray[np.float64]:
+        """Displacement of the object's origin during the push, in its initial frame, (2,), m."""
+        return self.push.displacement
+
+    @property
+    def drag_turn(self) -> float:
+        """Turn during the drag, rad."""
+        return self.drag.turn
+
+    @property
+    def drag_length(self) -> float:
+        """Path of the ring during the drag, m."""
+        return self.drag.length
+
+    @property
+    def theta_next(self) -> float:
+        """Orientation before the next push, rad, on the lift."""
+        return self.drag.end.theta
+
+    @property
+    def ended(self) -> str:
+        """Why the push ended: `distance`, or `left` where the rod lost the object."""
+        return self.push.ended
+
+
+@dataclass(frozen=True, eq=False)
+class Cycles:
+    """Many cycles as arrays, in the shape (...) of the orientations they start from.
+
+    theta, theta_next (lift), push_turn, drag_turn : (...), rad. push_displacement : (..., 2), m, initial object frame.
+    drag_length : (...), m. left : (...), bool, where the rod lost the object before the push's distance was done.
+    """
+
+    theta: NDArray[np.float64]
+    push_turn: NDArray[np.float64]
+    push_displacement: NDArray[np.float64]
+    drag_turn: NDArray[np.float64]
+    drag_length: NDArray[np.float64]
+    theta_next: NDArray[np.float64]
+    left: NDArray[np.bool_]
+
+    @classmethod
+    def gathered(cls, theta: NDArray[np.float64], runs: Sequence[StrokePair[Any, Any]]) -> "Cycles":
+        """Return the runs from the orientations theta (...), in its order, as arrays."""
+
+        def column(name: str, *tail: int) -> NDArray[np.float64]:
+            return np.array([getattr(run, name) for run in runs], dtype=float).reshape((*theta.shape, *tail))
+
+        return cls(
+            theta,
+            column("push_turn"),
+            column("push_displacement", 2),
+            column("drag_turn"),
+            column("drag_length"),
+            column("theta_next"),
+            np.array([run.ended == "left" for run in runs]).reshape(theta.shape),
+        )

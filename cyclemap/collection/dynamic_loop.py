@@ -1,0 +1,123 @@
+"""The data-collection loop run by the dynamic simulation, and beside the quasi-static loop."""
+
+import math
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cyclemap.checks import finite_array, finite_number
+from cyclemap.collection.cycle import Cycles, StrokePair
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.mechanics import EllipseFriction, Material, PointFootprint, grid_footprint
+from cyclemap.mechanics.dynamics.dynamic_model import GRID, SAMPLES, DynamicModel
+from cyclemap.mechanics.dynamics.dynamic_results import DynamicDrag, DynamicPush, DynamicTrajectory
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicCycleTrajectory:
+    """The course of a dynamic cycle in the world, whose origin is the reset's target."""
+
+    push: DynamicTrajectory
+    drag: DynamicTrajectory
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicCycle(StrokePair[DynamicPush, DynamicDrag]):
+    """One push and reset by the dynamic simulation, with the properties of a `Cycle`.
+
+    theta : orientation before, rad. push, drag : the results of both strokes.
+    """
+
+    @property
+    def trajectory(self) -> DynamicCycleTrajectory:
+        """The course of the cycle, as sampled."""
+        return DynamicCycleTrajectory(self.push.trajectory, self.drag.trajectory)
+
+
+@dataclass(frozen=True)
+class DynamicLoop:
+    """A collection loop whose strokes are run by `DynamicModel`, at rest in between.
+
+    loop : the protocol; its footprint is used if it is made of points, else the paper's grid of 8 x 8.
+    speed (m/s), stiffness (N/m), damping, regularisation, tolerance : as `DynamicModel` takes them.
+
+    >>> cycle = DynamicLoop(CollectionLoop.mit()).cycle(0.0)
+    >>> round(math.degrees(cycle.push_turn), 1), round(math.degrees(cycle.drag_turn), 1)
+    (73.9, -64.2)
+    """
+
+    loop: CollectionLoop
+    speed: float = 0.02
+    stiffness: float = 1e6
+    damping: float = 1.0
+    regularisation: float = 1e-4
+    tolerance: float = 1e-7
+
+    def __getstate__(self) -> dict[str, object]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @cached_property
+    def model(self) -> DynamicModel:
+        """The mechanics. Raises InvalidInput where the parts do not fit each other."""
+        numbers = (self.speed, self.stiffness, self.damping, self.regularisation, self.tolerance)
+        return DynamicModel(
+            self.loop.slider, self.loop.material.friction, self.loop.pusher, on_points(self.loop).footprint, *numbers
+        )
+
+    def cycle(self, theta: float, samples: int = SAMPLES) -> DynamicCycle:
+        """Run one push and reset from orientation `theta` (rad); `samples` of the course of each leg are kept."""
+        theta = finite_number("theta", theta)
+        push = self.model.push(self.loop.start_pose(theta), self.loop.push, samples)
+        way_points = (*self.loop.reset.way_points, (0.0, 0.0))
+        drag = self.model.drag(push.end, way_points, samples, self.loop.reset.pin_friction_radius)
+        return DynamicCycle(theta, push, drag)
+
+    def cycles(self, theta: ArrayLike) -> Cycles:
+        """Run one push and reset from each of many orientations (...), rad."""
+        values = finite_array("theta", theta)
+        return Cycles.gathered(values, [self.cycle(each, samples=1) for each in values.ravel().tolist()])
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicsComparison:
+    """Cycles from the same orientations by the dynamic simulation and by the quasi-static model, on the same points."""
+
+    loop: DynamicLoop
+    dynamic: Cycles
+    quasi_static: Cycles
+
+    def difference(self, quantity: str) -> Array:
+        """Return dynamic less quasi-static of push_turn, drag_turn, theta_next (rad) or push_displacement (m)."""
+        return np.asarray(getattr(self.dynamic, quantity) - getattr(self.quasi_static, quantity))
+
+
+def compare_dynamics(loop: DynamicLoop, theta: ArrayLike) -> DynamicsComparison:
+    """Run the cycles from orientations (...), rad, by both routes."""
+    return DynamicsComparison(loop, loop.cycles(theta), on_points(loop.loop).cycles(theta))
+
+
+def on_points(loop: CollectionLoop) -> CollectionLoop:
+    """Return the loop standing on points: its own, or the paper's grid of 8 x 8.
+
+    >>> len(on_points(CollectionLoop.mit()).footprint.positions)
+    64
+    """
+    if isinstance(loop.footprint, PointFootprint):
+        return loop
+    return replace(loop, footprint=grid_footprint(loop.slider.outline, GRID))
+
+
+def isotropic_twin(loop: CollectionLoop) -> CollectionLoop:
+    """Return the loop on a surface whose limit curve is the centred circle as large as its limit ellipse.
+
+    >>> round(isotropic_twin(CollectionLoop.mit()).material.friction.mu_a, 4)
+    0.2443
+    """
+    law = loop.material.friction
+    friction = EllipseFriction.isotropic(math.sqrt(law.mu_a * law.mu_b))
+    name = f"{loop.material.name}, made isotropic"
+    return replace(loop, material=Material(name, friction, f"the mean coefficient of {loop.material.name}"))

@@ -1,0 +1,116 @@
+"""Dynamic beside quasi-static cycles on a landscape page: the turns of both, and how far they differ over θ0."""
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from matplotlib.ticker import MultipleLocator
+from numpy.typing import NDArray
+
+from cyclemap.collection.dynamic_loop import DynamicsComparison
+from cyclemap.views.panel_parts import legend_above
+from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET, new_figure, picture_style
+
+Array = NDArray[np.float64]
+
+PAGE_INCHES = (13.333, 7.5)
+THETA0 = "θ0 (°)"
+# Name, colour, marker of each turn that is compared.
+_TURNS = (
+    ("push_turn", "push", PREDICTED, "o"),
+    ("drag_turn", "drag", FORCE, "s"),
+    ("theta_next", "push and drag", INK, "^"),
+)
+_PLACES = ((0, "dx", PREDICTED, "o"), (1, "dy", FORCE, "s"))
+
+
+def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -> Figure:
+    """Draw the comparison on a material and on its isotropic twin, from the same orientations."""
+    with picture_style():
+        figure = new_figure(*PAGE_INCHES)
+        grid = GridSpec(1, 3, figure, left=0.055, right=0.985, bottom=0.12, top=0.74, wspace=0.27)
+        turns, differences, places = (figure.add_subplot(grid[0, column]) for column in range(3))
+        _draw_turns(turns, material, isotropic)
+        draw_turn_differences(differences, material, isotropic)
+        draw_place_differences(places, material, isotropic)
+        name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
+        title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
+        figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
+        figure.text(0.015, 0.905, difference_sentence(material), fontsize=10, va="center")
+        figure.text(0.015, 0.87, difference_sentence(isotropic), fontsize=10, va="center")
+        foot = "solid, filled: the material; dashed, open: isotropic friction of the same mean coefficient"
+        figure.text(0.015, 0.02, f"{foot}; both models stand on the same support points", fontsize=8, color=QUIET)
+    return figure
+
+
+def difference_sentence(comparison: DynamicsComparison) -> str:
+    """How far the dynamic simulation is from the quasi-static model, at most over the orientations."""
+    push, drag, cycle = (math.degrees(largest(comparison.difference(name))) for name, *_ in _TURNS)
+    place = 1e3 * largest(comparison.difference("push_displacement"))
+    count = comparison.dynamic.theta.size
+    return (
+        f"{comparison.loop.loop.material.name}: dynamic and quasi-static differ by at most {push:.3f}° in the push, "
+        f"{drag:.3f}° in the drag, {cycle:.3f}° in the cycle, {place:.3f} mm in the push's displacement "
+        f"({count} orientation{'s' * (count != 1)})."
+    )
+
+
+def largest(difference: Array) -> float:
+    """The largest absolute value."""
+    return float(np.abs(difference).max())
+
+
+def draw_turn_differences(axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison) -> None:
+    """Dynamic less quasi-static turns over θ0."""
+    for name, label, colour, marker in _TURNS:
+        for comparison, isotropic_law in ((material, False), (isotropic, True)):
+            difference = np.degrees(comparison.difference(name))
+            _draw_curve(axes, comparison, difference, colour, marker, isotropic_law, label)
+    _finish(axes, "dynamic − quasi-static (°)", "Difference of the turns")
+
+
+def draw_place_differences(axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison) -> None:
+    """Dynamic less quasi-static displacements of the push over θ0."""
+    for column, label, colour, marker in _PLACES:
+        for comparison, isotropic_law in ((material, False), (isotropic, True)):
+            difference = 1e3 * comparison.difference("push_displacement")[..., column]
+            _draw_curve(axes, comparison, difference, colour, marker, isotropic_law, label)
+    _finish(axes, "dynamic − quasi-static (mm)", "Difference of the displacement")
+
+
+def _draw_turns(axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison) -> None:
+    for comparison, isotropic_law in ((material, False), (isotropic, True)):
+        name = "isotropic" if isotropic_law else "material"
+        theta = np.degrees(comparison.dynamic.theta)
+        still = np.degrees(comparison.quasi_static.theta_next) - theta
+        style = "--" if isotropic_law else "-"
+        axes.plot(theta, still, style, color=QUIET, linewidth=1.4, label=f"{name}, quasi-static", zorder=2)
+        moved = np.degrees(comparison.dynamic.theta_next) - theta
+        face = "white" if isotropic_law else PREDICTED
+        axes.plot(
+            theta, moved, "o", color=PREDICTED, markerfacecolor=face, markersize=4.5, label=f"{name}, dynamic", zorder=3
+        )
+    axes.set(xlabel=THETA0, ylabel="turn of a cycle (°)")
+    axes.xaxis.set_major_locator(MultipleLocator(60.0))
+    axes.set_title("Turn of push and drag", pad=36.0)
+    legend_above(axes, columns=2)
+
+
+def _draw_curve(
+    axes: Axes, comparison: DynamicsComparison, values: Array, colour: str, marker: str, isotropic: bool, label: str
+) -> None:
+    theta = np.degrees(comparison.dynamic.theta)
+    axes.plot(
+        theta, values, "--" if isotropic else "-", color=colour, marker=marker, markersize=4.5, linewidth=1.3,
+        markerfacecolor="white" if isotropic else colour, label="_isotropic" if isotropic else label, zorder=3,
+    )  # fmt: skip
+
+
+def _finish(axes: Axes, y_label: str, title: str) -> None:
+    axes.axhline(0.0, color=QUIET, linewidth=0.8, zorder=1)
+    axes.set(xlabel=THETA0, ylabel=y_label)
+    axes.xaxis.set_major_locator(MultipleLocator(60.0))
+    axes.set_title(title, pad=22.0)
+    legend_above(axes)

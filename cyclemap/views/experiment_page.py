@@ -1,0 +1,93 @@
+"""The numerical experiment on a landscape page: paths in the robot's and in the object's frame, and θ0 over cycles."""
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from matplotlib.ticker import MaxNLocator, MultipleLocator
+from numpy.typing import NDArray
+
+from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun
+from cyclemap.views.experiment_sentences import (
+    experiment_headline,
+    isotropic_sentence,
+    method_line,
+    spread_sentence,
+)
+from cyclemap.views.panel_parts import legend_above
+from cyclemap.views.style import FORCE, PREDICTED, QUIET, new_figure, picture_style
+
+Array = NDArray[np.float64]
+
+PAGE_INCHES = (13.333, 7.5)
+MM = 1e3
+_MARKERS = "os^vDP*X"
+
+
+def experiment_page(experiment: BatchExperiment) -> Figure:
+    """Draw the experiment: on the material above, on its isotropic twin below."""
+    with picture_style():
+        figure = new_figure(*PAGE_INCHES)
+        grid = GridSpec(2, 3, figure, left=0.055, right=0.985, bottom=0.095, top=0.765, wspace=0.24, hspace=0.55)
+        for row, (run, name) in enumerate(named_runs(experiment)):
+            robot, body, course = (figure.add_subplot(grid[row, column]) for column in range(3))
+            draw_robot_frame(robot, run, f"{name}: robot's frame")
+            draw_object_frame(body, run, f"{name}: object's frame")
+            draw_course(course, run, f"{name}: θ0 over the cycles")
+        title = f"Batches of cycles on {experiment.loop.material.name}"
+        figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
+        figure.text(0.015, 0.925, experiment_headline(experiment), fontsize=10, va="top")
+        figure.text(0.015, 0.898, spread_sentence(experiment), fontsize=9, va="top")
+        figure.text(0.015, 0.873, isotropic_sentence(experiment), fontsize=9, va="top")
+        foot = f"{method_line(experiment)}; thin: path of the centre in a push, thick: the last push of each batch"
+        figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+    return figure
+
+
+def named_runs(experiment: BatchExperiment) -> tuple[tuple[BatchRun, str], ...]:
+    """The runs on the material and on its isotropic twin, with what they are called."""
+    return (experiment.anisotropic, "Anisotropic"), (experiment.isotropic, "Isotropic")
+
+
+def draw_robot_frame(axes: Axes, run: BatchRun, title: str) -> None:
+    """Paths of the centre in the robot's frame, whose origin is the reset's target."""
+    _draw_paths(axes, run.path, "x (mm)", "y (mm)")
+    axes.set_title(title)
+
+
+def draw_object_frame(axes: Axes, run: BatchRun, title: str) -> None:
+    """Paths of the centre in the object's frame before each push."""
+    _draw_paths(axes, run.object_path, "x in the object's frame (mm)", "y in the object's frame (mm)")
+    axes.set_title(title)
+
+
+def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
+    """θ0 over the cycles, unwrapped, a marker a batch."""
+    cycles = run.theta.shape[1] - 1
+    for number, theta in enumerate(run.theta):
+        shade = 0.65 * number / max(len(run.theta) - 1, 1)
+        start = f"from {np.degrees(theta[0]):.0f}°"
+        axes.plot(
+            np.degrees(theta), color=str(shade), linewidth=1.3, marker=_MARKERS[number % len(_MARKERS)], markersize=3.5,
+            markevery=(number * max(cycles // 30, 1), max(cycles // 8, 1)), label=start,
+        )  # fmt: skip
+    axes.set(xlabel="cycle", ylabel="θ0, unwrapped (°)", xlim=(0, cycles))
+    axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
+    span = float(np.ptp(np.degrees(run.theta)))
+    if span > 300.0:
+        axes.yaxis.set_major_locator(MultipleLocator(60.0 * max(1, round(span / 420.0))))
+    axes.set_title(title, pad=8.0 + 13.0 * math.ceil(len(run.theta) / 3))
+    legend_above(axes, columns=3)
+
+
+def _draw_paths(axes: Axes, paths: Array, x_label: str, y_label: str) -> None:
+    """`paths` (batches, cycles, k, 2), m: all of them thin, each batch's last one thick."""
+    for path in paths.reshape(-1, *paths.shape[2:]):
+        axes.plot(*(MM * path).T, color=PREDICTED, linewidth=0.5, alpha=0.45, zorder=2)
+    for path in paths[:, -1]:
+        axes.plot(*(MM * path).T, color=FORCE, linewidth=1.8, zorder=3)
+        axes.plot(*(MM * path[0]), "o", color=FORCE, markersize=4.0, zorder=4)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel=x_label, ylabel=y_label)

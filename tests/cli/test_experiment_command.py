@@ -1,0 +1,114 @@
+"""`cyclemap experiment` from outside: its JSON, its picture, its sentences, and what it refuses."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cyclemap.cli.main import cli, run
+from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.views.experiment_page import experiment_page
+from cyclemap.views.experiment_sentences import experiment_headline, isotropic_sentence, spread_sentence
+
+BATCH_KEYS = ["start_deg", "final_deg", "last_step_deg", "settled_after_cycles", "theta0_deg"]
+
+
+@pytest.fixture(autouse=True)
+def _command(monkeypatch) -> None:
+    from cyclemap.cli.command_experiment import experiment_command
+
+    monkeypatch.setitem(cli.commands, "experiment", experiment_command)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def made(ends_deg: list[float], cycles: int = 20) -> BatchRun:
+    """Batches that close in on given ends by a factor of 0.6 a cycle."""
+    ends = np.radians(ends_deg)[:, None]
+    theta = ends - 0.9 * 0.6 ** np.arange(cycles + 1)
+    path = np.cumsum(np.full((len(ends_deg), cycles, 4, 2), 0.01), axis=2)
+    return BatchRun(theta, path)
+
+
+def experiment(ends_deg: list[float]) -> BatchExperiment:
+    starts = np.radians([0.0, 180.0])
+    return BatchExperiment(CollectionLoop.mit(), 0.02, starts, made(ends_deg), made([0.0, 180.0]))
+
+
+def test_json_tells_every_batch_on_both_laws_and_nothing_else(here, capsys) -> None:
+    assert run(["experiment", "plywood", "--batches", "2", "--cycles", "3", "--set", "push_mm=30", "--json", "-"]) == 0
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    report = json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
+    assert list(report) == ["model", "speed_mm_s", "cycles", "within_deg", "anisotropic", "isotropic"]
+    assert (report["model"], report["speed_mm_s"], report["cycles"]) == ("dynamic", 20.0, 3)
+    for law in ("anisotropic", "isotropic"):
+        assert list(report[law]) == ["directions_deg", "all_agree", "spread_mm", "batches"]
+        assert [batch["start_deg"] for batch in report[law]["batches"]] == [0.0, 180.0]
+        for batch in report[law]["batches"]:
+            assert list(batch) == BATCH_KEYS
+            assert len(batch["theta0_deg"]) == 4 and batch["theta0_deg"][0] == batch["start_deg"]
+    assert report["isotropic"]["spread_mm"] < 0.01 < report["anisotropic"]["spread_mm"]
+    written = {path.name: path.read_bytes() for path in (here / "out").iterdir()}
+    assert set(written) == {"experiment_plywood.png", "experiment_plywood.json"}
+    assert written["experiment_plywood.json"].decode() == shown.out
+
+
+def test_people_are_told_where_the_batches_end_and_with_which_model(here, capsys) -> None:
+    short = ["--batches", "1", "--cycles", "2", "--quasi-static", "--format", "svg", "--set", "push_mm=30"]
+    assert run(["experiment", "plywood", *short]) == 0
+    shown = capsys.readouterr().out
+    for part in ("The batch", "On isotropic friction", "quasi-static cycles; 2 cycles", "experiment_plywood.svg"):
+        assert part in shown
+    assert (here / "out" / "experiment_plywood.svg").read_bytes().startswith(b"<?xml")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["experiment", "plywod"], "plywood"),
+        (["experiment", "plywood", "--batches", "0"], "batches"),
+        (["experiment", "plywood", "--cycles", "0"], "cycles"),
+        (["experiment", "plywood", "--speed-mm-s", "-1"], "speed must be positive"),
+    ],
+)
+def test_bad_use_is_one_line_and_exit_2(here, capsys, arguments, told) -> None:
+    assert run(arguments) == 2
+    shown = capsys.readouterr()
+    assert told in shown.err
+    assert len(shown.err.splitlines()) == 1
+    assert list(here.iterdir()) == []
+
+
+def test_sentences_tell_one_direction_several_or_none() -> None:
+    # 0.9 rad * 0.6^n falls below a degree at the 8th cycle.
+    agreed = experiment_headline(experiment([61.4, 421.4]))
+    assert agreed == "All 2 batches end at 61.4°, within 1° of it for good after at most 8 cycles."
+    apart = experiment_headline(experiment([61.4, 241.4]))
+    assert apart.startswith("The 2 batches end at 2 directions (61.4°, 241.4°), within 1° of them")
+    drifting = BatchRun(np.outer([1.0, 2.0], np.ones(21)) + 0.1 * np.arange(21), made([0.0, 1.0]).path)
+    moving = BatchExperiment(CollectionLoop.mit(), None, np.array([1.0, 2.0]), drifting, drifting)
+    assert experiment_headline(moving) == (
+        f"Not every batch comes to rest in 20 cycles: the last cycle still turns it by up to {math.degrees(0.1):.2f}°."
+    )
+    assert f"every cycle turns the object by {math.degrees(0.1):.2f}°" in isotropic_sentence(moving)
+    assert "the 40 paths spread by up to" in spread_sentence(moving)
+
+
+def test_the_page_has_both_frames_and_the_course_of_both_laws() -> None:
+    page = experiment_page(experiment([61.4, 61.4]))
+    assert [axes.get_title(loc="left") for axes in page.axes] == [
+        f"{law}: {panel}"
+        for law in ("Anisotropic", "Isotropic")
+        for panel in ("robot's frame", "object's frame", "θ0 over the cycles")
+    ]
+    # 40 thin paths, and of each of 2 batches the last one thick with its start marked.
+    assert [len(axes.lines) for axes in page.axes] == [44, 44, 2] * 2
+    assert any("All 2 batches end at 61.4°" in text.get_text() for text in page.texts)

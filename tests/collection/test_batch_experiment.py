@@ -1,0 +1,103 @@
+"""The numerical experiment: batches end at the map's stable point; in the object's frame isotropic paths are one."""
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun, batch_experiment, run_batches
+from cyclemap.collection.dynamic_loop import DynamicLoop, on_points
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import EllipseFriction, Material
+
+
+@cache
+def still() -> BatchExperiment:
+    """Quasi-static, on the exact footprint, short."""
+    return batch_experiment(replace(CollectionLoop.mit(), accuracy=1e-6), batches=3, cycles=4)
+
+
+def test_quasi_static_batches_end_at_the_stable_point_of_the_grids_map():
+    """An independent solver puts it at 61.45 degrees with multiplier 0.891."""
+    loop = replace(on_points(CollectionLoop.mit()), accuracy=1e-6)
+    run = run_batches(loop, np.radians([55.0, 65.0]), cycles=36)
+    (direction,) = run.directions()
+    assert math.degrees(direction) == pytest.approx(61.45, abs=0.03)
+    steps = np.diff(run.theta[0])
+    assert steps[30] / steps[29] == pytest.approx(0.891, abs=2e-3)
+    settled = run.settled_after()
+    assert settled.shape == (2,) and np.all((settled > 8) & (settled < 20))
+    off = np.abs(run.theta - run.theta[:, -1:])
+    for row, count in zip(off, settled, strict=True):
+        assert row[count - 1] > math.radians(1.0) and np.all(row[count:] <= math.radians(1.0))
+
+
+def test_dynamic_batches_begun_on_both_sides_of_the_stable_point_close_in_on_it():
+    """Inertia's -0.15 degrees a cycle shift it by that over 1 - 0.89: to 60.05 degrees."""
+    run = run_batches(DynamicLoop(CollectionLoop.mit()), np.radians([58.5, 61.5]), cycles=5)
+    low, high = np.degrees(run.theta)
+    assert np.all(np.diff(low) > 0.0) and np.all(np.diff(high) < 0.0)
+    shrinks = np.diff(high - low) / (high - low)[:-1]
+    np.testing.assert_allclose(1.0 + shrinks, 0.89, atol=0.01)
+    # Where both lines of differences, taken as geometric, meet.
+    ends = [row[-1] + (row[-1] - row[-2]) * 0.89 / 0.11 for row in (low, high)]
+    np.testing.assert_allclose(ends, 60.06, atol=0.05)
+
+
+def test_isotropic_batches_turn_on_for_ever_and_follow_one_path_in_the_objects_frame():
+    run = still().isotropic
+    assert run.directions() == ()
+    turns = np.diff(run.theta)
+    np.testing.assert_allclose(turns, turns[0, 0], atol=1e-9)
+    assert run.spread < 1e-9
+    assert still().anisotropic.spread > 0.01
+    assert run.object_path.shape == (3, 4, 21, 2)
+
+
+def test_dynamic_isotropic_paths_are_one_up_to_the_integrators_error():
+    twin = CollectionLoop.mit(Material("even", EllipseFriction.isotropic(0.25)))
+    run = run_batches(DynamicLoop(twin), [0.0, 1.3, 2.9], cycles=2)
+    assert run.spread < 3e-6
+    assert np.ptp(np.diff(run.theta)) < 2e-5
+
+
+def test_paths_start_at_the_hitchs_lever_and_end_where_the_push_does():
+    """In the robot's frame the ring starts at the target, so that the centre starts 15 mm from it."""
+    loop = DynamicLoop(CollectionLoop.mit())
+    run = run_batches(loop, [0.5], cycles=1)
+    cycle = loop.cycle(0.5, samples=20)
+    assert np.hypot(*run.path[0, 0, 0]) == pytest.approx(0.015, abs=1e-9)
+    np.testing.assert_allclose(run.object_path[0, 0, -1], cycle.push_displacement, atol=1e-9)
+    assert run.theta[0, 1] == cycle.theta_next
+
+
+@pytest.mark.parametrize("shift", [0.0, 6.0])
+def test_directions_join_ends_across_the_turn_and_part_those_that_differ(shift):
+    ends = np.radians([359.8, 0.1, 719.9, 180.0]) + shift
+    theta = np.stack([ends - 1e-5, ends], axis=1)
+    run = BatchRun(theta, np.zeros((4, 1, 3, 2)))
+    first, second = sorted((np.array(run.directions()) - shift + 0.5) % (2 * math.pi) - 0.5)
+    assert math.degrees(first) == pytest.approx(-0.067, abs=1e-3) and second == pytest.approx(math.pi)
+    moving = BatchRun(np.stack([ends - 0.01, ends], axis=1), run.path)
+    assert moving.directions() == ()
+
+
+def test_progress_reaches_one_in_even_steps():
+    told: list[float] = []
+    batch_experiment(replace(on_points(CollectionLoop.mit()), accuracy=1e-4), 2, 2, told.append)
+    assert told == pytest.approx(np.arange(1, 9) / 8)
+
+
+def test_batches_that_cannot_be_are_refused():
+    loop = CollectionLoop.mit()
+    with pytest.raises(InvalidInput, match="batches"):
+        batch_experiment(loop, batches=0)
+    with pytest.raises(InvalidInput, match="cycles"):
+        run_batches(loop, [0.0], cycles=0)
+    with pytest.raises(InvalidInput, match="at least one orientation"):
+        run_batches(loop, [])
+    with pytest.raises(InvalidInput, match="within"):
+        still().anisotropic.directions(within=0.0)

@@ -1,0 +1,94 @@
+"""The dynamic loop: cycles as the quasi-static loop's, the difference that inertia makes, and its isotropic twin."""
+
+import math
+import pickle
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from cyclemap.collection.dynamic_loop import DynamicLoop, compare_dynamics, isotropic_twin, on_points
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import DragBack, corner_footprint
+
+# Four orientations: on plywood the push ends by distance at 60 and 150 degrees, the rod leaves at 0 and 270.
+THETA = np.radians([0.0, 60.0, 150.0, 270.0])
+
+
+@cache
+def compared(isotropic: bool):
+    loop = CollectionLoop.mit()
+    return compare_dynamics(DynamicLoop(isotropic_twin(loop) if isotropic else loop), THETA)
+
+
+@pytest.mark.parametrize("isotropic", [False, True])
+def test_at_20_mm_a_second_inertia_changes_a_cycle_by_less_than_a_fifth_of_a_degree(isotropic):
+    found = compared(isotropic)
+    push, drag = (np.abs(np.degrees(found.difference(name))) for name in ("push_turn", "drag_turn"))
+    assert push.shape == drag.shape == (4,)
+    assert 0.01 < push.max() < 0.035 and 0.05 < drag.max() < 0.18
+    place = np.hypot(*found.difference("push_displacement").T)
+    assert 5e-5 < place.max() < 2.2e-4
+    np.testing.assert_array_equal(found.dynamic.left, found.quasi_static.left)
+
+
+def test_a_cycle_adds_up_and_is_the_one_of_many():
+    loop = DynamicLoop(CollectionLoop.mit())
+    cycle, many = loop.cycle(THETA[1], samples=1), compared(False).dynamic
+    assert cycle.theta_next == pytest.approx(cycle.theta + cycle.push_turn + cycle.drag_turn, abs=1e-12)
+    assert (cycle.push_turn, cycle.theta_next) == (many.push_turn[1], many.theta_next[1])
+    np.testing.assert_array_equal(cycle.push_displacement, many.push_displacement[1])
+    assert cycle.drag_length == many.drag_length[1]
+    assert cycle.trajectory.push.pose[-1] == pytest.approx(cycle.trajectory.drag.pose[0], abs=1e-12)
+
+
+def test_whole_turns_of_the_start_change_nothing_but_the_lift():
+    """Up to the integrator's error: it turns a difference in rounding into other steps."""
+    loop = DynamicLoop(CollectionLoop.mit())
+    once, again = loop.cycle(0.7), loop.cycle(0.7 + 4.0 * math.pi)
+    assert again.theta_next - once.theta_next == pytest.approx(4.0 * math.pi, abs=5e-5)
+
+
+def test_on_isotropic_friction_every_cycle_is_the_same():
+    found = compared(True).dynamic
+    assert np.ptp(found.push_turn) < 2e-5 and np.ptp(found.drag_turn) < 2e-5
+    assert np.ptp(found.push_displacement, axis=0).max() < 3e-6
+
+
+def test_it_stands_on_the_loops_own_points_and_else_on_the_papers_grid():
+    loop = CollectionLoop.mit()
+    corners = corner_footprint(loop.slider.outline)
+    assert DynamicLoop(replace(loop, footprint=corners)).model.points == corners
+    assert len(DynamicLoop(loop).model.points.positions) == 64
+    assert on_points(replace(loop, footprint=corners)).footprint == corners
+
+
+def test_the_isotropic_twin_has_the_area_of_the_limit_ellipse_and_no_offset():
+    loop = CollectionLoop.mit()
+    law, twin = loop.material.friction, isotropic_twin(loop).material.friction
+    assert twin.mu_a == twin.mu_b and twin.mu_a**2 == pytest.approx(law.mu_a * law.mu_b)
+    assert (twin.m0, twin.n0) == (0.0, 0.0)
+
+
+def test_way_points_and_pin_friction_of_the_reset_are_followed():
+    loop = CollectionLoop.mit(reset=DragBack(((0.0, 0.05),), 0.002))
+    found = compare_dynamics(DynamicLoop(loop), [0.4])
+    straight = compare_dynamics(DynamicLoop(CollectionLoop.mit()), [0.4])
+    assert abs(found.difference("drag_turn")[0]) < math.radians(0.25)
+    assert found.dynamic.drag_length[0] > straight.dynamic.drag_length[0] + 0.01
+
+
+def test_what_it_cannot_run_is_refused_by_name():
+    loop = CollectionLoop.mit()
+    with pytest.raises(InvalidInput, match="theta"):
+        DynamicLoop(loop).cycle(math.nan)
+    with pytest.raises(InvalidInput, match="speed must be positive"):
+        DynamicLoop(loop, speed=-0.02).cycle(0.0)
+
+
+def test_a_loop_that_has_run_can_be_sent_to_another_process():
+    loop = DynamicLoop(CollectionLoop.mit())
+    loop.cycle(0.0, samples=1)
+    assert pickle.loads(pickle.dumps(loop)) == loop

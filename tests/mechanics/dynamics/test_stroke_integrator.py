@@ -1,0 +1,64 @@
+"""Motions known in closed form: a block that slides to rest, a plate that spins to rest, a slider left alone."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cyclemap.mechanics import EllipseFriction, Pusher, Slider
+from cyclemap.mechanics.dynamics.dynamic_equations import PHYSICS
+from cyclemap.mechanics.dynamics.dynamic_model import DynamicModel
+from cyclemap.mechanics.limit_surface import normalised
+
+MU = 0.25
+SQUARE = Slider.mit("rect1")
+FAR = np.array((50.0, 50.0))
+
+
+def coasted(friction: EllipseFriction, start: list[float], time: float, samples: int = 1):
+    """The slider alone on the floor, from a state in the equations' units; the rod is far away."""
+    model = DynamicModel(SQUARE, friction, Pusher(), tolerance=1e-9, regularisation=1e-6)
+    outline = SQUARE.outline.scaled(1.0 / model.units.length)
+    stroke = model._integrator(outline, samples)
+    return model, stroke.leg(np.array(start), FAR, np.zeros(2), time, model._physics(0.0))
+
+
+@pytest.mark.parametrize("direction", [0.0, 0.9, 4.0])
+def test_a_block_slides_to_rest_over_v_squared_by_2_mu_g(direction):
+    model, _ = coasted(EllipseFriction.isotropic(MU), [0.0] * 6, 1e-3)
+    c, s = math.cos(direction), math.sin(direction)
+    _, run = coasted(EllipseFriction.isotropic(MU), [0.0, 0.0, 0.4, c, s, 0.0], 2.0 * model.froude / MU)
+    distance = model.froude / (2.0 * MU)
+    np.testing.assert_allclose(run.state[-1, :2], (c * distance, s * distance), rtol=1e-4, atol=1e-12)
+    assert run.state[-1, 2] == pytest.approx(0.4, abs=1e-8)
+    # All of its kinetic energy, Fr/2, went into the floor, nothing into a contact.
+    np.testing.assert_allclose(run.works, (0.0, model.froude / 2.0, 0.0), rtol=1e-5, atol=1e-12)
+
+
+@pytest.mark.parametrize(("sign", "mu"), [(1.0, 0.34), (-1.0, 0.26)])
+def test_along_an_ellipses_axis_friction_is_the_semi_axis_and_the_offset(sign, mu):
+    """v = 1 - mu t / Fr, with mu = mu_a + m0 one way and mu_a - m0 the other."""
+    law, model = EllipseFriction(0.3, 0.2, 0.04, 0.0, 0.0), coasted(EllipseFriction.isotropic(MU), [0.0] * 6, 1e-3)[0]
+    time = model.froude
+    _, run = coasted(law, [0.0, 0.0, 0.0, sign, 0.0, 0.0], time)
+    assert sign * run.state[-1, 3] == pytest.approx(1.0 - mu, abs=1e-5)
+    np.testing.assert_allclose(run.state[-1, [4, 5]], 0.0, atol=1e-8)
+
+
+def test_a_plate_spins_to_rest_under_a_constant_torque():
+    """Points at radius r each take mu r of their load: omega falls evenly, the angle is omega^2 / (2 alpha)."""
+    model, _ = coasted(EllipseFriction.isotropic(MU), [0.0] * 6, 1e-3)
+    radius = float(np.hypot(*np.array(normalised(model.points).positions).T).mean())
+    inertia = float(model._physics(0.0)[PHYSICS.index("inertia")])
+    alpha = MU * radius / (model.froude * inertia)
+    _, run = coasted(EllipseFriction.isotropic(MU), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0], 2.0 / alpha)
+    assert run.state[-1, 2] == pytest.approx(1.0 / (2.0 * alpha), rel=1e-4)
+    np.testing.assert_allclose(run.state[-1, :2], 0.0, atol=1e-10)
+
+
+def test_a_slider_left_alone_at_rest_creeps_by_less_than_the_creep_speed():
+    law = EllipseFriction(0.3, 0.2, 0.1, 0.05, 0.3)
+    _, run = coasted(law, [0.0] * 6, 1.0)
+    moved = np.hypot(*run.state[-1, :2])
+    assert 0.0 < moved < 1e-6
+    assert np.all(run.observed[:, :2] == 0.0)
