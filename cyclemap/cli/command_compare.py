@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.options import chosen_options, decorated, loop_options, result_options
+from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
 
 Decorator = Callable[[Any], Any]
 
@@ -50,14 +50,11 @@ def _data_options() -> list[Decorator]:
 @loop_options
 @_compare_options
 def compare_command(
-    material: str | None,
-    material_file: str | None,
-    protocol: Path | None,
-    settings: tuple[str, ...],
+    options: LoopOptions,
     json_target: str | None,
     **request: Any,
 ) -> None:
     """Set the prediction of a material beside measured data, and say where they agree."""
     from cyclemap.cli.run_compare import run_compare
 
-    run_compare(chosen_options(material, material_file, protocol, settings), CompareRequest(**request), json_target)
+    run_compare(options, CompareRequest(**request), json_target)

@@ -1,13 +1,12 @@
 """The command `cyclemap dynamics`: its arguments and options."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import click
 
 from cyclemap.cli.commands import DEFAULT_THETA0_DEG
-from cyclemap.cli.options import chosen_options, decorated, loop_options, result_options
+from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
 
 
 def _results(command: Callable[..., None]) -> Callable[..., None]:
@@ -26,10 +25,7 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 @click.option("--speed-mm-s", type=float, default=20.0, show_default=True, help="Speed of the rod.")
 @_results
 def dynamics_command(
-    material: str | None,
-    material_file: str | None,
-    protocol: Path | None,
-    settings: tuple[str, ...],
+    options: LoopOptions,
     json_target: str | None,
     **request: Any,
 ) -> None:
@@ -39,4 +35,4 @@ def dynamics_command(
     """
     from cyclemap.cli.run_dynamics import DynamicsRequest, run_dynamics
 
-    run_dynamics(chosen_options(material, material_file, protocol, settings), DynamicsRequest(**request), json_target)
+    run_dynamics(options, DynamicsRequest(**request), json_target)

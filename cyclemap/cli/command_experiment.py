@@ -1,12 +1,11 @@
 """The command `cyclemap experiment`: its arguments and options."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import click
 
-from cyclemap.cli.options import chosen_options, decorated, loop_options, result_options
+from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
 
 
 def _results(command: Callable[..., None]) -> Callable[..., None]:
@@ -21,10 +20,7 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 @click.option("--quasi-static", is_flag=True, help="Quasi-static cycles, without inertia, in place of dynamic ones.")
 @_results
 def experiment_command(
-    material: str | None,
-    material_file: str | None,
-    protocol: Path | None,
-    settings: tuple[str, ...],
+    options: LoopOptions,
     json_target: str | None,
     **request: Any,
 ) -> None:
@@ -35,5 +31,4 @@ def experiment_command(
     """
     from cyclemap.cli.run_experiment import ExperimentRequest, run_experiment
 
-    chosen = chosen_options(material, material_file, protocol, settings)
-    run_experiment(chosen, ExperimentRequest(**request), json_target)
+    run_experiment(options, ExperimentRequest(**request), json_target)

@@ -1,12 +1,11 @@
 """The command `cyclemap fingerprint`: its arguments and options."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import click
 
-from cyclemap.cli.options import decorated, loop_options, result_options
+from cyclemap.cli.options import LoopOptions, decorated, protocol_options, result_options
 
 
 def _results(command: Callable[..., None]) -> Callable[..., None]:
@@ -14,14 +13,11 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 
 
 @click.command("fingerprint")
-@loop_options
+@protocol_options
 @click.option("--check", is_flag=True, help="Compute the full cycle map too, and set its directions beside.")
 @_results
 def fingerprint_command(
-    material: str | None,
-    material_file: str | None,
-    protocol: Path | None,
-    settings: tuple[str, ...],
+    options: LoopOptions,
     json_target: str | None,
     **request: Any,
 ) -> None:
@@ -31,6 +27,4 @@ def fingerprint_command(
     """
     from cyclemap.cli.run_fingerprint import FingerprintRequest, run_fingerprint
 
-    if material is not None and material_file is not None:
-        raise click.UsageError("give at most one material: a name or a TOML file, as MATERIAL or with --material")
-    run_fingerprint(FingerprintRequest(material or material_file, protocol, settings, **request), json_target)
+    run_fingerprint(options, FingerprintRequest(**request), json_target)

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.options import chosen_options, loop_options
+from cyclemap.cli.options import LoopOptions, loop_options
 
 _NOT_NEGATIVE = click.FloatRange(min=0.0)
 
@@ -34,10 +34,7 @@ _NOT_NEGATIVE = click.FloatRange(min=0.0)
 )
 @click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
 def simulate_command(
-    material: str | None,
-    material_file: str | None,
-    protocol: Path | None,
-    settings: tuple[str, ...],
+    options: LoopOptions,
     json_target: str | None,
     **request: Any,
 ) -> None:
@@ -47,5 +44,4 @@ def simulate_command(
     """
     from cyclemap.cli.run_simulate import SimulationRequest, run_simulate
 
-    options = chosen_options(material, material_file, protocol, settings)
     run_simulate(options, SimulationRequest(**request), json_target)

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.options import RunRequest, chosen_options, loop_options, run_options
+from cyclemap.cli.options import LoopOptions, RunRequest, loop_options, run_options
 
 DEFAULT_THETA0_DEG = "0,30,60,90,120,150,180,210,240,270,300,330"
 
@@ -25,10 +25,7 @@ DEFAULT_THETA0_DEG = "0,30,60,90,120,150,180,210,240,270,300,330"
 @click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Also write cycles_MATERIAL.json there.")
 @click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
 def cycle_command(
-    material: str | None,
-    material_file: str | None,
-    protocol: Path | None,
-    settings: tuple[str, ...],
+    options: LoopOptions,
     theta0_deg: str,
     out: Path | None,
     json_target: str | None,
@@ -36,38 +33,32 @@ def cycle_command(
     """Run single cycles: one push and one drag back from each start angle."""
     from cyclemap.cli.run_cycle import run_cycle
 
-    run_cycle(chosen_options(material, material_file, protocol, settings), theta0_deg, out, json_target)
+    run_cycle(options, theta0_deg, out, json_target)
 
 
 @click.command("portrait")
 @loop_options
 @run_options
 def portrait_command(
-    material: str | None,
-    material_file: str | None,
-    protocol: Path | None,
-    settings: tuple[str, ...],
+    options: LoopOptions,
     json_target: str | None,
     **request: Any,
 ) -> None:
     """Compute the cycle map of a material, tell what it implies, and draw it."""
     from cyclemap.cli.run_portrait import run_portrait
 
-    run_portrait(chosen_options(material, material_file, protocol, settings), RunRequest(**request), json_target)
+    run_portrait(options, RunRequest(**request), json_target)
 
 
 @click.command("staircase")
 @loop_options
 @run_options
 def staircase_command(
-    material: str | None,
-    material_file: str | None,
-    protocol: Path | None,
-    settings: tuple[str, ...],
+    options: LoopOptions,
     json_target: str | None,
     **request: Any,
 ) -> None:
     """Predict the staircase of θ0: its steps, how long it rests on them, and one run."""
     from cyclemap.cli.run_staircase import run_staircase
 
-    run_staircase(chosen_options(material, material_file, protocol, settings), RunRequest(**request), json_target)
+    run_staircase(options, RunRequest(**request), json_target)

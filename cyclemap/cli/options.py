@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,9 @@ import click
 
 @dataclass(frozen=True)
 class LoopOptions:
-    """Which loop a command is about: the options shared by every command."""
+    """Which loop a command is about; material: None where none was named, which stands for isotropic friction."""
 
-    material: str
+    material: str | None
     protocol: Path | None
     settings: tuple[str, ...]
 
@@ -29,7 +30,29 @@ class RunRequest:
 
 
 def loop_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give `command` the MATERIAL argument and the options shared by every command."""
+    """Give `command` the MATERIAL argument and the options of a loop; they reach it as one `LoopOptions`."""
+    return _gathering(command, needs_material=True)
+
+
+def protocol_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give `command` the options of a loop, whose material may be left out."""
+    return _gathering(command, needs_material=False)
+
+
+def _gathering(command: Callable[..., None], needs_material: bool) -> Callable[..., None]:
+    @wraps(command)
+    def gathered(
+        material: str | None,
+        material_file: str | None,
+        protocol: Path | None,
+        settings: tuple[str, ...],
+        **others: Any,
+    ) -> None:
+        one = (material is None) != (material_file is None)
+        if not one and (needs_material or material is not None):
+            raise click.UsageError("give one material: a name or a TOML file, as MATERIAL or with --material")
+        command(LoopOptions(material or material_file, protocol, settings), **others)
+
     decorators: list[Callable[[Any], Any]] = [
         click.argument("material", required=False),
         click.option("--material", "material_file", metavar="TOML", help="A material file, in place of MATERIAL."),
@@ -47,7 +70,7 @@ def loop_options(command: Callable[..., None]) -> Callable[..., None]:
             help="One fact of the experiment; repeatable.",
         ),
     ]
-    return decorated(command, decorators)
+    return decorated(gathered, decorators)
 
 
 def run_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -80,12 +103,3 @@ def decorated(command: Callable[..., None], decorators: list[Callable[[Any], Any
     for decorate in reversed(decorators):
         command = decorate(command)
     return command
-
-
-def chosen_options(
-    material: str | None, material_file: str | None, protocol: Path | None, settings: tuple[str, ...]
-) -> LoopOptions:
-    """The loop that a command is about; a UsageError unless exactly one material is given."""
-    if (material is None) == (material_file is None):
-        raise click.UsageError("give one material: a name or a TOML file, as MATERIAL or with --material")
-    return LoopOptions(material or material_file or "", protocol, settings)

@@ -26,21 +26,18 @@ COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)")
 
 @dataclass(frozen=True)
 class FingerprintRequest:
-    """Which loop, material None where only the protocol is asked for; whether to check; where results go."""
+    """Whether to check the prediction against the full map, and where results go."""
 
-    material: str | None
-    protocol: Path | None
-    settings: tuple[str, ...]
     check: bool
     out: Path
     picture_format: str
 
 
-def run_fingerprint(request: FingerprintRequest, json_target: str | None) -> None:
+def run_fingerprint(options: LoopOptions, request: FingerprintRequest, json_target: str | None) -> None:
     """Compute the fingerprint and the prediction, draw both, and print them for people or as JSON."""
-    loop, _ = chosen_loop(LoopOptions(request.material or "isotropic", request.protocol, request.settings))
+    loop, _ = chosen_loop(options)
     surface = Anisotropy.of(loop.material.friction)
-    predicts = request.material is not None or max(surface.offset, surface.ellipticity) > 0.0
+    predicts = options.material is not None or max(surface.offset, surface.ellipticity) > 0.0
     if request.check and not predicts:
         raise InvalidInput("--check compares a prediction with the full map: name a MATERIAL or set its friction")
     name = loop.material.name if predicts else "protocol"

@@ -28,7 +28,7 @@ def chosen_loop(options: LoopOptions) -> tuple[CollectionLoop, float | None]:
             raise unknown_name("setting", key, (*SETTING_KEYS, NOISE_KEY))
     noise_deg = settings.pop(NOISE_KEY, None)
     sigma = None if noise_deg is None else math.radians(positive_number(NOISE_KEY, noise_deg))
-    base = CollectionLoop.mit(material=options.material)
+    base = CollectionLoop.mit(material=options.material or "isotropic")
     return CollectionLoop.from_settings(settings, base), sigma
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypeVar
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -10,7 +11,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.style import QUIET, new_figure
+from cyclemap.views.style import QUIET, new_figure, picture_style
+
+One = TypeVar("One", bound=Any)
 
 PANEL_INCHES = (5.2, 3.6)
 SIMULATED_FILL = "#c4c4c4"
@@ -32,6 +35,16 @@ def material_grid(names: Iterable[str], columns: int = 2) -> tuple[Figure, dict[
         panels[name] = figure.add_subplot(grid[place // columns, place % columns])
         panels[name].set_title(name)
     return figure, panels
+
+
+def draw_materials(materials: Sequence[One], draw_one: Callable[[Axes, One], None], note: str) -> Figure:
+    """A panel each for what was found on materials (``.run.surface`` names them), and a note at the foot."""
+    with picture_style():
+        figure, panels = material_grid(one.run.surface for one in materials)
+        for axes, one in zip(panels.values(), materials, strict=True):
+            draw_one(axes, one)
+        foot_note(figure, note)
+    return figure
 
 
 def as_simulated(axes: Axes, columns: int = 2) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cyclemap.evidence.tables.turn_pace import full_turns
 from cyclemap.figures.exhibit import PaperFigure
-from cyclemap.figures.material_panels import foot_note, material_grid
+from cyclemap.figures.material_panels import draw_materials
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.measured_sets import measured_theta0, not_found
 from cyclemap.figures.simulated_collections import NOISE, PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
@@ -21,7 +21,7 @@ from cyclemap.maps.staircases.staircase import sample_staircases
 from cyclemap.views.fit_panels import CIRCLE
 from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.record_panels import draw_staircase
-from cyclemap.views.style import PREDICTED_FILL, picture_style
+from cyclemap.views.style import PREDICTED_FILL
 
 Array = NDArray[np.float64]
 FULL_TURN = 2 * np.pi
@@ -124,12 +124,7 @@ def climb_of(path: Array, level: float) -> Climb:
 
 def draw(result: Staircases) -> Figure:
     """Draw a panel a material; measured and predicted together where there is a measured path."""
-    with picture_style():
-        figure, panels = material_grid(one.run.surface for one in result.materials)
-        for axes, one in zip(panels.values(), result.materials, strict=True):
-            _draw_material(axes, one)
-        foot_note(figure, _absence(result))
-    return figure
+    return draw_materials(result.materials, _draw_material, _absence(result))
 
 
 def _draw_material(axes: Axes, one: MaterialStaircase) -> None:

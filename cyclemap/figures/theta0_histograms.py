@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
 from cyclemap.figures.exhibit import PaperFigure
-from cyclemap.figures.material_panels import foot_note, material_grid
+from cyclemap.figures.material_panels import draw_materials
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.measured_sets import listed, measured_theta0, not_found
 from cyclemap.figures.simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
 from cyclemap.views.fit_panels import CIRCLE, THETA0
 from cyclemap.views.panel_parts import legend_above, name_tag
 from cyclemap.views.record_panels import PER_DEGREE, draw_measured_histogram
-from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis, picture_style
+from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis
 
 Array = NDArray[np.float64]
 UNIFORM = 1.0 / (2 * np.pi)
@@ -91,12 +91,7 @@ def _material(measured: MeasuredFolder, surface: str, run: SampledRun) -> Materi
 
 def draw(result: DirectionHistograms) -> Figure:
     """Draw a panel a material."""
-    with picture_style():
-        figure, panels = material_grid(one.run.surface for one in result.materials)
-        for axes, one in zip(panels.values(), result.materials, strict=True):
-            _draw_material(axes, one)
-        foot_note(figure, _absence(result))
-    return figure
+    return draw_materials(result.materials, _draw_material, _absence(result))
 
 
 def _draw_material(axes: Axes, one: MaterialDirections) -> None:

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from cyclemap.evidence.tables.law_table import MotionLaw
 from cyclemap.figures.exhibit import PaperFigure
-from cyclemap.figures.material_panels import as_simulated, foot_note, material_grid
+from cyclemap.figures.material_panels import as_simulated, draw_materials
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.measured_sets import MeasuredRun, listed, measured_run, not_found
 from cyclemap.figures.simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, fitted_laws, sampled_run
 from cyclemap.views.fit_panels import CIRCLE, draw_law
 from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.style import INK, QUIET, picture_style
+from cyclemap.views.style import INK, QUIET
 
 Array = NDArray[np.float64]
 # Share of the pushes whose arc is told.
@@ -90,12 +90,7 @@ def _material(found: MeasuredRun | None, run: SampledRun) -> MaterialTurns:
 
 def draw(result: TurnsOverTheta0) -> Figure:
     """Draw a panel a material."""
-    with picture_style():
-        figure, panels = material_grid(one.run.surface for one in result.materials)
-        for axes, one in zip(panels.values(), result.materials, strict=True):
-            _draw_material(axes, one)
-        foot_note(figure, _absence(result))
-    return figure
+    return draw_materials(result.materials, _draw_material, _absence(result))
 
 
 def _draw_material(axes: Axes, one: MaterialTurns) -> None:

@@ -52,7 +52,7 @@ class Slider:
     Parameters
     ----------
     outline : `Polygon` or `Ellipse`, m; sides are numbered counter-clockwise from vertex 0.
-    mass : kg; it scales the contact forces and nothing else, since the motion is quasi-static.
+    mass : kg; in quasi-static motion it scales the contact forces and nothing else.
     centre_of_mass : (x, y), m; None: the outline's centroid.
     hitch : (x, y), m: the ring in which the rod drags it back; anywhere, also outside the outline.
     inertia : moment of inertia about the centre of mass, kg m^2; None: a uniform plate's is not assumed, it is unknown.

@@ -69,7 +69,7 @@ def test_people_read_the_five_numbers_and_the_direction_with_its_error(tmp_path,
     ("arguments", "words"),
     [
         (["ply"], "ply"),
-        (["plywood", "--material", "other.toml"], "at most one material"),
+        (["plywood", "--material", "other.toml"], "give one material"),
         (["--check"], "name a MATERIAL"),
         (["plywood", "--set", "way_points_mm=[[0, 50]]"], "fixed in the world"),
         (["plywood", "--set", "nonsense=1"], "nonsense"),
