@@ -35,10 +35,14 @@ THETA0_SURFACE = "plywood"
 
 @dataclass(frozen=True, eq=False)
 class MeasuredRun:
-    """A measured set of the paper's repeated pushes. unreadable : files in its folder that could not be read."""
+    """A measured set of the paper's repeated pushes.
+
+    unreadable : files in its folder that could not be read. home : that folder.
+    """
 
     pushes: PushSet
     unreadable: int
+    home: Path
 
 
 def measured_run(measured: MeasuredFolder, surface: str) -> MeasuredRun | None:
@@ -47,7 +51,16 @@ def measured_run(measured: MeasuredFolder, surface: str) -> MeasuredRun | None:
     Looked for in all sub-folders by the names of the files, ``motion_surface=SURFACE_shape=rect1_..._rep=NNNN`` with
     the paper's protocol (``PROTOCOL``); at least 20 of them, in one folder, make a set.
     """
-    return None if measured.path is None else _run_below(measured.path, surface)
+    found = None if measured.path is None else _run_below(measured.path, surface)
+    if found is not None:
+        _told_used(measured, found.home)
+    return found
+
+
+def _told_used(measured: MeasuredFolder, home: Path) -> None:
+    """Ask the folder for what was found in it, so that one who watches it knows what was used."""
+    assert measured.path is not None
+    measured.folder(home.relative_to(measured.path).as_posix())
 
 
 def measured_theta0(measured: MeasuredFolder, surface: str) -> Theta0Pairs | None:
@@ -71,6 +84,7 @@ def measured_scans(measured: MeasuredFolder, surface: str) -> pandas.DataFrame |
         homes[home] += sum(_is_scan(scan_facts(name), surface) for name in names if name.endswith(SUFFIXES))
     for home, count in homes.most_common(1):
         if count:
+            _told_used(measured, Path(home))
             scans = load_pushes(home).scans
             told = scans[(scans["surface"] == surface) & (scans["object"] == PROTOCOL["object"])]
             return told.dropna(subset=["force_along", "force_across"])
@@ -109,7 +123,7 @@ def _run_below(folder: Path, surface: str) -> MeasuredRun | None:
         found = push_sets(table, {"surface": surface, **PROTOCOL})
         best = max(found, key=lambda one: one.count)
         if best.count >= FEWEST:
-            return MeasuredRun(best, len(table.unreadable))
+            return MeasuredRun(best, len(table.unreadable), Path(home))
     return None
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from small_collections import NOWHERE, RECORDED_ABS, RECORDED_PLYWOOD, SCANS, recorded_folder, recorded_loop
 
+from cyclemap.cli.run_figures import WatchedFolder
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import simulate_collection
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
@@ -75,3 +76,10 @@ def test_without_a_folder_nothing_is_found_and_the_note_names_what_is_missing() 
     assert measured_run(NOWHERE, "abs") is None and measured_theta0(NOWHERE, "plywood") is None
     assert not_found("θ0", ["abs"]) == f"Recorded θ0 on abs: {NO_DATA}."
     assert not_found("pushes", []) == ""
+
+
+def test_who_watches_the_folder_learns_where_the_pushes_were(recorded) -> None:
+    watched = WatchedFolder(recorded.path)
+    assert measured_run(watched, "abs") is not None and measured_run(watched, "pu") is None
+    (used,) = watched.there
+    assert any("motion_surface=abs" in file.name for file in (recorded.path / used).iterdir())
