@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop, DynamicLoop, fingerprint
 from cyclemap.mechanics import Pose, QuasiStaticModel, SidePush, grid_footprint
 from tests.benchmarks.timing import Row, seconds, show
 
@@ -51,6 +51,24 @@ def peer_rows() -> list[Row]:
     return [Row("push on 8 x 8 points at 1e-6", ours, "push"), Row("SciPy solve_ivp on 8 x 8 points", peer, "push")]
 
 
+def dynamic_rows() -> list[Row]:
+    """The cycle with inertia on 8 x 8 points, beside the quasi-static one on the same points."""
+    quasi_static = replace(MIT, footprint=grid_footprint(OUTLINE, 8), accuracy=1e-6)
+    rows = [Row("quasi-static cycle on 8 x 8 points at 1e-6", seconds(lambda: quasi_static.cycle(THETA_0)), "cycle")]
+    for tolerance in (1e-5, 1e-7):
+        moving = DynamicLoop(quasi_static, tolerance=tolerance)
+        taken = seconds(lambda moving=moving: moving.cycle(THETA_0), 3)
+        rows.append(Row(f"dynamic cycle at tolerance {tolerance:g}", taken, "cycle at 20 mm/s"))
+    return rows
+
+
+def fingerprint_rows() -> list[Row]:
+    """The five numbers of the protocol, beside the full map of one material at 1e-3 rad."""
+    full = seconds(lambda: MIT.circle_map(1e-3), 3)
+    five = seconds(lambda: fingerprint(MIT), 3)
+    return [Row("cycle map of plywood at 1e-3 rad", full, "one material"), Row("fingerprint", five, "any material")]
+
+
 def growth_rows() -> list[Row]:
     """Time of n cycles, over n: level where the cost grows linearly."""
     loop, rows = replace(MIT, accuracy=1e-6), []
@@ -74,6 +92,8 @@ def cold_rows() -> list[Row]:
 
 def main() -> None:
     """Print the table."""
+    show("with and without inertia", dynamic_rows())
+    show("full map and first order", fingerprint_rows())
     show("pushes and drags", [*cycle_rows(), *peer_rows(), *growth_rows(), *cold_rows()])
 
 
