@@ -58,9 +58,9 @@ def _print_for_people(name: str, found: Comparison, picture: Path) -> None:
     for sentence in sentences.trust_sentences(found):
         console.print(sentence)
     for whose, quantities in found.told_pushes:
-        console.print(_push_table(whose, quantities))
+        console.print_table(_push_table(whose, quantities))
     if found.orientations is not None:
-        console.print(_test_table(found))
+        console.print_table(_test_table(found))
     console.print(f"picture: {picture}")
 
 

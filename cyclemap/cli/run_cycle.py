@@ -64,4 +64,4 @@ def _print_table(material: str, cycles: list[Cycle]) -> None:
             math.degrees(cycle.theta_next),
         )
         table.add_row(*(f"{value:.3f}" for value in row))
-    PeopleConsole().print(table)
+    PeopleConsole().print_table(table)

@@ -20,7 +20,6 @@ from cyclemap.views.style import render
 from cyclemap.whole_files import write_whole
 
 COLUMNS = ("law", "θ0 (°)", "model", "push turn (°)", "dx (mm)", "dy (mm)", "drag turn (°)", "next θ0 (°)")
-TABLE_WIDTH = 110
 
 
 @dataclass(frozen=True)
@@ -58,9 +57,7 @@ def _compared(loop: DynamicLoop, starts_deg: list[float]) -> tuple[DynamicsCompa
     return material, isotropic
 
 
-def dynamics_report(
-    starts_deg: list[float], material: DynamicsComparison, isotropic: DynamicsComparison
-) -> Json:  # fmt: skip
+def dynamics_report(starts_deg: list[float], material: DynamicsComparison, isotropic: DynamicsComparison) -> Json:
     """The comparison as JSON: for both laws the cycles of both models from each start angle (degrees)."""
     return {
         "speed_mm_s": number(1e3 * material.loop.speed),
@@ -99,9 +96,7 @@ def _print_for_people(material: DynamicsComparison, isotropic: DynamicsCompariso
         for k in range(comparison.dynamic.theta.size):
             table.add_row(*_cells(law, "dynamic", comparison.dynamic, k))
             table.add_row(*_cells("", "quasi-static", comparison.quasi_static, k), end_section=True)
-    # Squeezed into a narrow terminal a table would lose its numbers.
-    console.width = max(console.width, TABLE_WIDTH)
-    console.print(table)
+    console.print_table(table)
     console.print(f"picture: {picture}")
 
 

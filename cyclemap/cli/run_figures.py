@@ -19,7 +19,6 @@ from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.whole_files import write_whole
 
 INDEX_FILE = "figures.json"
-TABLE_LETTERS = 240
 _KEYS = ("name", "title", "source", "caption", "file", "measured")
 
 
@@ -146,10 +145,7 @@ def _print_table(header: tuple[str, ...], rows: tuple[tuple[str, ...], ...]) -> 
         table.add_column(name, no_wrap=True)
     for row in rows:
         table.add_row(*row)
-    wide = PeopleConsole()
-    # Squeezed into a narrow terminal a table would lose its numbers: it is printed at its own width.
-    wide.width = TABLE_LETTERS
-    wide.print(table)
+    PeopleConsole().print_table(table)
 
 
 @contextmanager

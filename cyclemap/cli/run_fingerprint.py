@@ -74,7 +74,7 @@ def _print_for_people(
         table.add_column(column, justify="right" if column else "left")
     for part, response in (("push", found.push), ("drag", found.drag), ("cycle", found.cycle)):
         table.add_row(part, *sentences.five_numbers(response))
-    console.print(table)
+    console.print_table(table)
     console.print(sentences.protocol_sentence(found))
     if prediction is not None:
         console.print(sentences.surface_sentence(prediction, name))

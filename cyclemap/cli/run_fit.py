@@ -20,7 +20,6 @@ from cyclemap.whole_files import write_whole
 
 # Bad files are told by name up to this many, and counted beyond.
 MOST_NAMED = 10
-TABLE_LETTERS = 240
 SELECT_KEYS = {
     "surface": ("surface", None),
     "object": ("object", None),
@@ -119,9 +118,7 @@ def _write(fit: SetFit, request: FitRequest) -> Path:
 
 
 def _print_for_people(pushes: PushTable, fits: list[SetFit], pictures: list[Path]) -> None:
-    console, wide = PeopleConsole(), PeopleConsole()
-    # Squeezed into a narrow terminal a table would lose its numbers: it is printed at its own width.
-    wide.width = TABLE_LETTERS
+    console = PeopleConsole()
     scans = f" and {len(pushes.scans)} friction scans" if len(pushes.scans) else ""
     console.print(f"{len(pushes.table)} pushes{scans} read, in {len(fits)} set{'s' * (len(fits) != 1)}", style="bold")
     for file in pushes.unreadable[:MOST_NAMED]:
@@ -130,7 +127,7 @@ def _print_for_people(pushes: PushTable, fits: list[SetFit], pictures: list[Path
         console.print(f"could not be read: {len(pushes.unreadable)} files in all")
     if any(fit.pushes.has_motion for fit in fits):
         for table in (statistics_table([fit.statistics for fit in fits]), law_table([fit.laws for fit in fits])):
-            wide.print(table)
+            console.print_table(table)
     for fit in fits:
         if not fit.is_empty:
             console.print("\n".join(set_sentences(fit)))

@@ -37,8 +37,6 @@ from cyclemap.views.identify_page import identify_page
 from cyclemap.views.style import render
 from cyclemap.whole_files import write_whole
 
-WIDE = 200
-
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
@@ -178,18 +176,16 @@ def _files(outcome: Outcome, request: IdentifyRequest, report: bytes) -> dict[Pa
 
 
 def _print_for_people(outcome: Outcome, files: list[Path], request: IdentifyRequest) -> None:
-    console, wide = PeopleConsole(), PeopleConsole()
-    # Squeezed into a narrow terminal a table would lose its numbers: it is printed at its own width.
-    wide.width = WIDE
+    console = PeopleConsole()
     console.print(sentences.headline(outcome.material.name, outcome.derived), style="bold")
     for note in outcome.data.notes:
         console.print(f"data: {note}")
-    wide.print(parameter_table(outcome.found))
+    console.print_table(parameter_table(outcome.found))
     if outcome.derived:
-        wide.print(derived_table(outcome.derived))
-    wide.print(error_table(outcome.found))
+        console.print_table(derived_table(outcome.derived))
+    console.print_table(error_table(outcome.found))
     if outcome.comparison is not None:
-        wide.print(explanation_table(outcome.comparison))
+        console.print_table(explanation_table(outcome.comparison))
         for sentence in sentences.comparison_sentences(outcome.comparison):
             console.print(sentence)
     for sentence in sentences.note_sentences(outcome.found):

@@ -60,7 +60,7 @@ def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture
     if measured is not None:
         console.print(sentences.agreement_sentence(measured.agreement))
     if drawn.fixed_points:
-        console.print(_fixed_point_table(drawn))
+        console.print_table(_fixed_point_table(drawn))
     if told := sentences.material_line(drawn.loop.material):
         console.print(told)
     for line in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line):

@@ -19,7 +19,6 @@ from cyclemap.whole_files import write_whole
 
 # Files left out are told by name up to this many, and counted beyond.
 MOST_NAMED = 10
-TABLE_WIDTH = 130
 COLUMNS = (
     "surface", "object", "pushes", "error (mm)", "median", "motion (mm)", "share", "turn error (°)", "median",
     "turn (°)", "share",
@@ -67,9 +66,7 @@ def _print_for_people(replayed: ReplayedPushes, picture: Path) -> None:
         table.add_column(column, justify="left" if number < 2 else "right")
     for row in replayed.by("surface", "object").to_dict("records"):
         table.add_row(*_cells(row))
-    # Squeezed into a narrow terminal a table would lose its numbers.
-    console.width = max(console.width, TABLE_WIDTH)
-    console.print(table)
+    console.print_table(table)
     if replayed.not_replayed:
         console.print(f"not replayed: {_reasons(replayed)}")
     console.print(f"picture: {picture}")

@@ -3,6 +3,11 @@
 from typing import NoReturn
 
 from rich.console import Console
+from rich.measure import Measurement
+from rich.table import Table
+
+# More letters than any table has in a row.
+_WIDEST = 10_000
 
 
 class PeopleConsole(Console):
@@ -14,3 +19,10 @@ class PeopleConsole(Console):
     def on_broken_pipe(self) -> NoReturn:
         """Raise what plain output would raise, so that the command line answers both alike."""
         raise BrokenPipeError
+
+    def print_table(self, table: Table) -> None:
+        """Print a table at its own width: squeezed into a narrow terminal it would lose its numbers."""
+        before, room = self.width, self.options.update(width=_WIDEST)
+        self.width = max(before, Measurement.get(self, room, table).maximum)
+        self.print(table)
+        self.width = before
