@@ -1,11 +1,13 @@
 """What the pages promise to list is all there: settings, materials, commands; and no page needs the network."""
 
+import json
 import re
 from pathlib import Path
 
 from cyclemap.cli.main import cli
 from cyclemap.cli.settings import NOISE_KEY
 from cyclemap.collection.settings import SETTING_KEYS
+from cyclemap.figures.catalogue import entries
 from cyclemap.mechanics import material_names
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -42,3 +44,11 @@ def test_no_source_names_an_address() -> None:
     # The namespace of MathML is a name, not a place.
     address = re.compile(r"\w+://(?!www\.w3\.org/1998/Math)")
     assert [path.name for path in SOURCES if address.search(path.read_text(encoding="utf-8"))] == []
+
+
+def test_the_gallery_shows_every_figure_and_table_under_its_present_title() -> None:
+    gallery = DOCS / "gallery"
+    lines = json.loads((gallery / "figures.json").read_text(encoding="utf-8"))["figures"]
+    assert [(line["name"], line["title"]) for line in lines] == [(entry.name, entry.title) for entry in entries()]
+    assert len(lines) == len(entries()) > 20
+    assert all((gallery / line["file"]).is_file() for line in lines)
