@@ -54,6 +54,8 @@ def _follow(request: WatchRequest, json_target: str | None) -> None:
     """Look for new rows until interrupted or a bad row; the last report is kept, and what ended the watch goes on."""
     tell = _tell_as_json if json_target == "-" else _tell_people
     feed, watched = theta0_feed(request.file), WatchedCollection(request.alarm_rate)
+    if json_target != "-":
+        click.echo(f"watching {request.file} until interrupted (Ctrl-C)", err=True)
     try:
         while True:
             found = feed.look()

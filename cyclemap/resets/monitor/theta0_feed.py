@@ -1,0 +1,188 @@
+"""Orientations from a file or a folder that grows while it is read."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from cyclemap.errors import DataFileError
+from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
+from cyclemap.evidence.pushes.push_files import SUFFIXES, read_push_file
+from cyclemap.evidence.pushes.push_record import PushRecord
+from cyclemap.text_files import CsvRow, CsvTable
+from cyclemap.whole_files import UNFINISHED_SUFFIX
+
+COLUMNS = ("theta0_deg", "theta0_accum_deg")
+_HEAD_BYTES = 256  # a file that begins otherwise than it did is another file
+
+
+@dataclass(frozen=True)
+class NewOrientations:
+    """What a look at a growing file found: the new θ0, rad, and whether the file began anew before them."""
+
+    theta: tuple[float, ...]
+    began_anew: bool = False
+
+
+class Theta0Feed(Protocol):
+    """A source of orientations, one a push, in the order of the pushes."""
+
+    def look(self, finished: bool = False) -> NewOrientations:
+        """The orientations added since the last look; ``finished``: nothing more is being written."""
+        ...
+
+
+def theta0_feed(path: str | Path) -> Theta0Feed:
+    """The feed of a CSV file with a column theta0_deg (or theta0_accum_deg), or of a folder of pushes, MIT layout."""
+    return PushFolderFeed(Path(path)) if Path(path).is_dir() else Theta0CsvFeed(Path(path))
+
+
+class Theta0CsvFeed:
+    """The column theta0_deg, or theta0_accum_deg, of a CSV file, row after row; other columns are passed over.
+
+    Rows are pushes in order: a file of pairs is read by its first column. A last line without a line break waits until
+    it is whole, or ``finished``. A file that became shorter, was replaced, or begins otherwise is read from its start.
+    Between two looks it may be away.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._seen = False
+        self._start_over()
+
+    def look(self, finished: bool = False) -> NewOrientations:
+        """The θ0 of the rows added since the last look.
+
+        DataFileError where the file is absent at the first look, is no UTF-8 text, its header has neither column, a row
+        has more or fewer fields than the header, or its θ0 is no finite number: with file, line and value.
+        ``finished``: also where it holds no row.
+        """
+        try:
+            began_anew = self._replaced()
+            fresh = self._fresh_bytes(finished)
+        except FileNotFoundError as error:
+            if self._seen and not finished:
+                return NewOrientations(())
+            raise DataFileError(f"{self.path}: there is no such file; check the path") from error
+        except OSError as error:
+            raise DataFileError(f"{self.path}: cannot be read ({error.strerror}); give a readable CSV file") from error
+        self._seen = True
+        theta = tuple(angle for line in fresh for angle in self._taken(line))
+        if finished and not self._rows:
+            raise DataFileError(f"{self.path}: no row of θ0; it needs a header line and at least one row")
+        return NewOrientations(theta, began_anew)
+
+    def _start_over(self) -> None:
+        self._offset, self._line, self._rows = 0, 0, 0
+        self._head = b""
+        self._inode: int | None = None
+        self._table: CsvTable | None = None
+
+    def _replaced(self) -> bool:
+        """True, after starting over, where the file is no longer the one that was read."""
+        status = self.path.stat()
+        same = self._inode in (None, status.st_ino) and status.st_size >= self._offset
+        if same and self._head:
+            with self.path.open("rb") as file:
+                same = file.read(len(self._head)) == self._head
+        began = self._offset > 0
+        if not same:
+            self._start_over()
+        self._inode = status.st_ino
+        return began and not same
+
+    def _fresh_bytes(self, finished: bool) -> list[bytes]:
+        """The whole lines that were added; with ``finished`` the last one need not end."""
+        with self.path.open("rb") as file:
+            file.seek(self._offset)
+            content = file.read()
+        end = len(content) if finished else content.rfind(b"\n") + 1
+        if self._offset == 0:
+            self._head = content[: min(end, _HEAD_BYTES)]
+        self._offset += end
+        return content[:end].split(b"\n")[: None if finished else -1]
+
+    def _taken(self, line: bytes) -> list[float]:
+        """The θ0 of a line, rad; nothing from the header and from blank lines."""
+        self._line += 1
+        row = self._parsed(line)
+        if not any(row.fields):
+            return []
+        if self._table is None:
+            self._table = self._headed(row)
+            return []
+        if len(row.fields) != len(self._table.header):
+            counts = f"{len(row.fields)} of {len(self._table.header)} fields ('{','.join(row.fields)}')"
+            raise self._table.error(row.line, f"{counts}; the line is cut off or has a stray comma: mend or remove it")
+        self._rows += 1
+        return [math.radians(self._table.number(row, _column(self._table)))]
+
+    def _parsed(self, line: bytes) -> CsvRow:
+        try:
+            text = line.decode("utf-8-sig" if self._line == 1 else "utf-8")
+            fields = next(csv.reader([text.rstrip("\r")], strict=True), [])
+        except UnicodeDecodeError as error:
+            place = f"{self.path}, line {self._line}"
+            raise DataFileError(f"{place}: byte {error.start} is not UTF-8 text; save it as plain CSV") from error
+        except csv.Error as error:
+            raise DataFileError(f"{self.path}, line {self._line}: {error}; mend the quotes of this line") from error
+        return CsvRow(self._line, tuple(field.strip() for field in fields))
+
+    def _headed(self, row: CsvRow) -> CsvTable:
+        table = CsvTable(self.path, tuple(name.lower() for name in row.fields), ())
+        if not set(COLUMNS) & set(table.header):
+            raise table.error(row.line, f"the header is {','.join(table.header)}; it must have {' or '.join(COLUMNS)}")
+        return table
+
+
+class PushFolderFeed:
+    """The first orientation of each recorded push in a folder (MIT layout), by repetition, then by name.
+
+    Files that appear later are taken in that order among themselves; friction scans are passed over. A file that cannot
+    be read is looked at again; where it did not change between two looks, or with ``finished``, it is an error.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._taken: set[Path] = set()
+        self._doubtful: tuple[Path, int, int] | None = None
+
+    def look(self, finished: bool = False) -> NewOrientations:
+        """The θ0 of the files added since the last look; DataFileError for a damaged file, or a folder without any."""
+        theta: list[float] = []
+        for file in self._fresh_files():
+            try:
+                record = read_push_file(file)
+            except DataFileError:
+                if finished or self._stale(file):
+                    raise
+                break
+            self._taken.add(file)
+            if isinstance(record, PushRecord):
+                theta.append(float(record.start[2]))
+        if finished and not self._taken:
+            raise DataFileError(f"{self.path}: the folder holds no recorded push ({', '.join(SUFFIXES)})")
+        return NewOrientations(tuple(theta))
+
+    def _fresh_files(self) -> list[Path]:
+        found = [file for file in self.path.iterdir() if file.suffix.lower() in SUFFIXES and file not in self._taken]
+        return sorted((file for file in found if not file.name.endswith(UNFINISHED_SUFFIX)), key=_place_in_series)
+
+    def _stale(self, file: Path) -> bool:
+        """True where the file is as it was at the look before."""
+        status = file.stat()
+        now, before = (file, status.st_size, status.st_mtime_ns), self._doubtful
+        self._doubtful = now
+        return now == before
+
+
+def _column(table: CsvTable) -> str:
+    return next(name for name in COLUMNS if name in table.header)
+
+
+def _place_in_series(file: Path) -> tuple[float, str]:
+    repetition = (push_facts(file) or PushFacts()).repetition
+    return (math.inf if math.isnan(repetition) else repetition, file.name)

@@ -1,0 +1,107 @@
+"""A watched collection in sentences: whether it locks in, towards where, what is covered, and what to do."""
+
+import math
+from collections.abc import Sequence
+
+from cyclemap.resets.monitor.bias_report import Alarm, BiasReport
+from cyclemap.resets.monitor.coverage import CoverageState
+from cyclemap.resets.monitor.forecast import Forecast
+from cyclemap.resets.monitor.watched_collection import WatchedCourse
+from cyclemap.views.sentences import angle
+
+
+def watch_sentences(course: WatchedCourse) -> tuple[str, ...]:
+    """The whole report: alarm, present rest, coverage, forecast, advice."""
+    report = course.report
+    told = (
+        verdict_sentence(course),
+        rest_sentence(report),
+        coverage_sentence(report),
+        forecast_sentence(course.forecast),
+        advice_sentence(report),
+    )
+    return tuple(filter(None, told))
+
+
+def verdict_sentence(course: WatchedCourse) -> str:
+    """Whether an alarm was raised, and how surely."""
+    report = course.report
+    if report.alarm is not None:
+        return alarm_sentence(report.alarm)
+    evidence = max(report.rest_evidence, report.visit_evidence)
+    needed = f"evidence {_power(evidence)} of the {_power(report.threshold)} needed"
+    return f"No alarm in {_pushes(course.pushes)}: {needed} at an alarm rate of {course.alarm_rate:g}."
+
+
+def alarm_sentence(alarm: Alarm) -> str:
+    """When the alarm was raised, and towards which directions."""
+    where = directions(alarm.directions)
+    if alarm.kind == "visits":
+        return f"ALARM at push {alarm.push}: visits gather near {where}."
+    rests = f"goes round {where}" if len(alarm.directions) > 1 else f"rests near {where}"
+    return f"ALARM at push {alarm.push}: θ0 {rests} since push {alarm.began}."
+
+
+def rest_sentence(report: BiasReport) -> str:
+    """Where it rests just now, and whether more pushes there are of use; empty where it does not rest."""
+    if report.rest is None:
+        return ""
+    useful = report.useful_pushes
+    worth = (
+        "" if useful is None else f"; {_pushes(useful) if useful else 'no push'} more there would tell much that is new"
+    )
+    return f"It rests near {directions(report.rest.directions)} since push {report.rest.began}{worth}."
+
+
+def coverage_sentence(report: BiasReport) -> str:
+    """How much of the circle is covered, and what that is worth."""
+    state = report.coverage
+    worth = f"worth {state.effective_pushes:.0f} spread evenly ({report.recent_worth:.2f} a push lately)"
+    return f"{covered(state)}; the {_pushes(report.push + 1)} are {worth}."
+
+
+def covered(state: CoverageState) -> str:
+    """The share of the circle that is covered, and the widest gap."""
+    gap = f"the widest gap is {angle(state.largest_gap, 0)} about {angle(state.gap_centre, 0)}"
+    return f"{state.covered:.0%} of the circle is covered, {gap}"
+
+
+def forecast_sentence(forecast: Forecast | None) -> str:
+    """What the fitted map expects of the next pushes; empty without one."""
+    if forecast is None:
+        return ""
+    told = [f"each of the next {forecast.ahead} pushes would be worth {forecast.worth:.2f}"]
+    if forecast.pushes_to_leave is not None:
+        told.append(f"the rest would last {_number(forecast.pushes_to_leave, forecast.ahead)}")
+    if forecast.pushes_to_cover > 0:
+        told.append(
+            f"{forecast.cover_target:.0%} would be covered after {_number(forecast.pushes_to_cover, forecast.ahead)}"
+        )
+    return f"If nothing is changed (map fitted to the data), {', '.join(told)}."
+
+
+def advice_sentence(report: BiasReport) -> str:
+    """What to do next."""
+    aim = f"{angle(report.advice.direction, 0)}, the direction least covered"
+    return (
+        f"Change the reset: bring θ0 to {aim}."
+        if report.advice.change_reset
+        else f"Carry on; least covered: {aim[: aim.index(',')]}."
+    )
+
+
+def directions(angles: Sequence[float]) -> str:
+    """Directions (rad) in degrees, one after the other."""
+    return ", ".join(angle(theta) for theta in angles)
+
+
+def _number(pushes: float, ahead: int) -> str:
+    return f"about {_pushes(round(pushes))}" if math.isfinite(pushes) else f"over {_pushes(ahead)}"
+
+
+def _pushes(count: int) -> str:
+    return f"{count} push" if count == 1 else f"{count} pushes"
+
+
+def _power(log10: float) -> str:
+    return f"{10.0 ** max(log10, 0.0):.3g}" if log10 < 6.0 else f"10^{log10:.0f}"

@@ -1,0 +1,181 @@
+"""`cyclemap watch` from outside: once over a file, and following one that grows until it is interrupted."""
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from cyclemap.cli import run_watch as module
+from cyclemap.cli.command_watch import watch_command
+from cyclemap.cli.main import cli, run
+
+LOCKED = [20.0, 28.0, 36.0, 44.0, 52.0, *[60.0 + 0.3 * (k % 3) for k in range(30)]]
+PROGRAM = (
+    "import sys\n"
+    "from cyclemap.cli import main\n"
+    "from cyclemap.cli.command_watch import watch_command\n"
+    "main.cli.add_command(watch_command)\n"
+    "main.main()\n"
+)
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch) -> Path:
+    """An empty current folder, and a command line that knows the command."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(cli.commands, "watch", watch_command)
+    return tmp_path
+
+
+def rows(angles) -> str:
+    return "".join(f"{angle:.3f}\n" for angle in angles)
+
+
+def data_file(folder: Path, angles=LOCKED) -> Path:
+    file = folder / "my run.csv"
+    file.write_text("theta0_deg\n" + rows(angles))
+    return file
+
+
+def test_one_look_writes_picture_and_json_and_tells_people(here, capsys) -> None:
+    assert run(["watch", str(data_file(here)), "--out", "pictures"]) == 0
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    for part in ("ALARM at push 19", "θ0 rests near 61", "Change the reset", "watch_my_run.png"):
+        assert part in shown.out
+    assert sorted(path.name for path in (here / "pictures").iterdir()) == ["watch_my_run.json", "watch_my_run.png"]
+    assert (here / "pictures" / "watch_my_run.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_json_tells_alarm_direction_coverage_and_advice_and_nothing_else(here, capsys) -> None:
+    assert run(["watch", str(data_file(here)), "--alarm-rate", "0.1", "--json", "-"]) == 0
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    report = json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
+    assert set(report) == {
+        *("file", "pushes", "alarm_rate", "alarm", "evidence", "rest", "useful_pushes", "recent_worth", "coverage"),
+        *("advice", "forecast"),
+    }
+    assert (report["file"], report["pushes"], report["alarm_rate"]) == ("my run.csv", 35, 0.1)
+    assert report["alarm"]["kind"] == "rest"
+    assert report["alarm"]["directions_deg"] == [pytest.approx(60.0, abs=3.0)]
+    assert report["rest"]["towards_deg"] == [pytest.approx(60.3, abs=0.5)]
+    assert report["evidence"]["threshold_log10"] == pytest.approx(math.log10(20.0))
+    assert report["evidence"]["rest_log10"] >= report["evidence"]["threshold_log10"]
+    assert report["advice"]["change_reset"] is True
+    assert report["advice"]["direction_deg"] == pytest.approx(235.0, abs=10.0)
+    assert report["forecast"] is None
+    assert json.loads((here / "out" / "watch_my_run.json").read_text()) == report
+
+
+def test_the_measured_staircase_is_told_at_push_16(here, capsys, measured_data) -> None:
+    lines = (measured_data / "plywood_rect1_theta0_2000.csv").read_text().splitlines()[:120]
+    file = here / "plywood.csv"
+    file.write_text("\n".join(lines) + "\n")
+    assert run(["watch", str(file), "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["alarm"]["push"] == 16
+    assert report["alarm"]["directions_deg"] == [pytest.approx(84.4, abs=2.0)]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["bad.csv"], "bad.csv, line 3: theta0_deg is 'x'; it must be a finite number"),
+        (["none.csv"], "none.csv: there is no such file"),
+        (["none.csv", "--follow"], "none.csv: there is no such file"),
+        (["bad.csv", "--alarm-rate", "0"], "--alarm-rate"),
+        (["bad.csv", "--every", "0"], "--every"),
+        ([], "FILE"),
+    ],
+)
+def test_bad_use_is_one_line_and_exit_code_2(here, capsys, arguments, message) -> None:
+    (here / "bad.csv").write_text("theta0_deg\n1\nx\n")
+    assert run(["watch", *arguments]) == 2
+    shown = capsys.readouterr()
+    assert message in shown.err
+    assert "Traceback" not in shown.err
+    assert not (here / "out").exists()
+
+
+def grown(monkeypatch, steps) -> None:
+    """Let each wait of --follow take the next of `steps`, and interrupt it after the last."""
+    waiting = iter(steps)
+
+    def wait(seconds: float) -> None:
+        assert seconds == 0.5
+        try:
+            next(waiting)()
+        except StopIteration:
+            raise KeyboardInterrupt from None
+
+    monkeypatch.setattr(module.time, "sleep", wait)
+
+
+def test_following_prints_a_line_of_json_for_each_push_and_keeps_the_last_report(here, capsys, monkeypatch) -> None:
+    file = data_file(here, LOCKED[:10])
+
+    def append(text: str):
+        def act() -> None:
+            with file.open("a") as stream:
+                stream.write(text)
+
+        return act
+
+    grown(monkeypatch, [append(rows(LOCKED[10:])[:-3]), append(rows(LOCKED)[-3:]), append("1")])
+    assert run(["watch", str(file), "--follow", "--every", "0.5", "--json", "-"]) == 130
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [line["push"] for line in lines] == list(range(len(LOCKED)))
+    assert [line["theta0_deg"] for line in lines] == pytest.approx(LOCKED)
+    raised = [line["push"] for line in lines if line["alarm"]]
+    assert raised == list(range(raised[0], len(LOCKED)))
+    kept = json.loads((here / "out" / "watch_my_run.json").read_text())
+    assert kept["alarm"] == lines[-1]["alarm"]
+    assert kept["pushes"] == len(LOCKED)
+
+
+def test_following_tells_people_what_changes_and_a_file_that_begins_anew(here, capsys, monkeypatch) -> None:
+    file = data_file(here)
+    grown(monkeypatch, [lambda: None, lambda: file.write_text("theta0_deg\n" + rows([10, 100, 190, 280]))])
+    assert run(["watch", str(file), "--follow", "--every", "0.5"]) == 130
+    shown = capsys.readouterr()
+    assert shown.out.count("ALARM at push") == 1
+    assert shown.err.startswith(f"watching {file} until interrupted")
+    assert "began anew, and so does the watch" in shown.err
+    assert "No alarm in 4 pushes" in shown.out
+    assert json.loads((here / "out" / "watch_my_run.json").read_text())["pushes"] == 4
+
+
+def test_a_bad_row_while_following_ends_the_watch_with_its_line_and_keeps_the_report(here, capsys, monkeypatch) -> None:
+    file = data_file(here)
+
+    def spoil() -> None:
+        with file.open("a") as stream:
+            stream.write("12;5\n")
+
+    grown(monkeypatch, [spoil])
+    assert run(["watch", str(file), "--follow", "--every", "0.5"]) == 2
+    assert f"line {len(LOCKED) + 2}: theta0_deg is '12;5'" in capsys.readouterr().err
+    assert json.loads((here / "out" / "watch_my_run.json").read_text())["pushes"] == len(LOCKED)
+
+
+def test_a_real_interrupt_ends_with_130_and_leaves_the_report(here) -> None:
+    file = data_file(here, LOCKED[:5])
+    command = [sys.executable, "-c", PROGRAM, "watch", str(file), "--follow", "--every", "0.05", "--json", "-"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ))
+    assert json.loads(process.stdout.readline())["push"] == 0
+    with file.open("a") as stream:
+        stream.write(rows(LOCKED[5:]))
+    pushes = [json.loads(process.stdout.readline())["push"] for _ in LOCKED[1:]]
+    assert pushes == list(range(1, len(LOCKED)))
+    time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    rest, complaint = process.communicate(timeout=60)
+    assert (process.returncode, rest, complaint) == (130, "", "")
+    assert json.loads((here / "out" / "watch_my_run.json").read_text())["alarm"]["kind"] == "rest"

@@ -1,0 +1,114 @@
+"""What pushes are worth, what is covered, and the direction to record next."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.resets.monitor.coverage import CELLS, Coverage, CoverageRule
+
+
+def covering(theta, rule=None) -> Coverage:
+    coverage = Coverage(rule)
+    for angle in np.asarray(theta, dtype=float).tolist():
+        coverage.add(angle)
+    return coverage
+
+
+@pytest.mark.parametrize("count", [13, 20, 57])
+def test_an_even_spread_is_worth_as_many_pushes_as_it_has(count) -> None:
+    state = covering(0.4 + np.arange(count) * 2 * np.pi / count).state()
+    assert state.effective_pushes == pytest.approx(count, rel=1e-9)
+    assert state.gain == pytest.approx(1.0)
+
+
+def test_worth_is_the_root_of_the_information_determinant() -> None:
+    theta = np.random.default_rng(0).vonmises(1.0, 1.0, 60)
+    columns = fourier_columns(theta, 6) * np.r_[1.0, np.full(12, math.sqrt(2.0))]
+    expected = np.linalg.det(np.eye(13) + columns.T @ columns) ** (1 / 13) - 1
+    assert covering(theta).state().effective_pushes == pytest.approx(expected, rel=1e-9)
+    assert expected < 50.0
+
+
+def test_the_worth_of_more_pushes_is_what_recording_them_adds() -> None:
+    random = np.random.default_rng(1)
+    first, more = random.vonmises(1.0, 1.0, 40), random.uniform(0, 6, 25)
+    before, after = covering(first), covering(np.r_[first, more])
+    assert before.worth_of(more) == pytest.approx(after.effective_pushes - before.effective_pushes, rel=1e-9)
+
+
+def test_useful_repeats_are_those_that_recording_them_finds_useful() -> None:
+    least = 0.02
+    start = np.r_[np.random.default_rng(2).uniform(0, 2 * np.pi, 60)]
+    coverage = covering(start)
+    predicted = coverage.useful_repeats((1.0,), least)
+    columns = fourier_columns(np.arange(90) * np.radians(4.0) + np.radians(0.25), 6)
+    columns[:, 1:] *= math.sqrt(2.0)
+    best = float(coverage._information(columns).max())
+    here = fourier_columns(1.0, 6) * np.r_[1.0, np.full(12, math.sqrt(2.0))]
+    found = 0
+    while float(coverage._information(here)) >= least * best:
+        coverage.add(1.0)
+        found += 1
+    assert found > 10
+    assert predicted == found
+
+
+def test_repeats_that_tell_nothing_are_not_useful() -> None:
+    assert covering(np.full(200, 1.0)).useful_repeats((1.0,), 0.1) == 0
+
+
+def test_following_the_advice_halves_the_gaps_again_and_again() -> None:
+    coverage = Coverage()
+    for count in range(1, 33):
+        coverage.add(coverage.state().least_covered)
+        if count & (count - 1) == 0:
+            gap = coverage.state().largest_gap
+            assert gap == pytest.approx(2 * np.pi / count, abs=2 * 2 * np.pi / CELLS), count
+    assert coverage.state().effective_pushes == pytest.approx(32.0, rel=0.01)
+    assert coverage.state().covered > 0.8
+
+
+def test_the_least_covered_direction_is_the_least_visited_one_where_all_are_visited() -> None:
+    """A crowd opposite does not outweigh what is near by."""
+    even = np.arange(0.0, 2 * np.pi, np.radians(2.0))
+    visited = np.r_[even[np.abs(even - 4.0) > 0.15], np.full(1000, 1.0), np.tile(even[np.abs(even - 4.0) > 0.6], 5)]
+    assert covering(visited).state().least_covered == pytest.approx(4.0, abs=0.1)
+
+
+def test_one_push_covers_its_reach_and_leaves_the_rest_as_a_gap() -> None:
+    state = covering([1.0], CoverageRule(reach=math.radians(9.0))).state()
+    assert state.covered == pytest.approx(18.0 / 360.0, abs=1.0 / CELLS)
+    assert state.largest_gap == pytest.approx(2 * np.pi)
+    assert state.gap_centre == pytest.approx(1.0 + np.pi, abs=np.radians(0.5))
+    assert state.least_covered == pytest.approx(1.0 + np.pi, abs=np.radians(0.5))
+
+
+def test_whole_turns_make_no_difference() -> None:
+    theta = np.random.default_rng(3).uniform(0, 2 * np.pi, 30)
+    plain, turned = covering(theta).state(), covering(theta - 4 * np.pi).state()
+    assert plain.covered == pytest.approx(turned.covered, abs=2.0 / CELLS)
+    assert plain.effective_pushes == pytest.approx(turned.effective_pushes, rel=1e-9)
+    assert plain.largest_gap == pytest.approx(turned.largest_gap, abs=np.radians(1.1))
+
+
+def test_cells_are_covered_when_a_visit_first_comes_within_reach() -> None:
+    coverage = covering([0.0], CoverageRule(reach=math.radians(5.0)))
+    visited = np.full((1, CELLS), np.inf)
+    visited[0, 360] = 7.0
+    first = coverage.first_covered(visited)[0]
+    assert np.count_nonzero(first == 0.0) == pytest.approx(20, abs=1)
+    assert np.flatnonzero(first == 7.0).tolist() == list(range(350, 371))
+    assert np.isinf(first[100])
+
+
+def test_nothing_recorded_is_nothing_covered() -> None:
+    state = Coverage().state()
+    assert (state.covered, state.effective_pushes, state.gain) == (0.0, 0.0, 1.0)
+    assert state.largest_gap == pytest.approx(2 * np.pi)
+    with pytest.raises(InvalidInput, match="reach must be positive"):
+        CoverageRule(reach=0.0)
+    with pytest.raises(InvalidInput, match="harmonics must be at least 1"):
+        CoverageRule(harmonics=0)

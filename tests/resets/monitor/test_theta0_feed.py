@@ -1,0 +1,162 @@
+"""Orientations from files that grow, stop in mid-line, are cut, replaced or damaged; and from folders of pushes."""
+
+import json
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import DataFileError
+from cyclemap.evidence import read_theta0_pairs
+from cyclemap.resets.monitor.theta0_feed import theta0_feed
+
+
+def degrees(found) -> list[float]:
+    return np.round(np.degrees(found.theta), 9).tolist()
+
+
+def append(file, text: str) -> None:
+    with file.open("a", newline="") as stream:
+        stream.write(text)
+
+
+def test_rows_are_given_once_as_they_come_and_a_half_written_one_when_it_is_whole(tmp_path) -> None:
+    file = tmp_path / "growing.csv"
+    file.write_text("theta0")
+    feed = theta0_feed(file)
+    assert degrees(feed.look()) == []
+    append(file, "_deg\n10.5\n\n37")
+    assert degrees(feed.look()) == [10.5]
+    append(file, "0.25\r\n-5\r\n")
+    assert degrees(feed.look()) == [370.25, -5.0]
+    assert degrees(feed.look()) == []
+    append(file, "7")
+    assert degrees(feed.look()) == []
+    assert degrees(feed.look(finished=True)) == [7.0]
+
+
+def test_a_file_in_pieces_of_any_size_gives_what_the_whole_file_gives(tmp_path) -> None:
+    content = "\ufefftheta0_deg,note\n" + "".join(f"{7.5 * k},é{k}\n" for k in range(40))
+    raw = content.encode()
+    whole, growing = tmp_path / "whole.csv", tmp_path / "growing.csv"
+    whole.write_bytes(raw)
+    expected = degrees(theta0_feed(whole).look(finished=True))
+    assert expected == [7.5 * k for k in range(40)]
+    for size in (1, 7, 64):
+        growing.write_bytes(b"")
+        feed, found = theta0_feed(growing), []
+        for at in range(0, len(raw), size):
+            with growing.open("ab") as stream:
+                stream.write(raw[at : at + size])
+            found += degrees(feed.look())
+        assert found == expected
+
+
+def test_pairs_and_staircases_are_read_by_their_first_orientation(tmp_path, measured_data) -> None:
+    pairs = tmp_path / "pairs.csv"
+    pairs.write_text("theta_next_deg,Theta0_deg\n20,10\n30,20\n")
+    assert degrees(theta0_feed(pairs).look(finished=True)) == [10.0, 20.0]
+    staircase = measured_data / "plywood_rect1_theta0_2000.csv"
+    found = theta0_feed(staircase).look(finished=True).theta
+    assert np.array(found) == pytest.approx(read_theta0_pairs(staircase).path)
+
+
+@pytest.mark.parametrize("how", ["cut", "replaced", "rewritten"])
+def test_a_file_that_begins_anew_is_read_from_its_start(tmp_path, how) -> None:
+    file = tmp_path / "data.csv"
+    file.write_text("theta0_deg\n1\n2\n3\n")
+    feed = theta0_feed(file)
+    assert not feed.look().began_anew
+    if how == "cut":
+        file.write_text("theta0_deg\n4\n")
+    elif how == "replaced":
+        other = tmp_path / "other.csv"
+        other.write_text("theta0_deg\n4\n5\n6\n7\n8\n")
+        other.replace(file)
+    else:
+        file.write_text("theta0_deg\n9\n2\n3\n4\n5\n6\n")
+    found = feed.look()
+    assert found.began_anew
+    assert degrees(found) == {"cut": [4.0], "replaced": [4.0, 5, 6, 7, 8], "rewritten": [9.0, 2, 3, 4, 5, 6]}[how]
+    assert not feed.look().began_anew
+
+
+def test_a_file_that_is_away_between_two_looks_is_waited_for(tmp_path) -> None:
+    file = tmp_path / "data.csv"
+    file.write_text("theta0_deg\n1\n")
+    feed = theta0_feed(file)
+    feed.look()
+    file.unlink()
+    assert feed.look().theta == ()
+    file.write_text("theta0_deg\n8\n9\n")
+    assert degrees(feed.look()) == [8.0, 9.0]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("theta0_deg\n1\nabc\n", r"data.csv, line 3: theta0_deg is 'abc'; it must be a finite number"),
+        ("theta0_deg\n1\n\nnan\n", r"line 4: theta0_deg is 'nan'"),
+        ("theta0_deg,flag\n1,\n2\n", r"line 3: 1 of 2 fields \('2'\)"),
+        ("angle,flag\n1,\n", r"line 1: the header is angle,flag; it must have theta0_deg or theta0_accum_deg"),
+        ('theta0_deg\n"1\n', r"line 2: .* mend the quotes"),
+        ("theta0_deg\n", "no row of θ0"),
+        ("", "no row of θ0"),
+    ],
+)
+def test_bad_rows_are_named_with_line_and_value(tmp_path, content, message) -> None:
+    file = tmp_path / "data.csv"
+    file.write_text(content)
+    with pytest.raises(DataFileError, match=message):
+        theta0_feed(file).look(finished=True)
+
+
+def test_a_bad_row_is_named_by_its_line_however_late_it_comes(tmp_path) -> None:
+    file = tmp_path / "data.csv"
+    file.write_text("theta0_deg\n1\n2\n")
+    feed = theta0_feed(file)
+    feed.look()
+    append(file, "3\n4,5\n")
+    with pytest.raises(DataFileError, match="line 5: 2 of 1 fields"):
+        feed.look()
+
+
+def test_files_that_are_no_text_or_not_there_are_refused(tmp_path) -> None:
+    file = tmp_path / "data.csv"
+    with pytest.raises(DataFileError, match="there is no such file"):
+        theta0_feed(file).look()
+    file.write_bytes(b"theta0_deg\n1\n\xff\n")
+    with pytest.raises(DataFileError, match="line 3: byte 0 is not UTF-8 text"):
+        theta0_feed(file).look()
+
+
+def push_text(theta: float) -> str:
+    poses = [[0.0, 0.3, 0.0, theta], [0.1, 0.3, 0.05, theta + 1.0]]
+    return json.dumps({"object_pose": poses, "tip_pose": poses, "ft_wrench": poses})
+
+
+def push_file(folder, repetition: int):
+    return folder / f"motion_surface=abs_shape=hex_a=0_v=20_i=0.000_s=0.700_t=0.000_rep={repetition:04d}.json"
+
+
+def test_a_folder_gives_its_pushes_in_order_and_waits_for_one_half_written(tmp_path) -> None:
+    for repetition in (2, 10, 1):
+        push_file(tmp_path, repetition).write_text(push_text(0.1 * repetition))
+    feed = theta0_feed(tmp_path)
+    assert feed.look().theta == pytest.approx((0.1, 0.2, 1.0))
+    late = push_file(tmp_path, 11)
+    late.write_text(push_text(1.1)[:60])
+    push_file(tmp_path, 12).write_text(push_text(1.2))
+    assert feed.look().theta == ()
+    late.write_text(push_text(1.1))
+    assert feed.look().theta == pytest.approx((1.1, 1.2))
+    push_file(tmp_path, 13).write_text("{")
+    feed.look()
+    with pytest.raises(DataFileError, match=r"rep=0013\.json: not JSON, or cut short"):
+        feed.look()
+
+
+def test_an_empty_folder_is_no_collection(tmp_path) -> None:
+    feed = theta0_feed(tmp_path)
+    assert feed.look().theta == ()
+    with pytest.raises(DataFileError, match="holds no recorded push"):
+        feed.look(finished=True)

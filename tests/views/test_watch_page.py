@@ -1,0 +1,98 @@
+"""The page and the sentences of a watched collection show the alarm, the threshold and the least covered direction."""
+
+import numpy as np
+import pytest
+
+from cyclemap.resets.monitor.watched_collection import WatchedCollection
+from cyclemap.views import watch_sentences as sentences
+from cyclemap.views.style import render
+from cyclemap.views.watch_page import watch_page
+
+
+def course_of(theta):
+    watched = WatchedCollection(0.02)
+    for angle in np.asarray(theta).tolist():
+        watched.add(angle)
+    return watched.course()
+
+
+@pytest.fixture(scope="module")
+def locked():
+    """Forty pushes at 60 degrees."""
+    return course_of(np.radians(60.0 + np.random.default_rng(0).standard_normal(40)))
+
+
+@pytest.fixture(scope="module")
+def even():
+    """Two hundred pushes of a noisy rotation."""
+    return course_of(np.cumsum(np.radians(8.0 + 2.0 * np.random.default_rng(1).standard_normal(200))))
+
+
+def heights(axes) -> list[float]:
+    """The levels of the horizontal lines from edge to edge."""
+    return [line.get_ydata()[0] for line in axes.lines if list(line.get_xdata()) == [0, 1]]
+
+
+def uprights(axes) -> list[float]:
+    return [line.get_xdata()[0] for line in axes.lines if list(line.get_ydata()) == [0, 1]]
+
+
+def test_the_alarm_is_marked_at_its_push_and_its_direction(locked) -> None:
+    path, evidence, _, _ = watch_page(locked, "x.csv").axes
+    alarm = locked.report.alarm
+    assert alarm is not None
+    assert uprights(path) == uprights(evidence) == [alarm.push]
+    assert heights(path) == pytest.approx([np.degrees(alarm.directions[0])])
+    assert heights(path)[0] == pytest.approx(60.0, abs=1.5)
+    assert heights(evidence) == [locked.report.threshold]
+
+
+def test_every_push_and_all_evidence_is_drawn(locked) -> None:
+    path, evidence, _, worth = watch_page(locked, "x.csv").axes
+    assert path.lines[0].get_ydata() == pytest.approx(np.degrees(locked.theta))
+    assert evidence.lines[0].get_ydata() == pytest.approx(locked.rest_evidence)
+    assert evidence.lines[1].get_ydata() == pytest.approx(locked.visit_evidence)
+    assert worth.lines[1].get_ydata() == pytest.approx(locked.effective_pushes)
+    assert "(°)" in path.get_ylabel()
+
+
+def test_the_rose_has_the_area_of_the_collection_and_marks_the_least_covered_direction(even) -> None:
+    rose = watch_page(even, "x.csv").axes[2]
+    bars = [patch for patch in rose.patches if patch.get_height() > 0]
+    # With roots for radii the sectors' areas add up to the circle's of an even spread.
+    area = sum(0.5 * bar.get_height() ** 2 * bar.get_width() for bar in bars)
+    assert area == pytest.approx(np.pi, rel=1e-9)
+    assert rose.lines[-1].get_xdata()[0] == even.report.advice.direction
+
+
+def test_without_an_alarm_none_is_marked(even) -> None:
+    page = watch_page(even, "x.csv")
+    assert even.report.alarm is None
+    assert uprights(page.axes[0]) == uprights(page.axes[1]) == []
+    assert "no sign of locking in" in page.texts[0].get_text()
+
+
+@pytest.mark.parametrize("theta", [[0.3], [6.2831, -0.1, 0.1]])
+def test_few_pushes_make_a_page_too(theta) -> None:
+    assert render(watch_page(course_of(theta), "x.csv")).startswith(b"\x89PNG")
+
+
+def test_the_sentences_tell_alarm_coverage_and_advice(locked, even) -> None:
+    told = " ".join(sentences.watch_sentences(locked))
+    alarm = locked.report.alarm
+    for part in (f"ALARM at push {alarm.push}: θ0 rests near {np.degrees(alarm.directions[0]):.1f}°", "since push 0"):
+        assert part in told
+    assert "no push more there would tell much" in told
+    assert "Change the reset: bring θ0 to" in told
+    told = " ".join(sentences.watch_sentences(even))
+    assert told.startswith("No alarm in 200 pushes: evidence 1")
+    assert "of the 100 needed at an alarm rate of 0.02" in told
+    assert "Carry on; least covered: " in told
+    assert "If nothing is changed (map fitted to the data), each of the next 500 pushes would be worth" in told
+
+
+def test_rests_on_several_directions_and_gatherings_are_worded_apart() -> None:
+    alternating = course_of(np.tile(np.radians([10.0, 100.0, 200.0]), 30))
+    assert "θ0 goes round" in sentences.alarm_sentence(alternating.report.alarm)
+    gathered = course_of(np.random.default_rng(2).vonmises(1.0, 2.0, 300))
+    assert "visits gather near" in sentences.alarm_sentence(gathered.report.alarm)
