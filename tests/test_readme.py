@@ -24,7 +24,7 @@ def test_python_examples_run_and_are_short(tmp_path, monkeypatch, capsys, index,
 
 def test_every_function_named_in_the_readme_exists() -> None:
     rows = re.findall(
-        r"^\| (?:maps|orbits|rotation|families|noise|passages|staircases|protocols|data) \| (.*) \|$",
+        r"^\| (?:maps|orbits|rotation|families|noise|passages|staircases|protocols|data|resets) \| (.*) \|$",
         README.read_text(),
         re.M,
     )
