@@ -7,7 +7,7 @@ import pytest
 
 import cyclemap as cm
 
-# The names that users were promised; issue by issue more join them.
+# The names that users were promised.
 PROMISED = (
     *("CollectionLoop", "CircleMap", "fixed_points", "periodic_orbits", "rotation_number", "rotation_interval"),
     *("lyapunov_exponent", "transfer_operator", "WrappedNormal", "WrappedCauchy", "CycleMapError"),
