@@ -1,0 +1,222 @@
+"""Everything a reset is judged by, predicted from its transfer operator, in one value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from cyclemap.checks import finite_number, whole_number
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.orientations.circular_law import CircularLaw
+from cyclemap.maps import Noise, transfer_operator
+from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.mixtures.fourier_law import FourierLaw
+from cyclemap.maps.mixtures.law_evolution import CycleOperator, fourier_basis, stationary_fourier_law
+from cyclemap.maps.mixtures.mixture_operator import mixture_operator
+from cyclemap.maps.mixtures.random_map import checked_maps, checked_weights
+from cyclemap.maps.mixtures.start_ensemble import StartEnsemble
+from cyclemap.maps.mixtures.worst_start import ReachTime, WorstStart
+from cyclemap.resets.scores.coverage_measures import DEFAULT_SECTORS
+from cyclemap.resets.scores.effective_size import EffectiveSize, effective_size
+from cyclemap.resets.scores.evenness import Evenness, Target, evenness
+from cyclemap.resets.scores.sector_visits import SectorVisits, sector_visits
+from cyclemap.resets.scores.simulated_coverage import SimulatedCoverage, Start, chain_sampler, simulated_coverage
+
+_TARGET_MODES = 1024
+_REPORTED = 100  # pushes that the effective sample size is told for
+
+
+def reset_scores(
+    maps: Any, noise: Noise, weights: Any = None, *, modes: int | None = None, **options: Any
+) -> ResetScores:
+    """The scores of the reset whose cycle draws one of ``maps`` with ``weights`` and adds ``noise``.
+
+    maps : one CircleMap or more; weights : None for equal ones. modes : keep this many Fourier modes only; for a quick
+    look at an even reset 64 and ``bounded=False`` do. options : those of ``ResetScores``.
+
+    >>> from cyclemap.maps import CircleMap, WrappedNormal
+    >>> scores = reset_scores([CircleMap.rigid(0.1), CircleMap.rigid(0.4)], WrappedNormal(0.3))
+    >>> round(scores.evenness.total_variation, 9), scores.mixing_cycles.cycles
+    (0.0, 6)
+    """
+    parts = checked_maps(maps)
+    checked_weights(weights, len(parts))
+    if len(parts) == 1:
+        return ResetScores(transfer_operator(parts[0], noise, modes=modes), **options)
+    return ResetScores(mixture_operator(parts, weights, noise, modes), **options)
+
+
+@dataclass(frozen=True, eq=False)
+class ResetScores:
+    """The scores of a reset; each is computed when first asked for, and kept.
+
+    operator : of its cycle, ``transfer_operator`` or ``mixture_operator``, on Fourier modes.
+    target : the law that is wished for: None for uniform, a ``FourierLaw`` or a density per radian (callable).
+    tv : total variation that "near" means in ``mixing_cycles`` and ``reach_cycles``, in (0, 1).
+    pushes : length of a collection, for ``curve`` and the coverage. sectors : of the coverage.
+    runs, seed : simulated collections for what no formula gives. starts : starting angles compared; None
+        takes enough.
+    bounded : False leaves out the bounds that take longer than the numbers; nothing is certified then.
+    Raises InvalidInput for anything else.
+    """
+
+    operator: CycleOperator
+    target: Target = None
+    tv: float = 0.05
+    pushes: int = 50
+    sectors: int = DEFAULT_SECTORS
+    runs: int = 400
+    seed: int = 0
+    starts: int | None = None
+    bounded: bool = True
+
+    def __post_init__(self) -> None:
+        fourier_basis(self.operator)
+        if not 0.0 < finite_number("tv", self.tv) < 1.0:
+            raise InvalidInput(f"tv is {self.tv:g}: a total variation lies between 0 and 1")
+        for name, least in (("pushes", 1), ("sectors", 2), ("runs", 2), ("seed", 0)):
+            whole_number(name, getattr(self, name), least=least)
+
+    # -- the law in the long run ---------------------------------------------------------------------------
+
+    @cached_property
+    def law(self) -> FourierLaw:
+        """The stationary law."""
+        return stationary_fourier_law(self.operator, self.bounded)
+
+    @cached_property
+    def evenness(self) -> Evenness:
+        """Total variation and Wasserstein distance of the stationary law from the target, and its peak to mean."""
+        return evenness(self.law, self.target)
+
+    @cached_property
+    def peaks(self) -> Any:
+        """Angles in [0, 2π), radians, of the maxima of the stationary density."""
+        return self.operator.peaks()
+
+    # -- how fast the start is forgotten -------------------------------------------------------------------
+
+    @cached_property
+    def spectral_gap(self) -> Estimate:
+        """1 - |λ₂| of the operator."""
+        if self.bounded:
+            return self.operator.spectral_gap
+        return Estimate(max(0.0, 1.0 - float(np.abs(self.operator.eigenvalues(2)[1]))), np.inf)
+
+    @cached_property
+    def mixing_cycles(self) -> ReachTime:
+        """Cycles until the law from any start is within ``tv`` of the stationary one."""
+        return self._ensemble.mixing_cycles(self.tv)
+
+    @cached_property
+    def reach_cycles(self) -> ReachTime:
+        """Cycles from which on the law from any start stays within 2·``tv`` of the target.
+
+        Twice, so that a stationary law that just meets ``tv`` can be approached; ``within`` takes any distance.
+        """
+        return self.within(2.0 * self.tv) if self.tv < 0.5 else ReachTime(0, 0, 0)
+
+    def within(self, tv: float) -> ReachTime:
+        """Cycles from which on the law from any start stays within ``tv`` of the target."""
+        return self._ensemble.reach_cycles(tv, self._target_law)
+
+    @cached_property
+    def curve(self) -> WorstStart:
+        """Largest total variation and W1 from the target over all starts, after 1, ..., ``pushes`` cycles."""
+        return self._ensemble.worst(self.pushes, self._target_law)
+
+    # -- what the pushes are worth -------------------------------------------------------------------------
+
+    @cached_property
+    def effective_size(self) -> EffectiveSize:
+        """Independent orientations a push is worth, for means of the first two harmonics."""
+        return effective_size(self.operator, bounded=self.bounded)
+
+    @property
+    def effective_size_per_100(self) -> Estimate:
+        """Independent orientations that 100 pushes are worth, for the worst mean of the first two harmonics."""
+        return self.effective_size.of(_REPORTED)
+
+    @cached_property
+    def visits(self) -> SectorVisits:
+        """Mean share of sectors visited in the first 1, ..., ``pushes`` pushes, exactly."""
+        return sector_visits(self.operator, self.pushes, self.sectors, self.bounded)
+
+    @cached_property
+    def coverage(self) -> SimulatedCoverage:
+        """Mean largest gap, discrepancy and share of sectors after ``pushes`` pushes, simulated, stationary start."""
+        return self.coverage_from("stationary")
+
+    def coverage_from(self, start: Start) -> SimulatedCoverage:
+        """The same from a start: an angle in radians, "uniform" or "stationary"."""
+        sampler = chain_sampler(self.operator, start)
+        options: dict[str, Any] = {"sectors": self.sectors, "runs": self.runs, "seed": self.seed}
+        return simulated_coverage(sampler, self.pushes, target=self._table, **options)
+
+    # -- together ------------------------------------------------------------------------------------------
+
+    @property
+    def certified(self) -> bool:
+        """Whether distances are known to 0.005 and the bounds confirm latest times, or that there are none."""
+        times = self.mixing_cycles.certified and self.reach_cycles.certified
+        return self.evenness.certified and times
+
+    def summary(self) -> dict[str, Any]:
+        """The scores as numbers and their errors, ready for JSON; angles in degrees; inf as None."""
+        even, worth, covered = self.evenness, self.effective_size_per_100, self.coverage
+        found: dict[str, Any] = {
+            **_pair("tv_from_target", even.total_variation),
+            **_pair("wasserstein_deg", even.wasserstein, np.degrees(1.0)),
+            **_pair("peak_to_mean", even.peak_to_mean),
+            "peaks_deg": np.degrees(self.peaks).tolist(),
+            **_pair("spectral_gap", self.spectral_gap),
+            "near_tv": self.tv,
+            **_times("mixing_cycles", self.mixing_cycles),
+            **_times("reach_cycles", self.reach_cycles),
+            **_pair("effective_size_per_100", worth),
+            "pushes": self.pushes,
+            "sectors": self.sectors,
+            "sector_share": float(self.visits.stationary[-1]),
+            "sector_share_worst_start": float(self.visits.worst[-1]),
+        }
+        for name, part, unit in (
+            ("largest_gap_deg", covered.largest_gap, np.degrees(1.0)),
+            ("kuiper", covered.kuiper, 1),
+        ):
+            found[name] = float(part.mean * unit)
+            found[f"{name}_standard_error"] = float(part.standard_error * unit)
+        return {**found, "certified": self.certified}
+
+    # -- inside --------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _ensemble(self) -> StartEnsemble:
+        return StartEnsemble(self.operator, self.starts, self.bounded)
+
+    @cached_property
+    def _target_law(self) -> FourierLaw:
+        if self.target is None or isinstance(self.target, FourierLaw):
+            return FourierLaw.uniform() if self.target is None else self.target
+        return FourierLaw.from_density(self.target, _TARGET_MODES)
+
+    @cached_property
+    def _table(self) -> CircularLaw | None:
+        if self.target is None:
+            return None
+        return CircularLaw(self.target.density if isinstance(self.target, FourierLaw) else self.target)
+
+
+def _pair(name: str, found: Estimate, unit: float = 1.0) -> dict[str, float | None]:
+    return {name: _finite(found * unit), f"{name}_error": _finite(found.error_bound * unit)}
+
+
+def _times(name: str, found: ReachTime) -> dict[str, float | None]:
+    ends = {f"{name}_earliest": _finite(found.earliest), f"{name}_latest": _finite(found.latest)}
+    return {name: _finite(found.cycles), **ends, f"{name}_certified": found.certified}
+
+
+def _finite(number: float) -> float | None:
+    return float(number) if np.isfinite(number) else None
