@@ -138,8 +138,9 @@ ROWS = {
         ("theta0", "laws", "orientations", "tables", "comparison"),
         ("theta0", "pushes", "comparison"),
     ),
+    "resets": (("strategies",), ("scores",), ("least_noise",), ("monitor",)),
 }
-PARTS_SHARED = {"maps": {"arcs", "estimate", "quadrature"}, "evidence": set()}
+PARTS_SHARED: dict[str, set[str]] = {"maps": {"arcs", "estimate", "quadrature"}, "evidence": set(), "resets": set()}
 
 
 def allowed(place: str, part: str) -> set[str]:

@@ -1,5 +1,9 @@
 """Resets: what the robot does otherwise, how evenly the orientations spread then, and how to watch it."""
 
+from cyclemap.resets.least_noise.least_correction import LeastCorrection, least_correction
+from cyclemap.resets.least_noise.least_noise import LeastNoise, least_noise
+from cyclemap.resets.least_noise.noise_bound import NoiseBound, independent_noise_bound
+from cyclemap.resets.least_noise.turn_law_search import TurnLaw, search_turn_law
 from cyclemap.resets.monitor.bias_monitor import BiasMonitor, watch
 from cyclemap.resets.monitor.bias_report import Advice, Alarm, BiasReport
 from cyclemap.resets.monitor.coverage import Coverage, CoverageRule, CoverageState
@@ -79,7 +83,10 @@ __all__ = [
     "GripperTurn",
     "Independent",
     "LatinBlocks",
+    "LeastCorrection",
+    "LeastNoise",
     "LegFlow",
+    "NoiseBound",
     "Pace",
     "ResetScores",
     "ResetStrategy",
@@ -100,6 +107,7 @@ __all__ = [
     "StrategyRun",
     "TrailingLeg",
     "TrailingPoint",
+    "TurnLaw",
     "VanDerCorput",
     "VariedPush",
     "WayPoints",
@@ -115,8 +123,11 @@ __all__ = [
     "independent_full_cover",
     "independent_kuiper",
     "independent_largest_gap",
+    "independent_noise_bound",
     "independent_sector_share",
     "interpolation_error",
+    "least_correction",
+    "least_noise",
     "leg_flow",
     "reset_scores",
     "rotation_angles",
@@ -125,6 +136,7 @@ __all__ = [
     "sample_strategy",
     "sampled_evenness",
     "schedule_sampler",
+    "search_turn_law",
     "sector_visits",
     "sector_visits_from",
     "side_pushes",
