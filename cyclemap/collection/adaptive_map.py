@@ -113,7 +113,7 @@ def _resolve(sampler: _Sampler, first: _Interval) -> None:
     while waiting:
         interval = waiting.pop()
         if interval.width <= 2.0 * _NARROWEST:
-            sampler.finish(interval)
+            sampler.finish(_Interval(interval.low, interval.high, min(interval.error, _narrow_error(interval))))
             continue
         middle = sampler.node(0.5 * (interval.low.theta + interval.high.theta))
         error = _interpolation_error(interval, middle)
@@ -133,6 +133,15 @@ def _interpolation_error(interval: _Interval, node: _Node) -> float:
     """Difference at a node from the cubic, in value and, as far as it reaches within a half, in slope."""
     value, slope = _cubic(interval, node.theta)
     return max(abs(value - node.value), abs(slope - node.slope) * interval.width / 8.0)
+
+
+def _narrow_error(interval: _Interval) -> float:
+    """Most that the cubic can be off where the map stays between the values of the interval's ends.
+
+    The slopes lift a cubic by 4/27 of the width each at most above the straight line.
+    """
+    low, high = interval.low, interval.high
+    return abs(high.value - low.value) + 4.0 / 27.0 * interval.width * (abs(low.slope) + abs(high.slope))
 
 
 def _cubic(interval: _Interval, theta: float) -> tuple[float, float]:

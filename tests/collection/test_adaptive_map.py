@@ -118,3 +118,20 @@ def test_tolerance_must_be_positive(tolerance):
     """A tolerance that is no positive number is refused by name."""
     with pytest.raises(InvalidInput, match="tolerance"):
         sampled(smooth, tolerance)
+
+
+@pytest.mark.parametrize("beside", [-9e-11, -3e-11, 3e-11, 9e-11])
+def test_a_jump_beside_a_sample_leaves_a_sliver_whose_error_is_known(beside):
+    """Between the jump and a first sample there is too little room to be halved: its ends bound what it may hide."""
+    place = FULL_TURN * 8 / 24 + beside
+
+    def lift(theta):
+        turns, base = divmod(theta, FULL_TURN)
+        climbed = base + 0.1 * math.sin(base) - 0.7 * base / FULL_TURN + (0.7 if base >= place else 0.0)
+        return climbed + FULL_TURN * turns, 1.0 + 0.1 * math.cos(base) - 0.7 / FULL_TURN
+
+    found = sample_circle_map(lift, lambda theta: lift(theta)[0], 1e-6)
+    assert len(found.breaks) == 1
+    assert abs(found.breaks[0] - place) < 2e-10
+    away = np.linspace(0.01, 6.2, 200)
+    assert np.max(np.abs(found(away) - [lift(theta)[0] for theta in away])) <= found.max_error < 1.0
