@@ -167,7 +167,7 @@ def _read_index(path: Path) -> dict[str, Any]:
         return {line["name"]: {key: line[key] for key in _KEYS} for line in lines}
     except FileNotFoundError:
         return {}
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, IsADirectoryError) as error:
         raise DataFileError(f"{path}: not an index of figures; remove it or choose another --out") from error
 
 

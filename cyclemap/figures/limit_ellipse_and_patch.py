@@ -122,9 +122,9 @@ def _draw_law(axes: Axes, result: LimitEllipseAndPatch) -> None:
     axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
     _arrow(axes, np.zeros(2), traction, FORCE)
     _arrow(axes, traction, traction + 0.13 * velocity, INK)
-    axes.text(0.55 * traction[0] + 0.02, 0.55 * traction[1] - 0.005, "traction μ", color=FORCE, va="center")
+    axes.text(0.75 * traction[0] + 0.025, 0.75 * traction[1] - 0.003, "traction μ", color=FORCE, va="center")
     head = traction + 0.13 * velocity
-    axes.text(head[0] + 0.014, head[1] - 0.02, "sliding velocity v", color=INK, va="center")
+    axes.text(head[0] + 0.03, head[1], "sliding velocity v", color=INK, va="center")
     axes.text(centre[0] + 0.012, centre[1] - 0.012, "centre (m0, n0)", color=PREDICTED, fontsize=8, va="top")
     _traction_axes(axes, 0.34, "Limit ellipse of a point (sketch)", centre)
 
