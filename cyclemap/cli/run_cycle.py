@@ -15,6 +15,9 @@ from cyclemap.errors import InvalidInput
 
 COLUMNS = ("θ0 (°)", "push turn (°)", "dx (mm)", "dy (mm)", "drag turn (°)", "drag (mm)", "next θ0 (°)")
 
+# Up to so many degrees an orientation is known to a thousandth of a degree.
+LARGEST_DEG = 1e12
+
 
 def run_cycle(options: LoopOptions, theta0_deg: str, out: Path | None, json_target: str | None) -> None:
     """Run the cycles that start at the angles listed in `theta0_deg`, and print or write them."""
@@ -44,6 +47,8 @@ def _finite(text: str) -> float:
         value = math.nan
     if not math.isfinite(value):
         raise InvalidInput(f"--theta0-deg has {text!r}; give finite numbers with commas, such as 0,30,60")
+    if abs(value) > LARGEST_DEG:
+        raise InvalidInput(f"--theta0-deg has {text!r}, whose part of a turn is lost to rounding; wrap it first")
     return value
 
 

@@ -183,6 +183,7 @@ BAD_USES = [
     (["cycle", "plywood", "--set", "noise_deg=0"], "noise_deg"),
     (["cycle", "plywood", "--theta0-deg", "0,x"], "'x'"),
     (["cycle", "plywood", "--theta0-deg", "nan"], "'nan'"),
+    (["cycle", "plywood", "--theta0-deg", "1e300"], "lost to rounding"),
     (["cycle", "plywood", "--theta0-deg", "1,,2"], "''"),
     (["cycle", "plywood", "--protocol", "none.toml"], "none.toml"),
     (["cycle", "plywood", "--speed", "3"], "--speed"),
