@@ -31,7 +31,8 @@ def dynamics_command(
 ) -> None:
     """Set dynamic cycles (with inertia) beside quasi-static ones, on MATERIAL and on isotropic friction.
 
-    Both stand on the footprint if it is made of points, else on the paper's grid:8.
+    Both stand on the footprint if it is made of points, else on points that carry its pressure: the paper's grid:8
+    where it is even, weighted and with points along the rim where it leans, has a rim share or a warp.
     """
     from cyclemap.cli.run_dynamics import DynamicsRequest, run_dynamics
 

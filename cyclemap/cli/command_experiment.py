@@ -27,7 +27,8 @@ def experiment_command(
     """Run the paper's numerical experiment: batches of cycles from several θ0, and on isotropic friction.
 
     It takes a minute or two; --quasi-static on the exact footprint a quarter of that. Dynamic cycles stand on the
-    footprint if it is made of points, else on the paper's grid:8.
+    footprint if it is made of points, else on points that carry its pressure: the paper's grid:8 where it is even,
+    weighted and with points along the rim where it leans, has a rim share or a warp.
     """
     from cyclemap.cli.run_experiment import ExperimentRequest, run_experiment
 

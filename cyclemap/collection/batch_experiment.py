@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 BATCHES, CYCLES = 6, 100
 # A batch has settled once it stays this near its last orientation, rad.
 WITHIN = math.radians(1.0)
+# A batch that turns by less than this a cycle, rad, is at rest: the errors of a dynamic cycle are as large.
+REST = 5e-5
 # Places kept of the centre's path in each push, beside its start.
 SAMPLES = 20
 # Longest step of a quasi-static push, as a fraction of it: between steps its path is taken as straight.
@@ -47,13 +49,32 @@ class BatchRun:
         """How far the last cycle of each batch still turned it, rad."""
         return np.abs(self.theta[:, -1] - self.theta[:, -2])
 
+    @property
+    def left(self) -> Array:
+        """How far each batch would still turn, (batches,) rad, if its steps went on shrinking as the last two do.
+
+        |s2| r / (1 - r) with r = |s2 / s1|; zero at rest (last step at most `REST`), infinite where the steps do not
+        shrink or only one was made.
+        """
+        steps = np.abs(np.diff(self.theta[:, -3:]))
+        now, shrunk_by = steps[:, -1], steps[:, 0] - steps[:, -1]
+        shrinking = shrunk_by > 0.0
+        left = np.where(shrinking, now**2 / np.where(shrinking, shrunk_by, 1.0), np.inf)
+        return np.where(now <= REST, 0.0, left)
+
     def directions(self, within: float = WITHIN) -> tuple[float, ...]:
         """Return where the batches end, rad in [0, 2 pi): ends within `within` (rad) of each other are one direction.
 
-        Empty where a batch still moves, by more than a tenth of `within` a cycle: then it ends nowhere.
+        Empty where a batch still moves, by more than a tenth of `within` a cycle or with more than a quarter of it
+        `left`: then it ends nowhere. So the slow passage of a bottleneck, where no fixed point is, is no direction: at
+        its narrowest its steps cease to shrink, and before, more is left unless its least step is near `REST`.
         """
-        if self.last_step.max() > 0.1 * positive_number("within", within):
+        near = positive_number("within", within)
+        if self.last_step.max() > 0.1 * near or self.left.max() > 0.25 * near:
             return ()
+        return self._grouped(near)
+
+    def _grouped(self, within: float) -> tuple[float, ...]:
         found: list[Array] = []
         for end in np.sort(self.final):
             near = [k for k, group in enumerate(found) if abs(_wrapped(end - group[0])) <= within]
@@ -117,6 +138,7 @@ def batch_experiment(
     A `DynamicLoop` runs the paper's experiment (Ma & Rodriguez 2018, "Simulation"); a `CollectionLoop` the same with
     quasi-static cycles on its own footprint. `progress` is called with the fraction done.
     """
+    _checked(loop)
     count, report = whole_number("batches", batches, least=1), progress or (lambda fraction: None)
     starts = 2.0 * np.pi * np.arange(count) / count
     anisotropic = run_batches(loop, starts, cycles, lambda done: report(0.5 * done))
@@ -134,6 +156,7 @@ def run_batches(
 ) -> BatchRun:
     """Run a batch of consecutive cycles from each of the orientations `starts` (rad)."""
     now, length = finite_array("starts", starts, ndim=1), whole_number("cycles", cycles, least=1)
+    _checked(loop)
     if not now.size:
         raise InvalidInput("starts must hold at least one orientation")
     theta, paths = np.empty((now.size, length + 1)), np.empty((now.size, length, SAMPLES + 1, 2))
@@ -144,6 +167,14 @@ def run_batches(
             if progress is not None:
                 progress((batch * length + cycle + 1) / theta[:, 1:].size)
     return BatchRun(theta, paths)
+
+
+def _checked(loop: object) -> None:
+    if not isinstance(loop, (DynamicLoop, CollectionLoop)):
+        told = repr(loop) if isinstance(loop, str) else f"a {type(loop).__name__}"
+        raise InvalidInput(
+            f"loop must be a DynamicLoop or a CollectionLoop, such as CollectionLoop.mit('plywood'), not {told}"
+        )
 
 
 def _twin(loop: DynamicLoop | CollectionLoop) -> DynamicLoop | CollectionLoop:

@@ -85,8 +85,12 @@ def _draw_turns(axes: Axes, material: DynamicsComparison, isotropic: DynamicsCom
         name = "isotropic" if isotropic_law else "material"
         theta = np.degrees(comparison.dynamic.theta)
         still = np.degrees(comparison.quasi_static.theta_next) - theta
-        style = "--" if isotropic_law else "-"
-        axes.plot(theta, still, style, color=QUIET, linewidth=1.4, label=f"{name}, quasi-static", zorder=2)
+        # A curve through one orientation needs a marker, over the dot, to be seen.
+        alone = theta.size == 1
+        style = ("--" if isotropic_law else "-") + "x" * alone
+        axes.plot(
+            theta, still, style, color=QUIET, linewidth=1.4, label=f"{name}, quasi-static", zorder=4 if alone else 2
+        )
         moved = np.degrees(comparison.dynamic.theta_next) - theta
         face = "white" if isotropic_law else PREDICTED
         axes.plot(

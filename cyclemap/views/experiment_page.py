@@ -71,7 +71,7 @@ def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
         start = f"from {np.degrees(theta[0]):.0f}°"
         axes.plot(
             np.degrees(theta), color=str(shade), linewidth=1.3, marker=_MARKERS[number % len(_MARKERS)], markersize=3.5,
-            markevery=(number * max(cycles // 30, 1), max(cycles // 8, 1)), label=start,
+            markevery=(number * max(cycles // 30, 1), max(cycles // 8, 1)), label=start, clip_on=False,
         )  # fmt: skip
     axes.set(xlabel="cycle", ylabel="θ0, unwrapped (°)", xlim=(0, cycles))
     axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))

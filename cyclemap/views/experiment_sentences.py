@@ -1,6 +1,6 @@
 """The numerical experiment in sentences: where the batches end and after how many cycles, and how far paths spread."""
 
-from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun
+from cyclemap.collection.batch_experiment import WITHIN, BatchExperiment, BatchRun
 from cyclemap.views.sentences import angle
 
 
@@ -13,19 +13,24 @@ def isotropic_sentence(experiment: BatchExperiment) -> str:
     """What the batches do on the isotropic twin, and that they follow one path in the object's frame."""
     run = experiment.isotropic
     turns = run.theta[:, 1:] - run.theta[:, :-1]
-    turned = f"every cycle turns the object by {angle(float(turns.mean()), 2)}, whatever θ0"
-    return f"On isotropic friction of the same mean coefficient {turned}: {_path_clause(run)}."
+    turned = f"turns the object by {angle(float(turns.mean()), 2)}"
+    surface = "On isotropic friction of the same mean coefficient"
+    if turns.size == 1:
+        return f"{surface} the cycle {turned}."
+    return f"{surface} every cycle {turned}, whatever θ0: {_path_clause(run)}."
 
 
 def spread_sentence(experiment: BatchExperiment) -> str:
     """How far the paths on the material spread in the object's frame."""
+    if experiment.anisotropic.theta[:, 1:].size == 1:
+        return f"On {experiment.loop.material.name} there is one path, and none to compare it with."
     return f"On {experiment.loop.material.name} {_path_clause(experiment.anisotropic)}."
 
 
 def method_line(experiment: BatchExperiment) -> str:
     """How the experiment was run."""
     batches = len(experiment.starts)
-    total = f"{batches * experiment.cycles} cycles: {batches} batches of {experiment.cycles}"
+    total = f"{_count(batches * experiment.cycles, 'cycle')}: {_count(batches, 'batch', 'es')} of {experiment.cycles}"
     if experiment.speed is None:
         return f"quasi-static cycles; {total}"
     return f"dynamic simulation at {1e3 * experiment.speed:g} mm/s; {total}"
@@ -44,15 +49,30 @@ def _ends(run: BatchRun, cycles: int) -> str:
     count, directions = len(run.theta), run.directions()
     who = "The batch ends" if count == 1 else f"All {count} batches end"
     if not directions:
-        moved = angle(float(run.last_step.max()), 2)
-        return f"{'The batch' if count == 1 else 'Not every batch'} comes to rest in {cycles} cycles: the last cycle " \
-               f"still turns it by up to {moved}."  # fmt: skip
+        return _moving(run, cycles)
     most = int(run.settled_after().max())
-    soon = f"within 1° of it for good after at most {most} cycle{'s' * (most != 1)}"
+    at_most = "" if count == 1 else "at most "
+    soon = f"within 1° of it for good after {at_most}{_count(most, 'cycle')}"
     if len(directions) == 1:
         return f"{who} at {angle(directions[0])}, {soon}."
     places = ", ".join(angle(direction) for direction in directions)
     return f"The {count} batches end at {len(directions)} directions ({places}), {soon.replace('of it', 'of them')}."
+
+
+def _moving(run: BatchRun, cycles: int) -> str:
+    """Batches that end nowhere; of small steps also why they are no rest."""
+    step = float(run.last_step.max())
+    slow = ", and such steps do not soon die out" if step <= 0.1 * WITHIN else ""
+    turned = f"{angle(step, 2)}{slow}."
+    if len(run.theta) == 1:
+        return (
+            f"The batch does not come to rest in {_count(cycles, 'cycle')}: the last cycle still turns it by {turned}"
+        )
+    return f"Not every batch comes to rest in {_count(cycles, 'cycle')}: the last cycle still turns one by {turned}"
+
+
+def _count(number: int, noun: str, plural: str = "s") -> str:
+    return f"{number} {noun}{plural * (number != 1)}"
 
 
 def _path_clause(run: BatchRun) -> str:

@@ -76,6 +76,13 @@ def test_bad_use_is_one_line_and_exit_2(here, capsys, arguments, told) -> None:
     assert list(here.iterdir()) == []
 
 
+def test_one_orientation_shows_the_quasi_static_turn_by_a_marker() -> None:
+    loop = DynamicLoop(CollectionLoop.from_settings({"push_mm": 20}))
+    one, two = compare_dynamics(loop, [1.0]), compare_dynamics(loop, [1.0, 2.0])
+    shown = [[line.get_marker() for line in dynamics_page(each, each).axes[0].lines] for each in (one, two)]
+    assert shown == [["x", "o", "x", "o"], ["None", "o", "None", "o"]]
+
+
 def test_the_page_shows_both_laws_and_says_how_far_they_differ() -> None:
     loop = CollectionLoop.from_settings({"push_mm": 20})
     comparisons: list[DynamicsComparison] = [

@@ -11,7 +11,7 @@ from cyclemap.cli.main import cli, run
 from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.experiment_page import experiment_page
-from cyclemap.views.experiment_sentences import experiment_headline, isotropic_sentence, spread_sentence
+from cyclemap.views.experiment_sentences import experiment_headline, isotropic_sentence, method_line, spread_sentence
 
 BATCH_KEYS = ["start_deg", "final_deg", "last_step_deg", "settled_after_cycles", "theta0_deg"]
 
@@ -40,6 +40,14 @@ def made(ends_deg: list[float], cycles: int = 20) -> BatchRun:
 def experiment(ends_deg: list[float]) -> BatchExperiment:
     starts = np.radians([0.0, 180.0])
     return BatchExperiment(CollectionLoop.mit(), 0.02, starts, made(ends_deg), made([0.0, 180.0]))
+
+
+def turning(step_deg: float, batches: int, cycles: int) -> BatchExperiment:
+    """Batches that every cycle turns alike, on both laws."""
+    starts = 2.0 * np.arange(batches)
+    theta = starts[:, None] + math.radians(step_deg) * np.arange(cycles + 1)
+    run = BatchRun(theta, np.zeros((batches, cycles, 4, 2)))
+    return BatchExperiment(CollectionLoop.mit(), None, starts, run, run)
 
 
 def test_json_tells_every_batch_on_both_laws_and_nothing_else(here, capsys) -> None:
@@ -96,10 +104,38 @@ def test_sentences_tell_one_direction_several_or_none() -> None:
     drifting = BatchRun(np.outer([1.0, 2.0], np.ones(21)) + 0.1 * np.arange(21), made([0.0, 1.0]).path)
     moving = BatchExperiment(CollectionLoop.mit(), None, np.array([1.0, 2.0]), drifting, drifting)
     assert experiment_headline(moving) == (
-        f"Not every batch comes to rest in 20 cycles: the last cycle still turns it by up to {math.degrees(0.1):.2f}°."
+        f"Not every batch comes to rest in 20 cycles: the last cycle still turns one by {math.degrees(0.1):.2f}°."
     )
     assert f"every cycle turns the object by {math.degrees(0.1):.2f}°" in isotropic_sentence(moving)
     assert "the 40 paths spread by up to" in spread_sentence(moving)
+
+
+def test_one_batch_and_one_cycle_are_told_in_the_singular() -> None:
+    lone = turning(9.67, batches=1, cycles=1)
+    assert experiment_headline(lone) == (
+        "The batch does not come to rest in 1 cycle: the last cycle still turns it by 9.67°."
+    )
+    assert method_line(lone) == "quasi-static cycles; 1 cycle: 1 batch of 1"
+    assert "paths" not in spread_sentence(lone) + isotropic_sentence(lone)
+    assert isotropic_sentence(lone).endswith("the cycle turns the object by 9.67°.")
+    resting = BatchExperiment(CollectionLoop.mit(), 0.02, np.zeros(1), made([61.4]), made([61.4]))
+    assert experiment_headline(resting) == "The batch ends at 61.4°, within 1° of it for good after 8 cycles."
+    assert method_line(resting).endswith("20 cycles: 1 batch of 20")
+    assert "every cycle turns" in isotropic_sentence(resting)
+
+
+def test_a_slow_passage_is_told_as_no_end() -> None:
+    slow = turning(0.04, batches=3, cycles=50)
+    assert experiment_headline(slow) == (
+        "Not every batch comes to rest in 50 cycles: the last cycle still turns one by 0.04°, and such steps do not "
+        "soon die out."
+    )
+
+
+def test_the_last_marker_of_a_course_is_drawn_whole() -> None:
+    courses = experiment_page(experiment([61.4, 61.4])).axes[2::3]
+    assert len(courses) == 2
+    assert not any(line.get_clip_on() for axes in courses for line in axes.lines)
 
 
 def test_the_page_has_both_frames_and_the_course_of_both_laws() -> None:

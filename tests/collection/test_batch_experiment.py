@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun, batch_experiment, run_batches
+from cyclemap.collection.batch_experiment import REST, BatchExperiment, BatchRun, batch_experiment, run_batches
 from cyclemap.collection.dynamic_loop import DynamicLoop, on_points
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -85,6 +85,59 @@ def test_directions_join_ends_across_the_turn_and_part_those_that_differ(shift):
     assert moving.directions() == ()
 
 
+def made(*rows: list[float] | np.ndarray) -> BatchRun:
+    theta = np.array(rows)
+    return BatchRun(theta, np.zeros((len(theta), theta.shape[1] - 1, 3, 2)))
+
+
+def passage(epsilon: float, cycles: int) -> np.ndarray:
+    theta = [-0.1]
+    for _ in range(cycles):
+        theta.append(theta[-1] + epsilon + min(theta[-1] ** 2, 0.01))
+    return np.array(theta)
+
+
+def test_a_bottleneck_without_a_fixed_point_is_no_direction_anywhere_on_its_way():
+    """theta + epsilon + min(theta^2, 0.01) turns least at 0, by epsilon: for long by less than 0.1 degrees a cycle."""
+    slow = 0
+    for epsilon_deg in (0.01, 0.03, 0.06):
+        theta = passage(math.radians(epsilon_deg), cycles=300)
+        for end in range(3, 300):
+            run = made(theta[: end + 1])
+            slow += run.last_step[0] < math.radians(0.1)
+            assert run.directions() == ()
+    assert slow > 200
+
+
+def test_geometric_steps_count_once_what_they_leave_is_small_and_it_is_what_they_leave():
+    for rate in (0.5, 0.95, -0.9):
+        theta = 1.0 + 0.3 * rate ** np.arange(300)
+        left = np.array([made(theta[: end + 1]).left[0] for end in range(2, 60)])
+        distance = np.abs(theta[2:60] - 1.0)
+        # Steps of alternating sign are taken as of one, to be on the safe side.
+        moving = np.abs(np.diff(theta)[1:59]) > REST
+        assert moving.sum() > 10 and np.all(left[~moving] == 0.0)
+        if rate > 0.0:
+            np.testing.assert_allclose(left[moving], distance[moving], rtol=1e-6)
+        assert np.all(left[moving] >= 0.999 * distance[moving])
+        assert made(theta[:6]).directions() == () and made(theta).directions() == pytest.approx((1.0,), abs=1e-3)
+
+
+def test_rest_counts_even_where_steps_at_the_level_of_the_errors_grow():
+    assert made([0.5, 1.0, 1.0, 1.0]).directions() == (1.0,)
+    assert made([1.0, 1.0 + 1e-6, 1.0 + 1e-5]).directions() == pytest.approx((1.0,), abs=2e-5)
+    # One cycle of a step above that tells nothing of where it leads.
+    assert made([1.0, 1.001]).directions() == () and made([1.0, 1.001]).left[0] == math.inf
+
+
+def test_the_ring_at_a_place_where_no_fixed_point_is_leaves_batches_without_a_direction():
+    """Near its bottleneck at 162 degrees a cycle turns by 0.025 degrees, always onwards."""
+    loop = CollectionLoop.from_settings({"hitch_x_mm": -6.92, "hitch_y_mm": 6.92})
+    run = run_batches(replace(loop, accuracy=1e-6), np.radians([161.9, 162.2]), cycles=4)
+    assert np.all(np.diff(run.theta) > math.radians(0.02)) and run.last_step.max() < math.radians(0.05)
+    assert run.directions() == ()
+
+
 def test_progress_reaches_one_in_even_steps():
     told: list[float] = []
     batch_experiment(replace(on_points(CollectionLoop.mit()), accuracy=1e-4), 2, 2, told.append)
@@ -97,6 +150,9 @@ def test_batches_that_cannot_be_are_refused():
         batch_experiment(loop, batches=0)
     with pytest.raises(InvalidInput, match="cycles"):
         run_batches(loop, [0.0], cycles=0)
+    for run in (batch_experiment, lambda loop: run_batches(loop, [0.0])):
+        with pytest.raises(InvalidInput, match=r"CollectionLoop\.mit.*not 'plywood'"):
+            run("plywood")
     with pytest.raises(InvalidInput, match="at least one orientation"):
         run_batches(loop, [])
     with pytest.raises(InvalidInput, match="within"):

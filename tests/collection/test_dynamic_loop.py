@@ -11,7 +11,7 @@ import pytest
 from cyclemap.collection.dynamic_loop import DynamicLoop, compare_dynamics, isotropic_twin, on_points
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import DragBack, corner_footprint
+from cyclemap.mechanics import DragBack, PatchFootprint, Slider, corner_footprint
 
 # Four orientations: on plywood the push ends by distance at 60 and 150 degrees, the rod leaves at 0 and 270.
 THETA = np.radians([0.0, 60.0, 150.0, 270.0])
@@ -65,6 +65,36 @@ def test_it_stands_on_the_loops_own_points_and_else_on_the_papers_grid():
     assert on_points(replace(loop, footprint=corners)).footprint == corners
 
 
+LEANING = Slider(
+    CollectionLoop.mit().slider.outline,
+    mass=1.0,
+    centre_of_mass=(0.006, -0.004),
+    hitch=CollectionLoop.mit().slider.hitch,
+)
+PRESSED = {
+    "rim share": CollectionLoop.from_settings({"rim_share": 0.5}),
+    "warp": CollectionLoop.from_settings({"warp_a": 0.1, "warp_b": 0.15}),
+    "delrin": CollectionLoop.mit("delrin"),
+    "centre of mass": CollectionLoop.mit(slider=LEANING),
+}
+
+
+@pytest.mark.parametrize("name", PRESSED)
+def test_both_routes_stand_on_points_that_carry_the_patchs_pressure(name):
+    """The quasi-static cycle on them is the patch's about as nearly as the even grid's is the even patch's, 0.25°."""
+    loop = PRESSED[name]
+    found = compare_dynamics(DynamicLoop(loop), THETA)
+    assert np.abs(np.degrees(found.difference("theta_next"))).max() < 0.2
+    patch = loop.cycles(THETA)
+    off = np.degrees(found.quasi_static.theta_next - patch.theta_next)
+    assert 0.0 < np.abs(off).max() < 0.3
+    even = on_points(replace(loop, footprint=PatchFootprint(loop.slider.outline)))
+    assert len(even.footprint.positions) == 64
+    dropped = np.degrees(even.cycles(THETA).theta_next - patch.theta_next)
+    assert np.abs(dropped).max() > 3.0 * np.abs(off).max()
+    assert on_points(loop).footprint.centre == pytest.approx(loop.model.pressure.centre, abs=1e-12)
+
+
 def test_the_isotropic_twin_has_the_area_of_the_limit_ellipse_and_no_offset():
     loop = CollectionLoop.mit()
     law, twin = loop.material.friction, isotropic_twin(loop).material.friction
@@ -85,7 +115,19 @@ def test_what_it_cannot_run_is_refused_by_name():
     with pytest.raises(InvalidInput, match="theta"):
         DynamicLoop(loop).cycle(math.nan)
     with pytest.raises(InvalidInput, match="speed must be positive"):
-        DynamicLoop(loop, speed=-0.02).cycle(0.0)
+        DynamicLoop(loop, speed=-0.02)
+    for name in ("speed", "stiffness", "damping", "regularisation", "tolerance"):
+        with pytest.raises(InvalidInput, match=name):
+            DynamicLoop(loop, **{name: 0.0})
+    with pytest.raises(InvalidInput, match="1e-10 to 1e-3"):
+        DynamicLoop(loop, tolerance=1.0)
+    for make in (DynamicLoop, on_points, isotropic_twin):
+        with pytest.raises(InvalidInput, match=r"CollectionLoop\.mit.*not 'plywood'"):
+            make("plywood")
+    with pytest.raises(InvalidInput, match=r"DynamicLoop\(loop\).*not a CollectionLoop"):
+        compare_dynamics(loop, [0.0])
+    with pytest.raises(InvalidInput, match="'foo': choose one of push_turn"):
+        compared(False).difference("foo")
 
 
 def test_a_loop_that_has_run_can_be_sent_to_another_process():

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import g as GRAVITY
 
-from cyclemap.checks import finite_number, non_negative_number, positive_number, whole_number
+from cyclemap.checks import non_negative_number, point, positive_number, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
 from cyclemap.mechanics.dynamics.dynamic_equations import PHYSICS
@@ -49,11 +49,13 @@ class DynamicModel:
         where it is not known. Its outline must be convex.
     footprint : support points; None: the paper's grid of 8 x 8 with equal load.
     speed : of the rod, m/s.
-    stiffness : of the contact and of the ring, N/m; errors fall with its inverse (1e6 leaves under 0.001 degrees).
+    stiffness : of the contact and of the ring, N/m; errors of a cycle fall with its inverse (1e6 leaves under 0.001
+        degrees on the MIT square, 0.002 on the worst of the MIT shapes).
     damping : of the contact, in shares of the critical damping of the slider's mass on the contact's spring.
     regularisation : speed below which friction fades, as a share of the rod's: friction at slip u is that of
         u / sqrt(u^2 + regularisation^2). What should stick creeps at about this speed; errors fall in proportion (1e-4
-        leaves 0.002 degrees).
+        leaves 0.002 degrees of a cycle on the MIT square, about 0.01 on the worst of the MIT shapes: the round plate
+        `ellip1`, whose contact with the rod creeps while it rolls).
     tolerance : relative error of a step, from 1e-10 to 1e-3; angles of a cycle come out within about fifty times
         that, in rad (1e-7: 0.0003 degrees).
 
@@ -81,7 +83,10 @@ class DynamicModel:
         if self.regularisation > 0.1:
             raise InvalidInput(f"regularisation {self.regularisation} leaves no friction: choose at most 0.1")
         if not isinstance(self.points, PointFootprint):
-            raise InvalidInput("the dynamic simulation stands on support points: choose a footprint such as grid:8")
+            raise InvalidInput(
+                "the dynamic simulation stands on support points: choose a footprint such as grid:8, "
+                "or the pressure_points of a patch"
+            )
         if self.weight / self.stiffness > _DEEPEST * self.pusher.radius:
             raise InvalidInput(
                 f"the rod (radius {self.pusher.radius} m) would sink into a contact of {self.stiffness:g} N/m: choose "
@@ -145,13 +150,15 @@ class DynamicModel:
         there, ConvergenceError where the integration fails.
         """
         radius = non_negative_number("pin friction radius", pin_friction_radius)
-        goals = [[finite_number("way-point", value) for value in goal] for goal in way_points]
+        if not isinstance(way_points, (tuple, list, np.ndarray)) or len(way_points) == 0:
+            raise InvalidInput(f"way-points must be one place (x, y), m, or several, not {way_points!r}")
+        goals = [point("way-point", goal) for goal in way_points]
         places = [np.array(place) for place in (pose.to_world(*self.slider.hitch), *goals)]
         stroke = self._integrator(self._scaled(self.slider.hitch), samples)
         moving, resting = self._run(stroke, pose, places, radius)
         length = math.fsum(float(np.hypot(*(b - a))) for a, b in pairwise(places))
         if not moving:
-            raise InvalidInput(f"the ring is already at {tuple(goals[-1])} m: there is nothing to drag")
+            raise InvalidInput(f"the ring is already at {goals[-1]} m: there is nothing to drag")
         return DynamicDrag(pose, self._end(pose, [*moving, *resting]), length, *self._told(moving, resting))
 
     def _touch(self, pose: Pose, push: SidePush) -> tuple[Array, Array]:

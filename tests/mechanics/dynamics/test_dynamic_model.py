@@ -211,6 +211,12 @@ def test_strokes_that_cannot_be_are_refused():
         model().drag(Pose(), (SQUARE.hitch,))
     with pytest.raises(InvalidInput, match="way-point"):
         model().drag(Pose(), ((math.nan, 0.0),))
+    for way_points in ((), 3.0, None, np.empty((0, 2))):
+        with pytest.raises(InvalidInput, match="way-points must be one place"):
+            model().drag(Pose(), way_points)
+    for place in ((1, 2, 3), (1.0,), 1.0, "ab"):
+        with pytest.raises(InvalidInput, match="way-point must be two finite numbers, not"):
+            model().drag(Pose(), (place,))
     with pytest.raises(InvalidInput, match="samples"):
         model().push(Pose(), SHORT, samples=0)
 

@@ -1,0 +1,101 @@
+"""Support points for a patch carry its load and centre, and its friction as their spacing goes to zero."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import (
+    LimitSurface,
+    PatchFootprint,
+    Polygon,
+    Slider,
+    corner_footprint,
+    grid_footprint,
+    load_material,
+)
+from cyclemap.mechanics.pressure_points import pressure_points
+
+SQUARE = Slider.mit("rect1").outline
+OUTLINES = {name: Slider.mit(name).outline for name in ("rect1", "rect3", "tri2", "hex", "ellip2")}
+PRESSURES = {
+    "lean": {"gradient": (4.0, -3.0)},
+    "rim": {"rim_share": 0.5},
+    "rim alone": {"rim_share": 1.0},
+    "hollow rim": {"rim_share": -0.5625},
+    "lean and rim": {"gradient": (4.0, -3.0), "rim_share": 0.4},
+    "warp": {"warp": (0.05, -0.1)},
+    "all": {"gradient": (3.0, 2.0), "rim_share": 0.2, "warp": (-0.05, 0.1)},
+}
+TWISTS = np.array([[1.0, 0.3, 0.5], [-0.2, 1.0, 2.0], [0.1, 0.1, 1.0], [0.5, -1.0, 0.1]])
+
+
+def wrench_error(patch: PatchFootprint, count: int) -> float:
+    """Root mean square, over twists, of the wrenches on points less those on the patch: weights, extents."""
+    law = load_material("plywood").friction
+    length = patch.extent
+    twists = TWISTS * np.array([length, length, 1.0])
+    surfaces = (LimitSurface(pressure_points(patch, count), law), LimitSurface(patch, law))
+    one, other = (np.array([surface.wrench(twist, frame=0.4) for twist in twists]) for surface in surfaces)
+    return float(np.sqrt(np.mean(((one - other) / np.array([1.0, 1.0, length])) ** 2)))
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+def test_even_pressure_becomes_the_papers_grid_exactly_and_points_stay_as_they_are(name):
+    assert pressure_points(PatchFootprint(OUTLINES[name]), 8) == grid_footprint(OUTLINES[name], 8)
+    corners = corner_footprint(SQUARE)
+    assert pressure_points(corners, 8) is corners
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+@pytest.mark.parametrize("pressure", PRESSURES)
+def test_load_is_one_and_the_centre_of_pressure_is_the_patchs_to_rounding(name, pressure):
+    patch = PatchFootprint(OUTLINES[name], **PRESSURES[pressure])
+    points = pressure_points(patch, 8)
+    assert min(points.weights) > 0.0 and math.fsum(points.weights) == pytest.approx(1.0, abs=1e-12)
+    assert points.centre == pytest.approx(patch.centre, abs=1e-15)
+    assert bool(np.all(OUTLINES[name].contains(np.array(points.positions))))
+
+
+def test_the_frame_carries_the_rims_share_beside_its_part_of_the_rest():
+    for share in (1.0, 0.5, 0.1, -0.2, -0.5625):
+        points, weights = pressure_points(PatchFootprint(SQUARE, rim_share=share), 10).quadrature
+        # On a 10 x 10 grid the frame is just the outer row of cells.
+        outer = ~SQUARE.shrunk(0.8).contains(points)
+        assert weights[outer].sum() == pytest.approx(0.36 * (1.0 - share) + share, abs=1e-12)
+
+
+def test_a_warp_loads_the_corners_of_a_square_as_the_patch_has_it():
+    patch = PatchFootprint(SQUARE, rim_share=0.2, warp=(0.1, 0.2))
+    points, weights = pressure_points(patch, 24).quadrature
+    nodes, loads = patch.quadrature
+    for moment in (lambda p: p[:, 0] * p[:, 1], lambda p: p[:, 0] ** 2 - p[:, 1] ** 2, lambda p: (p**2).sum(axis=1)):
+        assert weights @ moment(points) == pytest.approx(loads @ moment(nodes), rel=0.02)
+    flat = pressure_points(replace(patch, warp=(0.0, 0.0)), 24).quadrature
+    assert abs(flat[1] @ (flat[0][:, 0] * flat[0][:, 1])) < 1e-12 < weights @ (points[:, 0] * points[:, 1])
+
+
+@pytest.mark.parametrize("pressure", PRESSURES)
+def test_their_friction_is_as_near_the_patchs_as_the_even_grids_and_nearer_on_finer_grids(pressure):
+    patch = PatchFootprint(SQUARE, **PRESSURES[pressure])
+    errors = [wrench_error(patch, count) for count in (8, 32)]
+    assert errors[0] < 1.5 * wrench_error(PatchFootprint(SQUARE), 8) < 0.01
+    # What is left on the finest: the frame is one row of points however fine.
+    assert errors[1] < max(errors[0] / 4.0, 6e-4)
+
+
+def test_a_vanishing_rim_share_is_the_even_grid_again():
+    _, weights = pressure_points(PatchFootprint(SQUARE, rim_share=1e-6), 8).quadrature
+    even = grid_footprint(SQUARE, 8).quadrature[1]
+    np.testing.assert_allclose(weights[:64], even, rtol=2e-6)
+    assert weights[64:].sum() == pytest.approx(1e-6, rel=1e-3)
+
+
+def test_points_that_cannot_carry_a_pressure_are_refused_with_what_to_set():
+    """A steep lean on a triangle, whose coarse grid has its centre far from the patch's."""
+    steep = PatchFootprint(Polygon(((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))), (2.895, 0.004))
+    with pytest.raises(InvalidInput, match="set the footprint"):
+        pressure_points(steep, 4)
+    assert pressure_points(steep, 8).centre == pytest.approx(steep.centre, abs=1e-12)
