@@ -1,5 +1,6 @@
 """The command `cyclemap watch`: its arguments and options."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -7,6 +8,16 @@ from typing import Any
 import click
 
 from cyclemap.cli.options import decorated, result_options
+
+SHORTEST_WAIT, LONGEST_WAIT = 0.01, 86400.0
+_WAITS = f"{SHORTEST_WAIT:g} to {LONGEST_WAIT:g}"
+
+
+def _wait(context: click.Context, option: click.Parameter, seconds: float) -> float:
+    """Refuse what no clock can wait for; a range would let nan pass."""
+    if not (math.isfinite(seconds) and SHORTEST_WAIT <= seconds <= LONGEST_WAIT):
+        raise click.BadParameter(f"{seconds:g} is no wait; give a finite number of {_WAITS} seconds")
+    return seconds
 
 
 def _results(command: Callable[..., None]) -> Callable[..., None]:
@@ -26,10 +37,11 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 @click.option(
     "--every",
     metavar="SECONDS",
-    type=click.FloatRange(min=0.01),
+    type=float,
+    callback=_wait,
     default=1.0,
     show_default=True,
-    help="How often --follow looks for new rows.",
+    help=f"How often --follow looks for new rows: every {_WAITS} seconds.",
 )
 @_results
 def watch_command(json_target: str | None, **request: Any) -> None:

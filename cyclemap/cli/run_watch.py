@@ -11,7 +11,6 @@ import click
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.cli.watch_report import push_report, watch_report
-from cyclemap.errors import DataFileError
 from cyclemap.resets.monitor.bias_report import BiasReport
 from cyclemap.resets.monitor.theta0_feed import NewOrientations, theta0_feed
 from cyclemap.resets.monitor.watched_collection import WatchedCollection
@@ -51,7 +50,7 @@ def run_watch(request: WatchRequest, json_target: str | None) -> None:
 
 
 def _follow(request: WatchRequest, json_target: str | None) -> None:
-    """Look for new rows until interrupted or a bad row; the last report is kept, and what ended the watch goes on."""
+    """Look for new rows until interrupted or anything fails; the last report is kept, what ended the watch goes on."""
     tell = _tell_as_json if json_target == "-" else _tell_people
     feed, watched = theta0_feed(request.file), WatchedCollection(request.alarm_rate)
     if json_target != "-":
@@ -64,10 +63,9 @@ def _follow(request: WatchRequest, json_target: str | None) -> None:
                 watched = WatchedCollection(request.alarm_rate)
             _take(watched, found, tell)
             time.sleep(request.every)
-    except (KeyboardInterrupt, DataFileError):
+    finally:
         if watched.pushes:
             _conclude(request, watched, json_target, quiet=json_target == "-")
-        raise
 
 
 def _take(watched: WatchedCollection, found: NewOrientations, tell: Callable[..., None]) -> None:

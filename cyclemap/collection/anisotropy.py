@@ -8,9 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array, finite_number, non_negative_number
+from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction
 
 Array = NDArray[np.float64]
+
+# One axis of friction 22 000 times the other: no surface is like that, and numbers beyond soon overflow.
+MOST_ELLIPTICITY = 5.0
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,8 @@ class Anisotropy:
     Other means of mu_a and mu_b in the offset, and (mu_a - mu_b)/(mu_a + mu_b) as the ellipticity, differ from these
     by terms of third order in the anisotropy. These are additive under exchange and scaling of the axes.
 
-    Raises InvalidInput for a value that is not finite, or a negative offset or ellipticity.
+    It may be larger than any surface's, for the first-order law is linear in it and scales may be sought along a ray:
+    `require_surface` tells. Raises InvalidInput for a value that is not finite, or a negative offset or ellipticity.
 
     >>> seen = Anisotropy.of(EllipseFriction(0.2, 0.3, m0=0.05, phi=0.5))
     >>> round(seen.offset, 4), seen.offset_direction, round(seen.ellipticity, 4), round(seen.ellipse_direction, 4)
@@ -44,7 +49,9 @@ class Anisotropy:
 
     @classmethod
     def of(cls, friction: EllipseFriction) -> "Anisotropy":
-        """Return the anisotropy of a friction ellipse."""
+        """Return the anisotropy of a friction ellipse; InvalidInput for anything else."""
+        if not isinstance(friction, EllipseFriction):
+            raise InvalidInput(f"friction must be an EllipseFriction, such as loop.material.friction, not {friction!r}")
         vector = complex(friction.m0, friction.n0) / math.sqrt(friction.mu_a * friction.mu_b)
         signed = 0.5 * math.log(friction.mu_a / friction.mu_b)
         axis = friction.phi if signed >= 0.0 else friction.phi + 0.5 * math.pi
@@ -59,10 +66,32 @@ class Anisotropy:
         return cls(math.hypot(u_x, u_y), math.atan2(u_y, u_x), math.hypot(v_x, v_y), angle % math.pi)
 
     def friction(self, mean: float = 0.25) -> EllipseFriction:
-        """Return the friction ellipse of this anisotropy whose mean radius sqrt(mu_a mu_b) is `mean`."""
+        """Return the friction ellipse of this anisotropy whose mean radius sqrt(mu_a mu_b) is `mean`.
+
+        Raises InvalidInput where there is none: see `require_surface`.
+        """
+        self.require_surface()
         centre = mean * cmath.rect(self.offset, self.offset_direction - self.ellipse_direction)
         stretch = math.exp(self.ellipticity)
         return EllipseFriction(mean * stretch, mean / stretch, centre.real, centre.imag, self.ellipse_direction)
+
+    def require_surface(self) -> None:
+        """Raise InvalidInput where no surface has this anisotropy.
+
+        A friction ellipse contains zero, so the offset ends inside it; the ellipticity is at most 5.
+        """
+        if self.ellipticity > MOST_ELLIPTICITY:
+            raise InvalidInput(
+                f"ellipticity {self.ellipticity:g} is more than any surface has: it is log(mu_a/mu_b)/2, "
+                f"about 0.04 for plywood; choose at most {MOST_ELLIPTICITY:g}"
+            )
+        angle, stretch = self.offset_direction - self.ellipse_direction, math.exp(self.ellipticity)
+        most = 1.0 / math.hypot(math.cos(angle) / stretch, math.sin(angle) * stretch)
+        if self.offset >= most:
+            raise InvalidInput(
+                f"offset {self.offset:g} reaches out of the friction ellipse, so some direction of sliding would gain "
+                f"energy: in this direction choose less than {most:.4g}"
+            )
 
     def scaled(self, factor: float) -> "Anisotropy":
         """Return the anisotropy with offset and ellipticity `factor` times as large, 0 or more."""
@@ -72,9 +101,10 @@ class Anisotropy:
         """Return the anisotropy in the axes of an object at orientations (...), rad: (..., 4).
 
         The numbers are offset (cos, sin)(offset_direction - θ), ellipticity (cos, sin)(2 (ellipse_direction - θ)): all
-        that the turn of a cycle depends on, because turning surface and object together turns the motion alone.
+        that the turn of a cycle depends on, because turning surface and object together turns the motion alone. Raises
+        InvalidInput for an orientation that is not finite.
         """
-        angle = np.asarray(theta, dtype=float)
+        angle = finite_array("theta", theta)
         first, second = self.offset_direction - angle, 2.0 * (self.ellipse_direction - angle)
         u, v = self.offset, self.ellipticity
         return np.stack([u * np.cos(first), u * np.sin(first), v * np.cos(second), v * np.sin(second)], axis=-1)

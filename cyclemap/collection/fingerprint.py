@@ -75,12 +75,12 @@ class TurnResponse:
         return -cmath.phase(complex(*self.gradient[2:])) + 0.0
 
     def first_order(self, seen: ArrayLike) -> Array:
-        """Return the first-order part of the turn, (...), rad, of anisotropies (..., 4)."""
-        return np.asarray(seen, dtype=float) @ self.gradient
+        """Return the first-order part of the turn, (...), rad, of finite anisotropies (..., 4)."""
+        return np.asarray(finite_array("seen", seen, last=4) @ self.gradient)
 
     def second_order(self, seen: ArrayLike) -> Array:
-        """Return the second-order part of the turn, (...), rad, of anisotropies (..., 4)."""
-        z = np.asarray(seen, dtype=float)
+        """Return the second-order part of the turn, (...), rad, of finite anisotropies (..., 4)."""
+        z = finite_array("seen", seen, last=4)
         return np.asarray(0.5 * np.sum((z @ self.hessian) * z, axis=-1))
 
     def __add__(self, other: "TurnResponse") -> "TurnResponse":
@@ -158,13 +158,17 @@ def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None =
     the hessian from central differences of those of twelve nearly isotropic ones, the remainder from sixteen cycles on
     usual surfaces: half a second in all. `progress` is called with the fraction done.
 
-    Raises InvalidInput where the way back has way-points: they are fixed in the world, so that a cycle depends on the
-    object's orientation without any anisotropy and five numbers cannot tell it.
+    Raises InvalidInput where `loop` is no CollectionLoop, or the way back has way-points: they are fixed in the
+    world, so that a cycle depends on the object's orientation without any anisotropy and five numbers cannot tell it.
 
     >>> found = fingerprint(CollectionLoop.mit())
     >>> round(math.degrees(found.turn), 3), round(found.offset_amplitude, 3), round(found.ellipse_amplitude, 3)
     (8.002, 2.047, 1.769)
     """
+    if not isinstance(loop, CollectionLoop):
+        raise InvalidInput(
+            f"loop must be a CollectionLoop, such as CollectionLoop.mit(material='plywood'), not {loop!r}"
+        )
     if loop.reset.way_points:
         raise InvalidInput(
             f"way-points of the reset, {loop.reset.way_points}, are fixed in the world: a cycle then depends on the "

@@ -4,8 +4,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
+from cyclemap.collection.anisotropy import Anisotropy
 from cyclemap.collection.fingerprint_prediction import PredictedDirection, Prediction
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, Orbit, fixed_points
 
 
@@ -48,7 +52,9 @@ def check_prediction(
 ) -> PredictionCheck:
     """Compute the full map of a loop to `tolerance` (rad), a hundred cycles and more, and set it beside a prediction.
 
-    >>> from cyclemap.collection.anisotropy import Anisotropy
+    The loop is one of the protocol whose fingerprint predicted, on the surface that was predicted. Raises InvalidInput
+    where its friction has another anisotropy.
+
     >>> from cyclemap.collection.fingerprint import fingerprint
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> prediction = Prediction(fingerprint(loop), Anisotropy.of(loop.material.friction))
@@ -56,9 +62,26 @@ def check_prediction(
     >>> round(math.degrees(stable.miss), 1), stable.within_error
     (3.8, True)
     """
+    _refuse_other_surface(prediction, loop)
     full = loop.circle_map(tolerance=tolerance, progress=progress)
     points = tuple(fixed_points(full))
     return PredictionCheck(full, points, tuple(_checked(direction, points) for direction in prediction.directions))
+
+
+def _refuse_other_surface(prediction: Prediction, loop: CollectionLoop) -> None:
+    if not isinstance(prediction, Prediction) or not isinstance(loop, CollectionLoop):
+        raise InvalidInput(f"a check needs a Prediction and a CollectionLoop, not {prediction!r} and {loop!r}")
+    own = Anisotropy.of(loop.material.friction)
+    if not np.allclose(own.seen_from(0.0), prediction.anisotropy.seen_from(0.0), rtol=1e-6, atol=1e-9):
+        raise InvalidInput(
+            f"the prediction is of {_surface(prediction.anisotropy)}, but {loop.material.name} has {_surface(own)}: "
+            "predict for this loop's own friction"
+        )
+
+
+def _surface(seen: Anisotropy) -> str:
+    along = f"{math.degrees(seen.offset_direction):.2f}° and ellipticity {seen.ellipticity:.4f}"
+    return f"offset {seen.offset:.4f} along {along} along {math.degrees(seen.ellipse_direction):.2f}°"
 
 
 def _checked(direction: PredictedDirection, points: tuple[Orbit, ...]) -> CheckedDirection:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.checks import positive_number
+from cyclemap.checks import finite_array, positive_number
 from cyclemap.collection.anisotropy import Anisotropy
 from cyclemap.collection.fingerprint import TurnResponse, with_anisotropy
 from cyclemap.collection.loop import CollectionLoop
@@ -80,7 +80,7 @@ def lock_in_boundary(
 
     `shares` (...): angles in [0, π/2] of rays in that plane, 0 being offset alone. Directions in rad.
     """
-    rays = np.asarray(shares, dtype=float)
+    rays = finite_array("shares", shares)
     points = []
     for angle in rays.ravel().tolist():
         ray = Anisotropy(max(math.cos(angle), 0.0), offset_direction, max(math.sin(angle), 0.0), ellipse_direction)

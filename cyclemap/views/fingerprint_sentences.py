@@ -4,7 +4,7 @@ import math
 
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
 from cyclemap.collection.fingerprint_check import CheckedDirection, PredictionCheck
-from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, TRUSTED_RATIO, PredictedDirection, Prediction
+from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, PredictedDirection, Prediction
 from cyclemap.views.sentences import angle
 
 ANYWHERE = math.radians(90.0)
@@ -73,9 +73,11 @@ def trust_sentence(prediction: Prediction) -> str:
     """That the first-order law is not to be trusted here, and why; empty where it is."""
     if prediction.trusted:
         return ""
-    why = f"its error is {prediction.ratio:.0%} of what it predicts"
-    if prediction.ratio <= TRUSTED_RATIO:
-        why = "the protocol's second order could not be found"
+    why = (
+        f"its error is {prediction.ratio:.0%} of what it predicts"
+        if prediction.second_order_found
+        else "the protocol's second order could not be found, so its error is not known"
+    )
     return f"A first-order law is not to be trusted here: {why}; compute the full map."
 
 

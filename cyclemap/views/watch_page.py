@@ -45,7 +45,14 @@ def watch_page(course: WatchedCourse, name: str) -> Figure:
 
 
 def _draw_path(axes: Axes, course: WatchedCourse) -> None:
-    axes.plot(_pushes(course), np.degrees(course.theta), ".", color=MEASURED_EDGE, markersize=2.5, zorder=2)
+    axes.plot(
+        _pushes(course),
+        np.degrees(course.theta),
+        ".",
+        color=MEASURED_EDGE,
+        markersize=_dot_size(course.pushes),
+        zorder=2,
+    )
     alarm = course.report.alarm
     if alarm is not None:
         for direction in alarm.directions:
@@ -129,8 +136,13 @@ def _pushes(course: WatchedCourse) -> NDArray[np.int64]:
 
 def _push_axis(axes: Axes, course: WatchedCourse) -> None:
     axes.set_xlabel("push")
-    axes.set_xlim(-0.5, max(course.pushes - 1, 1))
+    axes.set_xlim(-0.5, max(course.pushes, 2) - 0.5)
     axes.xaxis.set_major_locator(MaxNLocator(8, integer=True))
+
+
+def _dot_size(pushes: int) -> float:
+    """Points: a few dots must be seen, many must not run into each other."""
+    return float(np.clip(90.0 / pushes, 2.5, 9.0))
 
 
 def _legend_above(axes: Axes) -> None:

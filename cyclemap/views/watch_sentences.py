@@ -9,6 +9,8 @@ from cyclemap.resets.monitor.forecast import Forecast
 from cyclemap.resets.monitor.watched_collection import WatchedCourse
 from cyclemap.views.sentences import angle
 
+FEW = 10  # below this many pushes a decimal counts
+
 
 def watch_sentences(course: WatchedCourse) -> tuple[str, ...]:
     """The whole report: alarm, present rest, coverage, forecast, advice."""
@@ -56,8 +58,10 @@ def rest_sentence(report: BiasReport) -> str:
 def coverage_sentence(report: BiasReport) -> str:
     """How much of the circle is covered, and what that is worth."""
     state = report.coverage
-    worth = f"worth {state.effective_pushes:.0f} spread evenly ({report.recent_worth:.2f} a push lately)"
-    return f"{covered(state)}; the {_pushes(report.push + 1)} are {worth}."
+    count, effective = report.push + 1, state.effective_pushes
+    decimals = 1 if effective < FEW else 0
+    worth = f"worth {effective:.{decimals}f} spread evenly ({report.recent_worth:.2f} a push lately)"
+    return f"{covered(state)}; the {_pushes(count)} {'is' if count == 1 else 'are'} {worth}."
 
 
 def covered(state: CoverageState) -> str:
@@ -70,7 +74,8 @@ def forecast_sentence(forecast: Forecast | None) -> str:
     """What the fitted map expects of the next pushes; empty without one."""
     if forecast is None:
         return ""
-    told = [f"each of the next {forecast.ahead} pushes would be worth {forecast.worth:.2f}"]
+    pushes = "the next push" if forecast.ahead == 1 else f"each of the next {forecast.ahead} pushes"
+    told = [f"{pushes} would be worth {forecast.worth:.2f}"]
     if forecast.pushes_to_leave is not None:
         told.append(f"the rest would last {_number(forecast.pushes_to_leave, forecast.ahead)}")
     if forecast.pushes_to_cover > 0:

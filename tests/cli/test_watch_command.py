@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,8 +15,10 @@ import pytest
 from cyclemap.cli import run_watch as module
 from cyclemap.cli.command_watch import watch_command
 from cyclemap.cli.main import cli, run
+from cyclemap.errors import DataFileError
 
 LOCKED = [20.0, 28.0, 36.0, 44.0, 52.0, *[60.0 + 0.3 * (k % 3) for k in range(30)]]
+NO_WAITS = ("nan", "inf", "1e12", "86400.1", "0.001", "-1")
 PROGRAM = (
     "import sys\n"
     "from cyclemap.cli import main\n"
@@ -92,11 +95,15 @@ def test_the_measured_staircase_is_told_at_push_16(here, capsys, measured_data) 
         (["none.csv", "--follow"], "none.csv: there is no such file"),
         (["bad.csv", "--alarm-rate", "0"], "--alarm-rate"),
         (["bad.csv", "--every", "0"], "--every"),
+        *((["bad.csv", "--follow", "--every", wait], "finite number of 0.01 to 86400 seconds") for wait in NO_WAITS),
+        (["bad.csv", "--alarm-rate", "nan"], "nan"),
+        (["far.csv"], "far.csv, line 3: theta0_deg is '1e300'; at such a size the fraction of a turn is lost"),
         ([], "FILE"),
     ],
 )
 def test_bad_use_is_one_line_and_exit_code_2(here, capsys, arguments, message) -> None:
     (here / "bad.csv").write_text("theta0_deg\n1\nx\n")
+    (here / "far.csv").write_text("theta0_deg\n1\n1e300\n")
     assert run(["watch", *arguments]) == 2
     shown = capsys.readouterr()
     assert message in shown.err
@@ -163,6 +170,54 @@ def test_a_bad_row_while_following_ends_the_watch_with_its_line_and_keeps_the_re
     assert run(["watch", str(file), "--follow", "--every", "0.5"]) == 2
     assert f"line {len(LOCKED) + 2}: theta0_deg is '12;5'" in capsys.readouterr().err
     assert json.loads((here / "out" / "watch_my_run.json").read_text())["pushes"] == len(LOCKED)
+
+
+def folder_of_pushes(folder: Path, count: int) -> Path:
+    folder.mkdir()
+    for k in range(count):
+        poses = [[0.0, 0.3, 0.0, 0.1 * k], [0.1, 0.3, 0.05, 0.1 * k + 1.0]]
+        tables = {"object_pose": poses, "tip_pose": poses, "ft_wrench": poses}
+        (folder / f"push_{k}.json").write_text(json.dumps(tables))
+    return folder
+
+
+def test_a_followed_folder_that_vanishes_is_waited_for_and_its_report_kept(here, capsys, monkeypatch) -> None:
+    folder = folder_of_pushes(here / "fol", 3)
+    grown(monkeypatch, [lambda: shutil.rmtree(folder), lambda: None])
+    assert run(["watch", "fol", "--follow", "--every", "0.5"]) == 130
+    shown = capsys.readouterr()
+    assert "Errno" not in shown.err and "No alarm in 3 pushes" in shown.out
+    assert json.loads((here / "out" / "watch_fol.json").read_text())["pushes"] == 3
+    assert (here / "out" / "watch_fol.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("failure", "code"),
+    [(DataFileError("x"), 2), (OSError(5, "disk"), 1), (BrokenPipeError(), None), (ZeroDivisionError(), None)],
+)
+def test_however_following_ends_picture_and_json_are_written(here, monkeypatch, failure, code) -> None:
+    def fail() -> None:
+        raise failure
+
+    folder_of_pushes(here / "fol", 3)
+    grown(monkeypatch, [fail])
+    request = module.WatchRequest(here / "fol", 0.01, True, 0.5, here / "out", "png")
+    with pytest.raises(type(failure)):
+        module.run_watch(request, "-")
+    if code is not None:
+        grown(monkeypatch, [fail])
+        assert run(["watch", "fol", "--follow", "--every", "0.5"]) == code
+    assert sorted(path.name for path in (here / "out").iterdir()) == ["watch_fol.json", "watch_fol.png"]
+
+
+def test_a_folder_among_the_pushes_is_passed_over_and_a_link_to_nothing_named(here, capsys) -> None:
+    folder = folder_of_pushes(here / "fol", 3)
+    (folder / "d.json").mkdir()
+    assert run(["watch", "fol", "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out)["pushes"] == 3
+    (folder / "gone.json").symlink_to(here / "nowhere.json")
+    assert run(["watch", "fol"]) == 2
+    assert "gone.json: a link to a file that is not there" in capsys.readouterr().err
 
 
 def test_a_real_interrupt_ends_with_130_and_leaves_the_report(here) -> None:

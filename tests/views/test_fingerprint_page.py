@@ -102,6 +102,17 @@ def test_sentences_tell_locking_drifting_and_distrust() -> None:
     assert "turns 5.73° a cycle on average." in sentences.direction_sentence(isotropic, "wood")
 
 
+def test_a_second_order_that_was_not_found_is_the_reason_before_any_error_that_came_of_it() -> None:
+    """The errors are made of the second order: where it is not known a percentage would only mislead."""
+    unknown = Fingerprint(PUSH, DRAG, 2.2, 50.0)
+    for surface in (LOCKED.anisotropy, STRONG.anisotropy):
+        doubtful = Prediction(unknown, surface)
+        assert doubtful.ratio > 1.0 and not doubtful.trusted
+        told = sentences.trust_sentence(doubtful)
+        assert "second order could not be found, so its error is not known" in told and "%" not in told
+    assert "its error is" in sentences.trust_sentence(STRONG) and "second order" not in sentences.trust_sentence(STRONG)
+
+
 def test_a_surface_that_locks_to_second_order_only_is_told_so() -> None:
     """The second order lowers the turn by |u|², which is enough to reach zero."""
     lower = TurnResponse(-1.1, DRAG.gradient, np.diag([-2.0, -2.0, 0.0, 0.0]))

@@ -1,5 +1,8 @@
 """The page and the sentences of a watched collection show the alarm, the threshold and the least covered direction."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -75,6 +78,34 @@ def test_without_an_alarm_none_is_marked(even) -> None:
 @pytest.mark.parametrize("theta", [[0.3], [6.2831, -0.1, 0.1]])
 def test_few_pushes_make_a_page_too(theta) -> None:
     assert render(watch_page(course_of(theta), "x.csv")).startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("pushes", [1, 2, 3, 40, 200])
+def test_every_push_lies_whole_within_the_edges_and_few_are_drawn_larger(pushes) -> None:
+    path, evidence, _, _ = watch_page(course_of(np.linspace(0.1, 6.0, pushes)), "x.csv").axes
+    for axes in (path, evidence):
+        assert axes.get_xlim() == (-0.5, max(pushes, 2) - 0.5)
+        assert all(tick == round(tick) for tick in axes.get_xticks())
+    size = path.lines[0].get_markersize()
+    assert size == pytest.approx({1: 9.0, 2: 9.0, 3: 9.0, 40: 2.5, 200: 2.5}[pushes])
+
+
+@pytest.mark.parametrize(
+    ("theta", "told"),
+    [
+        ([0.3], r"the 1 push is worth 0\.\d spread evenly"),
+        ([0.3, 2.0], r"the 2 pushes are worth \d\.\d spread evenly"),
+        (np.arange(90) * 0.9, r"the 90 pushes are worth [1-9]\d spread evenly"),
+    ],
+)
+def test_the_worth_is_told_in_the_number_it_has_with_a_decimal_below_ten(theta, told) -> None:
+    found = sentences.coverage_sentence(course_of(theta).report)
+    assert re.search(told, found), found
+    assert not re.search(r"\b1 pushes|\b(?!1\b)\d+ push\b", found)
+
+
+def test_a_forecast_of_one_push_is_told_of_one_push(even) -> None:
+    assert "the next push would be worth" in sentences.forecast_sentence(replace(even.forecast, ahead=1))
 
 
 def test_the_sentences_tell_alarm_coverage_and_advice(locked, even) -> None:

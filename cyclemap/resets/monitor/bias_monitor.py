@@ -16,6 +16,8 @@ from cyclemap.resets.monitor.visit_evidence import VisitEvidence
 
 ALARM_RATE = 0.01
 LEAST_GAIN = 0.1  # a push is useful while it tells a tenth of what the most telling one would
+# Radians: beyond this a float keeps less than seven digits of the fraction of a turn.
+LARGEST_ORIENTATION = 1e9
 RECENT = 50  # pushes over which the recent worth is taken
 
 
@@ -88,9 +90,15 @@ class BiasMonitor:
     def update(self, theta: float) -> BiasReport:
         """Take the θ0 of the next push (rad; wrapped, or any number of turns) and tell where the collection stands.
 
-        Raises InvalidInput where it is no finite number; the monitor is then as it was.
+        Raises InvalidInput where it is no finite number, or over 1e9 rad, where the fraction of a turn is lost; the
+        monitor is then as it was.
         """
         angle = finite_number("theta", theta)
+        if abs(angle) > LARGEST_ORIENTATION:
+            raise InvalidInput(
+                f"theta {angle:g} rad is over {LARGEST_ORIENTATION:g}: its fraction of a turn is lost; "
+                "give it within a turn, or mend the record it comes from"
+            )
         self._path.append(angle)
         self._rest.add(angle)
         self._visits.add(angle)

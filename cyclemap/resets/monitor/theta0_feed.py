@@ -12,10 +12,12 @@ from cyclemap.errors import DataFileError
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import SUFFIXES, read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord
+from cyclemap.resets.monitor.bias_monitor import LARGEST_ORIENTATION
 from cyclemap.text_files import CsvRow, CsvTable
 from cyclemap.whole_files import UNFINISHED_SUFFIX
 
 COLUMNS = ("theta0_deg", "theta0_accum_deg")
+_LOST_FRACTION = "at such a size the fraction of a turn is lost; mend it, or give angles within a turn"
 _HEAD_BYTES = 256  # a file that begins otherwise than it did is another file
 
 
@@ -57,7 +59,8 @@ class Theta0CsvFeed:
         """The θ0 of the rows added since the last look.
 
         DataFileError where the file is absent at the first look, is no UTF-8 text, its header has neither column, a row
-        has more or fewer fields than the header, or its θ0 is no finite number: with file, line and value.
+        has more or fewer fields than the header, or its θ0 is no finite number or over 1e9 rad: with file, line and
+        value.
         ``finished``: also where it holds no row.
         """
         try:
@@ -118,7 +121,11 @@ class Theta0CsvFeed:
             counts = f"{len(row.fields)} of {len(self._table.header)} fields ('{','.join(row.fields)}')"
             raise self._table.error(row.line, f"{counts}; the line is cut off or has a stray comma: mend or remove it")
         self._rows += 1
-        return [math.radians(self._table.number(row, _column(self._table)))]
+        column = _column(self._table)
+        theta = math.radians(self._table.number(row, column))
+        if abs(theta) > LARGEST_ORIENTATION:
+            raise self._table.error(row.line, f"{column} is '{self._table.text(row, column)}'; {_LOST_FRACTION}")
+        return [theta]
 
     def _parsed(self, line: bytes) -> CsvRow:
         try:
@@ -141,39 +148,70 @@ class Theta0CsvFeed:
 class PushFolderFeed:
     """The first orientation of each recorded push in a folder (MIT layout), by repetition, then by name.
 
-    Files that appear later are taken in that order among themselves; friction scans are passed over. A file that cannot
-    be read is looked at again; where it did not change between two looks, or with ``finished``, it is an error.
+    Files that appear later are taken in that order among themselves; friction scans, folders and links to nothing are
+    passed over. A file that cannot be read is looked at again; where it did not change between two looks, or with
+    ``finished``, it is an error. Between two looks the folder may be away; once it is back it is read from its start.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self._taken: set[Path] = set()
         self._doubtful: tuple[Path, int, int] | None = None
+        self._dropped = False
 
     def look(self, finished: bool = False) -> NewOrientations:
-        """The θ0 of the files added since the last look; DataFileError for a damaged file, or a folder without any."""
+        """The θ0 of the files added since the last look, none while the folder is away.
+
+        DataFileError for a damaged file, and for a folder that cannot be listed.
+        ``finished``: also for a link to nothing, and for a folder that is absent or holds no push.
+        """
+        try:
+            fresh = self._fresh_files(finished)
+        except FileNotFoundError as error:
+            if finished:
+                raise DataFileError(f"{self.path}: there is no such folder; check the path") from error
+            self._dropped = self._dropped or bool(self._taken)
+            self._taken.clear()
+            return NewOrientations(())
+        except OSError as error:
+            reason = error.strerror or error
+            raise DataFileError(f"{self.path}: cannot be read ({reason}); give a folder that can be listed") from error
+        theta = self._theta_of(fresh, finished)
+        if finished and not self._taken:
+            raise DataFileError(f"{self.path}: the folder holds no recorded push ({', '.join(SUFFIXES)})")
+        # What was fed stands until there is something to begin anew with.
+        began_anew = self._dropped and bool(theta)
+        self._dropped = self._dropped and not theta
+        return NewOrientations(theta, began_anew)
+
+    def _theta_of(self, fresh: list[Path], finished: bool) -> tuple[float, ...]:
+        """The θ0 of the files, rad, up to one that is still being written."""
         theta: list[float] = []
-        for file in self._fresh_files():
+        for file in fresh:
             try:
-                record = read_push_file(file)
+                found = _first_orientation(file)
             except DataFileError:
                 if finished or self._stale(file):
                     raise
                 break
             self._taken.add(file)
-            if isinstance(record, PushRecord):
-                theta.append(float(record.start[2]))
-        if finished and not self._taken:
-            raise DataFileError(f"{self.path}: the folder holds no recorded push ({', '.join(SUFFIXES)})")
-        return NewOrientations(tuple(theta))
+            theta += found
+        return tuple(theta)
 
-    def _fresh_files(self) -> list[Path]:
-        found = [file for file in self.path.iterdir() if file.suffix.lower() in SUFFIXES and file not in self._taken]
-        return sorted((file for file in found if not file.name.endswith(UNFINISHED_SUFFIX)), key=_place_in_series)
+    def _fresh_files(self, finished: bool) -> list[Path]:
+        named = [file for file in self.path.iterdir() if file.suffix.lower() in SUFFIXES and file not in self._taken]
+        found = [file for file in named if not file.name.endswith(UNFINISHED_SUFFIX)]
+        nowhere = next((file for file in found if file.is_symlink() and not file.exists()), None)
+        if finished and nowhere is not None:
+            raise DataFileError(f"{nowhere}: a link to a file that is not there; restore the file or remove the link")
+        return sorted((file for file in found if file.is_file()), key=_place_in_series)
 
     def _stale(self, file: Path) -> bool:
-        """True where the file is as it was at the look before."""
-        status = file.stat()
+        """True where the file is as it was at the look before; not where it has gone."""
+        try:
+            status = file.stat()
+        except FileNotFoundError:
+            return False
         now, before = (file, status.st_size, status.st_mtime_ns), self._doubtful
         self._doubtful = now
         return now == before
@@ -181,6 +219,15 @@ class PushFolderFeed:
 
 def _column(table: CsvTable) -> str:
     return next(name for name in COLUMNS if name in table.header)
+
+
+def _first_orientation(file: Path) -> list[float]:
+    """The first θ0 of a push, rad; nothing from a friction scan."""
+    try:
+        record = read_push_file(file)
+    except OSError as error:
+        raise DataFileError(f"{file}: cannot be read ({error.strerror or error}); restore it or remove it") from error
+    return [float(record.start[2])] if isinstance(record, PushRecord) else []
 
 
 def _place_in_series(file: Path) -> tuple[float, str]:

@@ -171,7 +171,11 @@ def test_a_number_that_is_none_is_refused_and_leaves_the_monitor_as_it_was() -> 
     for wrong in (math.nan, math.inf, "1.0", None):
         with pytest.raises(InvalidInput, match="theta must be a finite number"):
             monitor.update(wrong)
+    for far in (1e300, -1.0001e9):
+        with pytest.raises(InvalidInput, match=r"theta .*1e[+]\d+ rad is over 1e[+]09: its fraction of a turn is lost"):
+            monitor.update(far)
     assert monitor.report == before
+    assert monitor.update(-1e9).push == before.push + 1
     for rate in (0.0, 1.0, -0.1, math.nan):
         with pytest.raises(InvalidInput, match="alarm_rate must"):
             BiasMonitor(rate)

@@ -1,13 +1,16 @@
 """Orientations from files that grow, stop in mid-line, are cut, replaced or damaged; and from folders of pushes."""
 
 import json
+import os
+import shutil
 
 import numpy as np
 import pytest
 
 from cyclemap.errors import DataFileError
 from cyclemap.evidence import read_theta0_pairs
-from cyclemap.resets.monitor.theta0_feed import theta0_feed
+from cyclemap.resets.monitor import theta0_feed as module
+from cyclemap.resets.monitor.theta0_feed import NewOrientations, theta0_feed
 
 
 def degrees(found) -> list[float]:
@@ -99,6 +102,8 @@ def test_a_file_that_is_away_between_two_looks_is_waited_for(tmp_path) -> None:
         ("theta0_deg,flag\n1,\n2\n", r"line 3: 1 of 2 fields \('2'\)"),
         ("angle,flag\n1,\n", r"line 1: the header is angle,flag; it must have theta0_deg or theta0_accum_deg"),
         ('theta0_deg\n"1\n', r"line 2: .* mend the quotes"),
+        ("theta0_deg\n1\n1e300\n", r"line 3: theta0_deg is '1e300'; at such a size the fraction of a turn is lost"),
+        ("theta0_accum_deg\n-6e10\n", r"line 2: theta0_accum_deg is '-6e10'; at such a size"),
         ("theta0_deg\n", "no row of θ0"),
         ("", "no row of θ0"),
     ],
@@ -160,3 +165,75 @@ def test_an_empty_folder_is_no_collection(tmp_path) -> None:
     assert feed.look().theta == ()
     with pytest.raises(DataFileError, match="holds no recorded push"):
         feed.look(finished=True)
+
+
+def test_a_folder_that_is_away_is_empty_for_now_and_read_anew_once_it_holds_pushes_again(tmp_path) -> None:
+    folder = tmp_path / "pushes"
+    folder.mkdir()
+    push_file(folder, 1).write_text(push_text(0.1))
+    feed = theta0_feed(folder)
+    assert feed.look().theta == pytest.approx((0.1,))
+    shutil.rmtree(folder)
+    for _ in range(2):
+        assert feed.look() == NewOrientations(())
+    with pytest.raises(DataFileError, match="pushes: there is no such folder; check the path"):
+        feed.look(finished=True)
+    folder.mkdir()
+    assert feed.look() == NewOrientations(())
+    push_file(folder, 1).write_text(push_text(0.3))
+    found = feed.look()
+    assert found.began_anew and found.theta == pytest.approx((0.3,))
+    assert feed.look() == NewOrientations(())
+
+
+def test_a_folder_that_became_a_file_is_said_to_be_unreadable(tmp_path) -> None:
+    folder = tmp_path / "pushes"
+    folder.mkdir()
+    feed = theta0_feed(folder)
+    folder.rmdir()
+    folder.write_text("")
+    with pytest.raises(DataFileError, match=r"pushes: cannot be read \(Not a directory\)"):
+        feed.look()
+
+
+def test_folders_pipes_and_links_to_nothing_among_the_pushes_are_passed_over(tmp_path) -> None:
+    push_file(tmp_path, 1).write_text(push_text(0.1))
+    (tmp_path / "d.json").mkdir()
+    os.mkfifo(tmp_path / "p.json")
+    assert theta0_feed(tmp_path).look(finished=True).theta == pytest.approx((0.1,))
+    link = tmp_path / "link.json"
+    link.symlink_to(tmp_path / "elsewhere" / "push.json")
+    feed = theta0_feed(tmp_path)
+    assert feed.look().theta == pytest.approx((0.1,))
+    with pytest.raises(DataFileError, match=r"link\.json: a link to a file that is not there"):
+        feed.look(finished=True)
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "push.json").write_text(push_text(0.7))
+    assert feed.look(finished=True).theta == pytest.approx((0.7,))
+
+
+def test_a_push_that_goes_while_it_is_read_or_cannot_be_read_is_no_bare_error(tmp_path, monkeypatch) -> None:
+    """A file deleted between listing and reading is passed over while following; a failing disk is named."""
+    file = push_file(tmp_path, 1)
+    file.write_text(push_text(0.1))
+
+    def vanishing(path):
+        path.unlink()
+        raise FileNotFoundError(2, "No such file or directory", str(path))
+
+    def failing(path):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(module, "read_push_file", vanishing)
+    feed = theta0_feed(tmp_path)
+    assert [feed.look().theta, feed.look().theta] == [(), ()]
+    file.write_text(push_text(0.1))
+    monkeypatch.setattr(module, "read_push_file", failing)
+    with pytest.raises(DataFileError, match=r"rep=0001\.json: cannot be read \(Input/output error\)"):
+        feed.look(finished=True)
+
+
+def test_a_push_whose_orientation_has_lost_its_fraction_of_a_turn_is_refused(tmp_path) -> None:
+    push_file(tmp_path, 1).write_text(push_text(2e9))
+    with pytest.raises(DataFileError, match=r"rep=0001\.json: .* is 2e[+]09; it must be a number within"):
+        theta0_feed(tmp_path).look(finished=True)
