@@ -7,6 +7,7 @@ Way-points of the reset, fixed in the world, break it.
 
 import sympy as sp
 
+from theory.plane_rotation import rotation
 from theory.turned_surface import (
     M0,
     MU_A,
@@ -21,7 +22,6 @@ from theory.turned_surface import (
     VELOCITY_Y,
     dissipation_of_a_point,
     leg_in_object_frame,
-    rotation,
     spelled_out,
 )
 

@@ -10,22 +10,13 @@ from itertools import combinations_with_replacement
 
 import sympy as sp
 
+from theory.plane_rotation import rotation
+
 THETA, OMEGA = sp.symbols("theta Omega", real=True)
 MU_A, MU_B = sp.symbols("mu_a mu_b", positive=True)
 M0, N0, PHI, ALPHA = sp.symbols("m_0 n_0 phi alpha", real=True)
 # Components of the offset and of the ellipticity as the object sees them.
 SEEN = sp.symbols("u_x u_y v_x v_y", real=True)
-
-
-def rotation(angle: sp.Expr) -> sp.Matrix:
-    """Return the matrix of the rotation by `angle`, counter-clockwise.
-
-    >>> rotation(sp.pi / 2)
-    Matrix([
-    [0, -1],
-    [1,  0]])
-    """
-    return sp.Matrix([[sp.cos(angle), -sp.sin(angle)], [sp.sin(angle), sp.cos(angle)]])
 
 
 def offset_vector() -> sp.Matrix:

@@ -7,6 +7,7 @@ Functions named `..._residual` vanish identically.
 
 import sympy as sp
 
+from theory.plane_rotation import rotation
 from theory.traction_law import M0, N0, dissipation
 
 #: Twist of the frame's origin: m/s, m/s, rad/s.
@@ -19,11 +20,6 @@ TWIST = sp.Matrix([V_X, V_Y, OMEGA])
 Point = tuple[sp.Expr, sp.Expr]
 
 
-def turn(angle: sp.Expr = PHI) -> sp.Matrix:
-    """Return R(angle), which takes components in the material's axes to components in the frame."""
-    return sp.Matrix([[sp.cos(angle), -sp.sin(angle)], [sp.sin(angle), sp.cos(angle)]])
-
-
 def velocity_at(point: Point) -> sp.Matrix:
     """Return the velocity v + omega z x r of the object at a point (m) of the frame."""
     return sp.Matrix([V_X - OMEGA * point[1], V_Y + OMEGA * point[0]])
@@ -31,7 +27,7 @@ def velocity_at(point: Point) -> sp.Matrix:
 
 def point_dissipation(point: Point) -> sp.Expr:
     """Return the power lost at one support point per unit of its load, h(R(phi)^T (v + omega z x r))."""
-    return dissipation(*(turn().T * velocity_at(point)))
+    return dissipation(*(rotation(PHI).T * velocity_at(point)))
 
 
 def centred(expression: sp.Expr) -> sp.Expr:
@@ -64,7 +60,7 @@ def centre_of_pressure(points: list[Point], loads: list[sp.Expr]) -> Point:
 
 def offset_force() -> sp.Matrix:
     """Return the constant force per unit load, R(phi) (m0, n0), in the frame's axes."""
-    return turn() * sp.Matrix([M0, N0])
+    return rotation(PHI) * sp.Matrix([M0, N0])
 
 
 def offset_wrench(centre: Point) -> sp.Matrix:
@@ -128,7 +124,7 @@ def tilted_table_residual() -> sp.Matrix:
     alpha = sp.atan(slope())
     g, m = sp.symbols("g m", positive=True)
     load = m * g * sp.cos(alpha)
-    downhill = -turn() * sp.Matrix([M0, N0]) / slope()
+    downhill = -rotation(PHI) * sp.Matrix([M0, N0]) / slope()
     gravity = m * g * sp.sin(alpha) * downhill
     return sp.simplify(offset_force() - (-gravity / load))
 

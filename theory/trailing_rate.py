@@ -10,6 +10,8 @@ where ρ lies along ±f. There d(dθ/ds)/dθ = -(f·ρ) s³/(det Q ⟨(u·(x - �
 
 import sympy as sp
 
+from theory.plane_rotation import rotation
+
 FIRST, MIXED, SECOND = sp.symbols("q_1 q_12 q_2", real=True)
 OFFSET_1, OFFSET_2 = sp.symbols("m_1 m_2", real=True)
 TOWARDS = sp.Symbol("beta", real=True)
@@ -60,7 +62,7 @@ def turned(x: sp.Expr, y: sp.Expr) -> sp.Matrix:
     >>> turned(1, 0).T
     Matrix([[cos(theta), sin(theta)]])
     """
-    return sp.Matrix([[sp.cos(TURN), -sp.sin(TURN)], [sp.sin(TURN), sp.cos(TURN)]]) * sp.Matrix([x, y])
+    return rotation(TURN) * sp.Matrix([x, y])
 
 
 def dissipation_of_a_point() -> sp.Expr:

@@ -7,22 +7,13 @@ cycle. Way-points of the reset, where there are any, must be turned about the ta
 
 import sympy as sp
 
+from theory.plane_rotation import rotation
+
 MU_A, MU_B = sp.symbols("mu_a mu_b", positive=True)
 M0, N0, PHI = sp.symbols("m_0 n_0 phi", real=True)
 THETA, TURN = sp.symbols("theta alpha", real=True)
 VELOCITY_X, VELOCITY_Y, SPIN = sp.symbols("v_x v_y omega", real=True)
 POINT_X, POINT_Y = sp.symbols("x y", real=True)
-
-
-def rotation(angle: sp.Expr) -> sp.Matrix:
-    """Return the matrix that turns by an angle, rad.
-
-    >>> rotation(sp.pi / 2)
-    Matrix([
-    [0, -1],
-    [1,  0]])
-    """
-    return sp.Matrix([[sp.cos(angle), -sp.sin(angle)], [sp.sin(angle), sp.cos(angle)]])
 
 
 def support_function(velocity: sp.Matrix, phi: sp.Expr) -> sp.Expr:

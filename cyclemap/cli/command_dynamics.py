@@ -5,8 +5,7 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.commands import DEFAULT_THETA0_DEG
-from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
+from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options, theta0_option
 
 
 def _results(command: Callable[..., None]) -> Callable[..., None]:
@@ -15,13 +14,7 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 
 @click.command("dynamics")
 @loop_options
-@click.option(
-    "--theta0-deg",
-    metavar="LIST",
-    default=DEFAULT_THETA0_DEG,
-    show_default=True,
-    help="Start angles, by commas.",
-)
+@theta0_option
 @click.option("--speed-mm-s", type=float, default=20.0, show_default=True, help="Speed of the rod.")
 @_results
 def dynamics_command(

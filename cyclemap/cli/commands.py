@@ -8,20 +8,12 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.options import LoopOptions, RunRequest, loop_options, run_options
-
-DEFAULT_THETA0_DEG = "0,30,60,90,120,150,180,210,240,270,300,330"
+from cyclemap.cli.options import LoopOptions, RunRequest, loop_options, run_options, theta0_option
 
 
 @click.command("cycle")
 @loop_options
-@click.option(
-    "--theta0-deg",
-    metavar="LIST",
-    default=DEFAULT_THETA0_DEG,
-    show_default=True,
-    help="Start angles, by commas.",
-)
+@theta0_option
 @click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Also write cycles_MATERIAL.json there.")
 @click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
 def cycle_command(

@@ -73,6 +73,17 @@ def _gathering(command: Callable[..., None], needs_material: bool) -> Callable[.
     return decorated(gathered, decorators)
 
 
+def theta0_option(command: Callable[..., None]) -> Callable[..., None]:
+    """Give `command` the list of start angles, every 30 degrees by default."""
+    return click.option(
+        "--theta0-deg",
+        metavar="LIST",
+        default=",".join(str(angle) for angle in range(0, 360, 30)),
+        show_default=True,
+        help="Start angles, by commas.",
+    )(command)
+
+
 def run_options(command: Callable[..., None]) -> Callable[..., None]:
     """Give `command` the options of a command that predicts a run of cycles."""
     decorators: list[Callable[[Any], Any]] = [

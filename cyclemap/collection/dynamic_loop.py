@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.checks import finite_array, finite_number, positive_number
+from cyclemap.checks import finite_array, finite_number
 from cyclemap.collection.cycle import Cycles, StrokePair
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -65,9 +65,7 @@ class DynamicLoop:
 
     def __post_init__(self) -> None:
         _collection_loop(self.loop)
-        for name in ("speed", "stiffness", "damping", "regularisation", "tolerance"):
-            object.__setattr__(self, name, positive_number(name, getattr(self, name)))
-        # Made here so that what does not fit is refused here.
+        # Made here, so that its checks refuse here what does not fit.
         self.model  # noqa: B018
 
     def __getstate__(self) -> dict[str, object]:

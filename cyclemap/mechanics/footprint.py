@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.checks import finite_array, finite_number, point
+from cyclemap.checks import finite_array, finite_number, point, whole_number
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.mechanics.area_quadrature import FAR_ORDER, WARPED_FAR_ORDER, area_quadrature
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
@@ -236,8 +236,7 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
     >>> len(grid_footprint(Ellipse(1.0, 1.0), 4).positions)
     12
     """
-    if isinstance(count, bool) or not isinstance(count, int) or count < 2:
-        raise InvalidInput(f"a grid footprint needs at least 2 points a side, not {count!r}")
+    count = whole_number("points a side of a grid footprint", count, least=2)
     corners = outline.points(4)
     low, high = corners.min(axis=0), corners.max(axis=0)
     share = (np.arange(count) + 0.5) / count

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cyclemap.cli.command_compare import compare_command
-from cyclemap.cli.main import cli, run
+from cyclemap.cli.main import run
 from cyclemap.collection import CollectionLoop
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 
@@ -33,7 +32,6 @@ def here(tmp_path, monkeypatch) -> Path:
     monkeypatch.setattr("cyclemap.evidence.comparison.compare.MOST_DETAILED", 19)
     given = CircleMap.arnold(0.11, 0.6)
     monkeypatch.setattr(CollectionLoop, "circle_map", lambda self, tolerance=1e-6, progress=None: given)
-    monkeypatch.setitem(cli.commands, "compare", compare_command)
     return tmp_path
 
 

@@ -7,20 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cyclemap.cli.main import cli, run
+from cyclemap.cli.main import run
 from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.experiment_page import experiment_page
 from cyclemap.views.experiment_sentences import experiment_headline, isotropic_sentence, method_line, spread_sentence
 
 BATCH_KEYS = ["start_deg", "final_deg", "last_step_deg", "settled_after_cycles", "theta0_deg"]
-
-
-@pytest.fixture(autouse=True)
-def _command(monkeypatch) -> None:
-    from cyclemap.cli.command_experiment import experiment_command
-
-    monkeypatch.setitem(cli.commands, "experiment", experiment_command)
 
 
 @pytest.fixture

@@ -11,8 +11,7 @@ import pytest
 from PIL import Image
 
 from cyclemap.cli import run_figures as command
-from cyclemap.cli.command_figures import figures_command
-from cyclemap.cli.main import cli, run
+from cyclemap.cli.main import run
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.figures.catalogue import CATALOGUE, entries
 from cyclemap.figures.exhibit import Frame, PaperAnimation, PaperFigure, PaperTable
@@ -24,11 +23,9 @@ KEYS = ["name", "title", "source", "caption", "file", "measured"]
 
 @pytest.fixture(autouse=True)
 def here(tmp_path, monkeypatch) -> Path:
-    """An empty current folder, the command registered, and quick exhibits in place of four slow ones."""
+    """An empty current folder, and quick exhibits in place of four slow ones."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("CYCLEMAP_DATA", raising=False)
-    if "figures" not in cli.commands:
-        monkeypatch.setitem(cli.commands, "figures", figures_command)
     quick = {"staircases": _figure(), "table-friction": _table(), "locking-in": _animation(), "fingerprint": _failing()}
     monkeypatch.setattr(command, "load_exhibit", quick.__getitem__)
     return tmp_path

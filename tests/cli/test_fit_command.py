@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cyclemap.cli.command_fit import fit_command
-from cyclemap.cli.main import cli, run
+from cyclemap.cli.main import run
 
 TURN = 2 * math.pi
 HEADER = "surface,shape,v_mm_s,i,s,t,rep,x0,y0,th0,x1,y1,th1\n"
@@ -18,8 +17,7 @@ SET_KEYS |= {"angle_deg", "contacts", "pushes", "statistics", "laws", "dtheta_hi
 
 @pytest.fixture(autouse=True)
 def here(tmp_path, monkeypatch) -> Path:
-    """An empty current folder, and the command where it belongs."""
-    monkeypatch.setitem(cli.commands, "fit", fit_command)
+    """An empty current folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

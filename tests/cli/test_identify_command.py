@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cyclemap.cli.command_identify import identify_command
-from cyclemap.cli.main import cli, run
+from cyclemap.cli.main import run
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks import collected_blocks as module
 from cyclemap.evidence.data_blocks.measured_strokes import MeasuredPush
@@ -27,8 +26,7 @@ RADIUS = 0.00475
 
 @pytest.fixture(autouse=True)
 def here(tmp_path, monkeypatch) -> Path:
-    """An empty current folder, and the command where it belongs."""
-    monkeypatch.setitem(cli.commands, "identify", identify_command)
+    """An empty current folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

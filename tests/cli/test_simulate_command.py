@@ -11,18 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from cyclemap.cli.command_simulate import simulate_command
-from cyclemap.cli.main import cli, run
+from cyclemap.cli.main import run
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.text_files import read_toml
 
 KEYS = ["folder", "cycles", "written", "resumed", "theta0_deg_last", "bytes"]
-
-
-@pytest.fixture(autouse=True)
-def registered(monkeypatch) -> None:
-    monkeypatch.setitem(cli.commands, "simulate", simulate_command)
 
 
 def simulate(folder, *more: str) -> int:

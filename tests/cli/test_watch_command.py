@@ -13,26 +13,17 @@ from pathlib import Path
 import pytest
 
 from cyclemap.cli import run_watch as module
-from cyclemap.cli.command_watch import watch_command
-from cyclemap.cli.main import cli, run
+from cyclemap.cli.main import run
 from cyclemap.errors import DataFileError
 
 LOCKED = [20.0, 28.0, 36.0, 44.0, 52.0, *[60.0 + 0.3 * (k % 3) for k in range(30)]]
 NO_WAITS = ("nan", "inf", "1e12", "86400.1", "0.001", "-1")
-PROGRAM = (
-    "import sys\n"
-    "from cyclemap.cli import main\n"
-    "from cyclemap.cli.command_watch import watch_command\n"
-    "main.cli.add_command(watch_command)\n"
-    "main.main()\n"
-)
 
 
 @pytest.fixture(autouse=True)
 def here(tmp_path, monkeypatch) -> Path:
-    """An empty current folder, and a command line that knows the command."""
+    """An empty current folder."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setitem(cli.commands, "watch", watch_command)
     return tmp_path
 
 
@@ -222,7 +213,7 @@ def test_a_folder_among_the_pushes_is_passed_over_and_a_link_to_nothing_named(he
 
 def test_a_real_interrupt_ends_with_130_and_leaves_the_report(here) -> None:
     file = data_file(here, LOCKED[:5])
-    command = [sys.executable, "-c", PROGRAM, "watch", str(file), "--follow", "--every", "0.05", "--json", "-"]
+    command = [sys.executable, "-m", "cyclemap", "watch", str(file), "--follow", "--every", "0.05", "--json", "-"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ))
     assert json.loads(process.stdout.readline())["push"] == 0
     with file.open("a") as stream:

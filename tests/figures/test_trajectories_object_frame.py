@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from drawn_figures import assert_drawn, words_of
-from small_paths import CYCLES, DRAWN, recorded_folder
+from small_paths import CYCLES, DRAWN, assert_starts_where_the_robot_did, recorded_folder
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
@@ -86,11 +86,4 @@ def test_recorded_pushes_take_the_place_of_simulated_ones(tmp_path_factory) -> N
 
 
 def test_on_plywood_the_pushes_start_where_the_robots_did(measured_data) -> None:
-    found = compute(MeasuredFolder(measured_data), CYCLES, DRAWN)
-    plywood = found.surfaces[0]
-    assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
-    assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))
-    told, figure = FIGURE.caption(found), draw(found)
-    assert f"from {DRAWN} of the 2000 measured orientations of plywood" in told
-    assert "plywood, from measured θ0" in words_of(figure)
-    assert_drawn(figure, 5)
+    assert_starts_where_the_robot_did(FIGURE, compute(MeasuredFolder(measured_data), CYCLES, DRAWN))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from drawn_figures import assert_drawn, words_of
 from matplotlib.colors import to_hex
-from small_paths import CYCLES, DRAWN, recorded_folder
+from small_paths import CYCLES, DRAWN, assert_starts_where_the_robot_did, recorded_folder
 
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.trajectories_robot_frame import CROWDED, FIGURE, compute, crowded_arcs, draw
@@ -77,11 +77,4 @@ def test_the_picture_has_four_full_panels_with_and_without_recorded_pushes(resul
 
 
 def test_on_plywood_the_pushes_start_where_the_robots_did(measured_data) -> None:
-    found = compute(MeasuredFolder(measured_data), CYCLES, DRAWN)
-    plywood = found.surfaces[0]
-    assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
-    assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))
-    told, figure = FIGURE.caption(found), draw(found)
-    assert f"from {DRAWN} of the 2000 measured orientations of plywood" in told
-    assert "plywood, from measured θ0" in words_of(figure)
-    assert_drawn(figure, 5)
+    assert_starts_where_the_robot_did(FIGURE, compute(MeasuredFolder(measured_data), CYCLES, DRAWN))

@@ -140,3 +140,11 @@ def test_pressure_below_zero_and_senseless_grids_are_refused():
     for count in (1, 0, -3, 2.5, True):
         with pytest.raises(InvalidInput):
             grid_footprint(SQUARE, count)
+
+
+def test_a_grid_takes_any_whole_number_of_points_a_side_and_no_other():
+    square = Slider.mit("rect1").outline
+    assert grid_footprint(square, np.int64(8)) == grid_footprint(square, 8)
+    for count in (1, 2.5, True):
+        with pytest.raises(InvalidInput, match="points a side of a grid footprint"):
+            grid_footprint(square, count)

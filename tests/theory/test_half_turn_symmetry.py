@@ -9,7 +9,8 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import CircleMap, fixed_points, rotation_number, slow_passages
 from cyclemap.mechanics import EllipseFriction, LimitSurface, Material, PatchFootprint, Pose, QuasiStaticModel, Slider
 from theory import half_turn_symmetry as theory
-from theory.turned_surface import M0, N0, THETA, VELOCITY_X, VELOCITY_Y, rotation
+from theory.plane_rotation import rotation
+from theory.turned_surface import M0, N0, THETA, VELOCITY_X, VELOCITY_Y
 
 CENTRED, OFFSET = EllipseFriction(0.35, 0.18, phi=0.7), EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7)
 NO_OFFSET = {M0: 0, N0: 0}

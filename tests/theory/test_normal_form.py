@@ -16,6 +16,7 @@ from cyclemap.collection.fingerprint_prediction import Prediction
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import EllipseFriction, load_material
 from theory import normal_form as theory
+from theory.plane_rotation import rotation
 
 NOTE = Path(__file__).parents[2] / "docs" / "theory" / "normal-form.md"
 VALUES = {theory.MU_A: 0.3, theory.MU_B: 0.2, theory.M0: 0.04, theory.N0: -0.03, theory.PHI: 0.7}
@@ -34,7 +35,7 @@ def made_prediction(turn: float, offset: float, ellipticity: float, gradient, ps
 def test_turning_the_surface_turns_the_offset_once_and_the_ellipticity_twice() -> None:
     turned = {theory.PHI: theory.PHI + theory.ALPHA}
     offset, ellipticity, shape = theory.offset_vector(), theory.ellipticity_vector(), theory.shape_logarithm()
-    once, twice = theory.rotation(theory.ALPHA), theory.rotation(2 * theory.ALPHA)
+    once, twice = rotation(theory.ALPHA), rotation(2 * theory.ALPHA)
     residuals = [
         *(offset.subs(turned) - once * offset),
         *(ellipticity.subs(turned) - twice * ellipticity),
@@ -68,7 +69,7 @@ def test_second_order_has_harmonics_0_2_then_1_3_then_0_4_with_ten_numbers() -> 
 def test_the_response_is_equivariant_and_holds_one_harmonic(order) -> None:
     """R(θ + α) T(α) = R(θ) for every α, and R'' = -order² R."""
     response = theory.response(order)
-    turned = response.subs(theory.THETA, theory.THETA + theory.ALPHA) * theory.rotation(order * theory.ALPHA)
+    turned = response.subs(theory.THETA, theory.THETA + theory.ALPHA) * rotation(order * theory.ALPHA)
     oscillates = response.diff(theory.THETA, 2) + order**2 * response
     assert all(zero(entry) for entry in [*(turned - response), *oscillates])
 
