@@ -10,7 +10,6 @@ import numpy as np
 
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_law import CircularLaw
 from cyclemap.maps import Noise, transfer_operator
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.mixtures.fourier_law import FourierLaw
@@ -22,10 +21,11 @@ from cyclemap.maps.mixtures.worst_start import ReachTime, WorstStart
 from cyclemap.resets.scores.coverage_measures import DEFAULT_SECTORS
 from cyclemap.resets.scores.effective_size import EffectiveSize, effective_size
 from cyclemap.resets.scores.evenness import Evenness, Target, evenness
+from cyclemap.resets.scores.score_summary import coverage_numbers, summary_numbers
+from cyclemap.resets.scores.score_targets import target_law, target_table
 from cyclemap.resets.scores.sector_visits import SectorVisits, sector_visits
 from cyclemap.resets.scores.simulated_coverage import SimulatedCoverage, Start, chain_sampler, simulated_coverage
 
-_TARGET_MODES = 1024
 _REPORTED = 100  # pushes that the effective sample size is told for
 
 
@@ -154,7 +154,7 @@ class ResetScores:
         """The same from a start: an angle in radians, "uniform" or "stationary"."""
         sampler = chain_sampler(self.operator, start)
         options: dict[str, Any] = {"sectors": self.sectors, "runs": self.runs, "seed": self.seed}
-        return simulated_coverage(sampler, self.pushes, target=self._table, **options)
+        return simulated_coverage(sampler, self.pushes, target=target_table(self.target), **options)
 
     # -- together ------------------------------------------------------------------------------------------
 
@@ -166,29 +166,11 @@ class ResetScores:
 
     def summary(self) -> dict[str, Any]:
         """The scores as numbers and their errors, ready for JSON; angles in degrees; inf as None."""
-        even, worth, covered = self.evenness, self.effective_size_per_100, self.coverage
-        found: dict[str, Any] = {
-            **_pair("tv_from_target", even.total_variation),
-            **_pair("wasserstein_deg", even.wasserstein, np.degrees(1.0)),
-            **_pair("peak_to_mean", even.peak_to_mean),
-            "peaks_deg": np.degrees(self.peaks).tolist(),
-            **_pair("spectral_gap", self.spectral_gap),
-            "near_tv": self.tv,
-            **_times("mixing_cycles", self.mixing_cycles),
-            **_times("reach_cycles", self.reach_cycles),
-            **_pair("effective_size_per_100", worth),
-            "pushes": self.pushes,
-            "sectors": self.sectors,
+        visits = {
             "sector_share": float(self.visits.stationary[-1]),
             "sector_share_worst_start": float(self.visits.worst[-1]),
         }
-        for name, part, unit in (
-            ("largest_gap_deg", covered.largest_gap, np.degrees(1.0)),
-            ("kuiper", covered.kuiper, 1),
-        ):
-            found[name] = float(part.mean * unit)
-            found[f"{name}_standard_error"] = float(part.standard_error * unit)
-        return {**found, "certified": self.certified}
+        return {**summary_numbers(self), **visits, **coverage_numbers(self.coverage), "certified": self.certified}
 
     # -- inside --------------------------------------------------------------------------------------------
 
@@ -198,25 +180,4 @@ class ResetScores:
 
     @cached_property
     def _target_law(self) -> FourierLaw:
-        if self.target is None or isinstance(self.target, FourierLaw):
-            return FourierLaw.uniform() if self.target is None else self.target
-        return FourierLaw.from_density(self.target, _TARGET_MODES)
-
-    @cached_property
-    def _table(self) -> CircularLaw | None:
-        if self.target is None:
-            return None
-        return CircularLaw(self.target.density if isinstance(self.target, FourierLaw) else self.target)
-
-
-def _pair(name: str, found: Estimate, unit: float = 1.0) -> dict[str, float | None]:
-    return {name: _finite(found * unit), f"{name}_error": _finite(found.error_bound * unit)}
-
-
-def _times(name: str, found: ReachTime) -> dict[str, float | None]:
-    ends = {f"{name}_earliest": _finite(found.earliest), f"{name}_latest": _finite(found.latest)}
-    return {name: _finite(found.cycles), **ends, f"{name}_certified": found.certified}
-
-
-def _finite(number: float) -> float | None:
-    return float(number) if np.isfinite(number) else None
+        return target_law(self.target)
