@@ -1,0 +1,1 @@
+"""Design of resets: what to push and how often, ranked and bounded by what no rule can beat."""
