@@ -15,7 +15,21 @@ Json = dict[str, object]
 
 def cycles_report(starts_deg: Sequence[float], cycles: Sequence[Cycle]) -> Json:
     """The report of `cyclemap cycle`: cycles from the start angles as they were given (degrees)."""
-    return {"cycles": [_cycle(start, cycle) for start, cycle in zip(starts_deg, cycles, strict=True)]}
+    return {"cycles": [cycle_report(start, cycle) for start, cycle in zip(starts_deg, cycles, strict=True)]}
+
+
+def cycle_report(start_deg: float, cycle: Cycle) -> Json:
+    """One cycle from a start angle as it was given (degrees)."""
+    dx, dy = cycle.push_displacement
+    return {
+        "theta0_deg": start_deg,
+        "push_turn_deg": degrees(cycle.push_turn),
+        "push_dx_mm": number(1000 * dx),
+        "push_dy_mm": number(1000 * dy),
+        "drag_turn_deg": degrees(cycle.drag_turn),
+        "drag_mm": number(1000 * cycle.drag_length),
+        "theta1_deg": degrees(cycle.theta_next),
+    }
 
 
 def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None) -> Json:
@@ -46,29 +60,16 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
             **_staircase(forecast.prediction),
             "zones": [{**_zone(zone), "log10_residence_cycles": number(log10)} for zone, log10 in zones],
         },
-        "run": {"seed": forecast.run.seed, **_steps(forecast.steps)},
+        "run": {"seed": forecast.run.seed, **steps_report(forecast.steps)},
     }
     if forecast.worn is not None:
         report["worn"] = {**_staircase(forecast.worn), "zones": [_zone(zone) for zone in forecast.worn.zones]}
-    return report if measured is None else {**report, "data": _measured_staircase(measured)}
+    return report if measured is None else {**report, "data": measured_report(measured)}
 
 
 def json_text(report: Json) -> str:
     """The text of a report, ending with a line break; NaN and infinities are refused."""
     return json.dumps(report, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
-
-
-def _cycle(start_deg: float, cycle: Cycle) -> Json:
-    dx, dy = cycle.push_displacement
-    return {
-        "theta0_deg": start_deg,
-        "push_turn_deg": degrees(cycle.push_turn),
-        "push_dx_mm": number(1000 * dx),
-        "push_dy_mm": number(1000 * dy),
-        "drag_turn_deg": degrees(cycle.drag_turn),
-        "drag_mm": number(1000 * cycle.drag_length),
-        "theta1_deg": degrees(cycle.theta_next),
-    }
 
 
 def _map(portrait: Portrait) -> Json:
@@ -124,7 +125,8 @@ def _zone(zone: SlowZone) -> Json:
     }
 
 
-def _steps(steps: Steps) -> Json:
+def steps_report(steps: Steps) -> Json:
+    """The dwells and steps of a path."""
     return {
         "cycles": int(steps.cycles),
         "climb_deg": degrees(steps.climb),
@@ -139,10 +141,11 @@ def _steps(steps: Steps) -> Json:
     }
 
 
-def _measured_staircase(measured: MeasuredStaircase) -> Json:
+def measured_report(measured: MeasuredStaircase) -> Json:
+    """A measured staircase, and what the map fitted to it predicts."""
     comparison = measured.comparison
     return {
-        **_steps(measured.steps),
+        **steps_report(measured.steps),
         "fitted": {
             "harmonics": measured.fitted.cosine.size - 1,
             "pairs": measured.fitted.pairs,

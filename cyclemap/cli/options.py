@@ -60,7 +60,7 @@ def _gathering(command: Callable[..., None], needs_material: bool) -> Callable[.
             "--protocol",
             metavar="TOML",
             type=click.Path(path_type=Path),
-            help="The --set keys in TOML tables.",
+            help="The --set keys in TOML tables, and a [strategy].",
         ),
         click.option(
             "--set",

@@ -1,6 +1,7 @@
 """`cyclemap cycle`: single cycles, as a table or as JSON."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.table import Table
@@ -8,11 +9,12 @@ from rich.table import Table
 from cyclemap.cli.json_report import cycles_report
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, publish_json, write_json
-from cyclemap.cli.settings import chosen_loop
+from cyclemap.cli.settings import chosen_collection
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import Cycle
 from cyclemap.errors import InvalidInput
 
+TITLE = "One push and drag back on"
 COLUMNS = ("θ0 (°)", "push turn (°)", "dx (mm)", "dy (mm)", "drag turn (°)", "drag (mm)", "next θ0 (°)")
 
 # Up to so many degrees an orientation is known to a thousandth of a degree.
@@ -22,13 +24,20 @@ LARGEST_DEG = 1e12
 def run_cycle(options: LoopOptions, theta0_deg: str, out: Path | None, json_target: str | None) -> None:
     """Run the cycles that start at the angles listed in `theta0_deg`, and print or write them."""
     starts = parse_angles(theta0_deg)
-    loop, _ = chosen_loop(options)
-    cycles = [loop.cycle(math.radians(start)) for start in starts]
-    report = cycles_report(starts, cycles)
+    chosen = chosen_collection(options)
+    name = chosen.loop.material.name
+    if chosen.strategy is None:
+        cycles = [chosen.loop.cycle(math.radians(start)) for start in starts]
+        report, tables = cycles_report(starts, cycles), [cycle_table(f"{TITLE} {name}", cycles)]
+    else:
+        from cyclemap.cli.strategy_cycles import strategy_cycles
+
+        report, tables = strategy_cycles(chosen.loop, chosen.strategy, starts)
     if out is not None:
-        write_json(out / f"cycles_{file_stem(loop.material.name)}.json", report)
+        write_json(out / f"cycles_{file_stem(name)}.json", report)
     if not publish_json(report, json_target):
-        _print_table(loop.material.name, cycles)
+        for table in tables:
+            PeopleConsole().print_table(table)
 
 
 def parse_angles(text: str) -> list[float]:
@@ -52,8 +61,9 @@ def _finite(text: str) -> float:
     return value
 
 
-def _print_table(material: str, cycles: list[Cycle]) -> None:
-    table = Table(title=f"One push and drag back on {material}", title_justify="left")
+def cycle_table(title: str, cycles: Sequence[Cycle], gripper_turn: float = 0.0) -> Table:
+    """The cycles as a table; `gripper_turn` (rad) is added to where they end."""
+    table = Table(title=title, title_justify="left")
     for column in COLUMNS:
         table.add_column(column, justify="right")
     for cycle in cycles:
@@ -66,7 +76,7 @@ def _print_table(material: str, cycles: list[Cycle]) -> None:
             dy,
             drag,
             1000 * cycle.drag_length,
-            math.degrees(cycle.theta_next),
+            math.degrees(cycle.theta_next + gripper_turn),
         )
         table.add_row(*(f"{value:.3f}" for value in row))
-    PeopleConsole().print_table(table)
+    return table

@@ -8,7 +8,7 @@ from rich.table import Table
 from cyclemap.cli.json_report import portrait_report
 from cyclemap.cli.options import LoopOptions, RunRequest
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
-from cyclemap.cli.settings import chosen_loop
+from cyclemap.cli.settings import chosen_collection
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA, Portrait, portrait
@@ -22,9 +22,26 @@ from cyclemap.whole_files import write_whole
 
 def run_portrait(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
-    loop, sigma = chosen_loop(options)
+    chosen = chosen_collection(options)
+    loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
     pairs = None if request.data is None else read_theta0_pairs(request.data)
-    drawn = _compute(loop, DEFAULT_SIGMA if sigma is None else sigma, request, pairs)
+    if chosen.strategy is not None:
+        from cyclemap.cli.run_strategy_portrait import run_strategy_portrait
+        from cyclemap.resets.protocol.fixed_loop import fixed_loop
+
+        fixed = fixed_loop(loop, chosen.strategy)
+        if fixed is None:
+            run_strategy_portrait(loop, chosen.strategy, sigma, request, pairs, json_target)
+            return
+        loop = fixed
+    _run_loop(loop, sigma, request, pairs, json_target)
+
+
+def _run_loop(
+    loop: CollectionLoop, sigma: float, request: RunRequest, pairs: Theta0Pairs | None, json_target: str | None
+) -> None:
+    """The portrait of a loop that does the same in every cycle."""
+    drawn = _compute(loop, sigma, request, pairs)
     measured = None if pairs is None else measured_overlay(pairs, drawn.map.turn)
     report = portrait_report(drawn, measured)
     stem = request.out / f"portrait_{file_stem(loop.material.name)}"

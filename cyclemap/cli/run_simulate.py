@@ -3,12 +3,14 @@
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from cyclemap.cli.json_report import Json
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import progress_bar, publish_json
-from cyclemap.cli.settings import chosen_loop
+from cyclemap.cli.settings import ChosenCollection, chosen_collection
 from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
 from cyclemap.evidence.simulation.simulated_collection import SimulatedCollection, simulate_collection
@@ -38,23 +40,41 @@ class SimulationRequest:
 
 def run_simulate(options: LoopOptions, request: SimulationRequest, json_target: str | None) -> None:
     """Write the collection that is asked for, or the rest of it, and tell where it is."""
-    loop, sigma = chosen_loop(options)
+    chosen = chosen_collection(options)
+    loop, cycle_by_cycle = _prepared(chosen, request)
     with progress_bar(f"collection on {loop.material.name}") as report:
         made = simulate_collection(
-            replace(loop, accuracy=ACCURACY),
+            loop,
             request.folder,
             request.cycles,
             start=math.radians(request.start_deg),
-            noise=_noise(request, DEFAULT_SIGMA if sigma is None else sigma),
+            noise=_noise(request, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma),
             speed=1e-3 * request.speed_mm_s,
             wear_to=None if request.wear_to is None else load_material(request.wear_to),
             seed=request.seed,
             scans=request.scans,
             suffix=f".{request.suffix}",
             progress=report,
+            **cycle_by_cycle,
         )
     if not publish_json(_report(made), json_target):
         _print_for_people(made)
+
+
+def _prepared(chosen: ChosenCollection, request: SimulationRequest) -> tuple[CollectionLoop, dict[str, Any]]:
+    """The loop, and what a strategy changes of it from cycle to cycle: the same that its schedule of this seed says."""
+    loop, strategy = replace(chosen.loop, accuracy=ACCURACY), chosen.strategy
+    if strategy is None:
+        return loop, {}
+    from cyclemap.resets.protocol.fixed_loop import fixed_loop
+
+    fixed = fixed_loop(loop, strategy)
+    if fixed is not None:
+        return fixed, {}
+    loop = strategy.prepared(loop)
+    actions = strategy.actions(request.cycles, request.seed)
+    turns = tuple(action.turn for action in actions)
+    return loop, {"cycle_loops": tuple(action.on(loop) for action in actions), "gripper_turns": turns}
 
 
 def _noise(request: SimulationRequest, sigma: float) -> RecordingNoise:

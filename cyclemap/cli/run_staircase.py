@@ -5,7 +5,7 @@ from pathlib import Path
 from cyclemap.cli.json_report import staircase_report
 from cyclemap.cli.options import LoopOptions, RunRequest
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
-from cyclemap.cli.settings import chosen_loop
+from cyclemap.cli.settings import chosen_collection
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
@@ -19,9 +19,30 @@ from cyclemap.whole_files import write_whole
 
 def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
     """Predict the staircase, set the measured one beside it, draw both, and print them for people or as JSON."""
-    loop, sigma = chosen_loop(options)
+    chosen = chosen_collection(options)
+    loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
     measured = None if request.data is None else measured_staircase(read_theta0_pairs(request.data), request.seed)
-    forecast = _forecast(loop, DEFAULT_SIGMA if sigma is None else sigma, request, measured)
+    if chosen.strategy is not None:
+        from cyclemap.cli.run_strategy_staircase import run_strategy_staircase
+        from cyclemap.resets.protocol.fixed_loop import fixed_loop
+
+        fixed = fixed_loop(loop, chosen.strategy)
+        if fixed is None:
+            run_strategy_staircase(loop, chosen.strategy, sigma, request, measured, json_target)
+            return
+        loop = fixed
+    _run_loop(loop, sigma, request, measured, json_target)
+
+
+def _run_loop(
+    loop: CollectionLoop,
+    sigma: float,
+    request: RunRequest,
+    measured: MeasuredStaircase | None,
+    json_target: str | None,
+) -> None:
+    """The staircase of a loop that does the same in every cycle."""
+    forecast = _forecast(loop, sigma, request, measured)
     report = staircase_report(forecast, measured)
     stem = request.out / f"staircase_{file_stem(loop.material.name)}"
     write_json(stem.with_name(f"{stem.name}.json"), report)

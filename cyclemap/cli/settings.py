@@ -1,35 +1,97 @@
-"""From the options of a command to the loop it is about.
+"""From the options of a command to the loop it is about, and the strategy of its cycles.
 
 What is said later wins: MIT's defaults, then the material, then the protocol file, then each --set in order.
 """
 
+from __future__ import annotations
+
 import json
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cyclemap.checks import positive_number
 from cyclemap.cli.options import LoopOptions
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import SETTING_KEYS
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import InvalidInput
 from cyclemap.suggestions import unknown_name
-from cyclemap.text_files import read_toml
+
+if TYPE_CHECKING:
+    from cyclemap.resets import ResetStrategy
 
 NOISE_KEY = "noise_deg"
 
 
+@dataclass(frozen=True)
+class ChosenCollection:
+    """What the options ask for.
+
+    loop : as the settings have it, what the strategy sets up left out. sigma : the noise of a cycle (rad), None where
+    none is named. strategy : of the protocol file; None where it has none.
+    """
+
+    loop: CollectionLoop
+    sigma: float | None
+    strategy: ResetStrategy | None
+
+
 def chosen_loop(options: LoopOptions) -> tuple[CollectionLoop, float | None]:
-    """The loop that `options` ask for, and the noise of a cycle (rad) where they name one."""
-    settings = protocol_settings(options.protocol) if options.protocol else {}
-    settings.update(set_settings(options.settings))
+    """The loop that `options` ask for, and the noise of a cycle (rad) where they name one.
+
+    A strategy that does the same in every cycle is part of the loop; InvalidInput for any other.
+    """
+    chosen = chosen_collection(options)
+    if chosen.strategy is None:
+        return chosen.loop, chosen.sigma
+    from cyclemap.resets.protocol.fixed_loop import fixed_loop, why_not_fixed
+
+    loop = fixed_loop(chosen.loop, chosen.strategy)
+    if loop is None:
+        raise InvalidInput(
+            f"{options.protocol}: {why_not_fixed(chosen.strategy)}, and this command is about one loop: give the "
+            "protocol to cyclemap cycle, portrait, staircase or simulate, or take [strategy] out of it"
+        )
+    return loop, chosen.sigma
+
+
+def chosen_collection(options: LoopOptions) -> ChosenCollection:
+    """The loop, noise and strategy that `options` ask for; InvalidInput for a --set that the strategy overrules."""
+    settings, strategy = _protocol(options.protocol)
+    own = set_settings(options.settings)
+    settings.update(own)
     for key in settings:
         if key not in (*SETTING_KEYS, NOISE_KEY):
             raise unknown_name("setting", key, (*SETTING_KEYS, NOISE_KEY))
     noise_deg = settings.pop(NOISE_KEY, None)
     sigma = None if noise_deg is None else math.radians(positive_number(NOISE_KEY, noise_deg))
     base = CollectionLoop.mit(material=options.material or "isotropic")
-    return CollectionLoop.from_settings(settings, base), sigma
+    loop = CollectionLoop.from_settings(settings, base)
+    if strategy is not None:
+        _refuse_overruled(loop, strategy, own)
+    return ChosenCollection(loop, sigma, strategy)
+
+
+def _protocol(path: Path | None) -> tuple[dict[str, object], ResetStrategy | None]:
+    if path is None:
+        return {}, None
+    # Strategies take a second to load, and only a protocol can name one.
+    from cyclemap.resets.protocol.protocol_file import read_protocol
+
+    return read_protocol(path)
+
+
+def _refuse_overruled(loop: CollectionLoop, strategy: ResetStrategy, own: Iterable[str]) -> None:
+    from cyclemap.resets.protocol.fixed_loop import overruled_settings
+
+    lost = [key for key in own if key in overruled_settings(loop, strategy)]
+    if lost:
+        raise InvalidInput(
+            f"--set {lost[0]}: the protocol's strategy ({strategy.name}) sets that in every cycle; change it in its "
+            "table [strategy]"
+        )
 
 
 def set_settings(pairs: Iterable[str]) -> dict[str, object]:
@@ -48,23 +110,8 @@ def set_settings(pairs: Iterable[str]) -> dict[str, object]:
 
 
 def protocol_settings(path: Path) -> dict[str, object]:
-    """The settings of a TOML protocol file: the --set keys, grouped in tables of any name.
-
-    DataFileError where the file cannot be read, nests deeper, or gives a key twice.
-    """
-    settings: dict[str, object] = {}
-    for key, value in _entries(path, read_toml(path)):
-        if key in settings:
-            raise DataFileError(f"{path}: {key} is given twice; keep one")
-        if isinstance(value, bool) or not isinstance(value, (int, float, str, list)):
-            raise DataFileError(f"{path}: {key} is {value!r}; it must be a number, text or list of points")
-        settings[key] = value
-    return settings
-
-
-def _entries(path: Path, table: dict[str, object]) -> Iterable[tuple[str, object]]:
-    for name, value in table.items():
-        yield from value.items() if isinstance(value, dict) else [(name, value)]
+    """The settings of a TOML protocol file: the --set keys, grouped in tables of any name; see `read_protocol`."""
+    return _protocol(path)[0]
 
 
 def _value(text: str) -> object:

@@ -49,7 +49,7 @@ class CollectionFolder:
 
     def push_path(self, cycle: int) -> Path:
         """Where the push of `cycle` is kept."""
-        push, plan = self.plan.loop.push, self.plan
+        push, plan = self.plan.push_at(cycle), self.plan
         place = (float(push.side), push.fraction, push.angle, float(cycle))
         facts = PushFacts(self.surface, self.shape, 0.0, plan.speed, *place)
         return self._home / PUSH_FOLDER / f"{push_name(facts)}{plan.suffix}"

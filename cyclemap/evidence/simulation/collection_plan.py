@@ -17,7 +17,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_files import SUFFIXES
 from cyclemap.evidence.simulation.recorded_motion import FIRST_CLOCK, Recording, RecordingNoise
 from cyclemap.evidence.simulation.recorded_push import recorded_seconds
-from cyclemap.mechanics import Material
+from cyclemap.mechanics import Material, SidePush
 from cyclemap.mechanics.friction_wear import worn_friction
 
 Arguments = dict[str, str | int | float | bool]
@@ -37,6 +37,8 @@ class CollectionPlan:
     that at the first, and the limit ellipse goes from the one to the other in a straight line (see `worn_friction`);
     None: the surface wears as its material says.
     seed : of all random numbers. scans : whether friction scans, of the fresh surface, come first. suffix : of files.
+    cycle_loops : the loop of each of the `cycles`, where pushes or way-points change from one to the next; None: `loop`
+    in all. gripper_turns : rad, of each cycle, by which a gripper turns the object after the drag; None: none.
 
     Raises InvalidInput for a value that cannot be used.
     """
@@ -50,6 +52,8 @@ class CollectionPlan:
     seed: int = 0
     scans: bool = False
     suffix: str = ".h5"
+    cycle_loops: tuple[CollectionLoop, ...] | None = None
+    gripper_turns: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cycles", whole_number("cycles", self.cycles, least=1))
@@ -58,14 +62,36 @@ class CollectionPlan:
         if self.suffix not in SUFFIXES:
             raise InvalidInput(f"suffix is {self.suffix!r}; choose one of {', '.join(SUFFIXES)}")
         object.__setattr__(self, "speed", Recording(self.speed).speed)
+        self._check_cycles()
+
+    def _check_cycles(self) -> None:
+        """One entry a cycle, and the loops alike but for their pushes and way-points."""
+        for name in ("cycle_loops", "gripper_turns"):
+            given = getattr(self, name)
+            if given is not None and len(given) != self.cycles:
+                raise InvalidInput(f"{name} has {len(given)} entries for {self.cycles} cycles: give one a cycle")
+        for number, loop in enumerate(self.cycle_loops or ()):
+            if replace(loop, push=self.loop.push, reset=self.loop.reset) != self.loop:
+                raise InvalidInput(f"cycle_loops: the loop of cycle {number} differs in more than push and reset")
+        for turn in self.gripper_turns or ():
+            finite_number("gripper turn", turn)
 
     def loop_at(self, cycle: int) -> CollectionLoop:
         """The loop with the surface as worn as it is at `cycle` (from 0)."""
+        loop = self.loop if self.cycle_loops is None else self.cycle_loops[cycle]
         if self.wear_to is None:
-            return worn_loop(self.loop, cycle)
+            return worn_loop(loop, cycle)
         share = cycle / (self.cycles - 1) if self.cycles > 1 else 0.0
-        friction = worn_friction(self.loop.material.friction, self.wear_to.friction, share)
-        return replace(self.loop, material=replace(self.loop.material, friction=friction))
+        friction = worn_friction(loop.material.friction, self.wear_to.friction, share)
+        return replace(loop, material=replace(loop.material, friction=friction))
+
+    def push_at(self, cycle: int) -> SidePush:
+        """The push of `cycle`."""
+        return self.loop.push if self.cycle_loops is None else self.cycle_loops[cycle].push
+
+    def gripper_turn_at(self, cycle: int) -> float:
+        """The turn (rad) by a gripper after the drag of `cycle`."""
+        return 0.0 if self.gripper_turns is None else self.gripper_turns[cycle]
 
     def generator(self, stream: int, number: int) -> np.random.Generator:
         """The random numbers of one stream for one cycle, the same whatever was drawn before."""
@@ -79,7 +105,8 @@ class CollectionPlan:
     @cached_property
     def _period(self) -> float:
         """Whole seconds from one record to the next."""
-        return math.ceil(2.0 * recorded_seconds(self.loop.push.distance, self.speed) + _HANDLING_SECONDS)
+        longest = max(loop.push.distance for loop in self.cycle_loops or (self.loop,))
+        return math.ceil(2.0 * recorded_seconds(longest, self.speed) + _HANDLING_SECONDS)
 
     def arguments(self) -> Arguments:
         """Everything that the files depend on, by name: numbers and texts; long texts are cut to a hash."""
@@ -102,7 +129,15 @@ class CollectionPlan:
             "noise_force_n": noise.force,
             "scans": self.scans,
             "suffix": self.suffix,
+            **self._cycle_arguments(),
         }
+
+    def _cycle_arguments(self) -> Arguments:
+        """What is done cycle by cycle, as a hash; nothing where all cycles are alike."""
+        if self.cycle_loops is None and self.gripper_turns is None:
+            return {}
+        told = [(loop.push, loop.reset) for loop in self.cycle_loops or ()], self.gripper_turns
+        return {"cycle_by_cycle": hashlib.sha256(repr(told).encode()).hexdigest()}
 
 
 def _short(text: str) -> str:

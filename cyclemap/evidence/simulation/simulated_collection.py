@@ -49,12 +49,12 @@ def simulate_collection(
 ) -> SimulatedCollection:
     """Write a collection of `cycles` pushes as files of the MIT layout, or go on with one that was begun.
 
-    Cycle n starts at θ0 = θ_n, is run with the friction of its day, and θ_{n+1} = F_n(θ_n) + ξ_n with
-    ξ_n ~ N(0, noise.turn²) and F_n the loop's cycle map (to `loop.accuracy`). The drag back is not recorded. See
-    `record_push` for the series and their accuracy, `record_scan` for friction scans.
+    Cycle n starts at θ0 = θ_n, is run with the friction of its day, and θ_{n+1} = F_n(θ_n) + α_n + ξ_n with
+    ξ_n ~ N(0, noise.turn²), F_n the cycle map of its loop (to `loop.accuracy`) and α_n the turn by a gripper, if any.
+    The drag back is not recorded. See `record_push` for the series and their accuracy, `record_scan` for scans.
 
     asked : fields of `CollectionPlan`: start (rad), noise (`RecordingNoise`), speed (m/s), wear_to (`Material`),
-    seed, scans, suffix. progress : called with the fraction done.
+    seed, scans, suffix, cycle_loops, gripper_turns (rad). progress : called with the fraction done.
 
     Every file is there whole or not at all. Random numbers depend on seed and cycle alone, so that a run that was
     broken off and is called again with the same arguments ends with the files of an undisturbed one, bit for bit.
@@ -100,7 +100,8 @@ def _run(plan: CollectionPlan, cycle: int, theta: float) -> tuple[PushRecord, fl
         raise type(error)(f"cycle {cycle}, from θ0 = {math.degrees(theta):.3f} degrees: {error}") from error
     instruments = plan.generator(INSTRUMENTS, cycle)
     record = record_push(push, loop.push.distance, plan.recording(cycle), instruments)
-    return record, back.end.theta + plan.noise.turn * float(plan.generator(TURN, cycle).standard_normal())
+    noise = plan.noise.turn * float(plan.generator(TURN, cycle).standard_normal())
+    return record, back.end.theta + plan.gripper_turn_at(cycle) + noise
 
 
 def _write_scans(home: CollectionFolder, plan: CollectionPlan) -> int:

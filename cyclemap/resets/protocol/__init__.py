@@ -1,0 +1,1 @@
+"""Strategies as files: protocols in TOML, and what the robot does cycle by cycle in CSV."""

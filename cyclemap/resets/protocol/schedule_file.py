@@ -1,0 +1,209 @@
+"""The schedule of a collection as a CSV file for the robot's program: one row a cycle; and back to its actions."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+
+from cyclemap.checks import whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import DataFileError
+from cyclemap.mechanics import SidePush
+from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
+from cyclemap.resets.protocol.commented_csv import CommentedTable, read_commented_csv
+from cyclemap.resets.protocol.exact_units import DEGREES, MILLIMETRES, NUMBER, Unit, decimal_text
+from cyclemap.resets.protocol.located import located
+from cyclemap.resets.strategies.cycle_action import CycleAction, Points
+from cyclemap.resets.strategies.strategy import ResetStrategy
+from cyclemap.resets.strategies.strategy_maps import checked_strategy
+from cyclemap.text_files import CsvRow, require_columns
+from cyclemap.whole_files import write_whole
+
+PUSH_COLUMNS = ("cycle", "side", "fraction", "angle_deg", "push_mm", "rod_x_mm", "rod_y_mm", "push_dx", "push_dy")
+TURN_COLUMN = "gripper_turn_deg"
+# Told twice, as way-points and as legs: how far the two may be apart (mm).
+_AGREE_MM = 1e-6
+_DECIMALS = 9
+
+_COMMENTS = (
+    "Schedule of a data collection: what the robot does, one row a cycle. Lengths in mm, angles in degrees,",
+    "counter-clockwise. The rod's centre touches the object at (rod_x_mm, rod_y_mm) and moves push_mm straight along",
+    "(push_dx, push_dy), both in the object's frame as it lies before the push; the same push by side, fraction of it,",
+    "and angle from its inward normal. Then the rod drags the object by its ring, straight to way_point_1, and on",
+    "to the target, which is (0, 0) of the world: leg_k runs from way_point_k to the next one, the last to the target.",
+    "Blank: no such leg; none at all: straight to the target. At last a gripper turns the object about its ring.",
+)
+
+
+def write_schedule(path: str | Path, loop: CollectionLoop, strategy: ResetStrategy, cycles: int, seed: int = 0) -> None:
+    """Write what the robot does in a run of `cycles` cycles of `strategy` on `loop`: those of `run_strategy`'s `seed`.
+
+    Columns: `PUSH_COLUMNS`; for each way-point its place and the direction and length of the leg that leaves it
+    (way_point_1_x_mm, way_point_1_y_mm, leg_1_direction_deg, leg_1_mm, ...); gripper_turn_deg. Every number that
+    `read_schedule` needs has the digits that give it back exactly; the file is written whole or not at all.
+
+    Raises InvalidInput for a bad value or a push that the object does not allow, OSError where it cannot be written.
+
+    >>> import tempfile
+    >>> from cyclemap.resets.strategies.drag_strategies import TrailingLeg
+    >>> loop, leg = CollectionLoop.mit(), TrailingLeg(0.05)
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     write_schedule(f"{place}/run.csv", loop, leg, 3, seed=1)
+    ...     found = read_schedule(f"{place}/run.csv")
+    >>> found == tuple(action.filled(loop) for action in leg.actions(3, seed=1))
+    True
+    """
+    count, number = whole_number("cycles", cycles, least=1), whole_number("seed", seed, least=0)
+    prepared = checked_strategy(strategy).prepared(loop)
+    actions = tuple(action.filled(prepared) for action in strategy.actions(count, number))
+    ring = " ".join(decimal_text(MILLIMETRES.written(part)) for part in prepared.slider.hitch)
+    facts = {
+        "strategy": " ".join(strategy.name.split()),
+        "needs": ", ".join(strategy.needs) or "nothing else",
+        "object": f"{prepared.slider.name}, its ring at ({ring.replace(' ', ', ')}) mm of its frame",
+        "surface": " ".join(prepared.material.name.split()),
+        "seed": str(number),
+        "cycles": str(count),
+    }
+    write_whole(Path(path), _text(prepared, actions, facts).encode())
+
+
+def _text(loop: CollectionLoop, actions: Sequence[CycleAction], facts: dict[str, str]) -> str:
+    legs = max(len(action.way_points or ()) for action in actions)
+    starts: dict[SidePush, list[str]] = {}
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    writer.writerow(_header(legs))
+    for cycle, action in enumerate(actions):
+        assert action.push is not None and action.way_points is not None
+        if action.push not in starts:
+            starts[action.push] = _push_fields(loop, action.push)
+        turn = _field(DEGREES, action.turn)
+        writer.writerow([str(cycle), *starts[action.push], *_drag_fields(action.way_points, legs), turn])
+    head = [f"# {line}" for line in (*_COMMENTS, *(f"{name}: {fact}" for name, fact in facts.items()))]
+    return "\n".join([*head, table.getvalue()])
+
+
+def _header(legs: int) -> list[str]:
+    return [*PUSH_COLUMNS, *(name for leg in range(1, legs + 1) for name in _leg_columns(leg)), TURN_COLUMN]
+
+
+def _leg_columns(leg: int) -> tuple[str, str, str, str]:
+    return (f"way_point_{leg}_x_mm", f"way_point_{leg}_y_mm", f"leg_{leg}_direction_deg", f"leg_{leg}_mm")
+
+
+def _field(unit: Unit, value: float) -> str:
+    return decimal_text(unit.written(value))
+
+
+def _rounded(value: float) -> str:
+    """A number that only the robot needs: to a picometre, or a billionth of a degree."""
+    return repr(round(value, _DECIMALS) + 0.0)
+
+
+def _push_fields(loop: CollectionLoop, push: SidePush) -> list[str]:
+    (x, y), direction = rod_start(loop, push)
+    numbers = ((NUMBER, push.fraction), (DEGREES, push.angle), (MILLIMETRES, push.distance))
+    told = [_field(unit, value) for unit, value in numbers]
+    return [str(push.side), *told, *map(_rounded, (1e3 * x, 1e3 * y, *direction))]
+
+
+def rod_start(loop: CollectionLoop, push: SidePush) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return where the rod's centre first touches (x, y), m, and the unit vector of its way, in the object's frame.
+
+    >>> (x, y), direction = rod_start(CollectionLoop.mit(), SidePush())
+    >>> round(1e3 * x, 6), round(1e3 * y, 6), [round(part, 12) + 0.0 for part in direction]
+    (-18.0, 49.75, [0.0, -1.0])
+    """
+    outline, radius = loop.slider.outline, loop.pusher.radius
+    pieces = contact_curve(outline, radius)
+    index, coordinate = side_coordinate(outline, pieces, push.side, push.fraction)
+    contact, _ = pieces[index].contact(coordinate, radius)
+    x, y = contact.rod_centre(radius)
+    direction = contact.normal + math.pi + push.angle
+    return (float(x), float(y)), (math.cos(direction), math.sin(direction))
+
+
+def _drag_fields(way_points: Points, legs: int) -> list[str]:
+    fields = []
+    for (x, y), (onward_x, onward_y) in pairwise((*way_points, (0.0, 0.0))):
+        dx, dy = onward_x - x, onward_y - y
+        leg = _rounded(math.degrees(math.atan2(dy, dx))), _rounded(1e3 * math.hypot(dx, dy))
+        fields += [_field(MILLIMETRES, x), _field(MILLIMETRES, y), *leg]
+    return fields + [""] * (4 * (legs - len(way_points)))
+
+
+def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
+    """Return the actions of a file of `write_schedule`, equal to those written, with their pushes and way-points.
+
+    `ScheduledActions` makes a strategy of them. The ring's place is not among them: give the loop the one that the
+    file's comments name.
+
+    Raises DataFileError, naming the line, where the file is cut short or damaged: a cycle missing or out of order, a
+    field that is no number, legs that do not run between the way-points beside them.
+    """
+    read = read_commented_csv(path)
+    table, legs = read.table, 0
+    while _leg_columns(legs + 1)[0] in table.header:
+        legs += 1
+    require_columns(table, _header(legs))
+    count = _promised(read)
+    for number, row in enumerate(table.rows):
+        if table.text(row, "cycle") != str(number):
+            raise table.error(row.line, f"cycle is {table.text(row, 'cycle')!r} where {number} should follow")
+    if len(table.rows) != count:
+        last = table.rows[-1].line
+        raise table.error(last, f"{len(table.rows)} cycles of the {count} that the comments promise; write it anew")
+    return tuple(_action(read, row, legs) for row in table.rows)
+
+
+def _promised(read: CommentedTable) -> int:
+    text = read.facts.get("cycles", "")
+    if not text.isdecimal() or int(text) < 1:
+        raise DataFileError(f"{read.table.path}: the comment '# cycles: N' is missing or damaged; write the file anew")
+    return int(text)
+
+
+def _action(read: CommentedTable, row: CsvRow, legs: int) -> CycleAction:
+    table = read.table
+    with located(f"{table.path}, line {row.line}", DataFileError):
+        side = table.text(row, "side")
+        if not side.isdecimal():
+            raise table.error(row.line, f"side is {side!r}; it must be a whole number")
+        fraction, angle, distance = (
+            read.number(row, column, unit)
+            for column, unit in (("fraction", NUMBER), ("angle_deg", DEGREES), ("push_mm", MILLIMETRES))
+        )
+        for column in PUSH_COLUMNS[5:]:
+            table.number(row, column)
+        push = SidePush(int(side), fraction, angle, distance)
+        return CycleAction(_way_points(read, row, legs), push, read.number(row, TURN_COLUMN, DEGREES))
+
+
+def _way_points(read: CommentedTable, row: CsvRow, legs: int) -> Points:
+    found: list[tuple[float, float]] = []
+    told: list[tuple[float, float]] = []
+    for leg in range(1, legs + 1):
+        x, y, direction, length = _leg_columns(leg)
+        if not any(read.table.text(row, column) for column in (x, y, direction, length)):
+            continue
+        if len(found) < leg - 1:
+            raise read.table.error(row.line, f"{x} is given, but the way-point before it is blank")
+        found.append((read.number(row, x, MILLIMETRES), read.number(row, y, MILLIMETRES)))
+        told.append((math.radians(read.table.number(row, direction)), read.table.number(row, length)))
+    _check_legs(read, row, tuple(found), told)
+    return tuple(found)
+
+
+def _check_legs(read: CommentedTable, row: CsvRow, points: Points, told: list[tuple[float, float]]) -> None:
+    runs = pairwise((*points, (0.0, 0.0)))
+    for leg, (((x, y), (onward_x, onward_y)), (direction, length)) in enumerate(zip(runs, told, strict=True), 1):
+        dx, dy = 1e3 * (onward_x - x), 1e3 * (onward_y - y)
+        if math.hypot(dx - length * math.cos(direction), dy - length * math.sin(direction)) > _AGREE_MM:
+            raise read.table.error(
+                row.line, f"leg_{leg} does not run from way_point_{leg} to the next; mend one of them"
+            )

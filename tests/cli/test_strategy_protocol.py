@@ -1,0 +1,290 @@
+"""A protocol with a strategy through every command: followed, applied, or refused; never passed over."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cyclemap.cli.main import run
+from cyclemap.cli.options import LoopOptions
+from cyclemap.cli.settings import chosen_loop
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.portrait import DEFAULT_SIGMA
+from cyclemap.evidence.pushes.push_table import load_pushes
+from cyclemap.maps import WrappedNormal
+from cyclemap.mechanics import DragBack, SidePush
+from cyclemap.resets.protocol.protocol_file import read_protocol, write_protocol
+from cyclemap.resets.protocol.schedule_file import read_schedule, write_schedule
+from cyclemap.resets.scores.strategy_scores import strategy_scores
+from cyclemap.resets.strategies.combined import combine
+from cyclemap.resets.strategies.drag_strategies import GripperTurn, RingPlace, TrailingLeg, WayPoints
+from cyclemap.resets.strategies.push_strategies import AlternatingPushes, DrawnPushes
+from cyclemap.resets.strategies.strategy_maps import strategy_maps
+from cyclemap.resets.strategies.strategy_run import run_strategy
+
+PUSH = SidePush(distance=0.01)
+LOOP = CollectionLoop.mit(push=PUSH)
+PUSHES = (SidePush(0, 0.7, 0.0, 0.01), SidePush(2, 0.7, 0.0, 0.02))
+RANDOM = combine(DrawnPushes(PUSHES, weights=(1.0, 3.0)), GripperTurn(0.3))
+RING = RingPlace((0.0, 0.02))
+FIXED = combine(WayPoints(((0.02, 0.01),)), RingPlace((0.0, 0.02)))
+PLYWOOD = ["plywood", "--json", "-", "--protocol"]
+
+
+@pytest.fixture
+def protocol(tmp_path, monkeypatch):
+    """Write the protocol of a strategy into an empty current folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def write(strategy, loop=LOOP):
+        write_protocol("protocol.toml", loop, strategy)
+        return "protocol.toml"
+
+    return write
+
+
+def report_of(capsys, arguments) -> dict:
+    assert run(arguments) == 0
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    return json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
+
+
+def test_cycle_runs_each_action_of_the_law_from_each_start(protocol, capsys) -> None:
+    found = report_of(capsys, ["cycle", *PLYWOOD, protocol(RANDOM), "--theta0-deg", "0,90"])["cycles"]
+    law = RANDOM.law(12)
+    assert len(found) == 4
+    for number, row in enumerate(found):
+        action, start = law.actions[number // 2], (0.0, 90.0)[number % 2]
+        cycle = action.on(LOOP).cycle(math.radians(start))
+        assert row["theta0_deg"] == start
+        assert row["theta1_deg"] == pytest.approx(math.degrees(cycle.theta_next + 0.3))
+        assert row["action"]["weight"] == pytest.approx((0.25, 0.75)[number // 2])
+        assert (row["action"]["side"], row["action"]["gripper_turn_deg"]) == (action.push.side, math.degrees(0.3))
+        assert (
+            row["action"]["name"]
+            == f"push {10 * (1 + number // 2)} mm on side {action.push.side} at 0.7, gripper 17.2°"
+        )
+
+
+def test_cycle_without_a_strategy_is_as_it_was(protocol, capsys) -> None:
+    with_file = report_of(capsys, ["cycle", *PLYWOOD, protocol(None), "--theta0-deg", "30"])
+    without = report_of(capsys, ["cycle", "plywood", "--json", "-", "--set", "push_mm=10", "--theta0-deg", "30"])
+    assert with_file == without
+    assert "action" not in with_file["cycles"][0]
+
+
+def test_cycle_tells_people_each_action_and_its_share(protocol, capsys) -> None:
+    assert run(["cycle", "plywood", "--protocol", protocol(RANDOM), "--theta0-deg", "0", "--out", "made"]) == 0
+    shown = capsys.readouterr().out
+    assert "push 20 mm on side 2 at 0.7, gripper 17.2°: 0.75 of the cycles on plywood" in shown
+    assert len(json.loads(Path("made/cycles_plywood.json").read_text())["cycles"]) == 2
+
+
+def test_a_portrait_with_a_random_strategy_tells_the_law_of_its_mixture(protocol, capsys) -> None:
+    """Against the strategy's own maps and scores, made here."""
+    report = report_of(capsys, ["portrait", *PLYWOOD, protocol(RANDOM), "--cycles", "300", "--set", "noise_deg=6"])
+    assert list(report) == [
+        *("strategy", "map", "fixed_points", "fixed_points_reason", "rotation_number", "stationary", "staircase"),
+    ]
+    noise = WrappedNormal(math.radians(6.0))
+    maps = strategy_maps(LOOP, RANDOM, tolerance=1e-5)
+    scores = strategy_scores(maps, noise, bounded=True, pushes=50)
+    assert [one["action"]["weight"] for one in report["map"]] == pytest.approx([0.25, 0.75])
+    assert [one["mean_turn_deg"] for one in report["map"]] == pytest.approx(
+        [math.degrees(float(np.mean(one.turn(np.linspace(0, 2 * np.pi, 720, endpoint=False))))) for one in maps.maps],
+        abs=1e-3,
+    )
+    assert report["stationary"]["tv_from_uniform"] == pytest.approx(float(scores.total_variation), abs=1e-9)
+    assert report["stationary"]["spectral_gap"] == pytest.approx(float(scores.spectral_gap), abs=1e-9)
+    assert report["stationary"]["certified"] is True
+    gap, memory = report["stationary"]["spectral_gap"], report["stationary"]["mixing_cycles"]
+    assert memory == pytest.approx(-1.0 / math.log1p(-gap))
+    assert (report["fixed_points"], report["rotation_number"]["locked"]) == ([], None)
+    low, high = report["rotation_number"]["lower"], report["rotation_number"]["upper"]
+    assert low <= report["rotation_number"]["value"] <= high < low + 1e-4
+    climbed = report["staircase"]["run"]["climb_deg"] / 360.0 / 300.0
+    assert climbed == pytest.approx(report["rotation_number"]["value"], abs=0.02)
+
+
+def test_the_portraits_picture_and_words_say_how_even_it_is(protocol, capsys) -> None:
+    strategy = combine(AlternatingPushes(PUSHES), WayPoints(((0.03, 0.0), (0.0, 0.03))))
+    arguments = ["portrait", "plywood", "--protocol", protocol(strategy), "--cycles", "60", "--set", "noise_deg=30"]
+    assert run([*arguments, "--format", "svg"]) == 0
+    shown = capsys.readouterr().out
+    for part in ("away from uniform", "2 actions in turn", "not certified", "portrait_plywood.svg"):
+        assert part in shown
+    picture = Path("out/portrait_plywood.svg").read_text()
+    assert picture.startswith("<?xml")
+    report = json.loads(Path("out/portrait_plywood.json").read_text())
+    assert report["strategy"]["kind"] == "periodic"
+    assert (report["stationary"]["certified"], report["rotation_number"]["certified"]) == (False, False)
+    value = report["rotation_number"]["value"]
+    assert report["rotation_number"]["lower"] < value < report["rotation_number"]["upper"]
+
+
+def test_a_portrait_takes_measured_directions_beside_a_strategy(protocol, capsys) -> None:
+    rows = "".join(f"{(37.0 * n) % 360.0}\n" for n in range(80))
+    path = protocol(RANDOM)
+    Path("measured.csv").write_text("theta0_deg\n" + rows)
+    report = report_of(capsys, ["portrait", *PLYWOOD, path, "--data", "measured.csv", "--set", "noise_deg=20"])
+    assert report["data"]["pairs"] == 79
+    assert report["staircase"]["run"]["cycles"] == 79
+
+
+DETERMINISTIC = [
+    (["cycle", "--theta0-deg", "10"], FIXED),
+    (["dynamics", "--theta0-deg", "10", "--speed-mm-s", "500"], FIXED),
+    # Isotropic friction and a ring elsewhere turn the object rigidly, which is quick.
+    (["portrait", "--cycles", "20", "--set", "noise_deg=20"], RING),
+    (["staircase", "--cycles", "100", "--set", "noise_deg=20"], RING),
+]
+
+
+@pytest.mark.parametrize(
+    ("command", "strategy"), DETERMINISTIC, ids=lambda part: part[0] if isinstance(part, list) else ""
+)
+def test_a_strategy_that_does_the_same_in_every_cycle_is_part_of_the_loop(protocol, capsys, command, strategy) -> None:
+    """The same JSON as with the same facts given by --set."""
+    name, *options = command
+    material = ["plywood" if name == "cycle" else "isotropic", "--json", "-"]
+    found = report_of(capsys, [name, *material, "--protocol", protocol(strategy), *options])
+    said = ["hitch_x_mm=0", "hitch_y_mm=20", "push_mm=10"] + ["way_points_mm=[[20, 10]]"] * (strategy is FIXED)
+    given = [word for pair in said for word in ("--set", pair)]
+    expected = report_of(capsys, [name, *material, *given, *options])
+    if name == "cycle":
+        assert found != report_of(capsys, [name, *material, "--set", "push_mm=10", *options])
+        (row,) = found["cycles"]
+        assert row.pop("action")["way_points_mm"] == [[20.0, 10.0]]
+    assert found == expected
+
+
+@pytest.mark.parametrize("strategy", [FIXED, TrailingLeg(0.05, 1.0), AlternatingPushes(PUSHES[1:])])
+def test_every_command_about_one_loop_gets_the_loop_with_the_strategy_in_it(protocol, strategy) -> None:
+    """All of them ask for it here."""
+    loop, sigma = chosen_loop(LoopOptions("plywood", Path(protocol(strategy)), ("noise_deg=3",)))
+    (action,) = strategy.law().actions
+    assert loop == action.on(strategy.prepared(LOOP)) != LOOP
+    assert sigma == pytest.approx(math.radians(3.0))
+
+
+def test_a_fixed_loop_from_python_and_from_the_file_are_one(protocol, capsys) -> None:
+    found = report_of(capsys, ["cycle", *PLYWOOD, protocol(FIXED), "--theta0-deg", "40"])["cycles"][0]
+    loop = replace(LOOP, slider=replace(LOOP.slider, hitch=(0.0, 0.02)), reset=DragBack(((0.02, 0.01),)))
+    assert math.radians(found["theta1_deg"]) == pytest.approx(loop.cycle(math.radians(40.0)).theta_next, abs=1e-12)
+
+
+REFUSING = [
+    ["fingerprint", "plywood"],
+    ["dynamics", "plywood"],
+    ["experiment", "plywood"],
+    ["compare", "plywood", "--data", "measured.csv"],
+    ["identify", "measured.csv"],
+]
+
+
+@pytest.mark.parametrize("strategy", [RANDOM, TrailingLeg(0.05), AlternatingPushes(PUSHES), GripperTurn(0.2)])
+@pytest.mark.parametrize("command", REFUSING, ids=lambda command: command[0])
+def test_a_command_about_one_loop_refuses_a_strategy_and_says_which_take_it(
+    protocol, capsys, command, strategy
+) -> None:
+    path = protocol(strategy)
+    Path("measured.csv").write_text("theta0_deg\n" + "".join(f"{7 * n % 360}\n" for n in range(60)))
+    assert run([*command, "--protocol", path]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert len(shown.err.splitlines()) == 1
+    assert "cyclemap cycle, portrait, staircase or simulate" in shown.err
+    why = (
+        "gripper, which is no part of a loop" if isinstance(strategy, GripperTurn) else "not do the same in every cycle"
+    )
+    assert why in shown.err
+
+
+@pytest.mark.parametrize(
+    ("strategy", "pair"),
+    [
+        (RANDOM, "side=1"),
+        (FIXED, "hitch_x_mm=3"),
+        (FIXED, "way_points_mm=[[1, 2]]"),
+        (TrailingLeg(0.05), "way_points_mm=[[1, 2]]"),
+    ],
+)
+def test_a_setting_that_the_strategy_overrules_is_refused(protocol, capsys, strategy, pair) -> None:
+    assert run(["cycle", "plywood", "--protocol", protocol(strategy), "--set", pair]) == 2
+    assert f"--set {pair.partition('=')[0]}: the protocol's strategy" in capsys.readouterr().err
+
+
+def test_a_setting_beside_the_strategy_is_taken(protocol, capsys) -> None:
+    found = report_of(capsys, ["cycle", *PLYWOOD, protocol(TrailingLeg(0.03, 0.0)), "--set", "push_mm=20"])
+    assert {row["action"]["push_mm"] for row in found["cycles"]} == {20.0}
+
+
+def test_the_staircase_is_that_of_the_mechanics_with_the_same_seed(protocol, capsys) -> None:
+    """300 cycles from the maps of two actions, and 12 by the mechanics, against `run_strategy`."""
+    path = protocol(DrawnPushes(PUSHES))
+    for cycles, followed, near in ((300, "maps", 0.2), (12, "mechanics", 1e-9)):
+        report = report_of(capsys, ["staircase", *PLYWOOD, path, "--cycles", str(cycles), "--seed", "4"])
+        assert report["run"]["followed"] == followed
+        told = run_strategy(LOOP, DrawnPushes(PUSHES), cycles, noise=WrappedNormal(DEFAULT_SIGMA), seed=4)
+        assert report["run"]["climb_deg"] == pytest.approx(math.degrees(told.theta[-1] - told.theta[0]), abs=near)
+        assert report["prediction"]["zones"] == []
+    assert Path("out/staircase_plywood.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_staircase_stands_beside_measured_ones(protocol, capsys) -> None:
+    path = protocol(RANDOM)
+    rng = np.random.default_rng(1)
+    theta = np.degrees(np.cumsum(0.2 + 0.02 * rng.standard_normal(150))) % 360.0
+    Path("measured.csv").write_text("theta0_deg\n" + "".join(f"{one:.3f}\n" for one in theta))
+    assert run(["staircase", "plywood", "--protocol", path, "--data", "measured.csv"]) == 0
+    shown = capsys.readouterr().out
+    assert "Staircase of plywood with drawn pushes + gripper turn" in shown
+    assert "In the 150 measured cycles" in shown
+
+
+def test_simulate_follows_the_schedule_of_its_seed_cycle_by_cycle(protocol, capsys, tmp_path) -> None:
+    """Without noise the recorded θ0 are those of `run_strategy`, and of the schedule that a robot is given."""
+    path, strategy = protocol(RANDOM), read_protocol("protocol.toml")[1]
+    options = ["--cycles", "5", "--seed", "6", "--noise-deg", "0", "--format", "json", "--out", "made"]
+    reports = [report_of(capsys, ["simulate", *PLYWOOD, path, *options]) for _ in range(2)]
+    assert (reports[0]["written"], reports[1]["resumed"]) == (5, 5)
+    told = run_strategy(LOOP, strategy, 5, seed=6)
+    table = load_pushes(tmp_path / "made").table.sort_values("repetition")
+    assert np.unwrap(table["theta0"]) == pytest.approx(told.theta[:5], abs=1e-4)
+    write_schedule("schedule.csv", LOOP, strategy, 5, seed=6)
+    assert table["side"].tolist() == [float(action.push.side) for action in read_schedule("schedule.csv")]
+    assert len(set(table["side"])) == 2
+
+
+def test_a_simulated_collection_of_another_strategy_is_not_gone_on_with(protocol, capsys) -> None:
+    options = [
+        "simulate",
+        "plywood",
+        "--protocol",
+        "protocol.toml",
+        "--cycles",
+        "3",
+        "--format",
+        "json",
+        "--out",
+        "made",
+    ]
+    protocol(RANDOM)
+    assert run(options) == 0
+    protocol(DrawnPushes(PUSHES))
+    assert run(options) == 2
+    assert "cycle_by_cycle" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["cycle", "portrait", "staircase", "simulate"])
+def test_a_bad_strategy_is_one_line_that_names_the_file(protocol, capsys, command, tmp_path) -> None:
+    (tmp_path / "bad.toml").write_text('[strategy]\nkind = "trailing-leg"\nlength = 3\n')
+    out = ["--out", "made"] if command == "simulate" else []
+    assert run([command, "plywood", "--protocol", "bad.toml", *out]) == 2
+    shown = capsys.readouterr().err
+    assert "bad.toml: [strategy] of kind 'trailing-leg': unknown key 'length': did you mean 'length_mm'" in shown
+    assert len(shown.splitlines()) == 1
