@@ -43,11 +43,21 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
     show_default=True,
     help=f"How often --follow looks for new rows: every {_WAITS} seconds.",
 )
+@click.option(
+    "--protocol",
+    metavar="TOML",
+    type=click.Path(path_type=Path),
+    help="Protocol with a [strategy]: which of its actions to take next.",
+)
+@click.option(
+    "--material", metavar="MATERIAL", help="With --protocol: name or TOML file of the surface. [default: isotropic]"
+)
 @_results
 def watch_command(json_target: str | None, **request: Any) -> None:
     """Watch a collection of θ0 for locking in: FILE is a CSV with theta0_deg in order, or a folder of MIT pushes.
 
-    With --follow, `--json -` prints a line of JSON for each push.
+    With --protocol it also tells which action of the strategy takes the object to where least is recorded. With
+    --follow, `--json -` prints a line of JSON for each push.
     """
     from cyclemap.cli.run_watch import WatchRequest, run_watch
 

@@ -5,24 +5,35 @@ from cyclemap.cli.json_report import Json
 from cyclemap.resets.monitor.bias_report import Alarm, BiasReport
 from cyclemap.resets.monitor.coverage import CoverageState
 from cyclemap.resets.monitor.forecast import Forecast
+from cyclemap.resets.monitor.next_action import NextAction
 from cyclemap.resets.monitor.rest_direction import Rest
 from cyclemap.resets.monitor.watched_collection import WatchedCourse
+from cyclemap.views.strategy_words import action_words
 
 
-def watch_report(course: WatchedCourse, name: str) -> Json:
-    """The report on a whole collection; ``name`` : of its file."""
+def watch_report(course: WatchedCourse, name: str, chosen: NextAction | None = None) -> Json:
+    """The report on a whole collection; ``name`` : of its file; ``chosen`` : what its strategy should do next."""
     return {
         "file": name,
         "pushes": course.pushes,
         "alarm_rate": course.alarm_rate,
         **bias_report_json(course.report),
         "forecast": None if course.forecast is None else _forecast(course.forecast),
+        **_next(chosen),
     }
 
 
-def push_report(report: BiasReport, theta: float) -> Json:
+def push_report(report: BiasReport, theta: float, chosen: NextAction | None = None) -> Json:
     """The report after one push of θ0 (rad)."""
-    return {"push": report.push, "theta0_deg": direction_deg(theta), **bias_report_json(report)}
+    return {"push": report.push, "theta0_deg": direction_deg(theta), **bias_report_json(report), **_next(chosen)}
+
+
+def _next(chosen: NextAction | None) -> Json:
+    """What to do next; nothing where no strategy is followed."""
+    if chosen is None:
+        return {}
+    about = {"name": action_words(chosen.action), "lands_deg": direction_deg(chosen.lands)}
+    return {"next_action": {"number": chosen.number, **about, "crowding": number(chosen.crowding)}}
 
 
 def bias_report_json(report: BiasReport) -> Json:

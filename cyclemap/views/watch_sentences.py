@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from cyclemap.resets.monitor.bias_report import Alarm, BiasReport
 from cyclemap.resets.monitor.coverage import CoverageState
 from cyclemap.resets.monitor.forecast import Forecast
+from cyclemap.resets.monitor.next_action import NextAction
 from cyclemap.resets.monitor.watched_collection import WatchedCourse
 from cyclemap.views.sentences import angle
+from cyclemap.views.strategy_words import action_words
 
 FEW = 10  # below this many pushes a decimal counts
 
@@ -93,6 +95,12 @@ def advice_sentence(report: BiasReport) -> str:
         if report.advice.change_reset
         else f"Carry on; least covered: {aim[: aim.index(',')]}."
     )
+
+
+def next_action_sentence(chosen: NextAction) -> str:
+    """Which action of the strategy to take next, and where it leads."""
+    where = f"brings θ0 to {angle(chosen.lands, 0)}, where {chosen.crowding:.0%} of the mean are recorded"
+    return f"Next: {action_words(chosen.action)}; it {where}."
 
 
 def directions(angles: Sequence[float]) -> str:

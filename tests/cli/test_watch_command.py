@@ -225,3 +225,42 @@ def test_a_real_interrupt_ends_with_130_and_leaves_the_report(here) -> None:
     rest, complaint = process.communicate(timeout=60)
     assert (process.returncode, rest, complaint) == (130, "", "")
     assert json.loads((here / "out" / "watch_my_run.json").read_text())["alarm"]["kind"] == "rest"
+
+
+MIXTURE = """
+[strategy]
+kind = "drawn-pushes"
+[[strategy.pushes]]
+side = 1
+fraction = 0.7
+push_mm = 150
+[[strategy.pushes]]
+side = 2
+fraction = 0.7
+push_mm = 150
+"""
+
+
+def test_a_protocol_tells_which_action_to_take_next(here, capsys) -> None:
+    """The landing is that of `cyclemap cycle` from the last direction recorded with the same push."""
+    (here / "mix.toml").write_text(MIXTURE)
+    asked = ["watch", str(data_file(here)), "--protocol", "mix.toml", "--material", "plywood"]
+    assert run([*asked, "--json", "-"]) == 0
+    chosen = json.loads(capsys.readouterr().out)["next_action"]
+    assert set(chosen) == {"number", "name", "lands_deg", "crowding"}
+    assert run(["cycle", "plywood", "--protocol", "mix.toml", "--theta0-deg", str(LOCKED[-1]), "--json", "-"]) == 0
+    cycles = json.loads(capsys.readouterr().out)["cycles"]
+    assert len(cycles) == 2 and len({round(cycle["theta1_deg"]) for cycle in cycles}) == 2
+    assert chosen["lands_deg"] == pytest.approx(cycles[chosen["number"]]["theta1_deg"] % 360.0, abs=0.1)
+    assert chosen["name"] == cycles[chosen["number"]]["action"]["name"]
+    assert run(asked) == 0
+    assert f"Next: {chosen['name']}; it brings θ0 to {chosen['lands_deg']:.0f}°" in capsys.readouterr().out
+
+
+def test_a_protocol_that_leaves_nothing_to_choose_is_refused(here, capsys) -> None:
+    (here / "plain.toml").write_text("[push]\npush_mm = 100\n")
+    assert run(["watch", str(data_file(here)), "--protocol", "plain.toml"]) == 2
+    assert "there is no action to choose" in capsys.readouterr().err
+    assert run(["watch", str(data_file(here)), "--material", "plywood"]) == 2
+    assert "--material plywood is for --protocol" in capsys.readouterr().err
+    assert not (here / "out").exists()

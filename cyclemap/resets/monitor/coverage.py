@@ -136,6 +136,15 @@ class Coverage:
         size = self._inverse.shape[0]
         return math.exp(self._log_determinant / size) * math.expm1(added / size)
 
+    def crowding(self, theta: Any) -> Array:
+        """How crowded recorded directions are at ``theta`` (...) rad, as a share of their mean over the circle.
+
+        Zeros before the first push.
+        """
+        cells = ((np.asarray(theta, dtype=float) % TWO_PI) * (CELLS / TWO_PI)).astype(int)
+        mean = float(self._crowding.mean())
+        return np.asarray(self._crowding[np.minimum(cells, CELLS - 1)] / (mean or 1.0), dtype=np.float64)
+
     def _information(self, columns: Array) -> Array:
         return np.asarray(np.einsum("...i,ij,...j->...", columns, self._inverse, columns), dtype=np.float64)
 
