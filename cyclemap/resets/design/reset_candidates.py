@@ -1,0 +1,248 @@
+"""The strategies that a design looks at: the loop's own reset, and others by how little they change it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from cyclemap.checks import whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import Ellipse, SidePush
+from cyclemap.resets.strategies.combined import combine
+from cyclemap.resets.strategies.drag_strategies import (
+    GripperTurn,
+    RingPlace,
+    ScatteredAim,
+    StraightReset,
+    TrailingLeg,
+    WayPoints,
+)
+from cyclemap.resets.strategies.push_strategies import AlternatingPushes, DrawnPushes
+from cyclemap.resets.strategies.strategy import ResetStrategy
+from cyclemap.resets.strategies.strategy_maps import checked_strategy
+from cyclemap.suggestions import unknown_name
+
+# Fractions this near to the middle of a side push its mirror image at almost the same place.
+_MIDDLE, _ASIDE = 0.05, 0.2
+_MOST_SIDES, _AROUND = 8, 8
+_SLANT = math.radians(30.0)
+_MANY_NODES = 64
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much a design looks at.
+
+    fractions : of every side that are tried besides the loop's own and its mirror image. angles : of slanted pushes,
+    rad off the loop's own, that are tried where upright ones do not meet the demands. lengths : of trailing legs, in
+    mean drags of the loop's own reset. side_steps : of those legs, in their lengths. aims : radii of a scattered aim,
+    in the same mean drags. nodes : of a law, for a full turn. rings : directions in which other places of the ring are
+    tried. searches : starts of the search for the best weights of pushes. certified : how many strategies that meet
+    the demands are looked at with bounds, at most.
+    """
+
+    fractions: tuple[float, ...]
+    angles: tuple[float, ...]
+    lengths: tuple[float, ...]
+    side_steps: tuple[float, ...]
+    aims: tuple[float, ...]
+    nodes: int
+    rings: int
+    searches: int
+    certified: int
+
+
+EFFORTS = {
+    "quick": Effort((), (), (1.0,), (0.5,), (), 12, 0, 1, 1),
+    "normal": Effort((0.5,), (_SLANT,), (1.0,), (0.0, 0.5), (0.25,), 16, 4, 2, 2),
+    "thorough": Effort(
+        (0.15, 0.3, 0.5, 0.7, 0.85),
+        (0.5 * _SLANT, _SLANT),
+        (0.5, 1.0, 1.5),
+        (0.0, 0.5),
+        (0.125, 0.25, 0.5),
+        12,
+        8,
+        4,
+        8,
+    ),
+}
+
+
+@dataclass(frozen=True)
+class ResetCandidate:
+    """A strategy under a name that tells it from the others. nodes : of its law, for a full turn."""
+
+    name: str
+    strategy: ResetStrategy
+    nodes: int = 12
+
+    def __post_init__(self) -> None:
+        checked_strategy(self.strategy)
+        whole_number("nodes", self.nodes, least=1)
+
+    def keeps_push(self, loop: CollectionLoop) -> bool:
+        """Whether every push is the loop's own."""
+        actions = self.strategy.law(self.nodes).actions
+        return self.strategy.prepared(loop).push == loop.push and all(a.push in (None, loop.push) for a in actions)
+
+
+def effort(name: str | Effort) -> Effort:
+    """Return how much is looked at: "quick", "normal", "thorough" or what is given; InvalidInput for another name."""
+    if isinstance(name, Effort):
+        return name
+    if name not in EFFORTS:
+        raise unknown_name("effort", str(name), EFFORTS)
+    return EFFORTS[name]
+
+
+def own_candidate(loop: CollectionLoop) -> ResetCandidate:
+    """The loop's own reset, as it is.
+
+    >>> own_candidate(CollectionLoop.mit()).strategy
+    StraightReset()
+    """
+    points = loop.reset.way_points
+    return ResetCandidate("as it is", WayPoints(points) if points else StraightReset(), 1)
+
+
+@dataclass(frozen=True)
+class PushPlaces:
+    """Where the loop's push could be made as well. own : the loop's. mirrored : at the mirror image of its place.
+
+    opposite : on the far side. around : at the same place of each side. everywhere : all these and their mirror images.
+    """
+
+    own: SidePush
+    mirrored: SidePush
+    opposite: SidePush
+    around: tuple[SidePush, ...]
+    everywhere: tuple[SidePush, ...]
+
+    @classmethod
+    def of(cls, loop: CollectionLoop, fractions: Sequence[float] = ()) -> PushPlaces:
+        """For a polygon its sides, at most eight, evenly picked; for an ellipse eight places around it.
+
+        fractions : further ones, of each side.
+
+        >>> places = PushPlaces.of(CollectionLoop.mit())
+        >>> [push.side for push in places.around], round(places.mirrored.fraction, 12), len(places.everywhere)
+        ([0, 1, 2, 3], 0.3, 8)
+        """
+        if isinstance(loop.slider.outline, Ellipse):
+            return cls._around_ellipse(loop.push)
+        own, sides = loop.push, loop.slider.outline.sides
+        picked = range(sides) if sides <= _MOST_SIDES else [(k * sides) // _MOST_SIDES for k in range(_MOST_SIDES)]
+        numbers = sorted({(own.side + k) % sides for k in picked})
+        aside = _ASIDE if abs(own.fraction - 0.5) < _MIDDLE else 0.0
+        mirrored = replace(own, fraction=round(1.0 - own.fraction - aside, 12), angle=-own.angle or 0.0)
+        given = [own, mirrored, *(replace(own, fraction=fraction) for fraction in fractions)]
+        different = {round(push.fraction, 3): push for push in reversed(given)}
+        opposite = replace(own, side=(own.side + sides // 2) % sides)
+        everywhere = tuple(replace(push, side=side) for side in numbers for push in different.values())
+        return cls(own, mirrored, opposite, tuple(replace(own, side=side) for side in numbers), everywhere)
+
+    @classmethod
+    def _around_ellipse(cls, own: SidePush) -> PushPlaces:
+        around = tuple(replace(own, fraction=(own.fraction + k / _AROUND) % 1.0) for k in range(_AROUND))
+        mirrored = replace(own, fraction=round((1.0 - own.fraction) % 1.0, 12))
+        return cls(own, mirrored, around[_AROUND // 2], around, around)
+
+    def slanted(self, angles: Sequence[float]) -> tuple[SidePush, ...]:
+        """The pushes at the loop's fraction and its mirror image, turned by each angle (rad) to both sides."""
+        near = {round(self.own.fraction, 3), round(self.mirrored.fraction, 3)}
+        pushes = [push for push in self.everywhere if round(push.fraction, 3) in near or len(near) == 1]
+        turned = [(push, push.angle + sign * angle) for angle in angles for push in pushes for sign in (1.0, -1.0)]
+        return tuple(replace(push, angle=angle) for push, angle in turned if abs(angle) < 0.5 * math.pi)
+
+
+def push_candidates(places: PushPlaces) -> list[ResetCandidate]:
+    """Pushes in turn or drawn, alike in weight."""
+    two, mirror = (places.own, places.opposite), (places.own, places.mirrored)
+    four = tuple(dict.fromkeys((*two, places.mirrored, replace(places.opposite, fraction=places.mirrored.fraction))))
+    made = [
+        ResetCandidate("two sides in turn", AlternatingPushes(two)),
+        ResetCandidate("all sides in turn", AlternatingPushes(places.around)),
+        ResetCandidate("two sides, drawn", DrawnPushes(two)),
+        ResetCandidate("all sides, drawn", DrawnPushes(places.around)),
+        ResetCandidate("two fractions, drawn", DrawnPushes(mirror)),
+        ResetCandidate("two sides x fractions, drawn", DrawnPushes(four)),
+        ResetCandidate("all sides x fractions, drawn", DrawnPushes(places.everywhere)),
+    ]
+    seen: dict[ResetStrategy, ResetCandidate] = {}
+    for one in made:
+        seen.setdefault(one.strategy, one)
+    return [one for one in seen.values() if len(set(one.strategy.law().actions)) > 1]
+
+
+def direction_nodes(loop: CollectionLoop, work: Effort) -> int:
+    """Nodes of a random direction: many where they share one map, as on an isotropic surface.
+
+    So few leave a bias of their own, which is no bias of the strategy: with K of them that of the K-th harmonic.
+    """
+    friction = loop.material.friction
+    centred = friction.m0 == friction.n0 == 0.0
+    return _MANY_NODES if centred and friction.mu_a == friction.mu_b else work.nodes
+
+
+def leg_candidates(work: Effort, own_drag: float) -> list[ResetCandidate]:
+    """Drags whose last leg comes from a random direction, with or without a side step, and scattered aims."""
+    made = []
+    for length in work.lengths:
+        for aside in work.side_steps:
+            metres, step = round(length * own_drag, 3), round(aside * length * own_drag, 3)
+            words = f", side step {1000 * step:.0f} mm" if step else ""
+            leg = TrailingLeg(metres, side_step=step)
+            made.append(ResetCandidate(f"trailing leg {1000 * metres:.0f} mm{words}", leg, work.nodes))
+    for aim in work.aims:
+        radius = round(aim * own_drag, 3)
+        made.append(
+            ResetCandidate(f"aim scattered by {1000 * radius:.0f} mm", ScatteredAim(radius), max(4, work.nodes // 2))
+        )
+    return made
+
+
+def combined_candidates(places: PushPlaces, work: Effort, own_drag: float) -> list[ResetCandidate]:
+    """Drawn fractions and a trailing leg together."""
+    if not work.lengths or places.own == places.mirrored:
+        return []
+    length = round(0.5 * own_drag, 3)
+    both = combine(DrawnPushes((places.own, places.mirrored)), TrailingLeg(length))
+    return [ResetCandidate(f"two fractions, drawn + leg {1000 * length:.0f} mm", both, max(4, work.nodes // 2))]
+
+
+def ring_places(loop: CollectionLoop, directions: int) -> list[ResetCandidate]:
+    """The ring nearer to the centre of mass and further away, in that many directions."""
+    if directions < 0:
+        raise InvalidInput(f"directions is {directions}: give the number of directions, 0 or more")
+    import numpy as np
+
+    centre, hitch = np.array(loop.slider.centre_of_mass), np.array(loop.slider.hitch)
+    lever = hitch - centre
+    away = float(np.hypot(*lever))
+    if away == 0.0:
+        lever = np.array([0.25 * float(np.abs(loop.slider.outline_points()).max()), 0.0])
+        away = float(lever[0])
+    made = []
+    for k in range(directions):
+        angle = 2.0 * np.pi * k / directions
+        turned = np.array(
+            [np.cos(angle) * lever[0] - np.sin(angle) * lever[1], np.sin(angle) * lever[0] + np.cos(angle) * lever[1]]
+        )
+        for factor in (0.5, 1.0, 2.0):
+            place = tuple((centre + factor * turned).round(6).tolist())
+            if np.hypot(*(np.array(place) - hitch)) > 1e-6:
+                made.append(_ring_candidate(place))
+    return made
+
+
+def _ring_candidate(place: tuple[float, float]) -> ResetCandidate:
+    x, y = (1000 * part for part in place)
+    return ResetCandidate(f"ring at ({x:.1f}, {y:.1f}) mm", RingPlace(place), 1)
+
+
+def gripper_candidates() -> list[ResetCandidate]:
+    """A gripper that turns the object by anything."""
+    return [ResetCandidate("gripper, any turn", GripperTurn(), 1)]

@@ -1,0 +1,121 @@
+"""`cyclemap reset` from outside: its files, its JSON, its table and sentences, and what it refuses."""
+
+import csv
+import json
+import math
+import tomllib
+
+import pytest
+
+from cyclemap.cli import main
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.maps import WrappedNormal
+from cyclemap.resets.design import reset_candidates
+from cyclemap.resets.design.reset_candidates import Effort
+from cyclemap.resets.protocol.protocol_file import write_protocol
+from cyclemap.resets.strategies.drag_strategies import GripperTurn
+
+LITTLE = Effort((), (), (), (), (), 4, 0, 1, 1)
+# Noise so wide that a few modes do.
+QUICK = ("--quick", "--set", "noise_deg=25", "--pushes", "20", "--cycles", "30")
+
+
+@pytest.fixture(autouse=True)
+def few_strategies(monkeypatch) -> None:
+    monkeypatch.setitem(reset_candidates.EFFORTS, "quick", LITTLE)
+
+
+def refuse(name: str) -> None:
+    pytest.fail(f"JSON holds {name}")
+
+
+def run_json(tmp_path, capsys, *arguments):
+    assert main.run(["reset", "plywood", *QUICK, *arguments, "--out", str(tmp_path), "--json", "-"]) == 0
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    return json.loads(shown.out, parse_constant=refuse), shown.out
+
+
+def test_a_reset_that_meets_the_demands_is_ranked_written_and_drawn(tmp_path, capsys) -> None:
+    report, text = run_json(tmp_path, capsys, "--allow-tv", "0.05", "--seed", "3")
+    assert (report["material"], report["met"], report["certified"], report["reasons"]) == ("plywood", True, True, [])
+    assert report["noise_deg"] == pytest.approx(25.0)
+    chosen, ranking = report["chosen"], report["ranking"]
+    assert chosen["tv"] + chosen["tv_error"] <= 0.05 and chosen["tv_after"] + chosen["tv_after_error"] <= 0.1
+    assert sum(push["chance"] for push in chosen["pushes"]) == pytest.approx(1.0)
+    met = [one for one in ranking if one["meets"]]
+    assert met == ranking[: len(met)] and len(ranking) >= 8
+    assert [one["mean_drag_mm"] for one in met] == sorted(one["mean_drag_mm"] for one in met)
+    assert report["own"]["name"] == "as it is" and report["own"]["drag_ratio"] == 1.0
+    assert [one["lacking"] for one in ranking[-2:]] == [["gripper"], ["gripper"]]
+    assert report["trial"]["pushes"] == 20 and isinstance(report["trial"]["agrees"], bool)
+    written = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert set(written) == {f"reset_plywood.{ending}" for ending in ("png", "json", "toml", "csv")}
+    assert written["reset_plywood.png"].startswith(b"\x89PNG")
+    assert written["reset_plywood.json"].decode() == text
+    protocol = tomllib.loads(written["reset_plywood.toml"].decode())
+    assert protocol["predicted"]["tv"] == pytest.approx(chosen["tv"])
+    rows = [row for row in written["reset_plywood.csv"].decode().splitlines() if not row.startswith("#")]
+    schedule = list(csv.DictReader(rows))
+    allowed = {(str(push["side"]), push["fraction"]) for push in chosen["pushes"]}
+    assert len(schedule) == 30
+    assert {(row["side"], float(row["fraction"])) for row in schedule} <= allowed
+
+
+def test_demands_that_nothing_meets_are_answered_and_not_an_error(tmp_path, capsys) -> None:
+    impossible = ("--keep-push", "--reach-mm", "50", "--drag-ratio", "0.5", "--pushes", "0", "--format", "svg")
+    report, _ = run_json(tmp_path, capsys, *impossible)
+    assert (report["met"], report["certified"]) == (False, False)
+    assert "trial" not in report and report["demands"]["keep_push"]
+    binding = {one["demand"]: one for one in report["binding"]}
+    assert set(binding) >= {"reach", "drag"}
+    assert binding["reach"]["limit_mm"] == pytest.approx(50.0) and binding["reach"]["least_mm"] > 150.0
+    assert any("A push of 150 mm alone takes 80 mm" in reason for reason in report["reasons"])
+    assert all(one["kind"] in ("straight", "gripper turn") for one in report["ranking"])
+    assert (tmp_path / "reset_plywood.svg").read_bytes().startswith(b"<?xml")
+
+
+def test_people_read_the_table_the_verdict_and_where_the_files_are(tmp_path, capsys) -> None:
+    arguments = ("--keep-push", "--allow-tv", "0.001", "--with", "gripper")
+    assert main.run(["reset", "plywood", *QUICK, *arguments, "--out", str(tmp_path)]) == 0
+    shown = capsys.readouterr().out
+    for words in ("Resets for plywood", "misses TV", "meets all", "as it is", "gripper, any turn", "room (mm)"):
+        assert words in shown
+    assert "plywood: “gripper, any turn” meets all demands: total variation from uniform 0.000" in shown
+    assert "20 pushes by the full mechanics agree with the prediction" in shown
+    for ending in ("png", "toml", "csv"):
+        assert f"{tmp_path / 'reset_plywood'}.{ending}" in shown
+
+
+def test_the_strategy_of_a_protocol_is_ranked_with_the_others(tmp_path, capsys) -> None:
+    protocol = tmp_path / "mine.toml"
+    write_protocol(protocol, CollectionLoop.mit(), GripperTurn(1.0), noise=WrappedNormal(0.5))
+    arguments = ("--protocol", str(protocol), "--keep-push", "--pushes", "0", "--quick", "--json", "-")
+    assert main.run(["reset", "abs", *arguments, "--out", str(tmp_path / "other")]) == 0
+    report = json.loads(capsys.readouterr().out, parse_constant=refuse)
+    assert report["noise_deg"] == pytest.approx(math.degrees(0.5)) and report["material"] == "abs"
+    given = [one for one in report["ranking"] if one["name"] == "gripper turn (given)"]
+    assert len(given) == 1 and given[0]["lacking"] == ["gripper"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["ply"], "ply"),
+        (["plywood", "--allow-tv", "0"], "--allow-tv"),
+        (["plywood", "--allow-tv", "nan"], "allow_tv must be a finite number"),
+        (["plywood", "--extra-tv", "1"], "--extra-tv"),
+        (["plywood", "--within", "0"], "--within"),
+        (["plywood", "--drag-ratio", "-1"], "--drag-ratio"),
+        (["plywood", "--reach-mm", "inf"], "reach must be a finite number"),
+        (["plywood", "--with", "magnet"], "magnet"),
+        (["plywood", "--cycles", "0"], "--cycles"),
+        (["plywood", "--set", "nonsense=1"], "nonsense"),
+        ([], "give one material"),
+    ],
+)
+def test_bad_use_is_one_line_and_code_2(arguments, words, tmp_path, capsys) -> None:
+    assert main.run(["reset", *arguments, "--quick", "--out", str(tmp_path)]) == 2
+    shown = capsys.readouterr()
+    assert words in shown.err and shown.err.count("\n") == 1 and shown.out == ""
+    assert not list(tmp_path.iterdir())
