@@ -10,7 +10,17 @@ import cyclemap
 
 PACKAGE = Path(cyclemap.__file__).parent
 # A room may import itself and rooms of lower rank; two rooms of one rank do not know each other.
-RANK = {"mechanics": 2, "maps": 2, "collection": 3, "evidence": 4, "resets": 5, "views": 6, "figures": 7, "cli": 8}
+RANK = {
+    "mechanics": 2,
+    "maps": 2,
+    "collection": 3,
+    "evidence": 4,
+    "sweeps": 4,
+    "resets": 5,
+    "views": 6,
+    "figures": 7,
+    "cli": 8,
+}
 # Modules beside the rooms: small things that every room may use, and the doors of the package.
 SHARED = {"errors": 0, "checks": 1, "suggestions": 1, "text_files": 1, "whole_files": 1}
 DOORS = {"__init__": 9, "__main__": 9}
@@ -138,7 +148,11 @@ ROWS = {
         ("theta0", "laws", "orientations", "tables", "comparison"),
         ("theta0", "pushes", "comparison"),
     ),
-    "resets": (("strategies",), ("scores",), ("least_noise",), ("monitor",)),
+    "resets": (
+        ("strategies", "scores", "least_noise", "design", "robust"),
+        ("strategies", "monitor"),
+        ("strategies", "scores", "protocol"),
+    ),
 }
 PARTS_SHARED: dict[str, set[str]] = {"maps": {"arcs", "estimate", "quadrature"}, "evidence": set(), "resets": set()}
 

@@ -19,7 +19,9 @@ from cyclemap.cli.command_fingerprint import fingerprint_command
 from cyclemap.cli.command_fit import fit_command
 from cyclemap.cli.command_identify import identify_command
 from cyclemap.cli.command_replay import replay_command
+from cyclemap.cli.command_reset import reset_command
 from cyclemap.cli.command_simulate import simulate_command
+from cyclemap.cli.command_sweep import sweep_command
 from cyclemap.cli.command_watch import watch_command
 from cyclemap.cli.commands import cycle_command, portrait_command, staircase_command
 from cyclemap.errors import CycleMapError, InvalidInput
@@ -40,6 +42,7 @@ for _command in (
     *(cycle_command, portrait_command, staircase_command, fingerprint_command),
     *(dynamics_command, experiment_command, figures_command),
     *(simulate_command, fit_command, identify_command, compare_command, replay_command, watch_command),
+    *(reset_command, sweep_command),
 ):
     cli.add_command(_command)
 

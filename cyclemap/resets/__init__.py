@@ -1,5 +1,29 @@
 """Resets: what the robot does otherwise, how evenly the orientations spread then, and how to watch it."""
 
+from cyclemap.resets.design.action_cache import ActionCache
+from cyclemap.resets.design.parameter_families import (
+    drawn_push_family,
+    fixed_leg_family,
+    gripper_family,
+    random_leg_family,
+    ring_family,
+    way_point_family,
+)
+from cyclemap.resets.design.parameter_gradient import SCORES, BiasGradient, Resolution, bias_gradient
+from cyclemap.resets.design.parameter_search import ParameterSearch, search_parameters
+from cyclemap.resets.design.parameter_space import StrategyFamily
+from cyclemap.resets.design.pareto_front import Candidate, ParetoFront, hypervolume, non_dominated, pareto_front
+from cyclemap.resets.design.pareto_search import SearchedFront, scored_candidate, search_front
+from cyclemap.resets.design.push_bound import PushBound, push_bound
+from cyclemap.resets.design.push_library import LeftOutPush, PushLibrary, push_library
+from cyclemap.resets.design.push_weights import PushLimits, PushWeights, best_push_weights, push_weights
+from cyclemap.resets.design.reset_candidates import Effort, ResetCandidate
+from cyclemap.resets.design.reset_curves import reset_curves
+from cyclemap.resets.design.reset_demands import ResetDemands
+from cyclemap.resets.design.reset_design import ResetDesign, design_reset
+from cyclemap.resets.design.reset_numbers import ResetKernel, ResetNumbers
+from cyclemap.resets.design.reset_ranking import DemandOutlook, ScoredReset
+from cyclemap.resets.design.reset_trial import ResetTrial, reset_trial
 from cyclemap.resets.least_noise.least_correction import LeastCorrection, least_correction
 from cyclemap.resets.least_noise.least_noise import LeastNoise, least_noise
 from cyclemap.resets.least_noise.noise_bound import NoiseBound, independent_noise_bound
@@ -8,8 +32,12 @@ from cyclemap.resets.monitor.bias_monitor import BiasMonitor, watch
 from cyclemap.resets.monitor.bias_report import Advice, Alarm, BiasReport
 from cyclemap.resets.monitor.coverage import Coverage, CoverageRule, CoverageState
 from cyclemap.resets.monitor.forecast import Forecast, forecast
+from cyclemap.resets.monitor.next_action import NextAction, next_action
 from cyclemap.resets.monitor.rest_direction import Rest
 from cyclemap.resets.monitor.rest_evidence import RestRule
+from cyclemap.resets.protocol.protocol_file import read_protocol, write_protocol
+from cyclemap.resets.protocol.schedule_file import read_schedule, write_schedule
+from cyclemap.resets.protocol.scheduled_actions import ScheduledActions
 from cyclemap.resets.scores.coverage_measures import (
     GOLDEN_ANGLE,
     coverage_measures,
@@ -31,6 +59,8 @@ from cyclemap.resets.scores.simulated_coverage import (
     schedule_sampler,
     simulated_coverage,
 )
+from cyclemap.resets.scores.strategy_sampler import strategy_sampler
+from cyclemap.resets.scores.strategy_scores import StrategyScores, strategy_scores
 from cyclemap.resets.strategies.action_cost import CycleCost, Pace, StrategyCost, action_cost, strategy_cost
 from cyclemap.resets.strategies.combined import Combined, combine
 from cyclemap.resets.strategies.cycle_action import CycleAction
@@ -58,24 +88,32 @@ from cyclemap.resets.strategies.strategy import ActionLaw, DrawnStrategy, ResetS
 from cyclemap.resets.strategies.strategy_maps import StrategyMaps, strategy_maps
 from cyclemap.resets.strategies.strategy_run import StrategyRun, run_strategy
 from cyclemap.resets.strategies.strategy_sampling import interpolation_error, sample_strategy
+from cyclemap.resets.strategy_portrait import StrategyPortrait, strategy_portrait
+from cyclemap.resets.strategy_staircase import StrategyStaircase, strategy_staircase
 
 __all__ = [
     "GOLDEN_ANGLE",
+    "SCORES",
+    "ActionCache",
     "ActionLaw",
     "Advice",
     "Alarm",
     "AlternatingPushes",
+    "BiasGradient",
     "BiasMonitor",
     "BiasReport",
+    "Candidate",
     "Combined",
     "Coverage",
     "CoverageRule",
     "CoverageState",
     "CycleAction",
     "CycleCost",
+    "DemandOutlook",
     "DrawnPushes",
     "DrawnStrategy",
     "EffectiveSize",
+    "Effort",
     "EllipsoidLeg",
     "Evenness",
     "Forecast",
@@ -85,11 +123,26 @@ __all__ = [
     "LatinBlocks",
     "LeastCorrection",
     "LeastNoise",
+    "LeftOutPush",
     "LegFlow",
+    "NextAction",
     "NoiseBound",
     "Pace",
+    "ParameterSearch",
+    "ParetoFront",
+    "PushBound",
+    "PushLibrary",
+    "PushLimits",
+    "PushWeights",
+    "ResetCandidate",
+    "ResetDemands",
+    "ResetDesign",
+    "ResetKernel",
+    "ResetNumbers",
     "ResetScores",
     "ResetStrategy",
+    "ResetTrial",
+    "Resolution",
     "Rest",
     "RestRule",
     "RingPlace",
@@ -97,14 +150,21 @@ __all__ = [
     "SampledMean",
     "ScatteredAim",
     "Schedule",
+    "ScheduledActions",
+    "ScoredReset",
+    "SearchedFront",
     "SectorVisits",
     "SimulatedCoverage",
     "Sobol",
     "Spread",
     "StraightReset",
     "StrategyCost",
+    "StrategyFamily",
     "StrategyMaps",
+    "StrategyPortrait",
     "StrategyRun",
+    "StrategyScores",
+    "StrategyStaircase",
     "TrailingLeg",
     "TrailingPoint",
     "TurnLaw",
@@ -112,14 +172,21 @@ __all__ = [
     "VariedPush",
     "WayPoints",
     "action_cost",
+    "best_push_weights",
+    "bias_gradient",
     "chain_sampler",
     "combine",
     "coverage_measures",
+    "design_reset",
+    "drawn_push_family",
     "effective_size",
     "evenness",
+    "fixed_leg_family",
     "forecast",
     "fraction_pushes",
+    "gripper_family",
     "headings_after",
+    "hypervolume",
     "independent_full_cover",
     "independent_kuiper",
     "independent_largest_gap",
@@ -129,13 +196,28 @@ __all__ = [
     "least_correction",
     "least_noise",
     "leg_flow",
+    "next_action",
+    "non_dominated",
+    "pareto_front",
+    "push_bound",
+    "push_library",
+    "push_weights",
+    "random_leg_family",
+    "read_protocol",
+    "read_schedule",
+    "reset_curves",
     "reset_scores",
+    "reset_trial",
+    "ring_family",
     "rotation_angles",
     "run_action",
     "run_strategy",
     "sample_strategy",
     "sampled_evenness",
     "schedule_sampler",
+    "scored_candidate",
+    "search_front",
+    "search_parameters",
     "search_turn_law",
     "sector_visits",
     "sector_visits_from",
@@ -143,6 +225,13 @@ __all__ = [
     "simulated_coverage",
     "strategy_cost",
     "strategy_maps",
+    "strategy_portrait",
+    "strategy_sampler",
+    "strategy_scores",
+    "strategy_staircase",
     "trailing_point",
     "watch",
+    "way_point_family",
+    "write_protocol",
+    "write_schedule",
 ]

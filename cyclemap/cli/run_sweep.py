@@ -1,0 +1,184 @@
+"""`cyclemap sweep`: a sweep run or gone on with, stored, exported, drawn and told."""
+
+import math
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from cyclemap.cli.options import LoopOptions
+from cyclemap.cli.output import file_stem, progress_bar, publish_json
+from cyclemap.cli.settings import set_settings
+from cyclemap.cli.sweep_report import status_report, sweep_report
+from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.errors import InvalidInput
+from cyclemap.suggestions import unknown_name
+from cyclemap.sweeps.point_sets import Grid, Sample
+from cyclemap.sweeps.portrait_numbers import PortraitNumbers
+from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
+from cyclemap.sweeps.sweep_curves import sweep_curves
+from cyclemap.sweeps.sweep_plan import SweepPlan
+from cyclemap.sweeps.sweep_results import Sweep, load_sweep
+from cyclemap.sweeps.sweep_store import SweepStatus
+from cyclemap.sweeps.sweep_tables import write_csv, write_netcdf
+from cyclemap.sweeps.swept_keys import MATERIAL_KEY, SweptKey, parse_over
+from cyclemap.views.style import render
+from cyclemap.views.sweep_page import sweep_page
+from cyclemap.views.sweep_sentences import sweep_headline, sweep_sentences
+from cyclemap.whole_files import write_whole
+
+_EXPORTS = {"csv": (".csv", write_csv), "netcdf": (".nc", write_netcdf)}
+_MOST_DRAWN_KEYS = 2
+_LONGEST_NAME = 60
+
+
+@dataclass(frozen=True)
+class SweepRequest:
+    """What is asked of a sweep: its points and quantities, who works, and where and as what results go."""
+
+    over: tuple[str, ...]
+    sample: int | None
+    seed: int
+    sequence: str
+    quantities: str
+    tolerance_deg: float | None
+    rotation_tolerance: float
+    workers: int | None
+    export: str
+    draw: str
+    status: bool
+    out: Path
+    picture_format: str
+
+
+def run_sweep_command(options: LoopOptions, request: SweepRequest, json_target: str | None) -> None:
+    """Run what is missing of the sweep, then export, draw and tell; with --status only tell how far it is."""
+    exports, drawn = _exports(request.export), _words(request.draw)
+    plan = sweep_plan(options, request)
+    for name in drawn:
+        _check_drawn(name, plan)
+    stem = request.out / f"sweep_{file_stem(_name(plan))}"
+    store = stem.with_name(f"{stem.name}.sqlite")
+    if request.status:
+        _tell_status(sweep_status(store, plan), store, json_target)
+        return
+    _run(plan, store, request.workers)
+    sweep = load_sweep(store, plan)
+    files = [store, *_exported(sweep, stem, exports), *_drawn(sweep, stem, request, drawn)]
+    if not publish_json(sweep_report(sweep, store), json_target):
+        _tell(sweep, files)
+
+
+def sweep_plan(options: LoopOptions, request: SweepRequest) -> SweepPlan:
+    """The plan that the options ask for."""
+    over = tuple(parse_over(text) for text in request.over)
+    settings = {**_protocol_settings(options.protocol), **set_settings(options.settings)}
+    tolerance = {} if request.tolerance_deg is None else {"tolerance": math.radians(request.tolerance_deg)}
+    numbers = PortraitNumbers(_words(request.quantities), rotation_tolerance=request.rotation_tolerance, **tolerance)
+    return SweepPlan(_points(over, request), options.material, settings, numbers)
+
+
+def _protocol_settings(path: Path | None) -> dict[str, object]:
+    """The settings of a protocol file; InvalidInput where it has a strategy, which no --over could change."""
+    if path is None:
+        return {}
+    from cyclemap.resets.protocol.protocol_file import read_protocol
+
+    settings, strategy = read_protocol(path)
+    if strategy is not None:
+        raise InvalidInput(f"{path}: a sweep is about one push and one drag back: take the table [strategy] out of it")
+    return settings
+
+
+def _points(over: tuple[SweptKey, ...], request: SweepRequest) -> Grid | Sample:
+    if request.sample is not None:
+        return Sample(over, request.sample, request.seed, request.sequence)
+    return Grid(over)  # type: ignore[arg-type]
+
+
+def _name(plan: SweepPlan) -> str:
+    """The material, or the first few letters of those that are swept."""
+    return "_".join(plan.materials)[:_LONGEST_NAME] if MATERIAL_KEY in plan.keys else plan.materials[""].name
+
+
+def _words(text: str) -> tuple[str, ...]:
+    return tuple(word.strip() for word in text.split(",") if word.strip())
+
+
+def _exports(text: str) -> tuple[str, ...]:
+    for name in _words(text):
+        if name not in _EXPORTS:
+            raise unknown_name("format to export", name, _EXPORTS)
+    return _words(text)
+
+
+def _check_drawn(name: str, plan: SweepPlan) -> None:
+    known = [one.name for one in plan.numbers.quantities if not one.listed]
+    if name not in known:
+        raise unknown_name("quantity to draw", name, known)
+
+
+def _run(plan: SweepPlan, store: Path, workers: int | None) -> None:
+    with progress_bar(f"sweep of {len(plan)} points") as report, _told_if_stopped(store, plan):
+        run_sweep(plan, store, workers=workers, progress=lambda status: report(status.stored / status.points))
+
+
+@contextmanager
+def _told_if_stopped(store: Path, plan: SweepPlan) -> Iterator[None]:
+    """Tell on Ctrl-C what is kept and how to go on."""
+    begun = time.monotonic()
+    try:
+        yield
+    except KeyboardInterrupt:
+        status = sweep_status(store, plan)
+        kept = f"{status.stored} of {status.points} points are stored in {store}"
+        click.echo(f"stopped after {time.monotonic() - begun:.0f} s: {kept}; the same command goes on", err=True)
+        raise
+
+
+def _exported(sweep: Sweep, stem: Path, exports: tuple[str, ...]) -> list[Path]:
+    written = []
+    for name in exports:
+        ending, write = _EXPORTS[name]
+        written.append(stem.with_name(f"{stem.name}{ending}"))
+        write(sweep, written[-1])
+    return written
+
+
+def _drawn(sweep: Sweep, stem: Path, request: SweepRequest, names: tuple[str, ...]) -> list[Path]:
+    """The picture, where one or two keys are swept."""
+    if len(sweep.keys) > _MOST_DRAWN_KEYS:
+        return []
+    if not sweep.axes and len(sweep.keys) == _MOST_DRAWN_KEYS and not _numeric(sweep):
+        return []
+    picture = stem.with_name(f"{stem.name}.{request.picture_format}")
+    page = sweep_page(sweep, sweep_curves(sweep, names))
+    write_whole(picture, render(page, request.picture_format))
+    return [picture]
+
+
+def _numeric(sweep: Sweep) -> bool:
+    return all(isinstance(value, float) for values in sweep.swept.values() for value in values)
+
+
+def _tell_status(status: SweepStatus, store: Path, json_target: str | None) -> None:
+    if publish_json(status_report(status, store), json_target):
+        return
+    share = 100.0 * status.stored / status.points
+    told = "complete" if status.complete else f"{share:.0f} %"
+    print_ = PeopleConsole().print
+    print_(f"{store}: {status.stored} of {status.points} points stored ({told}), {status.refused} refused")
+
+
+def _tell(sweep: Sweep, files: list[Path]) -> None:
+    console = PeopleConsole()
+    console.print(sweep_headline(sweep), style="bold")
+    for sentence in sweep_sentences(sweep):
+        console.print(sentence)
+    for path in files:
+        console.print(f"file: {path}")
+    if len(sweep.keys) > _MOST_DRAWN_KEYS:
+        console.print("more than two keys: select values of the others in Python, or export, to draw", style="dim")

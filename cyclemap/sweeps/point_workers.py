@@ -1,0 +1,111 @@
+"""Where the points of a sweep run: chunks of them, in this process, in processes of its own, or on any executor."""
+
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from cyclemap.errors import CycleMapError
+from cyclemap.sweeps.point_sets import described_settings
+from cyclemap.sweeps.portrait_numbers import PointNumbers, PointOutcome, SweptPoint
+
+_THREADS = "OPENBLAS_NUM_THREADS"
+# Mechanics write into buffers that they keep: threads of one process take turns.
+_ONE_AT_A_TIME = threading.Lock()
+
+
+@dataclass(frozen=True, eq=False)
+class FoundChunk:
+    """What a worker sends back: points with their outcomes, the worker's code version, and the seconds it took."""
+
+    found: tuple[tuple[SweptPoint, PointOutcome], ...]
+    version: str
+    seconds: float
+
+
+def find_chunk(numbers: PointNumbers, points: tuple[SweptPoint, ...]) -> FoundChunk:
+    """Find the numbers of some points, one after the other.
+
+    What a point refuses is in its outcome; any other failure is a CycleMapError that names the point.
+    """
+    with _ONE_AT_A_TIME:
+        begun = time.perf_counter()
+        found = tuple((point, _find(numbers, point)) for point in points)
+        return FoundChunk(found, numbers.version, time.perf_counter() - begun)
+
+
+def _find(numbers: PointNumbers, point: SweptPoint) -> PointOutcome:
+    try:
+        return numbers(point)
+    except Exception as error:
+        told = f"point {point.number} ({described_settings(point.settings)})"
+        raise CycleMapError(
+            f"{told} failed, which no input should make it do: {type(error).__name__}: {error}"
+        ) from error
+
+
+class InThisProcess(Executor):
+    """An executor that runs what it is given at once, in the calling thread."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Run the call and return its finished future; KeyboardInterrupt goes through."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+@contextmanager
+def own_executor(workers: int) -> Iterator[Executor]:
+    """An executor of so many processes, this one alone for 1; the processes end with the block or with this process."""
+    if workers == 1:
+        yield InThisProcess()
+        return
+    with _one_thread_each():
+        # Fresh processes: a copy of this one would share its open store, its locks and its buffers.
+        fresh = multiprocessing.get_context("spawn")
+        others = set(multiprocessing.active_children())
+        pool = ProcessPoolExecutor(workers, mp_context=fresh, initializer=_start_worker)
+        try:
+            yield pool
+        except KeyboardInterrupt:
+            # Whoever raised it has awaited what is at work, or was told not to.
+            for worker in set(multiprocessing.active_children()) - others:
+                worker.terminate()
+            raise
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _start_worker() -> None:
+    """Leave Ctrl-C to the parent, and end when it ends, however it does."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """Let new processes do linear algebra in one thread: more would only get in each other's way."""
+    if _THREADS in os.environ:
+        yield
+        return
+    os.environ[_THREADS] = "1"
+    try:
+        yield
+    finally:
+        del os.environ[_THREADS]

@@ -1,0 +1,223 @@
+"""The numbers of a point: the loop that its settings make, and what the portrait of that loop tells."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Protocol
+
+import numpy as np
+
+from cyclemap.checks import non_negative_number, positive_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
+from cyclemap.errors import CycleMapError
+from cyclemap.maps import (
+    CircleMap,
+    TransferOperator,
+    WrappedNormal,
+    crossings_by_jump,
+    fixed_points,
+    predict_staircase,
+    rotation_number,
+    transfer_operator,
+)
+from cyclemap.mechanics import Material
+from cyclemap.sweeps.code_version import code_version
+from cyclemap.sweeps.quantities import CHEAP_GROUPS, Quantity, chosen_groups, quantities_of
+from cyclemap.sweeps.swept_keys import NOISE_KEY
+
+Values = dict[str, float | tuple[float, ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class SweptPoint:
+    """One point of a sweep.
+
+    number : from 0. settings : all that differ from MIT's on `material`, noise included. swept : the swept keys alone.
+    """
+
+    number: int
+    digest: str
+    material: Material
+    settings: Mapping[str, object]
+    swept: Mapping[str, object]
+
+
+@dataclass(frozen=True, eq=False)
+class PointOutcome:
+    """What was found at a point, by quantity (SI), and why anything is missing; empty where nothing is."""
+
+    values: Values
+    refusal: str = ""
+
+
+class PointNumbers(Protocol):
+    """What a sweep asks of every point: picklable, and the same outcome for the same point, wherever it runs."""
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What an outcome may hold."""
+
+    @property
+    def version(self) -> str:
+        """Which code finds the numbers; outcomes of another version are never mixed in."""
+
+    def described(self) -> dict[str, object]:
+        """What else the numbers depend on, as JSON takes it."""
+
+    def __call__(self, point: SweptPoint) -> PointOutcome:
+        """Find the numbers of a point."""
+
+
+@dataclass(frozen=True)
+class PortraitNumbers:
+    """Some groups of the portrait's numbers.
+
+    groups : of `GROUPS`; "map" is always among them. tolerance : of the cycle map, rad.
+    rotation_tolerance : turns a cycle; 0 is the portrait's own effort, more ends the iteration earlier.
+
+    With rotation_tolerance 0 every number equals that of `portrait` at the same tolerance, to the last bit.
+    """
+
+    groups: tuple[str, ...] = CHEAP_GROUPS
+    tolerance: float = 1e-6
+    rotation_tolerance: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "groups", chosen_groups(self.groups))
+        positive_number("tolerance", self.tolerance)
+        non_negative_number("rotation_tolerance", self.rotation_tolerance)
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """The quantities of the groups."""
+        return quantities_of(self.groups)
+
+    @property
+    def version(self) -> str:
+        """A digest of the code."""
+        return code_version()
+
+    def described(self) -> dict[str, object]:
+        """The groups and tolerances."""
+        return {
+            "groups": list(self.groups),
+            "tolerance": self.tolerance,
+            "rotation_tolerance": self.rotation_tolerance,
+        }
+
+    def __call__(self, point: SweptPoint) -> PointOutcome:
+        """Find the numbers; what the loop or a group refuses is told in the outcome."""
+        try:
+            work = _Work(*self._map_and_sigma(point), self.rotation_tolerance)
+        except CycleMapError as error:
+            return PointOutcome({}, str(error))
+        values: Values = {}
+        refusals = []
+        for group in self.groups:
+            try:
+                values |= _FOUND[group](work)
+            except CycleMapError as error:
+                refusals.append(f"{group}: {error}")
+        return PointOutcome(values, "; ".join(refusals))
+
+    def _map_and_sigma(self, point: SweptPoint) -> tuple[CircleMap, float]:
+        settings = dict(point.settings)
+        noise_deg = settings.pop(NOISE_KEY, None)
+        sigma = DEFAULT_SIGMA if noise_deg is None else float(np.radians(positive_number(NOISE_KEY, noise_deg)))
+        loop = CollectionLoop.from_settings(settings, CollectionLoop.mit(material=point.material))
+        return _latest_map(loop, self.tolerance), sigma
+
+
+@lru_cache(maxsize=1)
+def _latest_map(loop: CollectionLoop, tolerance: float) -> CircleMap:
+    """The map of a loop; neighbours that differ in their noise alone share it."""
+    return loop.circle_map(tolerance=tolerance)
+
+
+@dataclass
+class _Work:
+    """A map, the noise (rad), and the operator of both once it is needed."""
+
+    map: CircleMap
+    sigma: float
+    rotation_tolerance: float
+    _operator: list[TransferOperator] = field(default_factory=list)
+
+    @property
+    def noise(self) -> WrappedNormal:
+        return WrappedNormal(self.sigma)
+
+    @property
+    def operator(self) -> TransferOperator:
+        if not self._operator:
+            self._operator.append(transfer_operator(self.map, self.noise))
+        return self._operator[0]
+
+
+def _map_values(work: _Work) -> Values:
+    return {"samples": float(work.map.samples), "max_error": float(work.map.max_error)}
+
+
+def _rotation_values(work: _Work) -> Values:
+    found = rotation_number(work.map, tolerance=work.rotation_tolerance)
+    winding, period = (0, 0) if found.locked is None else (found.locked.numerator, found.locked.denominator)
+    return {
+        "rotation": float(found.value),
+        "rotation_lower": found.lower,
+        "rotation_upper": found.upper,
+        "locked_winding": float(winding),
+        "locked_period": float(period),
+    }
+
+
+def _fixed_point_values(work: _Work) -> Values:
+    points = fixed_points(work.map)
+    stable = tuple(float(orbit.stable) for orbit in points)
+    return {
+        "fixed_points": float(len(points)),
+        "stable_points": sum(stable),
+        "fixed_point_theta": tuple(float(orbit.points[0]) for orbit in points),
+        "fixed_point_multiplier": tuple(float(orbit.multiplier) for orbit in points),
+        "fixed_point_stable": stable,
+        "gathering_jump_theta": tuple(float(jump.theta) for jump in crossings_by_jump(work.map) if jump.attracting),
+    }
+
+
+def _turn_values(work: _Work) -> Values:
+    turns = turn_statistics(work.map)
+    return {
+        "mean_turn": turns.mean,
+        "min_turn": turns.minimum,
+        "max_turn": turns.maximum,
+        "min_slope": turns.min_slope,
+        "max_slope": turns.max_slope,
+    }
+
+
+def _stationary_values(work: _Work) -> Values:
+    operator = work.operator
+    return {
+        "tv_from_uniform": float(operator.tv_from_uniform) if operator.is_certain else np.nan,
+        "spectral_gap": float(operator.spectral_gap),
+        "mixing_cycles": float(operator.mixing_cycles),
+    }
+
+
+def _staircase_values(work: _Work) -> Values:
+    found = predict_staircase(work.map, work.noise, work.operator)
+    return {
+        "noisy_mean_turn": float(found.mean_turn),
+        "mean_residence_cycles": np.nan if found.mean_residence_cycles is None else float(found.mean_residence_cycles),
+        "step": np.nan if found.step is None else float(found.step),
+    }
+
+
+_FOUND: dict[str, Callable[[_Work], Values]] = {
+    "map": _map_values,
+    "rotation": _rotation_values,
+    "fixed_points": _fixed_point_values,
+    "turns": _turn_values,
+    "stationary": _stationary_values,
+    "staircase": _staircase_values,
+}

@@ -1,0 +1,176 @@
+"""Runs a sweep: every point that its store lacks, in chunks, a few of them on their way at any time."""
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from contextlib import nullcontext
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cyclemap.checks import whole_number
+from cyclemap.errors import CycleMapError
+from cyclemap.sweeps.point_workers import FoundChunk, find_chunk, own_executor
+from cyclemap.sweeps.portrait_numbers import SweptPoint
+from cyclemap.sweeps.sweep_plan import SweepPlan
+from cyclemap.sweeps.sweep_store import SweepStatus, SweepStore
+
+Progress = Callable[[SweepStatus], None]
+
+# A chunk is to take about so long: much longer than its way there and back, short enough to lose when killed.
+_CHUNK_SECONDS = 1.0
+_LARGEST_CHUNK = 256
+# Points whose presence in the store is looked up together.
+_LOOKED_UP = 4096
+# Chunks on their way for each worker: the next one waits there when one is done.
+_CHUNKS_A_WORKER = 2
+
+
+def run_sweep(
+    plan: SweepPlan,
+    path: str | Path,
+    *,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> SweepStatus:
+    """Run what the store at `path` lacks of `plan`, and return how far it is: complete, unless interrupted.
+
+    workers : processes; all cores by default, 1 for none but this one. executor : run on it instead, be it of
+    threads, processes or a cluster (`distributed.Client.get_executor()`); `workers` then says how many chunks it
+    works on at once. progress : called with the status at the beginning and after every chunk.
+
+    Only this process writes. Memory does not grow with the length of the sweep: at most twice as many chunks as
+    workers are on their way. What is found depends neither on the number or kind of workers nor on interruptions, as
+    long as the machines round alike.
+    Two sweeps into one store at once do no harm, but do the work twice. Scripts that use processes guard their main
+    part by ``if __name__ == "__main__"``.
+
+    On KeyboardInterrupt the chunks at work are awaited and stored, and it is raised again; a second one drops them.
+    Raises StoreWriteError on a full disk, CycleMapError where a worker dies or fails; what was stored is kept in each
+    case. See `SweepStore` for stores that are refused.
+
+    >>> import tempfile
+    >>> from cyclemap.sweeps.portrait_numbers import PortraitNumbers
+    >>> quick = PortraitNumbers(("rotation",), tolerance=1e-2)
+    >>> plan = SweepPlan.grid("isotropic", {"noise_deg": (1.0, 2.0)}, numbers=quick)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run_sweep(plan, f"{folder}/sweep.sqlite", workers=1)
+    SweepStatus(points=2, stored=2, refused=0)
+    """
+    many = (os.cpu_count() or 1) if workers is None else whole_number("workers", workers, least=1)
+    with SweepStore(Path(path), plan) as store:
+        status = store.status()
+        report = progress or (lambda status: None)
+        report(status)
+        if status.complete:
+            return status
+        with own_executor(many) if executor is None else nullcontext(executor) as pool:
+            _Run(plan, store, pool, many, report, status).go()
+        store.finish()
+        return store.status()
+
+
+@dataclass
+class _Run:
+    """A sweep at work: the chunks on their way, and how long a point takes."""
+
+    plan: SweepPlan
+    store: SweepStore
+    executor: Executor
+    workers: int
+    progress: Progress
+    status: SweepStatus
+    waiting: set[Future[FoundChunk]] = field(default_factory=set)
+    point_seconds: float | None = None
+
+    def go(self) -> None:
+        """Send all chunks and store what comes back."""
+        try:
+            for chunk in self._chunks():
+                self.waiting.add(self.executor.submit(find_chunk, self.plan.numbers, chunk))
+                while len(self.waiting) >= _CHUNKS_A_WORKER * self.workers or self._is_here():
+                    self._take(wait(self.waiting, return_when=FIRST_COMPLETED).done)
+            while self.waiting:
+                self._take(wait(self.waiting, return_when=FIRST_COMPLETED).done)
+        except KeyboardInterrupt:
+            self._cancel()
+            self._take(wait(self.waiting).done)
+            raise
+        except BrokenExecutor as error:
+            raise CycleMapError(
+                f"a worker ended abruptly ({error}), perhaps for lack of memory; {self.status.stored} of "
+                f"{self.status.points} points are stored: run the same sweep again to go on"
+            ) from error
+        finally:
+            self._cancel()
+
+    def _is_here(self) -> bool:
+        """Whether a chunk is done already, as where the executor is this process."""
+        return any(future.done() for future in self.waiting)
+
+    def _take(self, done: set[Future[FoundChunk]]) -> None:
+        """Store the chunks that are done."""
+        for future in done:
+            self.waiting.discard(future)
+            if future.cancelled():
+                continue
+            try:
+                chunk = future.result()
+            except CancelledError as error:
+                raise CycleMapError(f"the executor dropped a chunk ({error}): run the same sweep again") from error
+            self._check_version(chunk)
+            self.store.add(chunk.found)
+            self._note(chunk)
+
+    def _note(self, chunk: FoundChunk) -> None:
+        seconds = chunk.seconds / len(chunk.found)
+        self.point_seconds = seconds if self.point_seconds is None else 0.5 * (self.point_seconds + seconds)
+        refused = sum(bool(outcome.refusal) for _, outcome in chunk.found)
+        before = self.status
+        self.status = SweepStatus(before.points, before.stored + len(chunk.found), before.refused + refused)
+        self.progress(self.status)
+
+    def _check_version(self, chunk: FoundChunk) -> None:
+        wanted = self.plan.numbers.version
+        if chunk.version != wanted:
+            raise CycleMapError(
+                f"a worker runs another version of the code ({chunk.version}, not {wanted}): install the same one there"
+            )
+
+    def _cancel(self) -> None:
+        for future in list(self.waiting):
+            if future.cancel():
+                self.waiting.discard(future)
+
+    def _chunks(self) -> Iterator[tuple[SweptPoint, ...]]:
+        """The points that are not stored, in order, in chunks as long as points are quick."""
+        chunk: list[SweptPoint] = []
+        for point in self._missing():
+            chunk.append(point)
+            if len(chunk) >= self._chunk_size(point.number):
+                yield tuple(chunk)
+                chunk = []
+        if chunk:
+            yield tuple(chunk)
+
+    def _missing(self) -> Iterator[SweptPoint]:
+        for first in range(0, len(self.plan), _LOOKED_UP):
+            end = min(first + _LOOKED_UP, len(self.plan))
+            stored = self.store.digests(first, end)
+            points = (self.plan.point(number) for number in range(first, end))
+            yield from (point for point in points if point.digest not in stored)
+
+    def _chunk_size(self, number: int) -> int:
+        """Points of a chunk: few while their time is unknown, and few at the end, that all workers end together."""
+        if self.point_seconds is None:
+            return 1
+        fair = (len(self.plan) - number) // (2 * self.workers)
+        return max(1, min(int(_CHUNK_SECONDS / max(self.point_seconds, 1e-9)), fair, _LARGEST_CHUNK))
+
+
+def sweep_status(path: str | Path, plan: SweepPlan | None = None) -> SweepStatus:
+    """How far the store at `path` is; with a `plan`, an absent one is at the beginning and another's is refused."""
+    if plan is not None and not Path(path).exists():
+        return SweepStatus(len(plan), 0, 0)
+    with SweepStore(Path(path), plan) as store:
+        return store.status()

@@ -1,0 +1,156 @@
+"""What a picture of a sweep shows: planes over two keys, lines over one, every number of them worked out here."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import RotationNumbers, RotationPlane
+from cyclemap.sweeps.quantities import Quantity
+from cyclemap.sweeps.sweep_results import Sweep
+from cyclemap.sweeps.swept_keys import SweepAxis
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SweptPlane:
+    """A grid over two keys.
+
+    first, second : the axes of rows and columns. planes : quantities with their values (m, n), angles in degrees, nan
+    where there is none. rotation : the rotation numbers, where they were asked for. refused : (m, n), a refusal.
+    """
+
+    first: SweepAxis
+    second: SweepAxis
+    planes: tuple[tuple[Quantity, Array], ...]
+    rotation: RotationPlane | None
+    refused: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class SweptLines:
+    """Points over one key.
+
+    axis : the key with the values that are here, in order. parameter : (n,), the values, or 0, 1, ... where they are
+    no numbers. lines : quantities with their values (n,), angles in degrees. rotation : the rotation numbers at
+    `rotation_at` (k,), those points that have one; None where none were asked for. point_at, point_deg, point_stable :
+    (p,) of each fixed point: where on the axis, its direction, whether it is stable; None where not asked for.
+    refused : (r,), where points were refused.
+    """
+
+    axis: SweepAxis
+    parameter: Array
+    lines: tuple[tuple[Quantity, Array], ...]
+    rotation_at: Array
+    rotation: RotationNumbers | None
+    points: tuple[Array, Array, NDArray[np.bool_]] | None
+    refused: Array
+
+
+@dataclass(frozen=True, eq=False)
+class SweptScatter:
+    """A sample over two keys: `first`, `second` (n,) by name and value, quantities (n,), and which were refused."""
+
+    first: tuple[str, Array]
+    second: tuple[str, Array]
+    values: tuple[tuple[Quantity, Array], ...]
+    refused: NDArray[np.bool_]
+
+
+SweptCurves = SweptPlane | SweptLines | SweptScatter
+
+
+def sweep_curves(sweep: Sweep, names: tuple[str, ...] = ()) -> SweptCurves:
+    """What can be drawn of a sweep over one key or two; `names` : which quantities, by default those that are there.
+
+    Raises InvalidInput for more keys (select values of the others first), a sample of keys that are no numbers, a
+    quantity that was not asked for, or a sweep without points.
+    """
+    if not len(sweep):
+        raise InvalidInput("no point of this sweep is stored: there is nothing to draw")
+    keys = tuple(axis.key for axis in sweep.axes) or sweep.keys
+    if len(keys) == 1:
+        return _lines(sweep, keys[0], names)
+    if len(keys) == 2 and sweep.axes:
+        return _plane(sweep, names)
+    if len(keys) == 2:
+        first, second = ((key, sweep.values(key)) for key in keys)
+        refused = np.array([bool(text) for text in sweep.refusals])
+        return SweptScatter(first, second, _chosen(sweep, names), refused)
+    raise InvalidInput(f"{len(keys)} keys are swept ({', '.join(keys)}): select values of all but two to draw them")
+
+
+def _chosen(sweep: Sweep, names: tuple[str, ...]) -> tuple[tuple[Quantity, Array], ...]:
+    """Quantities with their values as they are written; by default the rotation number and the stable points."""
+    told = names or tuple(name for name in ("rotation", "stable_points") if name in sweep.columns)
+    chosen = [sweep.quantity(name) for name in told or tuple(sweep.columns)[:2]]
+    listed = next((one.name for one in chosen if one.listed), None)
+    if listed is not None:
+        raise InvalidInput(f"{listed} is a list at each point: draw a quantity that is one number")
+    return tuple((one, np.array([one.written(v) for v in sweep.columns[one.name]])) for one in chosen)
+
+
+def _plane(sweep: Sweep, names: tuple[str, ...]) -> SweptPlane:
+    at = sweep.places()
+
+    def spread(values: Array) -> Array:
+        plane = np.full(sweep.shape, np.nan)
+        plane[at] = values
+        return plane
+
+    planes = tuple((one, spread(values)) for one, values in _chosen(sweep, names))
+    refused = spread(np.array([float(bool(text)) for text in sweep.refusals])) == 1.0
+    return SweptPlane(sweep.axes[0], sweep.axes[1], planes, _rotation_plane(sweep), refused)
+
+
+def _rotation_plane(sweep: Sweep) -> RotationPlane | None:
+    """The rotation numbers; whether a map folds is told by its least slope, where that was asked for."""
+    if "rotation" not in sweep.columns:
+        return None
+    value, lower, upper = (sweep.on_grid(name) for name in ("rotation", "rotation_lower", "rotation_upper"))
+    period, winding = (np.nan_to_num(sweep.on_grid(name)).astype(int) for name in ("locked_period", "locked_winding"))
+    folded = sweep.on_grid("min_slope") < 0.0 if "min_slope" in sweep.columns else np.zeros(value.shape, dtype=bool)
+    first, second = (axis_places(axis) for axis in sweep.axes)
+    return RotationPlane(first, second, value, lower, upper, period, winding, folded, 0.0)
+
+
+def axis_places(axis: SweepAxis) -> Array:
+    """Where the values of an axis stand: the numbers themselves, or 0, 1, 2, ... for anything else."""
+    return np.array(axis.values, dtype=float) if axis.is_number else np.arange(float(len(axis.values)))
+
+
+def _lines(sweep: Sweep, key: str, names: tuple[str, ...]) -> SweptLines:
+    """Points in the order of the axis; a sample's are put in the order of their values."""
+    axis = sweep.axes[0] if sweep.axes else SweepAxis(key, tuple(sorted(set(sweep.swept[key]), key=_order)))
+    place = {str(value): at for value, at in zip(axis.values, axis_places(axis), strict=True)}
+    parameter = np.array([place[str(value)] for value in sweep.swept[key]])
+    order = np.argsort(parameter, kind="stable")
+    lines = tuple((one, values[order]) for one, values in _chosen(sweep, names))
+    refused = parameter[[bool(text) for text in sweep.refusals]]
+    rotation_at, rotation = _rotation_numbers(sweep, parameter, order)
+    return SweptLines(axis, parameter[order], lines, rotation_at, rotation, _fixed_points(sweep, parameter), refused)
+
+
+def _order(value: object) -> tuple[bool, float, str]:
+    return (True, 0.0, str(value)) if not isinstance(value, float) else (False, value, "")
+
+
+def _rotation_numbers(sweep: Sweep, parameter: Array, order: NDArray[np.int64]) -> tuple[Array, RotationNumbers | None]:
+    if "rotation" not in sweep.columns:
+        return np.empty(0), None
+    order = order[np.isfinite(sweep.columns["rotation"][order])]
+    if not order.size:
+        return np.empty(0), None
+    names = ("rotation", "rotation_lower", "rotation_upper", "locked_period", "locked_winding")
+    value, lower, upper, period, winding = (sweep.columns[name][order] for name in names)
+    return parameter[order], RotationNumbers(value, lower, upper, period.astype(int), winding.astype(int), 0.0)
+
+
+def _fixed_points(sweep: Sweep, parameter: Array) -> tuple[Array, Array, NDArray[np.bool_]] | None:
+    if "fixed_point_theta" not in sweep.lists:
+        return None
+    theta, stable = sweep.lists["fixed_point_theta"], sweep.lists["fixed_point_stable"]
+    at = np.repeat(parameter, [values.size for values in theta])
+    return at, np.degrees(np.concatenate(theta)), np.concatenate(stable) == 1.0

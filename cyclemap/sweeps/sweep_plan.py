@@ -1,0 +1,150 @@
+"""The plan of a sweep: which points, of which loop, and what is asked of each; checked before anything runs."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import Material, load_material
+from cyclemap.sweeps.point_sets import Grid, PointSet, Sample
+from cyclemap.sweeps.portrait_numbers import PointNumbers, PortraitNumbers, SweptPoint
+from cyclemap.sweeps.swept_keys import MATERIAL_KEY, NOISE_KEY, SweepAxis, SweepRange, check_key, checked_value
+
+
+@dataclass(frozen=True, eq=False)
+class SweepPlan:
+    """A sweep: MIT's loop on a material with settings, changed at each point, and the numbers asked of it.
+
+    points : a `Grid` or a `Sample`. material : a name, a TOML file or a `Material`; None only where the points name
+    one. settings : of all points, in degrees and millimetres, by the keys of `--set` and `noise_deg`.
+    numbers : what is asked of each point.
+
+    Raises InvalidInput where a key is unknown, both set and swept, or has a value that it cannot have. Whether a
+    point's values go together is found when it runs: its refusal is then part of the result.
+
+    >>> plan = SweepPlan.grid("plywood", {"mu_a": (0.2, 0.3), "hitch_x_mm": (-12, -10, -8)})
+    >>> len(plan), dict(plan.point(1).settings)
+    (6, {'mu_a': 0.2, 'hitch_x_mm': -10.0})
+    """
+
+    points: PointSet
+    material: str | Path | Material | None = None
+    settings: Mapping[str, object] = field(default_factory=dict)
+    numbers: PointNumbers = PortraitNumbers()
+    materials: Mapping[str, Material] = field(init=False)
+
+    def __post_init__(self) -> None:
+        if MATERIAL_KEY in self.settings:
+            raise InvalidInput("material is no setting: give the material by itself, or sweep it")
+        for key in self.settings:
+            check_key(key)
+        both = next((key for key in self.points.keys if key in self.settings), None)
+        if both is not None:
+            raise InvalidInput(f"{both} is both set and swept: give it once")
+        object.__setattr__(self, "settings", {key: checked_value(key, value) for key, value in self.settings.items()})
+        object.__setattr__(self, "materials", self._loaded_materials())
+        self._check_settings()
+
+    @classmethod
+    def grid(
+        cls,
+        material: str | Path | Material | None,
+        over: Mapping[str, Sequence[object]],
+        settings: Mapping[str, object] | None = None,
+        numbers: PointNumbers | None = None,
+    ) -> "SweepPlan":
+        """Return the plan of every combination of the values in `over`, the last key running fastest."""
+        axes = tuple(SweepAxis(key, tuple(values)) for key, values in over.items())
+        return cls(Grid(axes), material, settings or {}, numbers or PortraitNumbers())
+
+    @classmethod
+    def sample(
+        cls,
+        material: str | Path | Material | None,
+        over: Mapping[str, tuple[float, float]],
+        count: int,
+        seed: int = 0,
+        sequence: str = "sobol",
+        settings: Mapping[str, object] | None = None,
+        numbers: PointNumbers | None = None,
+    ) -> "SweepPlan":
+        """Return the plan of `count` points spread over the ranges (low, high) in `over`."""
+        ranges = tuple(SweepRange(key, *ends) for key, ends in over.items())
+        return cls(Sample(ranges, count, seed, sequence), material, settings or {}, numbers or PortraitNumbers())
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The swept keys."""
+        return self.points.keys
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def point(self, number: int) -> SweptPoint:
+        """Return point `number`, counted from 0."""
+        swept = self.points.settings(number)
+        settings = {**self.settings, **swept}
+        name = str(settings.pop(MATERIAL_KEY, ""))
+        return SweptPoint(number, self._digest(name, settings), self.materials[name], settings, swept)
+
+    def described(self) -> dict[str, object]:
+        """The plan as JSON takes it: what two sweeps must share to share a store."""
+        return {
+            "points": self.points.described(),
+            "material": {name or material.name: _fingerprint(material) for name, material in self.materials.items()},
+            "settings": dict(self.settings),
+            "quantities": self.numbers.described(),
+            "code": self.numbers.version,
+        }
+
+    def _loaded_materials(self) -> dict[str, Material]:
+        """The materials by the names that points give them; "" is that of points which give none."""
+        swept = next((one for one in _listed(self.points) if one.key == MATERIAL_KEY), None)
+        if (self.material is None) == (swept is None):
+            wanted = "a material: a name, a TOML file, or material=A,B among the swept keys"
+            raise InvalidInput(f"give {wanted}" if swept is None else "material is both given and swept: give it once")
+        if swept is not None:
+            return {str(name): load_material(str(name)) for name in swept.values}
+        given = self.material
+        assert given is not None
+        return {"": given if isinstance(given, Material) else load_material(given)}
+
+    def _check_settings(self) -> None:
+        """Refuse settings with which no loop can be made: not by themselves, nor at the first or the last point."""
+        material = next(iter(self.materials.values()))
+        points = [self.point(number) for number in (0, len(self) - 1)]
+        tried = [(material, self.settings), *((point.material, point.settings) for point in points)]
+        faults = [fault for fault in (_fault(*one) for one in tried) if fault is not None]
+        if len(faults) == len(tried):
+            raise faults[0]
+
+    def _digest(self, material: str, settings: Mapping[str, object]) -> str:
+        numbers = self.numbers
+        told = [_fingerprint(self.materials[material]), settings, numbers.described(), numbers.version]
+        return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+
+
+def _listed(points: PointSet) -> tuple[SweepAxis, ...]:
+    if isinstance(points, Grid):
+        return points.axes
+    return tuple(one for one in points.ranges if isinstance(one, SweepAxis))
+
+
+def _fault(material: Material, settings: Mapping[str, object]) -> InvalidInput | None:
+    """Why no loop can be made of settings; None where it can."""
+    changed = {key: value for key, value in settings.items() if key != NOISE_KEY}
+    try:
+        CollectionLoop.from_settings(changed, CollectionLoop.mit(material=material))
+    except InvalidInput as fault:
+        return fault
+    return None
+
+
+@lru_cache(maxsize=64)
+def _fingerprint(material: Material) -> str:
+    """A digest of all that a material says; the repr of a float is exact."""
+    return hashlib.sha256(repr(material).encode()).hexdigest()[:16]

@@ -1,0 +1,189 @@
+"""The results of a sweep: columns over its points, chosen by what was swept or by what was found."""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cyclemap.errors import InvalidInput
+from cyclemap.suggestions import unknown_name
+from cyclemap.sweeps.quantities import Quantity
+from cyclemap.sweeps.sweep_plan import SweepPlan
+from cyclemap.sweeps.sweep_store import SweepStore
+from cyclemap.sweeps.swept_keys import SweepAxis
+
+Array = NDArray[np.float64]
+Wanted = float | str | tuple[float, float] | Sequence[object]
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """What a sweep has found so far.
+
+    keys : the swept keys. axes : of a grid, those that are not selected away; () for a sample. quantities : what was
+    asked. number : (n,) of the points that are here, in the plan's order. swept : by key, the n values of the points.
+    columns : by quantity, (n,) in SI units, nan where there is none. lists : by quantity, n arrays of any length.
+    refusals : n texts, empty where nothing was refused. description : what the store tells of its plan.
+    """
+
+    keys: tuple[str, ...]
+    axes: tuple[SweepAxis, ...]
+    quantities: tuple[Quantity, ...]
+    number: NDArray[np.int64]
+    swept: Mapping[str, tuple[object, ...]]
+    columns: Mapping[str, Array]
+    lists: Mapping[str, tuple[Array, ...]]
+    refusals: tuple[str, ...]
+    description: Mapping[str, Any]
+
+    def __len__(self) -> int:
+        return len(self.refusals)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """How many values each axis has."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    def quantity(self, name: str) -> Quantity:
+        """The quantity of that name; InvalidInput where it was not asked for."""
+        known = {one.name: one for one in self.quantities}
+        if name not in known:
+            raise unknown_name("quantity of this sweep", name, known)
+        return known[name]
+
+    def values(self, name: str) -> Array:
+        """A quantity (SI) or a numeric swept key (in its units), (n,)."""
+        if name in self.columns:
+            return self.columns[name]
+        if name in self.swept:
+            self._check_numeric(name)
+            return np.array(self.swept[name], dtype=float)
+        raise unknown_name("column", name, (*self.columns, *self.swept))
+
+    def on_grid(self, name: str) -> Array:
+        """A quantity in the shape of the axes, nan where a point is refused, chosen away or not yet done."""
+        if not self.axes:
+            raise InvalidInput("a sample has no grid: use values")
+        found = np.full(self.shape, np.nan)
+        found[self.places()] = self.columns[self.quantity(name).name]
+        return found
+
+    def places(self) -> tuple[NDArray[np.int64], ...]:
+        """Where each point stands along each axis, (n,) an axis."""
+        lookups = ({json.dumps(value): place for place, value in enumerate(axis.values)} for axis in self.axes)
+        return tuple(
+            np.array([lookup[json.dumps(value)] for value in self.swept[axis.key]], dtype=np.int64)
+            for axis, lookup in zip(self.axes, lookups, strict=True)
+        )
+
+    def select(self, **wanted: Wanted) -> "Sweep":
+        """The points whose swept keys have a value, lie within a pair (low, high), or are in a list.
+
+        One value takes its axis away, so that `on_grid` has one dimension less. A pair (a tuple of two numbers) is a
+        range, ends included; a list is a choice. InvalidInput where a key is not swept or no point has the value.
+        """
+        found = self
+        for key, value in wanted.items():
+            found = found._selected(key, value)
+        return found
+
+    def where(self, chosen: ArrayLike | Callable[["Sweep"], ArrayLike]) -> "Sweep":
+        """The points for which `chosen` is true: n flags, or a function of the sweep that gives them."""
+        flags = np.asarray(chosen(self) if callable(chosen) else chosen)
+        if flags.shape != (len(self),) or flags.dtype != np.bool_:
+            raise InvalidInput(f"where needs {len(self)} true or false, not {flags.dtype} of shape {flags.shape}")
+        kept = np.flatnonzero(flags).tolist()
+        return replace(
+            self,
+            number=self.number[kept],
+            swept={key: tuple(values[k] for k in kept) for key, values in self.swept.items()},
+            columns={name: values[kept] for name, values in self.columns.items()},
+            lists={name: tuple(values[k] for k in kept) for name, values in self.lists.items()},
+            refusals=tuple(self.refusals[k] for k in kept),
+        )
+
+    def _selected(self, key: str, wanted: Wanted) -> "Sweep":
+        if key not in self.keys:
+            raise unknown_name("swept key", key, self.keys)
+        matches, single = self._match(key, wanted)
+        found = self.where(np.array([matches(value) for value in self.swept[key]], dtype=bool))
+        axis = next((axis for axis in self.axes if axis.key == key), None)
+        if axis is None:
+            if not len(found):
+                raise InvalidInput(f"no point has {key}={wanted}")
+            return found
+        kept = tuple(value for value in axis.values if matches(value))
+        if not kept:
+            raise InvalidInput(f"{key} does not take {wanted}; its values are {_told(axis.values)}")
+        fewer = tuple(
+            replace(one, values=kept) if one is axis else one for one in self.axes if not single or one is not axis
+        )
+        return replace(found, axes=fewer)
+
+    def _match(self, key: str, wanted: Wanted) -> tuple[Callable[[object], bool], bool]:
+        """Whether a value is wanted, and whether only one value is."""
+        if isinstance(wanted, tuple) and len(wanted) == 2 and all(isinstance(end, (int, float)) for end in wanted):
+            self._check_numeric(key)
+            low, high = wanted
+            return lambda value: bool(low <= value <= high), False
+        if isinstance(wanted, list):
+            return lambda value: any(_same(value, one) for one in wanted), False
+        return lambda value: _same(value, wanted), True
+
+    def _check_numeric(self, key: str) -> None:
+        if not all(isinstance(value, float) for value in self.swept[key]):
+            raise InvalidInput(f"{key} is no number: name its values")
+
+
+def _same(value: object, wanted: object) -> bool:
+    """Whether a value is the wanted one, numbers to rounding."""
+    if isinstance(value, float) and isinstance(wanted, (int, float)):
+        return bool(np.isclose(value, wanted, rtol=1e-12, atol=1e-15))
+    return json.dumps(value) == json.dumps(wanted)
+
+
+def _told(values: tuple[object, ...], most: int = 12) -> str:
+    told = ", ".join(f"{value:.6g}" if isinstance(value, float) else str(value) for value in values[:most])
+    return told if len(values) <= most else f"{told}, ..."
+
+
+def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
+    """Read what the store at `path` holds, finished or not; with a `plan`, another's is refused.
+
+    Raises DataFileError for a file that is absent, damaged or no store.
+    """
+    with SweepStore(Path(path), plan) as store:
+        return _gathered(store)
+
+
+def _gathered(store: SweepStore) -> Sweep:
+    description: dict[str, Any] = store.description
+    keys, quantities = tuple(description["keys"]), tuple(Quantity(**one) for one in description["columns"])
+    rows = list(store.rows())
+    axes = description["plan"]["points"].get("axes", {})
+    return Sweep(
+        keys=keys,
+        axes=tuple(SweepAxis(key, tuple(values)) for key, values in axes.items()),
+        quantities=quantities,
+        number=np.array([row["number"] for row in rows], dtype=np.int64),
+        swept={key: tuple(_plain(row[key]) for row in rows) for key in keys},
+        columns={
+            one.name: np.array([row[one.name] for row in rows], dtype=float) for one in quantities if not one.listed
+        },
+        lists={
+            one.name: tuple(np.array(row[one.name] or (), dtype=float) for row in rows)
+            for one in quantities
+            if one.listed
+        },
+        refusals=tuple(str(row["refusal"]) for row in rows),
+        description=description,
+    )
+
+
+def _plain(value: Any) -> object:
+    """A swept value as the plan has it: points are kept as JSON."""
+    return tuple(map(tuple, json.loads(value))) if isinstance(value, str) and value.startswith("[[") else value

@@ -1,0 +1,259 @@
+"""The store of a sweep: one SQLite file, a row a point, written as the sweep goes and whole after any interruption.
+
+Write-ahead log with full synchronisation (SQLite's documentation, "Write-Ahead Logging"): what a committed chunk holds
+survives a killed process and a lost supply of power. Rows are in SI units, columns by the names of keys and
+quantities, lists as JSON; each row carries a digest of itself. The log needs a local disk: file systems of a network
+lack what it is built on.
+"""
+
+import hashlib
+import json
+import math
+import sqlite3
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+
+from cyclemap.errors import CycleMapError, DataFileError, InvalidInput
+from cyclemap.sweeps.portrait_numbers import PointOutcome, SweptPoint
+from cyclemap.sweeps.sweep_plan import SweepPlan
+
+# "cysw": tells a sweep's store from any other SQLite file.
+_APPLICATION = 0x63797377
+_FORMAT = 1
+_PATIENCE_SECONDS = 60.0
+_WRITE_FAULTS = (
+    sqlite3.SQLITE_FULL,
+    sqlite3.SQLITE_IOERR,
+    sqlite3.SQLITE_READONLY,
+    sqlite3.SQLITE_CANTOPEN,
+    sqlite3.SQLITE_PERM,
+)
+_BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+
+
+class StoreWriteError(CycleMapError):
+    """A store that could not be written, as on a full disk; what it held before is unharmed."""
+
+
+@dataclass(frozen=True)
+class SweepStatus:
+    """How far a sweep is: points in all, points stored, and how many of these tell a refusal."""
+
+    points: int
+    stored: int
+    refused: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether every point is stored."""
+        return self.stored == self.points
+
+
+class SweepStore:
+    """An open store; use it in a `with` block.
+
+    Raises DataFileError for a file that is damaged or no store of a sweep, InvalidInput for the store of another
+    plan, StoreWriteError where it cannot be written.
+    """
+
+    def __init__(self, path: Path, plan: SweepPlan | None = None) -> None:
+        """Open the store at `path`; with a `plan` it is made where there is none, and must be of that plan."""
+        self.path = path
+        if plan is None and not path.exists():
+            raise DataFileError(f"{path}: there is no such store; check the path, or run the sweep first")
+        with self._faults_told():
+            if plan is not None:
+                path.parent.mkdir(parents=True, exist_ok=True)
+            self.connection = sqlite3.connect(path, timeout=_PATIENCE_SECONDS, isolation_level=None)
+        try:
+            with self._faults_told():
+                self.description = self._begun(plan)
+        except BaseException:
+            self.connection.close()
+            raise
+
+    def __enter__(self) -> "SweepStore":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.connection.close()
+
+    # -- what is stored ------------------------------------------------------------------------------------
+
+    def status(self) -> SweepStatus:
+        """How far the sweep is."""
+        with self._faults_told():
+            counts = "SELECT count(*), coalesce(sum(refusal != ''), 0) FROM points"
+            stored, refused = self.connection.execute(counts).fetchone()
+        return SweepStatus(int(self.description["count"]), stored, refused)  # type: ignore[call-overload]
+
+    def digests(self, first: int, end: int) -> set[str]:
+        """The digests of the stored points with numbers from `first` up to, but without, `end`."""
+        with self._faults_told():
+            asked = "SELECT digest FROM points WHERE number >= ? AND number < ?"
+            return {digest for (digest,) in self.connection.execute(asked, (first, end))}
+
+    def rows(self) -> Iterator[dict[str, object]]:
+        """Every stored row by column, in the order of the plan; lists are tuples, what is missing is None."""
+        keys, scalars, lists = self._columns()
+        names = ["digest", "number", *keys, *scalars, *lists, "refusal", "seal"]
+        with self._faults_told():
+            for row in self.connection.execute(f"SELECT {_quoted(names)} FROM points ORDER BY number"):
+                if _seal(row[:-1]) != row[-1]:
+                    raise self._damaged(f"the row of point {row[1]} is not as it was written")
+                found = dict(zip(names, row, strict=True))
+                found.update({name: tuple(json.loads(found[name])) for name in lists if found[name] is not None})
+                yield found
+
+    # -- writing -------------------------------------------------------------------------------------------
+
+    def add(self, found: Sequence[tuple[SweptPoint, PointOutcome]]) -> None:
+        """Store outcomes, all or none of them; a point that is stored already stays as it is."""
+        keys, scalars, lists = self._columns()
+        marks = ", ".join("?" * (len(keys) + len(scalars) + len(lists) + 4))
+        rows = [self._row(point, outcome) for point, outcome in found]
+        with self._faults_told(), self._transaction():
+            self.connection.executemany(f"INSERT OR IGNORE INTO points VALUES ({marks})", rows)
+
+    def finish(self) -> None:
+        """Move what the log still holds into the file itself."""
+        with self._faults_told():
+            self.connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+
+    def _row(self, point: SweptPoint, outcome: PointOutcome) -> tuple[object, ...]:
+        keys, scalars, lists = self._columns()
+        row: list[object] = [point.digest, point.number]
+        row += [_kept(point.swept[key]) for key in keys]
+        row += [_kept(outcome.values.get(name)) for name in scalars]
+        row += [None if name not in outcome.values else json.dumps(outcome.values[name]) for name in lists]
+        row.append(outcome.refusal)
+        return (*row, _seal(row))
+
+    def _columns(self) -> tuple[list[str], list[str], list[str]]:
+        """Names of the columns of keys, of numbers, and of lists."""
+        quantities: list[dict[str, str]] = self.description["columns"]  # type: ignore[assignment]
+        scalars = [one["name"] for one in quantities if not one["many"]]
+        return list(self.description["keys"]), scalars, [one["name"] for one in quantities if one["many"]]  # type: ignore[call-overload]
+
+    # -- opening -------------------------------------------------------------------------------------------
+
+    def _begun(self, plan: SweepPlan | None) -> dict[str, object]:
+        """Check the file, or begin a new one; return its description."""
+        run = self.connection.execute
+        run(f"PRAGMA busy_timeout = {int(1000 * _PATIENCE_SECONDS)}")
+        application = run("PRAGMA application_id").fetchone()[0]
+        tables = run("SELECT count(*) FROM sqlite_master").fetchone()[0]
+        if application == 0 and tables == 0 and plan is not None:
+            return self._created(plan)
+        if application != _APPLICATION or run("PRAGMA user_version").fetchone()[0] != _FORMAT:
+            raise DataFileError(
+                f"{self.path}: not a store of this version's sweeps; choose another folder or remove it"
+            )
+        run("PRAGMA synchronous = FULL")
+        found = [row[0] for row in run("PRAGMA quick_check")]
+        if found != ["ok"]:
+            raise self._damaged(str(found[0]))
+        description: dict[str, object] = json.loads(run("SELECT description FROM sweep").fetchone()[0])
+        if plan is not None:
+            self._check_same(description, _description(plan))
+        return description
+
+    def _created(self, plan: SweepPlan) -> dict[str, object]:
+        description = _description(plan)
+        self.description = description
+        keys, scalars, lists = self._columns()
+        run = self.connection.execute
+        run("PRAGMA journal_mode = WAL")
+        run("PRAGMA synchronous = FULL")
+        columns = ["digest TEXT PRIMARY KEY", "number INTEGER NOT NULL UNIQUE", *(f'"{key}"' for key in keys)]
+        columns += [f'"{name}" REAL' for name in scalars] + [f'"{name}" TEXT' for name in lists]
+        columns += ["refusal TEXT NOT NULL", "seal TEXT NOT NULL"]
+        with self._transaction():
+            run("CREATE TABLE sweep (description TEXT NOT NULL)")
+            run("INSERT INTO sweep VALUES (?)", (json.dumps(description),))
+            run(f"CREATE TABLE points ({', '.join(columns)}) WITHOUT ROWID")
+            run(f"PRAGMA user_version = {_FORMAT}")
+            run(f"PRAGMA application_id = {_APPLICATION}")
+        return description
+
+    def _check_same(self, stored: dict[str, object], wanted: dict[str, object]) -> None:
+        other = [name for name in wanted["plan"] if stored["plan"].get(name) != wanted["plan"][name]]  # type: ignore[attr-defined, index]
+        if other == ["code"]:
+            raise InvalidInput(
+                f"{self.path} was computed by another version of the code, whose numbers may differ: choose another "
+                "folder or remove it"
+            )
+        if other:
+            raise InvalidInput(
+                f"{self.path} is the store of another sweep, which differs in {', '.join(other)}: choose another "
+                "folder or remove it"
+            )
+
+    # -- faults --------------------------------------------------------------------------------------------
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        self.connection.execute("BEGIN IMMEDIATE")
+        try:
+            yield
+            self.connection.execute("COMMIT")
+        except BaseException:
+            if self.connection.in_transaction:
+                self.connection.execute("ROLLBACK")
+            raise
+
+    @contextmanager
+    def _faults_told(self) -> Iterator[None]:
+        """Turn what SQLite raises into errors that tell what to do."""
+        try:
+            yield
+        except sqlite3.Error as error:
+            code = getattr(error, "sqlite_errorcode", 0) & 0xFF
+            if code in _BUSY:
+                raise StoreWriteError(
+                    f"{self.path} is held by another process ({error}); wait for it to end"
+                ) from error
+            if code in _WRITE_FAULTS:
+                raise StoreWriteError(
+                    f"{self.path} cannot be written ({error}): the disk is full or refuses; what was stored is kept: "
+                    "make room, then run the same sweep again"
+                ) from error
+            raise self._damaged(str(error)) from error
+        except OSError as error:
+            raise StoreWriteError(f"{self.path} cannot be written ({error.strerror}): choose another folder") from error
+
+    def _damaged(self, fault: str) -> DataFileError:
+        return DataFileError(f"{self.path}: damaged, or no store of a sweep ({fault}); remove it and sweep again")
+
+
+def _description(plan: SweepPlan) -> dict[str, object]:
+    """What the store tells about itself, after a passage through JSON."""
+    columns = [
+        {"name": one.name, "unit": one.unit, "meaning": one.meaning, "many": one.many}
+        for one in plan.numbers.quantities
+    ]
+    told = {"plan": plan.described(), "keys": plan.keys, "count": len(plan), "columns": columns}
+    found: dict[str, object] = json.loads(json.dumps(told))
+    return found
+
+
+def _kept(value: object) -> object:
+    """A value as a column keeps it: SQLite has neither nan nor a negative zero."""
+    if value is None or isinstance(value, str):
+        return value
+    if isinstance(value, (int, float)):
+        return None if math.isnan(value) else float(value) + 0.0
+    return json.dumps(value)
+
+
+def _seal(row: Sequence[object]) -> str:
+    return hashlib.sha256(repr(tuple(row)).encode()).hexdigest()[:16]
+
+
+def _quoted(names: Sequence[str]) -> str:
+    return ", ".join(f'"{name}"' for name in names)

@@ -1,0 +1,165 @@
+"""The keys that a sweep varies: the listed values of a key, or its range, and how both are written and checked."""
+
+import json
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from cyclemap.checks import finite_array, finite_number, positive_number
+from cyclemap.collection.settings import SETTING_KEYS
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import Slider, load_material
+from cyclemap.suggestions import unknown_name
+
+MATERIAL_KEY, NOISE_KEY = "material", "noise_deg"
+SWEPT_KEYS = (MATERIAL_KEY, NOISE_KEY, *SETTING_KEYS)
+TEXT_KEYS = (MATERIAL_KEY, "shape", "footprint")
+_POINT_KEYS = ("vertices_mm", "way_points_mm")
+_MOST_VALUES = 1_000_000
+
+
+@dataclass(frozen=True)
+class SweepAxis:
+    """The values that a key takes, in their order: numbers, words, or lists of points.
+
+    Degrees and millimetres as the key's ending says. Raises InvalidInput for an unknown key, a value that the key
+    cannot have, or one that is given twice.
+
+    >>> SweepAxis("mu_a", (0.2, 0.3)).values
+    (0.2, 0.3)
+    """
+
+    key: str
+    values: tuple[object, ...]
+
+    def __post_init__(self) -> None:
+        check_key(self.key)
+        values = tuple(checked_value(self.key, value) for value in self.values)
+        if not values:
+            raise InvalidInput(f"{self.key} has no values to sweep: give at least one")
+        seen: set[str] = set()
+        for written in map(json.dumps, values):
+            if written in seen:
+                raise InvalidInput(f"{self.key} takes {written} twice: give each value once")
+            seen.add(written)
+        object.__setattr__(self, "values", values)
+
+    @property
+    def is_number(self) -> bool:
+        """Whether the values are numbers."""
+        return isinstance(self.values[0], float)
+
+    def at(self, share: float) -> object:
+        """Return the value at a share of the list, 0 <= share < 1: how a sample draws from it."""
+        return self.values[int(share * len(self.values))]
+
+
+@dataclass(frozen=True)
+class SweepRange:
+    """The range of a numeric key that a sample draws from, in the key's units.
+
+    >>> SweepRange("mu_a", 0.2, 0.4).at(0.5)
+    0.30000000000000004
+    """
+
+    key: str
+    low: float
+    high: float
+
+    def __post_init__(self) -> None:
+        check_key(self.key)
+        if self.key in (*TEXT_KEYS, *_POINT_KEYS):
+            raise InvalidInput(f"{self.key} has no range: list its values, {self.key}=A,B")
+        for name in ("low", "high"):
+            object.__setattr__(self, name, checked_value(self.key, getattr(self, name)))
+        if not self.low < self.high:
+            raise InvalidInput(f"{self.key} runs from {self.low:g} to {self.high:g}: the end must be the larger")
+
+    def at(self, share: float) -> object:
+        """Return the value at a share of the range, 0 <= share < 1."""
+        return self.low + share * (self.high - self.low)
+
+
+SweptKey = SweepAxis | SweepRange
+
+
+def parse_over(text: str) -> SweptKey:
+    """Return what `key=start:stop:count`, `key=start:stop` (a range) or `key=a,b,c` says.
+
+    >>> parse_over("mu_a=0.2:0.3:3").values
+    (0.2, 0.25, 0.3)
+    >>> parse_over("material=plywood,abs").values
+    ('plywood', 'abs')
+    """
+    key, equals, values = (part.strip() for part in text.partition("="))
+    if not (key and equals and values):
+        raise InvalidInput(f"--over {text!r} is not of the form key=start:stop:count or key=a,b,c")
+    check_key(key)
+    if ":" in values and key not in TEXT_KEYS:
+        return _stretch(key, text, values.split(":"))
+    return SweepAxis(key, _listed(key, values))
+
+
+def _stretch(key: str, text: str, parts: list[str]) -> SweptKey:
+    try:
+        numbers = [float(part) for part in parts[:2]]
+        count = int(parts[2]) if len(parts) == 3 else 0
+    except ValueError:
+        numbers = []
+    if len(numbers) != 2 or len(parts) > 3 or not all(map(math.isfinite, numbers)):
+        raise InvalidInput(f"--over {text!r}: write {key}=start:stop:count with finite numbers and a whole count")
+    if len(parts) == 2:
+        return SweepRange(key, numbers[0], numbers[1])
+    if not 1 <= count <= _MOST_VALUES:
+        raise InvalidInput(f"--over {text!r}: the count is {count}; give 1 to {_MOST_VALUES} values")
+    return SweepAxis(key, tuple(np.linspace(numbers[0], numbers[1], count).tolist()))
+
+
+def _listed(key: str, text: str) -> tuple[object, ...]:
+    words = tuple(part.strip() for part in text.split(","))
+    if key in TEXT_KEYS:
+        return words
+    try:
+        return tuple(json.loads(f"[{text}]")) if key in _POINT_KEYS else tuple(map(float, words))
+    except ValueError as cause:
+        form = "[[x, y], ...],[[x, y], ...]" if key in _POINT_KEYS else "numbers, by commas"
+        raise InvalidInput(f"--over {key}={text}: give {form}") from cause
+
+
+def check_key(key: str) -> None:
+    """Raise InvalidInput, with the nearest known one, for a key that cannot be swept."""
+    if key not in SWEPT_KEYS:
+        raise unknown_name("key to sweep", key, SWEPT_KEYS)
+
+
+def checked_value(key: str, value: object) -> object:
+    """Return a value that `key` may have, numbers as float, points as tuples; InvalidInput otherwise.
+
+    Whether values of several keys go together only the loop can tell; this checks each by itself.
+    """
+    if key in TEXT_KEYS:
+        return _checked_word(key, value)
+    if key in _POINT_KEYS:
+        return tuple(map(tuple, finite_array(key, value, last=2, ndim=2).tolist()))  # type: ignore[arg-type]
+    return (positive_number if key == NOISE_KEY else finite_number)(key, value)
+
+
+def _checked_word(key: str, value: object) -> str:
+    if not isinstance(value, str) or not value:
+        raise InvalidInput(f"{key} must be a word, not {value!r}")
+    checks: dict[str, Callable[[str], object]] = {MATERIAL_KEY: load_material, "shape": Slider.mit}
+    if key in checks:
+        checks[key](value)
+    return value
+
+
+def check_distinct(keys: Iterable[str]) -> None:
+    """Raise InvalidInput where a key is swept twice, or nothing is."""
+    names = list(keys)
+    if not names:
+        raise InvalidInput("nothing is swept: give at least one key with its values")
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InvalidInput(f"{twice} is swept twice: give all of its values at once")

@@ -1,0 +1,72 @@
+"""A sweep on one page: the phase diagram over two keys, or the bifurcation diagram over one, with what was swept."""
+
+from collections.abc import Callable
+from textwrap import fill
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+
+from cyclemap.sweeps.sweep_curves import SweptCurves, SweptLines, SweptPlane, SweptScatter
+from cyclemap.sweeps.sweep_results import Sweep
+from cyclemap.views.style import QUIET, new_figure, picture_style
+from cyclemap.views.sweep_panels import draw_fixed_points, draw_swept_line, draw_swept_plane, draw_swept_scatter
+from cyclemap.views.sweep_sentences import settings_line, sweep_headline, sweep_sentences
+
+PAGE_INCHES = (13.333, 6.6)
+LINE_LETTERS = 175
+MOST_PANELS = 2
+# Points between a panel and its title: a row of a legend.
+TITLE_PAD = 24.0
+Panel = tuple[str, Callable[[Axes], None]]
+
+
+def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
+    """Draw what `sweep_curves` worked out of a sweep: at most two panels side by side."""
+    panels = _panels(curves)[:MOST_PANELS]
+    with picture_style():
+        figure = new_figure(*PAGE_INCHES)
+        grid = GridSpec(1, len(panels), figure, left=0.06, right=0.975, bottom=0.14, top=0.74, wspace=0.2)
+        for place, (title, draw) in enumerate(panels):
+            axes = figure.add_subplot(grid[0, place])
+            draw(axes)
+            axes.set_title(title, pad=TITLE_PAD)
+        figure.text(0.015, 0.955, sweep_headline(sweep), fontsize=18, fontweight="bold", va="center")
+        told = fill(" ".join(sweep_sentences(sweep)), LINE_LETTERS)
+        figure.text(0.015, 0.915, told, fontsize=10, va="top", linespacing=1.35)
+        figure.text(0.015, 0.025, settings_line(sweep), fontsize=8, color=QUIET)
+    return figure
+
+
+def _panels(curves: SweptCurves) -> list[Panel]:
+    """Titles and drawers; lines begin with the bifurcation diagram where fixed points are known."""
+    if isinstance(curves, SweptLines):
+        first: list[Panel] = []
+        if curves.points is not None:
+            first.append(("Fixed points", lambda axes: draw_fixed_points(axes, curves)))
+        return first + [_line_panel(curves, index) for index in range(len(curves.lines))]
+    if isinstance(curves, SweptPlane):
+        return [_plane_panel(curves, index) for index in range(len(curves.planes))]
+    return [_scatter_panel(curves, index) for index in range(len(curves.values))]
+
+
+def _line_panel(curves: SweptLines, index: int) -> Panel:
+    return _title(curves.lines[index][0].meaning), lambda axes: draw_swept_line(axes, curves, index)
+
+
+def _plane_panel(curves: SweptPlane, index: int) -> Panel:
+    return _title(curves.planes[index][0].meaning), lambda axes: draw_swept_plane(axes, curves, index)
+
+
+def _scatter_panel(curves: SweptScatter, index: int) -> Panel:
+    return _title(curves.values[index][0].meaning), lambda axes: draw_swept_scatter(axes, curves, index)
+
+
+def _title(meaning: str) -> str:
+    """A quantity's meaning as a title, short of its remarks.
+
+    >>> _title("turn of a cycle, mean over start directions")
+    'Turn of a cycle'
+    """
+    words = meaning.partition(",")[0]
+    return words[:1].upper() + words[1:]

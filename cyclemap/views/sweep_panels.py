@@ -1,0 +1,196 @@
+"""Panels of a sweep: planes over two keys, lines and bifurcation diagrams over one, a sample as dots."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from cyclemap.sweeps.quantities import Quantity
+from cyclemap.sweeps.sweep_curves import SweptLines, SweptPlane, SweptScatter, axis_places
+from cyclemap.sweeps.swept_keys import SweepAxis
+from cyclemap.views.panel_parts import legend_above, orbit_keys, say, whole_turn_ticks
+from cyclemap.views.rotation_panels import draw_rotation_numbers, draw_rotation_plane
+from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE
+
+Array = NDArray[np.float64]
+REFUSED: dict[str, Any] = {"facecolor": "#f4f4f4", "edgecolor": QUIET, "hatch": "xxx", "linewidth": 0.0}
+_UNITS = {"_deg": "°", "_mm": "mm", "_kg": "kg"}
+_SHORT_UNITS = {"degree": "°", "turns/cycle": "turns a cycle"}
+_MOST_COUNTS = 8
+_LONGEST_NAME = 22
+
+
+def key_label(key: str) -> str:
+    """A swept key as the label of an axis.
+
+    >>> key_label("hitch_x_mm"), key_label("mu_a")
+    ('hitch x (mm)', 'mu_a')
+    """
+    for ending, unit in _UNITS.items():
+        if key.endswith(ending):
+            return f"{key.removesuffix(ending).replace('_', ' ')} ({unit})"
+    return key
+
+
+def quantity_label(quantity: Quantity) -> str:
+    """A quantity's meaning and unit, as the label of an axis."""
+    unit = _SHORT_UNITS.get(quantity.written_unit, quantity.written_unit)
+    return quantity.meaning if unit == "1" else f"{quantity.meaning} ({unit})"
+
+
+# -- over two keys -----------------------------------------------------------------------------------------
+
+
+def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
+    """One quantity over two keys, by colour; locked regions outlined, refused points crossed out."""
+    quantity, values = swept.planes[index]
+    if quantity.name == "rotation" and swept.rotation is not None and np.isfinite(values).any():
+        draw_rotation_plane(axes, swept.rotation, key_label(swept.first.key), key_label(swept.second.key))
+    else:
+        _draw_values(axes, swept, quantity, values)
+    _cross_out(axes, swept)
+    _name_ticks(axes, swept)
+
+
+def _draw_values(axes: Axes, swept: SweptPlane, quantity: Quantity, values: Array) -> None:
+    first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
+    look, ticks = _shades(values)
+    mesh = axes.pcolormesh(first, second, values.T, rasterized=True, **look)
+    bar = axes.get_figure(root=True).colorbar(mesh, ax=axes, label=quantity_label(quantity))  # type: ignore[union-attr]
+    if ticks is not None:
+        bar.set_ticks(ticks.tolist())
+    axes.set(xlabel=key_label(swept.first.key), ylabel=key_label(swept.second.key))
+    axes.set_xlim(float(first.min()), float(first.max()))
+    axes.set_ylim(float(second.min()), float(second.max()))
+    axes.grid(visible=False)
+
+
+def _shades(values: Array) -> tuple[dict[str, Any], Array | None]:
+    """One shade for each small count, light to dark; shades that run on for all else."""
+    found = values[np.isfinite(values)]
+    counted = found.size > 0 and bool(np.all(found == np.round(found))) and float(np.ptp(found)) < _MOST_COUNTS
+    if not counted:
+        return {"cmap": "cividis"}, None
+    levels = np.arange(found.min(), found.max() + 1.0)
+    # The lightest shade is not white: that is where no point is.
+    shades = ListedColormap(colormaps["Blues"](np.linspace(0.12, 0.95, levels.size)))
+    norm = BoundaryNorm(np.append(levels, levels[-1] + 1.0) - 0.5, levels.size)
+    return {"cmap": shades, "norm": norm}, levels
+
+
+def cell_edges(values: Array) -> Array:
+    """The edges (m + 1,) of cells round `values` (m,), half way between neighbours."""
+    if values.size == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middle = 0.5 * (values[:-1] + values[1:])
+    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
+
+
+def _cross_out(axes: Axes, swept: SweptPlane) -> None:
+    """Crosses over the cells of points that were refused."""
+    if not swept.refused.any():
+        return
+    first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
+    for column in np.flatnonzero(swept.refused.any(axis=0)).tolist():
+        rows = np.flatnonzero(swept.refused[:, column])
+        runs = [(first[row], first[row + 1] - first[row]) for row in rows.tolist()]
+        axes.broken_barh(runs, (second[column], second[column + 1] - second[column]), **REFUSED, zorder=2)
+    told = axes.get_legend_handles_labels()[0]
+    legend_above(axes, handles=[*told[:1], Patch(**REFUSED, label="refused")])
+
+
+def _name_ticks(axes: Axes, swept: SweptPlane) -> None:
+    """Words at the cells of an axis that holds no numbers."""
+    for axis, side in ((swept.first, axes.xaxis), (swept.second, axes.yaxis)):
+        if not axis.is_number:
+            side.set_ticks(axis_places(axis), [_short(value) for value in axis.values])
+
+
+# -- over one key ------------------------------------------------------------------------------------------
+
+
+def draw_fixed_points(axes: Axes, swept: SweptLines) -> None:
+    """The bifurcation diagram: directions of fixed points over the key, filled where stable."""
+    axes.set(xlabel=key_label(swept.axis.key), ylabel="θ of the fixed points (°)")
+    whole_turn_ticks(axes)
+    at, theta, stable = swept.points if swept.points is not None else (np.empty(0), np.empty(0), np.empty(0, bool))
+    if not at.size:
+        say(axes, "no fixed point")
+    size = float(np.clip(300.0 / max(swept.parameter.size, 1), 2.0, 6.0))
+    look: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": size, "markeredgecolor": PREDICTED}
+    axes.plot(at[~stable], theta[~stable], markerfacecolor=UNSTABLE, markeredgewidth=0.9, zorder=3, **look)
+    axes.plot(at[stable], theta[stable], markerfacecolor=PREDICTED, zorder=4, **look)
+    kinds = {"stable" if one else "unstable" for one in stable.tolist()}
+    _finish_line_axis(axes, swept, orbit_keys(kinds))
+
+
+def draw_swept_line(axes: Axes, swept: SweptLines, index: int) -> None:
+    """One quantity over the key: rotation numbers with their plateaus, anything else as a line with dots."""
+    quantity, values = swept.lines[index]
+    if quantity.name == "rotation" and swept.rotation is not None and swept.axis.is_number:
+        draw_rotation_numbers(axes, swept.rotation_at, swept.rotation, key_label(swept.axis.key))
+        handles = axes.get_legend_handles_labels()[0]
+    else:
+        style = "o-" if swept.axis.is_number else "o"
+        axes.plot(swept.parameter, values, style, color=PREDICTED, markersize=3.5, linewidth=1.4)
+        axes.set(xlabel=key_label(swept.axis.key), ylabel=quantity_label(quantity))
+        handles = []
+    _finish_line_axis(axes, swept, handles)
+
+
+def _finish_line_axis(axes: Axes, swept: SweptLines, handles: list[Any]) -> None:
+    """Limits and ticks of the key's axis, marks of refused points, the legend."""
+    low, high = float(axis_places(swept.axis).min()), float(axis_places(swept.axis).max())
+    margin = 0.02 * (high - low) if swept.axis.is_number and high > low else 0.5
+    axes.set_xlim(low - margin, high + margin)
+    if not swept.axis.is_number:
+        axes.set_xticks(axis_places(swept.axis), [_short(value) for value in swept.axis.values])
+    if swept.refused.size:
+        bottom = axes.get_xaxis_transform()
+        marks = axes.plot(
+            swept.refused, np.full(swept.refused.size, 0.02), "x", color=INK, transform=bottom, label="refused"
+        )
+        handles = [*handles, *marks]
+    legend_above(axes, columns=4, handles=handles)
+
+
+# -- a sample ----------------------------------------------------------------------------------------------
+
+
+def draw_swept_scatter(axes: Axes, swept: SweptScatter, index: int) -> None:
+    """One quantity at the points of a sample over two keys, by colour; refused points as crosses."""
+    quantity, values = swept.values[index]
+    (first_key, first), (second_key, second) = swept.first, swept.second
+    look, ticks = _shades(values)
+    size = float(np.clip(6000.0 / max(first.size, 1), 6.0, 60.0))
+    found = np.isfinite(values)
+    dots = axes.scatter(
+        first[found], second[found], c=values[found], s=size, edgecolor=QUIET, linewidth=0.6, **look, zorder=3
+    )
+    bar = axes.get_figure(root=True).colorbar(dots, ax=axes, label=quantity_label(quantity))  # type: ignore[union-attr]
+    if ticks is not None:
+        bar.set_ticks(ticks.tolist())
+    if swept.refused.any():
+        axes.plot(first[swept.refused], second[swept.refused], "x", color=INK, markersize=5, label="refused", zorder=4)
+    axes.set(xlabel=key_label(first_key), ylabel=key_label(second_key))
+    legend_above(axes)
+
+
+def _short(value: object) -> str:
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    return text if len(text) <= _LONGEST_NAME else f"{text[: _LONGEST_NAME - 1]}…"
+
+
+def axis_words(axis: SweepAxis) -> str:
+    """An axis in words: its key, ends and number of values.
+
+    >>> axis_words(SweepAxis("mu_a", (0.2, 0.25, 0.3)))
+    'mu_a 0.2 to 0.3 (3 values)'
+    """
+    if axis.is_number and len(axis.values) > 1:
+        return f"{axis.key} {_short(axis.values[0])} to {_short(axis.values[-1])} ({len(axis.values)} values)"
+    return f"{axis.key} {', '.join(_short(value) for value in axis.values)}"

@@ -1,0 +1,199 @@
+"""`cyclemap sweep` from outside: run, gone on with after Ctrl-C, exported, drawn, and refused where it must be."""
+
+import csv
+import json
+from pathlib import Path
+from typing import ClassVar
+
+import click
+import numpy as np
+import pytest
+
+from cyclemap.cli import run_sweep as module
+from cyclemap.cli.command_sweep import sweep_command
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.resets.protocol.protocol_file import write_protocol
+from cyclemap.resets.strategies.drag_strategies import TrailingLeg
+from cyclemap.sweeps.portrait_numbers import PointOutcome, PortraitNumbers
+from cyclemap.sweeps.quantities import GROUPS
+
+RING = ("--over", "hitch_x_mm=-12:0:5", "--workers", "1")
+PLANE = (*RING, "--over", "mu_a=0.2,0.3")
+
+
+class Numbers(PortraitNumbers):
+    """The rotation number is a hundredth of hitch_x_mm; mu_a of 0.3 is refused at 0; Ctrl-C after some points."""
+
+    found: ClassVar[list[int]] = []
+    interrupted_after: ClassVar[float] = np.inf
+
+    @property
+    def quantities(self):
+        return (*GROUPS["rotation"], *GROUPS["fixed_points"])
+
+    def __call__(self, point):
+        if len(self.found) >= self.interrupted_after:
+            raise KeyboardInterrupt
+        self.found.append(point.number)
+        x = point.settings["hitch_x_mm"]
+        if x == 0.0 and point.settings.get("mu_a") == 0.3:
+            return PointOutcome({}, str(UnsupportedContact("no such loop")))
+        values = dict.fromkeys(("rotation", "rotation_lower", "rotation_upper"), x / 100)
+        counts = {"locked_winding": 0.0, "locked_period": 0.0, "fixed_points": 1.0, "stable_points": 1.0}
+        lists = {"fixed_point_theta": (np.pi,), "fixed_point_multiplier": (0.5,), "fixed_point_stable": (1.0,)}
+        return PointOutcome({**values, **counts, **lists, "gathering_jump_theta": ()})
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch) -> Path:
+    """An empty current folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def fake(monkeypatch):
+    """Points that cost nothing; tells which were found."""
+    monkeypatch.setattr(module, "PortraitNumbers", Numbers)
+    monkeypatch.setattr(Numbers, "found", [])
+    monkeypatch.setattr(Numbers, "interrupted_after", np.inf)
+    return Numbers
+
+
+def sweep(*arguments: str) -> None:
+    with sweep_command.make_context("sweep", list(arguments)) as context:
+        sweep_command.invoke(context)
+
+
+def test_a_plane_is_stored_drawn_exported_and_told(here, capsys, fake) -> None:
+    sweep("plywood", *PLANE, "--export", "csv")
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    for part in ("plywood: hitch_x_mm × mu_a", "10 points over", "1 refused", "file: out/sweep_plywood.sqlite"):
+        assert part in shown.out
+    names = ["sweep_plywood.csv", "sweep_plywood.png", "sweep_plywood.sqlite"]
+    assert sorted(path.name for path in (here / "out").iterdir()) == names
+    assert (here / "out" / "sweep_plywood.png").read_bytes().startswith(b"\x89PNG")
+    with (here / "out" / "sweep_plywood.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["rotation"]) for row in rows[:4]] == [-0.12, -0.12, -0.09, -0.09]
+    assert fake.found == list(range(10))
+
+
+def test_json_tells_every_point_and_nothing_else(here, capsys, fake) -> None:
+    sweep("plywood", *PLANE, "--json", "-")
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    report = json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
+    assert (report["points"], report["stored"], report["refused"], report["complete"]) == (10, 10, 1, True)
+    assert report["over"]["axes"] == {"hitch_x_mm": [-12.0, -9.0, -6.0, -3.0, 0.0], "mu_a": [0.2, 0.3]}
+    assert report["units"]["fixed_point_theta_deg"] == "degree"
+    first, last = report["results"][0], report["results"][-1]
+    assert (first["hitch_x_mm"], first["mu_a"], first["rotation"], first["refusal"]) == (-12.0, 0.2, -0.12, None)
+    assert first["fixed_point_theta_deg"] == [pytest.approx(180.0)]
+    assert (last["rotation"], last["fixed_point_theta_deg"], last["refusal"]) == (None, [], "no such loop")
+
+
+def test_the_same_command_again_computes_nothing(fake, capsys) -> None:
+    sweep("plywood", *RING)
+    told = capsys.readouterr().out
+    sweep("plywood", *RING)
+    assert capsys.readouterr().out == told
+    assert fake.found == [0, 1, 2, 3, 4]
+
+
+def test_ctrl_c_tells_what_is_kept_and_the_same_command_goes_on(here, capsys, fake, monkeypatch) -> None:
+    monkeypatch.setattr(fake, "interrupted_after", 3)
+    with pytest.raises(KeyboardInterrupt):
+        sweep("plywood", *RING)
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert "of 5 points are stored in out/sweep_plywood.sqlite; the same command goes on" in shown.err
+    sweep("plywood", *RING, "--status", "--json", "-")
+    status = json.loads(capsys.readouterr().out)
+    assert (status["points"], status["complete"]) == (5, False)
+    assert 1 <= status["stored"] <= 3
+    monkeypatch.setattr(fake, "interrupted_after", np.inf)
+    fake.found.clear()
+    sweep("plywood", *RING)
+    assert fake.found == list(range(status["stored"], 5))
+
+
+def test_status_of_a_sweep_not_begun_computes_and_writes_nothing(here, capsys, fake) -> None:
+    sweep("plywood", *RING, "--status")
+    assert "0 of 5 points stored (0 %), 0 refused" in capsys.readouterr().out
+    assert list(here.iterdir()) == []
+    assert fake.found == []
+
+
+def test_a_sample_over_materials_goes_by_its_seed(here, capsys, fake) -> None:
+    arguments = ("--over", "material=abs,pu", "--over", "hitch_x_mm=-12:-4", "--sample", "8", "--workers", "1")
+    sweep(*arguments, "--seed", "3", "--json", "-")
+    results = json.loads(capsys.readouterr().out)["results"]
+    assert len(results) == 8
+    assert {point["material"] for point in results} == {"abs", "pu"}
+    assert all(-12.0 <= point["hitch_x_mm"] < -4.0 for point in results)
+    assert [path.name for path in (here / "out").iterdir()] == ["sweep_abs_pu.sqlite"]
+    with pytest.raises(InvalidInput, match=r"another sweep, which differs in points: choose another folder"):
+        sweep(*arguments, "--seed", "4")
+
+
+def test_a_real_sweep_of_noise_and_netcdf(here, capsys) -> None:
+    """Isotropic friction: whatever the noise, the map turns by 8.002 degrees a cycle."""
+    xarray = pytest.importorskip("xarray")
+    over = ("--over", "noise_deg=20,40", "--quantities", "rotation,stationary", "--tolerance-deg", "0.5")
+    sweep("isotropic", *over, "--workers", "1", "--export", "netcdf", "--draw", "tv_from_uniform", "--json", "-")
+    results = json.loads(capsys.readouterr().out)["results"]
+    assert [360 * point["rotation"] for point in results] == pytest.approx([74.52037 - 66.51814] * 2, abs=0.5)
+    assert results[0]["spectral_gap"] == pytest.approx(1.0 - np.exp(-0.5 * np.radians(20.0) ** 2), abs=1e-4)
+    with xarray.open_dataset(here / "out" / "sweep_isotropic.nc", engine="h5netcdf") as back:
+        assert back["rotation"].values.tolist() == [point["rotation"] for point in results]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["plywood", "--over", "mu_c=1,2"], "unknown key to sweep 'mu_c'"),
+        (["plywood", "--over", "mu_a=0.2:0.3"], "mu_a is a range without a count"),
+        (["plywood", "--over", "mu_a=0.2:nan:3"], "finite numbers"),
+        (["plywood", *RING, "--set", "hitch_x_mm=-9"], "hitch_x_mm is both set and swept"),
+        (["plywood", *RING, "--set", "mu_x=1"], "unknown key to sweep 'mu_x'"),
+        (["plywood", *RING, "--quantities", "turn"], "unknown group of quantities 'turn'"),
+        (["plywood", *RING, "--export", "xls"], "unknown format to export 'xls'"),
+        (["plywood", *RING, "--draw", "tv_from_uniform"], "unknown quantity to draw"),
+        (["plywood", *RING, "--draw", "fixed_point_theta"], "unknown quantity to draw"),
+        (["plywood", *RING, "--tolerance-deg", "-1"], "tolerance must be positive"),
+        (["plywood", *RING, "--rotation-tolerance", "-1"], "rotation_tolerance must not be negative"),
+        (["plywood", "--over", "material=abs"], "material is both given and swept"),
+        ([*RING], "give a material"),
+        (["plywod", *RING], "unknown material 'plywod'"),
+        (["plywood", "--over", "mu_a=0.2:0.3", "--sample", "4", "--over", "mu_a=1:2"], "mu_a is swept twice"),
+    ],
+)
+def test_bad_use_is_refused_by_name_before_anything_is_written(here, arguments, message) -> None:
+    with pytest.raises(InvalidInput, match=message):
+        sweep(*arguments)
+    assert not (here / "out").exists()
+
+
+def test_a_protocol_file_sets_what_is_not_swept_and_may_name_no_strategy(here, capsys, fake) -> None:
+    (here / "ours.toml").write_text("[ring]\nhitch_y_mm = 9\n")
+    sweep("plywood", *RING, "--protocol", "ours.toml", "--set", "mu_a=0.26", "--json", "-")
+    assert json.loads(capsys.readouterr().out)["settings"] == {"hitch_y_mm": 9.0, "mu_a": 0.26}
+    write_protocol(here / "leg.toml", CollectionLoop.mit(), TrailingLeg(0.05))
+    with pytest.raises(InvalidInput, match=r"leg.toml: a sweep is about one push and one drag back"):
+        sweep("plywood", *RING, "--protocol", "leg.toml")
+
+
+@pytest.mark.parametrize("arguments", [["plywood"], ["plywood", *RING, "--workers", "0"]])
+def test_missing_or_impossible_options_are_usage_errors(arguments) -> None:
+    with pytest.raises(click.UsageError):
+        sweep(*arguments)
+
+
+def test_a_damaged_store_is_refused_by_name(here) -> None:
+    (here / "out").mkdir()
+    (here / "out" / "sweep_plywood.sqlite").write_text("words " * 1000)
+    with pytest.raises(InvalidInput, match=r"sweep_plywood.sqlite: damaged, .* remove it"):
+        sweep("plywood", *RING)

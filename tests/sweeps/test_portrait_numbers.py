@@ -1,0 +1,102 @@
+"""A swept point has the portrait's own numbers, to the last bit; what has no loop or no number says so."""
+
+import numpy as np
+import pytest
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.portrait import portrait
+from cyclemap.sweeps import portrait_numbers as module
+from cyclemap.sweeps.portrait_numbers import PortraitNumbers
+from cyclemap.sweeps.sweep_plan import SweepPlan
+
+TOLERANCE = 1e-4
+
+
+@pytest.fixture(scope="module")
+def point():
+    """A point that changes friction, ring and noise."""
+    plan = SweepPlan.grid("plywood", {"mu_a": (0.26,), "hitch_x_mm": (-11.0,)}, {"noise_deg": 10.0})
+    return plan.point(0)
+
+
+def test_every_number_is_the_portraits_to_the_last_bit(point) -> None:
+    found = PortraitNumbers(("all",), TOLERANCE)(point)
+    loop = CollectionLoop.from_settings({"mu_a": 0.26, "hitch_x_mm": -11.0}, CollectionLoop.mit(material="plywood"))
+    drawn = portrait(loop, sigma=float(np.radians(10.0)), cycles=1, tolerance=TOLERANCE)
+    points, rotation, turns, operator = drawn.fixed_points, drawn.rotation, drawn.turns, drawn.operator
+    assert len(points) == 2 and rotation.locked == 0 and drawn.tv_from_uniform is not None
+    assert found.refusal == ""
+    assert found.values == {
+        "samples": drawn.map.samples,
+        "max_error": drawn.map.max_error,
+        "rotation": rotation.value,
+        "rotation_lower": rotation.lower,
+        "rotation_upper": rotation.upper,
+        "locked_winding": 0.0,
+        "locked_period": 1.0,
+        "fixed_points": 2.0,
+        "stable_points": len(drawn.stable_points),
+        "fixed_point_theta": tuple(orbit.points[0] for orbit in points),
+        "fixed_point_multiplier": tuple(orbit.multiplier for orbit in points),
+        "fixed_point_stable": tuple(float(orbit.stable) for orbit in points),
+        "gathering_jump_theta": drawn.gathering_jumps,
+        "mean_turn": turns.mean,
+        "min_turn": turns.minimum,
+        "max_turn": turns.maximum,
+        "min_slope": turns.min_slope,
+        "max_slope": turns.max_slope,
+        "tv_from_uniform": drawn.tv_from_uniform,
+        "spectral_gap": operator.spectral_gap,
+        "mixing_cycles": operator.mixing_cycles,
+        "noisy_mean_turn": drawn.prediction.mean_turn,
+        "mean_residence_cycles": drawn.prediction.mean_residence_cycles,
+        "step": drawn.prediction.step,
+    }
+    assert {one.name for one in PortraitNumbers(("all",)).quantities} == set(found.values)
+
+
+def test_neighbours_that_differ_in_noise_alone_share_a_map(monkeypatch) -> None:
+    made = []
+
+    def counted(loop, tolerance=1e-6, progress=None):
+        made.append(loop)
+        return real(loop, tolerance)
+
+    real = CollectionLoop.circle_map
+    monkeypatch.setattr(CollectionLoop, "circle_map", counted)
+    module._latest_map.cache_clear()
+    plan = SweepPlan.grid(
+        "isotropic", {"noise_deg": (10.0, 20.0, 40.0)}, numbers=PortraitNumbers(("stationary",), 1e-2)
+    )
+    gaps = [plan.numbers(plan.point(number)).values["spectral_gap"] for number in range(3)]
+    assert len(made) == 1
+    assert gaps == sorted(gaps)
+    # A rigid rotation with normal noise: the second eigenvalue has the size exp(-σ²/2).
+    assert gaps == pytest.approx(1.0 - np.exp(-0.5 * np.radians([10.0, 20.0, 40.0]) ** 2), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("over", "message"),
+    [
+        ({"fraction": (0.5, 1.5)}, "contact fraction 1.5"),
+        ({"push_mm": (150.0, -1.0)}, "push distance"),
+        ({"mu_b": (0.2, 0.0)}, "mu_b"),
+        ({"rim_share": (0.0, 7.0)}, "rim"),
+    ],
+)
+def test_a_loop_that_cannot_be_is_a_stated_refusal(over, message) -> None:
+    plan = SweepPlan.grid("plywood", over)
+    found = plan.numbers(plan.point(1))
+    assert found.values == {}
+    assert message in found.refusal
+
+
+def test_a_group_that_cannot_be_found_leaves_the_others(monkeypatch) -> None:
+    def refused(work):
+        raise module.CycleMapError("too steep")
+
+    monkeypatch.setitem(module._FOUND, "rotation", refused)
+    plan = SweepPlan.grid("isotropic", {"mu_a": (0.25,)}, numbers=PortraitNumbers(("rotation", "turns"), 1e-2))
+    found = plan.numbers(plan.point(0))
+    assert found.refusal == "rotation: too steep"
+    assert set(found.values) == {"samples", "max_error", "mean_turn", "min_turn", "max_turn", "min_slope", "max_slope"}

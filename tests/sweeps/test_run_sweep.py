@@ -1,0 +1,199 @@
+"""A sweep finds the same numbers whoever works, in whatever order, however often it is interrupted."""
+
+import time
+import tracemalloc
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from fake_numbers import FakeNumbers, fake_plan, fake_values, logged
+
+from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
+from cyclemap.sweeps.sweep_plan import SweepPlan
+from cyclemap.sweeps.sweep_results import load_sweep
+from cyclemap.sweeps.sweep_tables import write_csv
+
+
+class Shuffled(Executor):
+    """One thread that takes its time, and then whichever of the waiting calls chance picks."""
+
+    def __init__(self, seed: int) -> None:
+        self.thread, self.random, self.held, self.largest = ThreadPoolExecutor(1), np.random.default_rng(seed), [], 0
+
+    def submit(self, fn, /, *args, **kwargs):
+        future = Future()
+        self.held.append((future, fn, args))
+        self.thread.submit(self.work)
+        return future
+
+    def work(self) -> None:
+        time.sleep(0.01)
+        self.largest = max(self.largest, len(self.held))
+        future, fn, args = self.held.pop(self.random.integers(len(self.held)))
+        if future.set_running_or_notify_cancel():
+            future.set_result(fn(*args))
+
+    def shutdown(self, wait=True, *, cancel_futures=False):
+        self.thread.shutdown(wait)
+
+
+def swept_csv(path, plan, **options) -> bytes:
+    assert run_sweep(plan, path, **options).complete
+    table = path.with_suffix(".csv")
+    write_csv(load_sweep(path), table)
+    return table.read_bytes()
+
+
+@pytest.fixture
+def alone(tmp_path) -> bytes:
+    """The CSV of a sweep by one process, undisturbed."""
+    return swept_csv(tmp_path / "alone.sqlite", fake_plan(rows=12), workers=1)
+
+
+def test_the_numbers_are_those_of_the_points(tmp_path) -> None:
+    path = tmp_path / "sweep.sqlite"
+    run_sweep(fake_plan(), path, workers=1)
+    found = load_sweep(path)
+    assert len(found) == 20
+    for place in range(20):
+        wanted = fake_values(found.swept["mu_a"][place], found.swept["hitch_x_mm"][place])
+        assert {name: values[place] for name, values in found.columns.items()} == {
+            name: value for name, value in wanted.items() if not isinstance(value, tuple)
+        }
+        assert [tuple(values[place].tolist()) for values in found.lists.values()] == [
+            value for value in wanted.values() if isinstance(value, tuple)
+        ]
+
+
+def test_two_processes_find_the_same_as_one(tmp_path, alone) -> None:
+    assert swept_csv(tmp_path / "two.sqlite", fake_plan(rows=12), workers=2) == alone
+
+
+def test_threads_of_any_executor_find_the_same_and_it_is_left_open(tmp_path, alone) -> None:
+    with ThreadPoolExecutor(3) as threads:
+        assert swept_csv(tmp_path / "threads.sqlite", fake_plan(rows=12), executor=threads, workers=3) == alone
+        assert threads.submit(int, 7).result() == 7
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_order_in_which_chunks_come_back_does_not_matter(tmp_path, alone, seed) -> None:
+    with Shuffled(seed) as shuffled:
+        assert swept_csv(tmp_path / "order.sqlite", fake_plan(rows=12), executor=shuffled, workers=3) == alone
+    assert shuffled.largest == 6, "two chunks a worker are on their way, no more"
+
+
+def test_a_refused_point_is_a_result_and_stops_nothing(tmp_path) -> None:
+    path = tmp_path / "sweep.sqlite"
+    status = run_sweep(fake_plan(refused_above=0.26), path, workers=1)
+    assert (status.stored, status.refused, status.complete) == (20, 8, True)
+    found = load_sweep(path)
+    assert found.refusals == ("",) * 12 + ("mu_a is 0.275",) * 4 + ("mu_a is 0.3",) * 4
+    assert np.isnan(found.columns["rotation"]).tolist() == [False] * 12 + [True] * 8
+
+
+def test_a_complete_sweep_is_not_run_again(tmp_path) -> None:
+    path, log = tmp_path / "sweep.sqlite", tmp_path / "log"
+    plan = fake_plan(log=str(log))
+    run_sweep(plan, path, workers=1)
+    assert logged(log) == list(range(20))
+    assert run_sweep(plan, path, workers=1).complete
+    assert len(logged(log)) == 20
+
+
+def test_a_bug_at_a_point_ends_the_sweep_by_name_and_keeps_the_others(tmp_path) -> None:
+    path, log = tmp_path / "sweep.sqlite", tmp_path / "log"
+    told = r"point 7 \(mu_a=0.225, hitch_x_mm=0\) failed, .* ZeroDivisionError: a bug"
+    with pytest.raises(CycleMapError, match=told):
+        run_sweep(fake_plan(fails_at=7), path, workers=1)
+    assert 0 < sweep_status(path).stored <= 7
+    assert run_sweep(fake_plan(log=str(log)), path, workers=1).complete
+    assert 7 in logged(log) and 0 not in logged(log)
+
+
+def test_a_worker_that_dies_ends_the_sweep_with_advice(tmp_path) -> None:
+    path = tmp_path / "sweep.sqlite"
+    with pytest.raises(CycleMapError, match=r"a worker ended abruptly .* run the same sweep again"):
+        run_sweep(fake_plan(dies_at=13), path, workers=2)
+    stored = sweep_status(path).stored
+    assert stored < 20
+    assert run_sweep(fake_plan(), path, workers=1).complete
+
+
+def test_a_worker_of_another_version_is_refused(tmp_path) -> None:
+    class Other(Shuffled):
+        def submit(self, fn, /, numbers, points):
+            return super().submit(fn, FakeNumbers(version="fake 0"), points)
+
+    path = tmp_path / "sweep.sqlite"
+    told = r"another version of the code \(fake 0, not fake 1\)"
+    with Other(0) as other, pytest.raises(CycleMapError, match=told):
+        run_sweep(fake_plan(), path, executor=other, workers=1)
+    assert sweep_status(path).stored == 0
+
+
+def test_ctrl_c_keeps_what_is_found_and_the_sweep_goes_on_from_there(tmp_path, alone) -> None:
+    path, log = tmp_path / "sweep.sqlite", tmp_path / "log"
+    seen = []
+
+    def interrupt(status) -> None:
+        seen.append(status.stored)
+        if status.stored >= 10:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(fake_plan(rows=12), path, workers=1, progress=interrupt)
+    kept = sweep_status(path).stored
+    assert seen[0] == 0 and 10 <= kept == seen[-1] < 48
+    plan = fake_plan(rows=12, log=str(log))
+    assert swept_csv(path, plan, workers=1) == alone
+    assert len(logged(log)) == 48 - kept
+
+
+def test_ctrl_c_waits_for_chunks_at_work_and_stores_them(tmp_path) -> None:
+    path = tmp_path / "sweep.sqlite"
+    told = []
+
+    def interrupt(status) -> None:
+        told.append(status.stored)
+        if len(told) == 3:
+            raise KeyboardInterrupt
+
+    with ThreadPoolExecutor(2) as threads, pytest.raises(KeyboardInterrupt):
+        run_sweep(fake_plan(seconds=0.02), path, executor=threads, workers=2, progress=interrupt)
+    assert sweep_status(path).stored == told[-1] > told[2]
+
+
+def test_progress_never_falls_and_ends_at_the_whole(tmp_path) -> None:
+    seen = []
+    run_sweep(fake_plan(rows=50), tmp_path / "sweep.sqlite", workers=1, progress=lambda one: seen.append(one.stored))
+    assert seen[0] == 0 and seen[-1] == 200
+    assert seen == sorted(seen)
+
+
+def sampled(count) -> SweepPlan:
+    ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
+    return SweepPlan.sample("plywood", ranges, count, sequence="uniform", numbers=FakeNumbers())
+
+
+def peak_memory(path, count) -> int:
+    tracemalloc.start()
+    try:
+        run_sweep(sampled(count), path, workers=1)
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def test_memory_is_flat_over_a_sweep_of_any_length(tmp_path) -> None:
+    """Six thousand points more take less than 50 bytes each: fewer than a point, an outcome or a future has."""
+    peak_memory(tmp_path / "warm.sqlite", 100)
+    short, long = (peak_memory(tmp_path / f"{count}.sqlite", count) for count in (1500, 7500))
+    assert long - short < 50 * 6000
+
+
+@pytest.mark.parametrize("workers", [0, -1, 1.5])
+def test_bad_workers_are_refused(tmp_path, workers) -> None:
+    with pytest.raises(InvalidInput, match="workers"):
+        run_sweep(fake_plan(), tmp_path / "sweep.sqlite", workers=workers)
+    assert not (tmp_path / "sweep.sqlite").exists()

@@ -1,0 +1,109 @@
+"""A plan is checked before anything runs, and tells its points apart by all that their numbers depend on."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fake_numbers import FakeNumbers, fake_plan
+
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import load_material
+from cyclemap.sweeps.code_version import code_version
+from cyclemap.sweeps.point_sets import Grid
+from cyclemap.sweeps.portrait_numbers import PortraitNumbers
+from cyclemap.sweeps.sweep_plan import SweepPlan
+
+OVER = {"mu_a": (0.2, 0.3)}
+
+
+def test_points_carry_what_is_set_and_what_is_swept() -> None:
+    plan = SweepPlan.grid("plywood", OVER, {"hitch_x_mm": -9.0})
+    point = plan.point(1)
+    assert (point.number, dict(point.settings), dict(point.swept)) == (
+        1,
+        {"hitch_x_mm": -9.0, "mu_a": 0.3},
+        {"mu_a": 0.3},
+    )
+    assert point.material == load_material("plywood")
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    """The same plan, whether values are Python's or NumPy's, whole or not."""
+    plain = SweepPlan.grid("plywood", {"mu_a": (0.2, 0.3)}, {"side": 1, "push_mm": 100})
+    arrays = SweepPlan.grid("plywood", {"mu_a": np.array([0.2, 0.3])}, {"side": np.int64(1), "push_mm": 100.0})
+    assert arrays.described() == plain.described()
+    assert arrays.point(1).digest == plain.point(1).digest
+
+
+def test_materials_are_swept_by_name() -> None:
+    plan = SweepPlan.grid(None, {"material": ("abs", "pu"), **OVER})
+    assert [plan.point(number).material.name for number in range(4)] == ["abs", "abs", "pu", "pu"]
+    assert dict(plan.point(3).settings) == {"mu_a": 0.3}
+
+
+def test_every_point_has_its_own_digest_and_the_same_in_another_plan() -> None:
+    plan = fake_plan()
+    digests = [plan.point(number).digest for number in range(len(plan))]
+    assert len(set(digests)) == 20
+    turned = SweepPlan(Grid(plan.points.axes[::-1]), "plywood", {}, plan.numbers)
+    assert turned.point(0).digest == digests[0] and turned.point(1).digest == digests[4]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        SweepPlan.grid("abs", OVER),
+        SweepPlan.grid("plywood", OVER, {"mu_b": 0.2}),
+        SweepPlan.grid("plywood", OVER, numbers=PortraitNumbers(tolerance=1e-5)),
+        SweepPlan.grid("plywood", OVER, numbers=PortraitNumbers(("turns",))),
+        SweepPlan.grid("plywood", OVER, numbers=PortraitNumbers(rotation_tolerance=1e-3)),
+        SweepPlan.grid(replace(load_material("plywood"), misfit="other"), OVER),
+        SweepPlan.grid("plywood", OVER, numbers=FakeNumbers()),
+    ],
+)
+def test_a_digest_tells_apart_all_that_numbers_depend_on(other) -> None:
+    assert other.point(0).digest != SweepPlan.grid("plywood", OVER).point(0).digest
+
+
+def test_a_digest_tells_apart_versions_of_the_code() -> None:
+    one, other = fake_plan(version="1").point(0), fake_plan(version="2").point(0)
+    assert one.digest != other.digest
+    assert PortraitNumbers().version == code_version()
+
+
+@pytest.mark.parametrize(
+    ("material", "over", "settings", "message"),
+    [
+        ("plywood", {"mu_c": (1.0,)}, {}, "unknown key to sweep 'mu_c'"),
+        ("plywood", OVER, {"mu_c": 1.0}, "unknown key to sweep 'mu_c'"),
+        ("plywood", OVER, {"mu_a": 0.2}, "mu_a is both set and swept"),
+        ("plywood", {"mu_a": (0.2, float("nan"))}, {}, "mu_a must be a finite number"),
+        ("plywood", {"mu_a": ()}, {}, "mu_a has no values"),
+        ("plywood", {"material": ("abs",)}, {}, "material is both given and swept"),
+        (None, OVER, {}, "give a material"),
+        ("plywod", OVER, {}, "unknown material"),
+        ("plywood", OVER, {"material": "abs"}, "material is no setting"),
+        ("plywood", OVER, {"push_mm": -150.0}, "push distance must be positive"),
+        ("plywood", OVER, {"noise_deg": -1.0}, "noise_deg must be positive"),
+    ],
+)
+def test_a_bad_plan_is_refused_before_anything_runs(material, over, settings, message) -> None:
+    with pytest.raises(InvalidInput, match=message):
+        SweepPlan.grid(material, over, settings)
+
+
+def test_settings_that_only_some_points_mend_are_no_bad_plan() -> None:
+    """Half an ellipse is no loop, but the swept key may bring the other half."""
+    plan = SweepPlan.grid("plywood", {"semi_y_mm": (30.0, 40.0)}, {"semi_x_mm": 50.0})
+    assert len(plan) == 2
+
+
+def test_unknown_groups_of_quantities_are_refused_and_map_is_always_there() -> None:
+    assert PortraitNumbers(("turns", "rotation")).groups == ("map", "rotation", "turns")
+    assert PortraitNumbers(("all",)).groups[-1] == "staircase"
+    with pytest.raises(InvalidInput, match="unknown group of quantities 'turn': did you mean 'turns'"):
+        PortraitNumbers(("turn",))
+    with pytest.raises(InvalidInput, match="no quantities"):
+        PortraitNumbers(())
+    with pytest.raises(InvalidInput, match="tolerance must be positive"):
+        PortraitNumbers(tolerance=0.0)

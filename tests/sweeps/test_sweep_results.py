@@ -1,0 +1,99 @@
+"""Results are found again by what was swept and by what was found, on the grid they were swept on."""
+
+import numpy as np
+import pytest
+from fake_numbers import FakeNumbers, fake_plan, fake_values
+
+from cyclemap.errors import InvalidInput
+from cyclemap.sweeps.run_sweep import run_sweep
+from cyclemap.sweeps.sweep_plan import SweepPlan
+from cyclemap.sweeps.sweep_results import load_sweep
+
+
+@pytest.fixture(scope="module")
+def sweep(tmp_path_factory):
+    """Three materials by five mu_a by four hitch_x_mm."""
+    grid = fake_plan().points.axes
+    over = {"material": ("abs", "pu", "delrin"), **{axis.key: axis.values for axis in grid}}
+    path = tmp_path_factory.mktemp("sweep") / "sweep.sqlite"
+    run_sweep(SweepPlan.grid(None, over, numbers=FakeNumbers(refused_above=0.28)), path, workers=1)
+    return load_sweep(path)
+
+
+@pytest.fixture(scope="module")
+def sample(tmp_path_factory):
+    path = tmp_path_factory.mktemp("sample") / "sweep.sqlite"
+    ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
+    run_sweep(SweepPlan.sample("plywood", ranges, 64, numbers=FakeNumbers()), path, workers=1)
+    return load_sweep(path)
+
+
+def test_the_grid_has_each_number_at_its_place(sweep) -> None:
+    plane = sweep.on_grid("rotation")
+    assert plane.shape == sweep.shape == (3, 5, 4)
+    for i, mu in enumerate(sweep.axes[1].values):
+        for j, x in enumerate(sweep.axes[2].values):
+            wanted = fake_values(mu, x)["rotation"] if mu <= 0.28 else np.nan
+            assert np.array_equal(plane[:, i, j], np.full(3, wanted), equal_nan=True)
+
+
+def test_one_value_takes_its_axis_away(sweep) -> None:
+    found = sweep.select(material="pu", mu_a=0.225)
+    assert [axis.key for axis in found.axes] == ["hitch_x_mm"] and len(found) == 4
+    assert found.on_grid("rotation").tolist() == sweep.on_grid("rotation")[1, 1].tolist()
+    assert set(found.swept["material"]) == {"pu"}
+
+
+def test_a_range_and_a_list_keep_their_axis(sweep) -> None:
+    found = sweep.select(mu_a=(0.22, 0.26), material=["delrin", "abs"])
+    assert found.shape == (2, 2, 4) and found.axes[0].values == ("abs", "delrin")
+    assert found.axes[1].values == pytest.approx((0.225, 0.25))
+    assert np.array_equal(found.on_grid("rotation"), sweep.on_grid("rotation")[[0, 2], 1:3])
+
+
+def test_where_keeps_the_points_that_a_condition_chooses(sweep) -> None:
+    found = sweep.where(lambda one: one.values("locked_period") == 1)
+    assert len(found) == 3 * 4 * 3
+    assert max(found.swept["hitch_x_mm"]) < -5.0
+    assert {values.size for values in found.lists["fixed_point_theta"]} == {2}
+    assert np.isnan(found.on_grid("rotation")).sum() == 60 - 36
+
+
+def test_a_sample_is_selected_by_ranges_and_has_no_grid(sample) -> None:
+    found = sample.select(mu_a=(0.2, 0.25))
+    assert len(found) == 32
+    assert found.values("mu_a").max() <= 0.25
+    assert sample.values("rotation").shape == (64,)
+    with pytest.raises(InvalidInput, match="a sample has no grid"):
+        sample.on_grid("rotation")
+    with pytest.raises(InvalidInput, match=r"no point has mu_a=0\.9"):
+        sample.select(mu_a=0.9)
+
+
+def test_an_unfinished_grid_has_holes(tmp_path) -> None:
+    def stop(status) -> None:
+        if status.stored >= 3:
+            raise KeyboardInterrupt
+
+    path = tmp_path / "sweep.sqlite"
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(fake_plan(), path, workers=1, progress=stop)
+    found = load_sweep(path)
+    assert np.isfinite(found.on_grid("rotation")).sum() == len(found) < 20
+
+
+@pytest.mark.parametrize(
+    ("ask", "message"),
+    [
+        (lambda one: one.select(mu_b=1.0), "unknown swept key 'mu_b'"),
+        (lambda one: one.select(mu_a=0.21), "mu_a does not take 0.21; its values are 0.2, 0.225"),
+        (lambda one: one.select(material=(1.0, 2.0)), "material is no number"),
+        (lambda one: one.values("tv_from_uniform"), "unknown column 'tv_from_uniform'"),
+        (lambda one: one.on_grid("rotations"), "unknown quantity of this sweep 'rotations': did you mean 'rotation'"),
+        (lambda one: one.where([True]), "where needs 60 true or false"),
+        (lambda one: one.where(np.ones(60)), "not float64"),
+    ],
+)
+def test_a_bad_question_is_refused_by_name(sweep, ask, message) -> None:
+    with pytest.raises(InvalidInput, match=message):
+        ask(sweep)

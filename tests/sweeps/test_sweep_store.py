@@ -1,0 +1,195 @@
+"""The store keeps what it was given to the last bit, and refuses what it cannot trust."""
+
+import os
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fake_numbers import FakeNumbers, fake_plan
+
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.sweeps.portrait_numbers import PointOutcome
+from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
+from cyclemap.sweeps.sweep_results import load_sweep
+from cyclemap.sweeps.sweep_store import StoreWriteError, SweepStore
+
+
+@pytest.fixture
+def path(tmp_path) -> Path:
+    return tmp_path / "new folder" / "sweep.sqlite"
+
+
+def full_store(path, **options) -> None:
+    run_sweep(fake_plan(**options), path, workers=1)
+
+
+def test_every_float_comes_back_as_it_went(path) -> None:
+    """Not a number, infinities, zeros, subnormals and numbers of 17 digits."""
+    plan = fake_plan()
+    kept = (0.1 + 0.2, np.inf, -np.inf, 5e-324, 1.7976931348623157e308)
+    with SweepStore(path, plan) as store:
+        values = {"rotation": kept[0], "rotation_lower": np.inf, "rotation_upper": np.nan, "fixed_point_theta": kept}
+        store.add([(plan.point(3), PointOutcome(values, "partly refused: 'θ'"))])
+        assert store.status().stored == store.status().refused == 1
+    found = load_sweep(path)
+    assert found.columns["rotation"].tolist() == [0.1 + 0.2]
+    assert found.columns["rotation_lower"].tolist() == [np.inf]
+    assert np.isnan(found.columns["rotation_upper"]).all() and np.isnan(found.columns["locked_period"]).all()
+    assert tuple(found.lists["fixed_point_theta"][0].tolist()) == kept
+    assert found.refusals == ("partly refused: 'θ'",)
+    assert found.number.tolist() == [3]
+
+
+def test_a_point_is_kept_once(path) -> None:
+    plan = fake_plan()
+    point = plan.point(0)
+    with SweepStore(path, plan) as store:
+        store.add([(point, PointOutcome({"rotation": 1.0}))])
+        store.add([(point, PointOutcome({"rotation": 2.0}))])
+        assert store.status().stored == 1
+    assert load_sweep(path).columns["rotation"].tolist() == [1.0]
+
+
+def test_anyone_can_ask_it_in_sql(path) -> None:
+    full_store(path)
+    connection = sqlite3.connect(path)
+    asked = 'SELECT number FROM points WHERE mu_a > 0.22 AND "stable_points" = 1 ORDER BY number'
+    found = [number for (number,) in connection.execute(asked)]
+    mode = connection.execute("PRAGMA journal_mode").fetchone()[0]
+    connection.close()
+    assert found == [4, 5, 6, 8, 9, 10, 12, 13, 14, 16, 17, 18]
+    assert mode == "wal"
+
+
+@pytest.mark.parametrize(
+    ("options", "differs"),
+    [
+        ({"rows": 6}, "differs in points"),
+        ({"told": "other"}, "differs in quantities"),
+        ({"version": "fake 2"}, "another version of the code"),
+    ],
+)
+def test_the_store_of_another_plan_is_refused_and_left_alone(path, options, differs) -> None:
+    full_store(path)
+    before = load_sweep(path).number.tolist()
+    with pytest.raises(InvalidInput, match=differs):
+        run_sweep(fake_plan(**options), path, workers=1)
+    with pytest.raises(InvalidInput, match=differs):
+        sweep_status(path, fake_plan(**options))
+    assert load_sweep(path, fake_plan()).number.tolist() == before
+
+
+def other_database(path) -> None:
+    connection = sqlite3.connect(path)
+    connection.execute("CREATE TABLE mine (x)")
+    connection.commit()
+    connection.close()
+
+
+def cut(path) -> None:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def scratched(path) -> None:
+    content = bytearray(path.read_bytes())
+    content[4096:8192] = os.urandom(4096)
+    path.write_bytes(bytes(content))
+
+
+def tampered(path) -> None:
+    """One number changed, in a file that is otherwise sound."""
+    connection = sqlite3.connect(path)
+    connection.execute("UPDATE points SET rotation = 0.5 WHERE number = 7")
+    connection.commit()
+    connection.close()
+
+
+@pytest.mark.parametrize(
+    ("harm", "message"),
+    [
+        (lambda path: path.write_text("not a store, but words\n" * 300), "not a database"),
+        (other_database, "not a store of this version's sweeps"),
+        (cut, "damaged"),
+        (scratched, "damaged"),
+        (tampered, "the row of point 7 is not as it was written"),
+    ],
+)
+def test_a_damaged_or_foreign_file_is_refused_by_name(path, harm, message) -> None:
+    full_store(path, rows=60)
+    if harm is other_database:
+        path.unlink()
+    harm(path)
+    before = path.read_bytes()
+    with pytest.raises(DataFileError, match=message) as caught:
+        load_sweep(path, fake_plan(rows=60))
+    assert str(path) in str(caught.value) and "remove it" in str(caught.value)
+    assert path.read_bytes() == before
+
+
+def test_an_absent_store_is_at_the_beginning_of_a_plan_and_no_results(path) -> None:
+    status = sweep_status(path, fake_plan())
+    assert (status.points, status.stored, status.complete) == (20, 0, False)
+    assert not path.exists()
+    for ask in (sweep_status, load_sweep):
+        with pytest.raises(DataFileError, match="no such store"):
+            ask(path)
+
+
+def test_a_store_begun_and_killed_before_its_first_table_is_begun_again(path) -> None:
+    path.parent.mkdir()
+    path.touch()
+    full_store(path)
+    assert len(load_sweep(path)) == 20
+
+
+def test_a_store_that_cannot_be_made_is_a_write_error(tmp_path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(StoreWriteError, match="cannot be written"):
+        run_sweep(fake_plan(), tmp_path / "file" / "sweep.sqlite", workers=1)
+
+
+def test_a_held_store_is_a_write_error(path, monkeypatch) -> None:
+    full_store(path, rows=5)
+    monkeypatch.setattr("cyclemap.sweeps.sweep_store._PATIENCE_SECONDS", 0.05)
+    holder = sqlite3.connect(path, isolation_level=None)
+    holder.execute("BEGIN IMMEDIATE")
+    plan = fake_plan()
+    with SweepStore(path, plan) as store, pytest.raises(StoreWriteError, match="held by another process"):
+        store.add([(plan.point(0), PointOutcome({}))])
+    holder.close()
+
+
+FULL_DISK = """
+import resource, sys
+from fake_numbers import fake_plan
+from cyclemap.sweeps.run_sweep import run_sweep
+from cyclemap.sweeps.sweep_store import StoreWriteError
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), int(sys.argv[2])))
+try:
+    run_sweep(fake_plan(rows=300, seconds=1e-4), sys.argv[1], workers=1)
+except StoreWriteError as error:
+    print(error)
+"""
+
+
+def test_a_full_disk_stops_the_sweep_keeps_what_is_stored_and_lets_it_go_on(path, tmp_path) -> None:
+    """A limit on the size of files stands for the disk: SQLite meets a refused write in both cases."""
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+    command = [sys.executable, "-c", FULL_DISK, str(path), "250000"]
+    ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert "cannot be written" in ended.stdout and "make room, then run the same sweep again" in ended.stdout
+    kept = load_sweep(path)
+    assert 100 < len(kept) < 1200
+    log = tmp_path / "log"
+    plan = fake_plan(rows=300)
+    object.__setattr__(plan, "numbers", FakeNumbers(log=str(log)))
+    assert run_sweep(plan, path, workers=1).complete
+    assert len(log.read_text().split()) == 1200 - len(kept)
+    undisturbed = tmp_path / "undisturbed.sqlite"
+    run_sweep(fake_plan(rows=300), undisturbed, workers=1)
+    whole, wanted = load_sweep(path), load_sweep(undisturbed)
+    assert whole.columns["rotation"].tolist() == wanted.columns["rotation"].tolist()
+    assert whole.number.tolist() == list(range(1200))

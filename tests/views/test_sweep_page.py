@@ -1,0 +1,130 @@
+"""The page of a sweep shows what was found, where it locks, and what was refused."""
+
+import re
+
+import numpy as np
+import pytest
+
+from cyclemap.sweeps.portrait_numbers import PointOutcome, PortraitNumbers
+from cyclemap.sweeps.run_sweep import run_sweep
+from cyclemap.sweeps.sweep_curves import sweep_curves
+from cyclemap.sweeps.sweep_plan import SweepPlan
+from cyclemap.sweeps.sweep_results import load_sweep
+from cyclemap.sweeps.sweep_store import SweepStore
+from cyclemap.views.style import render
+from cyclemap.views.sweep_page import sweep_page
+from cyclemap.views.sweep_panels import cell_edges, key_label
+from cyclemap.views.sweep_sentences import sweep_sentences
+
+NUMBERS = PortraitNumbers(("rotation", "fixed_points"))
+
+
+def outcome(place: float) -> PointOutcome:
+    """Locked with two fixed points below one half, winding above, refused at the end."""
+    if place > 0.9:
+        return PointOutcome({}, "no such loop")
+    locked = place < 0.5
+    rotation = 0.0 if locked else 0.1 * place
+    bounds = {"rotation": rotation, "rotation_lower": rotation, "rotation_upper": rotation + 1e-5 * (not locked)}
+    counts = {"locked_winding": 0.0, "locked_period": float(locked), "fixed_points": 2.0 * locked}
+    lists = {"fixed_point_theta": (1.0, 2.0 + place), "fixed_point_stable": (1.0, 0.0)} if locked else {}
+    return PointOutcome({**bounds, **counts, "stable_points": float(locked), **lists})
+
+
+@pytest.fixture
+def swept(tmp_path):
+    """A sweep whose outcomes depend on the place of a point in the plan."""
+
+    def sweep(plan):
+        path = tmp_path / f"{len(plan)}.sqlite"
+        with SweepStore(path, plan) as store:
+            store.add([(plan.point(k), outcome(k / (len(plan) - 1))) for k in range(len(plan))])
+        return load_sweep(path)
+
+    return sweep
+
+
+def page_of(sweep, names=()):
+    figure = sweep_page(sweep, sweep_curves(sweep, names))
+    assert render(figure).startswith(b"\x89PNG")
+    return figure
+
+
+def words(figure) -> str:
+    return " ".join(text.get_text() for text in figure.texts)
+
+
+def panels(figure):
+    return [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
+
+
+def test_a_plane_is_coloured_outlined_and_crossed_out(swept) -> None:
+    over = {"mu_a": (0.2, 0.25, 0.3), "hitch_x_mm": (-12.0, -8.0, -4.0)}
+    figure = page_of(swept(SweepPlan.grid("plywood", over, numbers=NUMBERS)))
+    rotation, stable = panels(figure)
+    assert (rotation.get_xlabel(), rotation.get_ylabel()) == ("mu_a", "hitch x (mm)")
+    assert rotation.get_title(loc="left") == "Rotation number"
+    shades = stable.collections[0].get_array()
+    assert np.ma.filled(shades, -1.0).ravel().tolist() == [1, 1, 0, 1, 0, 0, 1, 0, -1]
+    told = [[text.get_text() for text in axes.get_legend().get_texts()] for axes in (rotation, stable)]
+    assert told == [["refused"], ["refused"]]
+    assert "9 points over mu_a 0.2 to 0.3 (3 values)" in words(figure)
+    assert "4 lock (4 at 0/1)" in words(figure) and "1 refused; it so: no such loop." in words(figure)
+    assert "plywood: mu_a × hitch_x_mm" in words(figure)
+
+
+def test_shades_of_counts_differ_in_lightness(swept) -> None:
+    """In grey, a darker cell has more stable directions."""
+    over = {"mu_a": (0.2, 0.25, 0.3), "hitch_x_mm": (-12.0, -8.0, -4.0)}
+    figure = page_of(swept(SweepPlan.grid("plywood", over, numbers=NUMBERS)))
+    mesh = panels(figure)[1].collections[0]
+    grey = [float(np.dot(mesh.cmap(mesh.norm(count))[:3], (0.299, 0.587, 0.114))) for count in (0.0, 1.0)]
+    assert grey[0] - grey[1] > 0.4
+
+
+def test_a_line_has_the_bifurcation_diagram_beside_the_rotation_number(swept) -> None:
+    sweep = swept(SweepPlan.grid("plywood", {"mu_a": np.linspace(0.2, 0.3, 11).tolist()}, numbers=NUMBERS))
+    points, rotation = panels(page_of(sweep))
+    unstable, stable = points.lines[:2]
+    assert stable.get_xdata() == pytest.approx([0.2, 0.21, 0.22, 0.23, 0.24])
+    assert stable.get_ydata() == pytest.approx([np.degrees(1.0)] * 5)
+    assert unstable.get_ydata() == pytest.approx(np.degrees(2.0 + np.arange(5) / 10))
+    assert stable.get_markerfacecolor() != unstable.get_markerfacecolor()
+    assert "(°)" in points.get_ylabel() and "turns a cycle" in rotation.get_ylabel()
+    assert points.lines[2].get_xdata() == pytest.approx([0.3]), "the refused point is marked"
+
+
+def test_words_stand_at_their_ticks(swept) -> None:
+    over = {"material": ("abs", "delrin", "plywood", "pu")}
+    points, _ = panels(page_of(swept(SweepPlan.grid(None, over, numbers=NUMBERS))))
+    assert [label.get_text() for label in points.get_xticklabels()] == ["abs", "delrin", "plywood", "pu"]
+
+
+def test_a_sample_is_dots_and_any_quantity_can_be_drawn(swept) -> None:
+    plan = SweepPlan.sample("plywood", {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}, 21, numbers=NUMBERS)
+    figure = page_of(swept(plan), ("fixed_points",))
+    (axes,) = panels(figure)
+    assert len(axes.collections[0].get_offsets()) == 19
+    assert len(axes.lines[0].get_xdata()) == 2
+    assert "sobol sample, seed 0" in words(figure)
+
+
+def test_a_sweep_that_is_not_done_says_so(swept) -> None:
+    sweep = swept(SweepPlan.grid("plywood", {"mu_a": np.linspace(0.2, 0.3, 11).tolist()}, numbers=NUMBERS))
+    part = sweep.where(sweep.number < 4)
+    assert re.match(r"4 of 11 points over mu_a", sweep_sentences(part)[0])
+
+
+def test_a_sweep_of_refusals_alone_can_still_be_drawn(tmp_path) -> None:
+    plan = SweepPlan.grid("plywood", {"fraction": (1.5, 2.0), "push_mm": (100.0, 150.0)}, numbers=NUMBERS)
+    run_sweep(plan, tmp_path / "sweep.sqlite", workers=1)
+    sweep = load_sweep(tmp_path / "sweep.sqlite")
+    assert all("contact fraction" in text for text in sweep.refusals)
+    assert "4 refused" in words(page_of(sweep))
+    assert "2 refused" in words(page_of(sweep.select(push_mm=100.0)))
+
+
+def test_cells_meet_half_way_and_keys_have_their_units() -> None:
+    assert cell_edges(np.array([0.0, 1.0, 3.0])).tolist() == [-0.5, 0.5, 2.0, 4.0]
+    assert cell_edges(np.array([3.0])).tolist() == [2.5, 3.5]
+    assert [key_label(key) for key in ("phi_deg", "mass_kg", "side")] == ["phi (°)", "mass (kg)", "side"]
