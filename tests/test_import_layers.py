@@ -149,7 +149,8 @@ ROWS = {
         ("theta0", "pushes", "comparison"),
     ),
     "resets": (
-        ("strategies", "scores", "least_noise", "design", "robust"),
+        ("strategies", "scores", "least_noise", "drawn_pushes", "parameters", "design"),
+        ("strategies", "scores", "drawn_pushes", "robust", "design"),
         ("strategies", "monitor"),
         ("strategies", "scores", "protocol"),
     ),

@@ -1,22 +1,6 @@
 """Resets: what the robot does otherwise, how evenly the orientations spread then, and how to watch it."""
 
 from cyclemap.resets.design.action_cache import ActionCache
-from cyclemap.resets.design.parameter_families import (
-    drawn_push_family,
-    fixed_leg_family,
-    gripper_family,
-    random_leg_family,
-    ring_family,
-    way_point_family,
-)
-from cyclemap.resets.design.parameter_gradient import SCORES, BiasGradient, Resolution, bias_gradient
-from cyclemap.resets.design.parameter_search import ParameterSearch, search_parameters
-from cyclemap.resets.design.parameter_space import StrategyFamily
-from cyclemap.resets.design.pareto_front import Candidate, ParetoFront, hypervolume, non_dominated, pareto_front
-from cyclemap.resets.design.pareto_search import SearchedFront, scored_candidate, search_front
-from cyclemap.resets.design.push_bound import PushBound, push_bound
-from cyclemap.resets.design.push_library import LeftOutPush, PushLibrary, push_library
-from cyclemap.resets.design.push_weights import PushLimits, PushWeights, best_push_weights, push_weights
 from cyclemap.resets.design.reset_candidates import Effort, ResetCandidate
 from cyclemap.resets.design.reset_curves import reset_curves
 from cyclemap.resets.design.reset_demands import ResetDemands
@@ -24,6 +8,9 @@ from cyclemap.resets.design.reset_design import ResetDesign, design_reset
 from cyclemap.resets.design.reset_numbers import ResetKernel, ResetNumbers
 from cyclemap.resets.design.reset_ranking import DemandOutlook, ScoredReset
 from cyclemap.resets.design.reset_trial import ResetTrial, reset_trial
+from cyclemap.resets.drawn_pushes.push_bound import PushBound, push_bound
+from cyclemap.resets.drawn_pushes.push_library import LeftOutPush, PushLibrary, push_library
+from cyclemap.resets.drawn_pushes.push_weights import PushLimits, PushWeights, best_push_weights, push_weights
 from cyclemap.resets.least_noise.least_correction import LeastCorrection, least_correction
 from cyclemap.resets.least_noise.least_noise import LeastNoise, least_noise
 from cyclemap.resets.least_noise.noise_bound import NoiseBound, independent_noise_bound
@@ -35,9 +22,31 @@ from cyclemap.resets.monitor.forecast import Forecast, forecast
 from cyclemap.resets.monitor.next_action import NextAction, next_action
 from cyclemap.resets.monitor.rest_direction import Rest
 from cyclemap.resets.monitor.rest_evidence import RestRule
+from cyclemap.resets.parameters.parameter_families import (
+    drawn_push_family,
+    fixed_leg_family,
+    gripper_family,
+    random_leg_family,
+    ring_family,
+    way_point_family,
+)
+from cyclemap.resets.parameters.parameter_gradient import SCORES, BiasGradient, Resolution, bias_gradient
+from cyclemap.resets.parameters.parameter_search import ParameterSearch, search_parameters
+from cyclemap.resets.parameters.parameter_space import StrategyFamily
+from cyclemap.resets.parameters.pareto_front import Candidate, ParetoFront, hypervolume, non_dominated, pareto_front
+from cyclemap.resets.parameters.pareto_search import SearchedFront, scored_candidate, search_front
 from cyclemap.resets.protocol.protocol_file import read_protocol, write_protocol
 from cyclemap.resets.protocol.schedule_file import read_schedule, write_schedule
 from cyclemap.resets.protocol.scheduled_actions import ScheduledActions
+from cyclemap.resets.robust.design_under_wear import ResetUnderWear, redesign_under_wear, reset_under_wear
+from cyclemap.resets.robust.material_posterior import MaterialPosterior
+from cyclemap.resets.robust.material_range import MaterialRange
+from cyclemap.resets.robust.material_score import MaterialScore, QuickGrid, material_score
+from cyclemap.resets.robust.robust_weights import RobustPushes, robust_push_weights
+from cyclemap.resets.robust.sampled_materials import MaterialList, SampledMaterials
+from cyclemap.resets.robust.scenario_loops import direction_matters, loop_on
+from cyclemap.resets.robust.wear_stages import wear_path
+from cyclemap.resets.robust.worst_case import Allowance, WorstCase, worst_case, worst_scores
 from cyclemap.resets.scores.coverage_measures import (
     GOLDEN_ANGLE,
     coverage_measures,
@@ -98,6 +107,7 @@ __all__ = [
     "ActionLaw",
     "Advice",
     "Alarm",
+    "Allowance",
     "AlternatingPushes",
     "BiasGradient",
     "BiasMonitor",
@@ -125,6 +135,10 @@ __all__ = [
     "LeastNoise",
     "LeftOutPush",
     "LegFlow",
+    "MaterialList",
+    "MaterialPosterior",
+    "MaterialRange",
+    "MaterialScore",
     "NextAction",
     "NoiseBound",
     "Pace",
@@ -134,6 +148,7 @@ __all__ = [
     "PushLibrary",
     "PushLimits",
     "PushWeights",
+    "QuickGrid",
     "ResetCandidate",
     "ResetDemands",
     "ResetDesign",
@@ -142,11 +157,14 @@ __all__ = [
     "ResetScores",
     "ResetStrategy",
     "ResetTrial",
+    "ResetUnderWear",
     "Resolution",
     "Rest",
     "RestRule",
     "RingPlace",
+    "RobustPushes",
     "SampledEvenness",
+    "SampledMaterials",
     "SampledMean",
     "ScatteredAim",
     "Schedule",
@@ -171,6 +189,7 @@ __all__ = [
     "VanDerCorput",
     "VariedPush",
     "WayPoints",
+    "WorstCase",
     "action_cost",
     "best_push_weights",
     "bias_gradient",
@@ -178,6 +197,7 @@ __all__ = [
     "combine",
     "coverage_measures",
     "design_reset",
+    "direction_matters",
     "drawn_push_family",
     "effective_size",
     "evenness",
@@ -196,6 +216,8 @@ __all__ = [
     "least_correction",
     "least_noise",
     "leg_flow",
+    "loop_on",
+    "material_score",
     "next_action",
     "non_dominated",
     "pareto_front",
@@ -205,10 +227,13 @@ __all__ = [
     "random_leg_family",
     "read_protocol",
     "read_schedule",
+    "redesign_under_wear",
     "reset_curves",
     "reset_scores",
     "reset_trial",
+    "reset_under_wear",
     "ring_family",
+    "robust_push_weights",
     "rotation_angles",
     "run_action",
     "run_strategy",
@@ -232,6 +257,9 @@ __all__ = [
     "trailing_point",
     "watch",
     "way_point_family",
+    "wear_path",
+    "worst_case",
+    "worst_scores",
     "write_protocol",
     "write_schedule",
 ]

@@ -1,1 +1,1 @@
-"""Design of resets: what to push and how often, ranked and bounded by what no rule can beat."""
+"""A reset for given demands: candidates, their survey and ranking, and the answer where none meets them."""

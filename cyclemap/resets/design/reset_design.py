@@ -10,7 +10,6 @@ from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Noise, WrappedNormal
 from cyclemap.resets.design.action_cache import MAP_TOLERANCE, ActionCache
-from cyclemap.resets.design.pareto_front import non_dominated
 from cyclemap.resets.design.reset_candidates import (
     Effort,
     ResetCandidate,
@@ -25,6 +24,7 @@ from cyclemap.resets.design.reset_demands import ResetDemands
 from cyclemap.resets.design.reset_ranking import DemandOutlook, ScoredReset, outlooks, ranked
 from cyclemap.resets.design.reset_survey import LeftOutStrategy, Progress, ResetSurvey
 from cyclemap.resets.design.searched_candidates import drawn_push_candidates, gripper_spread, ring_candidates
+from cyclemap.resets.parameters.pareto_front import non_dominated
 from cyclemap.resets.strategies.action_cost import Pace
 from cyclemap.resets.strategies.cycle_action import CycleAction
 from cyclemap.resets.strategies.strategy import ResetStrategy

@@ -13,10 +13,10 @@ import numpy as np
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics import SidePush
 from cyclemap.resets.design.action_cache import ActionCache
-from cyclemap.resets.design.push_library import PushLibrary, push_library
 from cyclemap.resets.design.reset_candidates import Effort, PushPlaces, ResetCandidate, own_candidate
 from cyclemap.resets.design.reset_demands import ResetDemands
 from cyclemap.resets.design.reset_ranking import ScoredReset, ranked
+from cyclemap.resets.drawn_pushes.push_library import PushLibrary, push_library
 from cyclemap.resets.strategies.cycle_action import CycleAction
 
 Progress = Callable[[str, float], None]

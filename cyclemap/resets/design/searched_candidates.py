@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from cyclemap.errors import CycleMapError
-from cyclemap.resets.design.push_library import PushLibrary
-from cyclemap.resets.design.push_weights import PushWeights, best_push_weights
 from cyclemap.resets.design.reset_candidates import Effort, ResetCandidate, ring_places
 from cyclemap.resets.design.reset_survey import ResetSurvey
+from cyclemap.resets.drawn_pushes.push_library import PushLibrary
+from cyclemap.resets.drawn_pushes.push_weights import PushWeights, best_push_weights
 from cyclemap.resets.strategies.action_cost import Pace
 from cyclemap.resets.strategies.drag_strategies import GripperTurn
 from cyclemap.resets.strategies.push_strategies import DrawnPushes

@@ -1,0 +1,97 @@
+"""Push weights for several scenarios: what pushes do on each, and the search among those scenarios that count."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.maps import CircleMap, Noise
+from cyclemap.maps.mixtures.random_map import RandomMap
+from cyclemap.mechanics import Material, SidePush
+from cyclemap.resets.drawn_pushes.push_library import PushLibrary
+from cyclemap.resets.drawn_pushes.push_weights import PushWeights, best_push_weights, push_weights
+from cyclemap.resets.robust.material_score import QuickGrid, own_drag, sample_cycles
+from cyclemap.resets.robust.scenario_loops import loop_on
+from cyclemap.resets.robust.worst_case import Allowance
+from cyclemap.resets.strategies.cycle_action import CycleAction
+
+Array = NDArray[np.float64]
+
+# A scenario left out of the search counts where its bias is this much larger than that of all in it.
+_CLOSE = 2e-4
+
+
+@dataclass(frozen=True, eq=False)
+class ScenarioRow:
+    """The pushes of a library on one material: their maps, drags (P, K), m, and the drag of the loop's own reset, m."""
+
+    loop: CollectionLoop
+    maps: tuple[CircleMap, ...]
+    drag_length: Array
+    own_drag: float
+
+
+def scenario_row(loop: CollectionLoop, pushes: Sequence[SidePush], grid: QuickGrid, material: Material) -> ScenarioRow:
+    """Return what the pushes do on one material, from the grid's orientations; 0.1 s a push."""
+    here = loop_on(loop, material)
+    cycles = sample_cycles(here, [CycleAction(push=push) for push in pushes], grid)
+    return ScenarioRow(here, cycles.maps, cycles.drag_length, own_drag(here, grid.accuracy))
+
+
+def scenario_library(pushes: Sequence[SidePush], rows: Sequence[ScenarioRow], noise: Noise, modes: int) -> PushLibrary:
+    """Return the library of the pushes on every scenario, for `best_push_weights`."""
+    cycles = tuple(tuple(RandomMap((one,), None, noise) for one in row.maps) for row in rows)
+    lengths = np.array([row.drag_length for row in rows])
+    return PushLibrary(tuple(pushes), cycles, lengths, modes, loops=tuple(row.loop for row in rows))
+
+
+def least_worst_weights(
+    library: PushLibrary, own_drags: Array, allowance: Allowance, most_pushes: int | None, starts: int, seed: int
+) -> PushWeights:
+    """Return the weights whose largest bias over the library's scenarios is least, within the drag allowed on each.
+
+    own_drags : (S,), m, to which drags are allowed in proportion. The search looks at the scenarios that count: it
+    begins with the one that is worst for even weights and adds that which is worst for the weights found, until none
+    outside is worse than those inside by more than 2e-4 or exceeds its drag. As few as two or three are usual.
+    """
+    within, extra = allowance.pushes, allowance.reach
+    limit, every = allowance.drag_ratio * own_drags, np.arange(len(library.pushes))
+    even = np.full(every.size, 1.0 / every.size)
+    whole = push_weights(library, every, even, within=within, extra_tv=extra)
+    inside = [int(np.argmax(_biases(whole)))]
+    while True:
+        part = _only_scenarios(library, inside)
+        found = best_push_weights(
+            part,
+            drag_limit=limit[inside],
+            within=within,
+            extra_tv=extra,
+            most_pushes=most_pushes,
+            starts=starts,
+            seed=seed,
+        )
+        numbers = found.numbers
+        whole = push_weights(library, numbers, found.weights, drag_limit=limit, within=within, extra_tv=extra)
+        over = np.maximum(_biases(whole) - _biases(found).max() - _CLOSE, whole.drag / limit - 1.0 - _CLOSE)
+        over[inside] = -np.inf
+        if over.max() <= 0.0:
+            return whole
+        inside.append(int(np.argmax(over)))
+
+
+def _biases(found: PushWeights) -> Array:
+    """The bias of each scenario, (S,): in the long run, or early less what is allowed for that."""
+    return np.asarray(np.maximum(found.tv, found.tv_within - found.limits.extra_tv))
+
+
+def _only_scenarios(library: PushLibrary, numbers: list[int]) -> PushLibrary:
+    return replace(
+        library,
+        random_maps=tuple(library.random_maps[s] for s in numbers),
+        drag_lengths=library.drag_lengths[numbers],
+        loops=tuple(library.loops[s] for s in numbers) if library.loops else (),
+    )
