@@ -35,7 +35,7 @@ nitpicky = True
 nitpick_ignore_regex = [
     (
         r"py:.*",
-        r"(numpy|np|collections|pathlib|matplotlib|fractions|typing|types|pandas|pd|scipy|sympy|casadi|PIL|rich|click)(\..*)?",
+        r"(numpy|np|collections|concurrent|pathlib|matplotlib|fractions|typing|types|pandas|pd|scipy|sympy|casadi|PIL|rich|click|xarray)(\..*)?",
     ),
     (r"py:.*", r"cyclemap\.[a-z_]+\..*"),
     (r"py:class", r"[A-Z][A-Za-z]*"),

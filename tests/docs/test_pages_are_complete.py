@@ -9,6 +9,7 @@ from cyclemap.cli.settings import NOISE_KEY
 from cyclemap.collection.settings import SETTING_KEYS
 from cyclemap.figures.catalogue import entries
 from cyclemap.mechanics import material_names
+from cyclemap.resets.protocol.strategy_table import STRATEGY_KINDS
 
 DOCS = Path(__file__).parents[2] / "docs"
 SOURCES = [
@@ -21,9 +22,18 @@ def words(name: str) -> str:
 
 
 def test_every_key_of_a_protocol_is_in_the_guide_and_nothing_else_is() -> None:
-    table = [line for line in words("how-to/own-protocol.md").splitlines() if line.startswith("| `")]
-    told = {key for line in table for key in re.findall(r"`(\w+)`", line.split("|")[1])}
-    assert told == {*SETTING_KEYS, NOISE_KEY}
+    assert first_column("## The keys") == {*SETTING_KEYS, NOISE_KEY}
+
+
+def test_every_kind_of_strategy_is_in_the_guide_and_nothing_else_is() -> None:
+    assert first_column("## Cycles that differ") == {*STRATEGY_KINDS, "kind"}
+
+
+def first_column(heading: str) -> set[str]:
+    """What stands in backticks in the first column of the table under a heading of the guide to protocols."""
+    section = words("how-to/own-protocol.md").split(f"\n{heading}\n")[1].split("\n## ")[0]
+    rows = [line for line in section.splitlines() if line.startswith("| `")]
+    return {key for line in rows for key in re.findall(r"`([\w-]+)`", line.split("|")[1])}
 
 
 def test_every_command_is_named_where_its_use_is_shown() -> None:
