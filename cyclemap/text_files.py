@@ -4,9 +4,11 @@ import csv
 import io
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from decimal import InvalidOperation
 from pathlib import Path
+from typing import Any
 
 from cyclemap.errors import DataFileError
 
@@ -69,12 +71,21 @@ def require_columns(table: CsvTable, columns: Sequence[str]) -> None:
         raise table.error(1, f"column {', '.join(missing)} is missing; the header has {', '.join(table.header)}")
 
 
-def read_toml(path: str | Path) -> dict[str, object]:
-    """Read a TOML file; DataFileError, naming the file and the mend, where it is absent or not TOML."""
+def read_toml(path: str | Path, parse_float: Callable[[str], Any] = float) -> dict[str, object]:
+    """Read a TOML file, numbers with a point by `parse_float`.
+
+    DataFileError, naming the file and the mend, where it is absent or not TOML, or holds what cannot be read.
+    """
     try:
-        return tomllib.loads(_read_text(Path(path), "TOML"))
+        return tomllib.loads(_read_text(Path(path), "TOML"), parse_float=parse_float)
     except tomllib.TOMLDecodeError as error:
         raise DataFileError(f"{path}: not TOML: {error}") from error
+    except (ValueError, InvalidOperation) as error:
+        if isinstance(error, DataFileError):
+            raise
+        raise DataFileError(f"{path}: a number has more digits, or a larger power of ten, than can be read") from error
+    except RecursionError as error:
+        raise DataFileError(f"{path}: lists or tables are nested too deeply; a few levels are enough") from error
 
 
 def _read_text(path: Path, kind: str) -> str:

@@ -45,12 +45,12 @@ class WatchRequest:
 
 def run_watch(request: WatchRequest, json_target: str | None) -> None:
     """Watch the file, write picture and JSON, and print for people or as JSON."""
-    maps = strategy_to_follow(request.protocol, request.material)
     if request.follow:
-        _follow(request, maps, json_target)
+        _follow(request, strategy_to_follow(request.protocol, request.material), json_target)
         return
     watched = WatchedCollection(request.alarm_rate)
     found = theta0_feed(request.file).look(finished=True).theta
+    maps = strategy_to_follow(request.protocol, request.material)
     with progress_bar(f"watching {request.file.name}") as report:
         for done, theta in enumerate(found, 1):
             watched.add(theta)

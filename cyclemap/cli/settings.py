@@ -109,11 +109,6 @@ def set_settings(pairs: Iterable[str]) -> dict[str, object]:
     return settings
 
 
-def protocol_settings(path: Path) -> dict[str, object]:
-    """The settings of a TOML protocol file: the --set keys, grouped in tables of any name; see `read_protocol`."""
-    return _protocol(path)[0]
-
-
 def _value(text: str) -> object:
     for read in (float, json.loads):
         try:

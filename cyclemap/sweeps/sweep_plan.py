@@ -2,17 +2,27 @@
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
+from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Material, load_material
 from cyclemap.sweeps.point_sets import Grid, PointSet, Sample
 from cyclemap.sweeps.portrait_numbers import PointNumbers, PortraitNumbers, SweptPoint
-from cyclemap.sweeps.swept_keys import MATERIAL_KEY, NOISE_KEY, SweepAxis, SweepRange, check_key, checked_value
+from cyclemap.sweeps.swept_keys import (
+    FOOTPRINT_KEY,
+    MATERIAL_KEY,
+    NOISE_KEY,
+    SweepAxis,
+    SweepRange,
+    check_key,
+    checked_value,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +31,7 @@ class SweepPlan:
 
     points : a `Grid` or a `Sample`. material : a name, a TOML file or a `Material`; None only where the points name
     one. settings : of all points, in degrees and millimetres, by the keys of `--set` and `noise_deg`.
-    numbers : what is asked of each point.
+    numbers : what is asked of each point. footprint_files : digests of the files of support points, by their names.
 
     Raises InvalidInput where a key is unknown, both set and swept, or has a value that it cannot have. Whether a
     point's values go together is found when it runs: its refusal is then part of the result.
@@ -36,6 +46,7 @@ class SweepPlan:
     settings: Mapping[str, object] = field(default_factory=dict)
     numbers: PointNumbers = PortraitNumbers()
     materials: Mapping[str, Material] = field(init=False)
+    footprint_files: Mapping[str, str] = field(init=False)
 
     def __post_init__(self) -> None:
         if MATERIAL_KEY in self.settings:
@@ -47,6 +58,7 @@ class SweepPlan:
             raise InvalidInput(f"{both} is both set and swept: give it once")
         object.__setattr__(self, "settings", {key: checked_value(key, value) for key, value in self.settings.items()})
         object.__setattr__(self, "materials", self._loaded_materials())
+        object.__setattr__(self, "footprint_files", self._read_footprints())
         self._check_settings()
 
     @classmethod
@@ -58,7 +70,7 @@ class SweepPlan:
         numbers: PointNumbers | None = None,
     ) -> "SweepPlan":
         """Return the plan of every combination of the values in `over`, the last key running fastest."""
-        axes = tuple(SweepAxis(key, tuple(values)) for key, values in over.items())
+        axes = tuple(SweepAxis(key, _several("values", key, values)) for key, values in _mapping(over).items())
         return cls(Grid(axes), material, settings or {}, numbers or PortraitNumbers())
 
     @classmethod
@@ -73,7 +85,11 @@ class SweepPlan:
         numbers: PointNumbers | None = None,
     ) -> "SweepPlan":
         """Return the plan of `count` points spread over the ranges (low, high) in `over`."""
-        ranges = tuple(SweepRange(key, *ends) for key, ends in over.items())
+        ends = {key: _several("ends", key, given) for key, given in _mapping(over).items()}
+        uneven = next((key for key, given in ends.items() if len(given) != 2), None)
+        if uneven is not None:
+            raise InvalidInput(f"{uneven} is drawn from {over[uneven]!r}: give its two ends, (low, high)")
+        ranges = tuple(SweepRange(key, *given) for key, given in ends.items())
         return cls(Sample(ranges, count, seed, sequence), material, settings or {}, numbers or PortraitNumbers())
 
     @property
@@ -85,7 +101,9 @@ class SweepPlan:
         return len(self.points)
 
     def point(self, number: int) -> SweptPoint:
-        """Return point `number`, counted from 0."""
+        """Return point `number`, counted from 0; InvalidInput for one beyond the last."""
+        if whole_number("point", number, least=0) >= len(self):
+            raise InvalidInput(f"point is {number}: the plan has points 0 to {len(self) - 1}")
         swept = self.points.settings(number)
         settings = {**self.settings, **swept}
         name = str(settings.pop(MATERIAL_KEY, ""))
@@ -93,7 +111,9 @@ class SweepPlan:
 
     def described(self) -> dict[str, object]:
         """The plan as JSON takes it: what two sweeps must share to share a store."""
+        files = {"footprint_files": dict(self.footprint_files)} if self.footprint_files else {}
         return {
+            **files,
             "points": self.points.described(),
             "material": {name or material.name: _fingerprint(material) for name, material in self.materials.items()},
             "settings": dict(self.settings),
@@ -113,6 +133,13 @@ class SweepPlan:
         assert given is not None
         return {"": given if isinstance(given, Material) else load_material(given)}
 
+    def _read_footprints(self) -> dict[str, str]:
+        """What the files hold counts, not their names: points found with other support points are other points."""
+        swept = [one.values for one in _listed(self.points) if one.key == FOOTPRINT_KEY]
+        names = {str(name) for name in (self.settings.get(FOOTPRINT_KEY, ""), *(swept[0] if swept else ()))}
+        files = (Path(name) for name in sorted(names) if name)
+        return {str(file): hashlib.sha256(file.read_bytes()).hexdigest()[:16] for file in files if file.is_file()}
+
     def _check_settings(self) -> None:
         """Refuse settings with which no loop can be made: not by themselves, nor at the first or the last point."""
         material = next(iter(self.materials.values()))
@@ -124,8 +151,22 @@ class SweepPlan:
 
     def _digest(self, material: str, settings: Mapping[str, object]) -> str:
         numbers = self.numbers
-        told = [_fingerprint(self.materials[material]), settings, numbers.described(), numbers.version]
+        told: list[object] = [_fingerprint(self.materials[material]), settings, numbers.described(), numbers.version]
+        file = str(Path(str(settings.get(FOOTPRINT_KEY, ""))))
+        told += [self.footprint_files[file]] if file in self.footprint_files else []
         return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+
+
+def _mapping(over: object) -> Mapping[str, Any]:
+    if not isinstance(over, Mapping):
+        raise InvalidInput(f"over must tell the values of each key, as {{'mu_a': (0.2, 0.3)}}, not {over!r}")
+    return over
+
+
+def _several(told: str, key: str, values: object) -> tuple[Any, ...]:
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise InvalidInput(f"{key} is {values!r}: give its {told} as a list")
+    return tuple(values)
 
 
 def _listed(points: PointSet) -> tuple[SweepAxis, ...]:

@@ -62,6 +62,8 @@ class SweepStore:
     def __init__(self, path: Path, plan: SweepPlan | None = None) -> None:
         """Open the store at `path`; with a `plan` it is made where there is none, and must be of that plan."""
         self.path = path
+        if path.is_dir():
+            raise DataFileError(f"{path}: is a folder; give the path of the store in it")
         if plan is None and not path.exists():
             raise DataFileError(f"{path}: there is no such store; check the path, or run the sweep first")
         with self._faults_told():

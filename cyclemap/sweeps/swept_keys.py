@@ -13,9 +13,9 @@ from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Slider, load_material
 from cyclemap.suggestions import unknown_name
 
-MATERIAL_KEY, NOISE_KEY = "material", "noise_deg"
+MATERIAL_KEY, NOISE_KEY, FOOTPRINT_KEY = "material", "noise_deg", "footprint"
 SWEPT_KEYS = (MATERIAL_KEY, NOISE_KEY, *SETTING_KEYS)
-TEXT_KEYS = (MATERIAL_KEY, "shape", "footprint")
+TEXT_KEYS = (MATERIAL_KEY, "shape", FOOTPRINT_KEY)
 _POINT_KEYS = ("vertices_mm", "way_points_mm")
 _MOST_VALUES = 1_000_000
 

@@ -5,8 +5,9 @@ import math
 import pytest
 
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.settings import chosen_loop, protocol_settings, set_settings
+from cyclemap.cli.settings import chosen_loop, set_settings
 from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.resets.protocol.protocol_file import read_protocol
 
 
 @pytest.fixture
@@ -31,7 +32,7 @@ def test_later_set_wins() -> None:
 
 def test_protocol_tables_are_headings_only(protocol) -> None:
     path = protocol('push_mm = 140\n[pusher]\npusher_mu = 0.2\n[slider]\nfootprint = "grid:8"\n')
-    assert protocol_settings(path) == {"push_mm": 140, "pusher_mu": 0.2, "footprint": "grid:8"}
+    assert read_protocol(path)[0] == {"push_mm": 140, "pusher_mu": 0.2, "footprint": "grid:8"}
 
 
 @pytest.mark.parametrize(
@@ -41,21 +42,23 @@ def test_protocol_tables_are_headings_only(protocol) -> None:
         ("[push]\nside = true\n", "side is True; it must be a number, text"),
         ("[push]\n[push.deeper]\nside = 1\n", "deeper is {'side': 1}; it must be a number, text"),
         ("[a]\nside = 1\n[b]\nside = 2\n", "side is given twice"),
+        (f"push_mm = {'9' * 5000}\n", "more digits"),
+        (f"vertices_mm = {'[' * 2000}{']' * 2000}\n", "nested too deeply"),
     ],
 )
 def test_bad_protocol_is_refused_by_file(protocol, text, said) -> None:
     path = protocol(text)
     with pytest.raises(DataFileError) as refusal:
-        protocol_settings(path)
+        read_protocol(path)
     assert str(path) in str(refusal.value)
     assert said in str(refusal.value)
 
 
 def test_absent_protocol_is_refused(tmp_path) -> None:
     with pytest.raises(DataFileError, match="there is no such file"):
-        protocol_settings(tmp_path / "none.toml")
+        read_protocol(tmp_path / "none.toml")
     with pytest.raises(DataFileError, match="cannot be read"):
-        protocol_settings(tmp_path)
+        read_protocol(tmp_path)
 
 
 def test_set_wins_over_protocol_over_material_over_mit(protocol) -> None:

@@ -107,3 +107,58 @@ def test_unknown_groups_of_quantities_are_refused_and_map_is_always_there() -> N
         PortraitNumbers(())
     with pytest.raises(InvalidInput, match="tolerance must be positive"):
         PortraitNumbers(tolerance=0.0)
+
+
+FEET = "x_mm,y_mm,weight\n-30,-30,1\n30,-30,1\n0,30,{weight}\n"
+
+
+@pytest.mark.parametrize("swept", [True, False])
+def test_a_footprint_file_counts_by_what_it_holds(tmp_path, swept) -> None:
+    """Support points that were edited make other points and another plan; the same ones again make the same."""
+    feet, plans = tmp_path / "feet.csv", []
+    for weight in (1, 2, 1):
+        feet.write_text(FEET.format(weight=weight))
+        over = {"footprint": ["exact", str(feet)]} if swept else {"side": [0, 1]}
+        plans.append(SweepPlan.grid("plywood", over, {} if swept else {"footprint": str(feet)}))
+    digests = [plan.point(1).digest for plan in plans]
+    assert digests[0] == digests[2] != digests[1]
+    assert plans[0].described() == plans[2].described() != plans[1].described()
+    same = [plan.point(0).digest for plan in plans]
+    assert (same[0] == same[1]) == swept
+    assert "footprint_files" not in SweepPlan.grid("plywood", OVER).described()
+
+
+@pytest.mark.parametrize("room", ["mechanics", "maps", "collection", "sweeps/portrait_numbers.py"])
+def test_an_edit_anywhere_in_the_rooms_that_numbers_come_from_makes_another_version(
+    tmp_path, monkeypatch, room
+) -> None:
+    monkeypatch.setattr("cyclemap.sweeps.code_version.PACKAGE", tmp_path)
+    for name in ("mechanics/a.py", "maps/deep/a.py", "collection/a.py", "views/a.py", "sweeps/portrait_numbers.py"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("a = 1\n")
+    before = code_version.__wrapped__()
+    (tmp_path / "views" / "a.py").write_text("a = 2\n")
+    assert code_version.__wrapped__() == before
+    edited = next(iter((tmp_path / room).rglob("*.py")), tmp_path / room)
+    edited.write_text("a = 2\n")
+    assert code_version.__wrapped__() != before
+
+
+@pytest.mark.parametrize("number", [-1, 20, 0.5])
+def test_a_point_that_is_not_there_is_refused(number) -> None:
+    plan = fake_plan()
+    assert len(plan) == 20
+    with pytest.raises(InvalidInput, match="point"):
+        plan.point(number)
+
+
+def test_values_that_are_no_lists_and_ends_that_are_not_two_are_refused() -> None:
+    for over in ([1], "mu_a"):
+        with pytest.raises(InvalidInput, match="over must tell the values"):
+            SweepPlan.grid("abs", over)
+    for key, values in (("mu_a", 0.2), ("shape", "rect1")):
+        with pytest.raises(InvalidInput, match=f"{key} is .*as a list"):
+            SweepPlan.grid("abs", {key: values})
+    for ends in ((0.2,), (0.2, 0.3, 0.4)):
+        with pytest.raises(InvalidInput, match="two ends"):
+            SweepPlan.sample("abs", {"mu_a": ends}, 4)

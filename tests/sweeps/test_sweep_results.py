@@ -51,6 +51,12 @@ def test_a_range_and_a_list_keep_their_axis(sweep) -> None:
     assert np.array_equal(found.on_grid("rotation"), sweep.on_grid("rotation")[[0, 2], 1:3])
 
 
+def test_both_ends_of_a_range_belong_to_it(sweep) -> None:
+    values = sweep.axes[1].values
+    found = sweep.select(mu_a=(values[1], values[3]))
+    assert found.axes[1].values == values[1:4] and len(found) == 3 * 3 * 4
+
+
 def test_where_keeps_the_points_that_a_condition_chooses(sweep) -> None:
     found = sweep.where(lambda one: one.values("locked_period") == 1)
     assert len(found) == 3 * 4 * 3

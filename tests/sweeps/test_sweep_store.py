@@ -151,6 +151,12 @@ def test_a_store_that_cannot_be_made_is_a_write_error(tmp_path) -> None:
         run_sweep(fake_plan(), tmp_path / "file" / "sweep.sqlite", workers=1)
 
 
+def test_a_folder_is_no_store(tmp_path) -> None:
+    for open_it in (lambda: SweepStore(tmp_path), lambda: SweepStore(tmp_path, fake_plan())):
+        with pytest.raises(DataFileError, match="is a folder"):
+            open_it()
+
+
 def test_a_held_store_is_a_write_error(path, monkeypatch) -> None:
     full_store(path, rows=5)
     monkeypatch.setattr("cyclemap.sweeps.sweep_store._PATIENCE_SECONDS", 0.05)

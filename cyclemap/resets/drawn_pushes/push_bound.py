@@ -10,14 +10,15 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csr_matrix, eye, hstack, vstack
+from scipy.sparse import hstack
 
 from cyclemap.checks import finite_array, positive_number, read_only, whole_number
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import TWO_PI
 from cyclemap.maps.mixtures.random_map import RandomMap
 from cyclemap.maps.noise.noise_law import Noise
 from cyclemap.maps.operator.fourier_discretisation import needed_modes
+from cyclemap.resets.drawn_pushes.bound_programme import solved_programme
 from cyclemap.resets.drawn_pushes.push_library import PushLibrary
 from cyclemap.resets.least_noise.correction_programme import least_mean
 from cyclemap.resets.least_noise.cycle_cells import CycleCells, noise_masses
@@ -26,7 +27,6 @@ from cyclemap.resets.least_noise.least_correction import checked_allowance
 Array = NDArray[np.float64]
 
 GAP = 1e-8  # between primal and dual, relative to the objective's scale, that counts as solved
-_TOLERANCE = 1e-10  # of HiGHS, on rows and reduced costs
 _MOST_CELLS = 512
 _STEPS, _EVEN = 200, 1e-4  # of the potential's equation, on the parts; where they end
 
@@ -212,7 +212,7 @@ def least_bias(worth: Array, target: Array) -> float:
 
 
 def _solved(pushes: _PushCells, allowed: float | None, limit: float) -> PushBound:
-    found, count = _programme(pushes, allowed, limit), pushes.cells
+    found, count = solved_programme(pushes.changes, pushes.drags, allowed, limit), pushes.cells
     joint = np.maximum(found.x[: pushes.drags.size], 0.0).reshape(-1, count)
     joint = joint / joint.sum()
     masses, drag = joint.sum(axis=0), float(np.sum(joint * pushes.drags))
@@ -263,32 +263,6 @@ def _certificate(pushes: _PushCells, potential: Array, excess: Array, price: flo
         if uneven <= _EVEN * max(float(np.ptp(added)), price * float(np.ptp(pushes.drags)), 1e-12):
             break
     return np.asarray(values)
-
-
-def _programme(pushes: _PushCells, allowed: float | None, limit: float) -> Any:
-    """HiGHS on ν (P·N) and the excess a (N): no change, mass 1, Σ ν_i - a ≤ 1/N, then Σ a ≤ ε or Σ d ν ≤ D."""
-    from scipy.optimize import linprog
-
-    count, drags = pushes.cells, pushes.drags.ravel()
-    one, nothing = eye(count, format="csr"), np.zeros(count)
-    excess, travelled = np.append(np.zeros(drags.size), np.ones(count)), np.append(drags, nothing)
-    still = vstack([hstack([pushes.changes, csr_matrix((count, count))]), csr_matrix(1.0 - excess)])
-    over = hstack([hstack([one] * (drags.size // count)), -one])
-    limits = [(excess, allowed)] if allowed is not None else [(travelled, limit)] if math.isfinite(limit) else []
-    found = linprog(
-        excess if allowed is None else travelled,
-        A_ub=vstack([over, *(csr_matrix(row) for row, _ in limits)]).tocsr(),
-        b_ub=np.concatenate([np.full(count, 1.0 / count), [most for _, most in limits]]),
-        A_eq=still.tocsr(),
-        b_eq=np.append(nothing, 1.0),
-        method="highs",
-        options={"primal_feasibility_tolerance": _TOLERANCE, "dual_feasibility_tolerance": _TOLERANCE},
-    )
-    if found.status == 2:
-        raise InvalidInput(f"no rule keeps the mean drag within {limit:g} m: allow a longer one")
-    if found.x is None:
-        raise ConvergenceError(f"the linear programme on {count} cells was not solved: {found.message}")
-    return found
 
 
 def _dual(worth: Array, allowed: float | None, limit: float, price: float) -> float:

@@ -148,8 +148,10 @@ class PushLibrary:
         return {}
 
     def only(self, numbers: Sequence[int]) -> PushLibrary:
-        """Return the library of the pushes with these numbers alone, in this order."""
-        kept = [int(i) for i in numbers]
+        """Return the library of the pushes with these numbers alone, in this order; InvalidInput for unknown ones."""
+        kept = [whole_number("number of a push", i, least=0) for i in np.asarray(numbers).tolist()]
+        if max(kept, default=0) >= len(self.pushes):
+            raise InvalidInput(f"number of a push is {max(kept)}: the library has pushes 0 to {len(self.pushes) - 1}")
         return PushLibrary(
             tuple(self.pushes[i] for i in kept),
             tuple(tuple(row[i] for i in kept) for row in self.random_maps),

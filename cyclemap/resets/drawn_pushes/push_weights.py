@@ -205,11 +205,15 @@ def push_weights(
     >>> push_weights(library, [0, 1], [1.0, 1.0]).drag.round(3).tolist()
     [0.15]
     """
-    given = tuple(int(i) for i in np.atleast_1d(np.asarray(numbers)))
-    share = finite_array("weights", weights, ndim=1)
-    if share.size != len(given) or np.any(share <= 0.0) or not set(given) <= set(range(len(library.pushes))):
-        raise InvalidInput(f"give positive weights for pushes of the library, one each: {given} and {share.tolist()}")
+    asked, share = finite_array("numbers", np.atleast_1d(numbers), ndim=1), finite_array("weights", weights, ndim=1)
+    given = tuple(int(i) for i in asked)
+    known = set(asked.tolist()) <= set(range(len(library.pushes)))
+    if share.size != len(given) or not given or np.any(share <= 0.0) or not known:
+        raise InvalidInput(
+            f"give positive weights for pushes of the library, one each: {asked.tolist()} and {share.tolist()}"
+        )
     limits = PushLimits.on(library, allow_tv, drag_limit, within, extra_tv)
+    share = share / share.max()  # so that the largest of doubles have a sum, too
     return _predicted(library, given, share / share.sum(), limits, ())
 
 

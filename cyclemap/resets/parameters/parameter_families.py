@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.checks import positive_number
+from cyclemap.checks import finite_array, positive_number
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import SidePush
 from cyclemap.resets.parameters.parameter_space import StrategyFamily
@@ -111,6 +111,11 @@ def drawn_push_family(
     for name in (*free, *bounds):
         if name not in _PUSH_RANGES:
             raise unknown_name("part of a push", name, tuple(_PUSH_RANGES))
+    for name, ends in bounds.items():
+        if finite_array(f"range of {name}", ends, ndim=1).size != 2:
+            raise InvalidInput(f"range of {name} is {ends}: give its lower and its upper end")
+    if not all(isinstance(push, SidePush) for push in given):
+        raise InvalidInput(f"pushes must be SidePush, not {pushes!r}")
     if not given or not (free or weights):
         raise InvalidInput("a family of drawn pushes needs a push or more, and something that is free")
     pairs = [(f"{name}_{k + 1}", bounds[name]) for k in range(len(given)) for name in free]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from decimal import ROUND_HALF_EVEN, Context, Decimal
+from decimal import ROUND_HALF_EVEN, Context, Decimal, DecimalException
 
 from cyclemap.errors import InvalidInput
 
@@ -35,16 +35,21 @@ class Unit:
 
     def read(self, number: object) -> float:
         """Return a number of this unit in SI units; InvalidInput for what is not a finite number."""
-        # Noughts at the end say nothing, and a file leaves them out.
-        given = checked_decimal(number).normalize(_CONTEXT)
-        if self.name == "degrees" and len(given.as_tuple().digits) <= _SHORT:
-            # The same as a setting of the command line gives.
-            found = math.radians(float(given))
-        else:
-            found = float(_CONTEXT.multiply(given, self.in_si))
+        try:
+            found = self._read(checked_decimal(number))
+        except DecimalException as error:
+            raise InvalidInput("is too large or too small to be read") from error
         if not math.isfinite(found):
             raise InvalidInput(f"must be a finite number, not {number}")
         return found
+
+    def _read(self, number: Decimal) -> float:
+        # Noughts at the end say nothing, and a file leaves them out.
+        given = number.normalize(_CONTEXT)
+        if self.name == "degrees" and len(given.as_tuple().digits) <= _SHORT:
+            # The same as a setting of the command line gives.
+            return math.radians(float(given))
+        return float(_CONTEXT.multiply(given, self.in_si))
 
     def written(self, value: float) -> Decimal:
         """Return the shortest decimal, of those tried, that `read` gives back as `value`."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from pathlib import Path
@@ -78,6 +77,7 @@ def protocol_text(
     if strategy is not None:
         tables[STRATEGY] = strategy_table(strategy)
     if predicted is not None:
+        _check_prediction(predicted)
         tables[PREDICTED] = {key: value for key, value in predicted.items() if value is not None}
     return toml_text(tables, _comments(loop, strategy))
 
@@ -100,7 +100,8 @@ def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
     Raises DataFileError, naming file, key and value, where the file cannot be read, nests deeper, gives a key twice, or
     holds what is no setting or no strategy.
     """
-    tables = _exact_tables(Path(path))
+    # Decimals, so that no number is rounded before its unit is known.
+    tables = read_toml(path, Decimal)
     settings: Settings = {}
     for key, value in _entries(tables):
         if key in settings:
@@ -117,12 +118,6 @@ def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
         _check_prediction(tables.get(PREDICTED, {}))
         strategy = strategy_from_table(tables[STRATEGY]) if STRATEGY in tables else None
     return settings, strategy
-
-
-def _exact_tables(path: Path) -> dict[str, object]:
-    """The file with decimals for its numbers, so that none is rounded before its unit is known."""
-    read_toml(path)
-    return tomllib.loads(path.read_text(encoding="utf-8-sig"), parse_float=Decimal)
 
 
 def _entries(tables: Mapping[str, object]) -> Iterator[tuple[str, object]]:
@@ -142,6 +137,8 @@ def _check_prediction(table: object) -> None:
     if not isinstance(table, Mapping):
         raise InvalidInput(f"{PREDICTED} must be a table of scores, not {table!r}")
     for key, value in table.items():
+        if not isinstance(key, str):
+            raise InvalidInput(f"[{PREDICTED}] names its scores by texts, not {key!r}")
         parts = value if isinstance(value, list) else [value]
-        if not all(isinstance(part, (bool, int, Decimal, str)) for part in parts):
+        if value is not None and not all(isinstance(part, (bool, int, float, Decimal, str)) for part in parts):
             raise InvalidInput(f"[{PREDICTED}] {key} must be a number, text or list of them, not {value!r}")

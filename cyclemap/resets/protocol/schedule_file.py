@@ -20,6 +20,7 @@ from cyclemap.resets.protocol.located import located
 from cyclemap.resets.strategies.cycle_action import CycleAction, Points
 from cyclemap.resets.strategies.strategy import ResetStrategy
 from cyclemap.resets.strategies.strategy_maps import checked_strategy
+from cyclemap.suggestions import unknown_name
 from cyclemap.text_files import CsvRow, require_columns
 from cyclemap.whole_files import write_whole
 
@@ -28,6 +29,7 @@ TURN_COLUMN = "gripper_turn_deg"
 # Told twice, as way-points and as legs: how far the two may be apart (mm).
 _AGREE_MM = 1e-6
 _DECIMALS = 9
+_MOST_DIGITS = 18  # of a whole number
 
 _COMMENTS = (
     "Schedule of a data collection: what the robot does, one row a cycle. Lengths in mm, angles in degrees,",
@@ -151,6 +153,10 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
     while _leg_columns(legs + 1)[0] in table.header:
         legs += 1
     require_columns(table, _header(legs))
+    for name in table.header:
+        if name not in _header(legs):
+            # A way-point whose name is damaged would be left out in silence.
+            raise DataFileError(f"{path}: {unknown_name('column', name, _header(legs + 1))}")
     count = _promised(read)
     for number, row in enumerate(table.rows):
         if table.text(row, "cycle") != str(number):
@@ -163,7 +169,7 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
 
 def _promised(read: CommentedTable) -> int:
     text = read.facts.get("cycles", "")
-    if not text.isdecimal() or int(text) < 1:
+    if not text.isdecimal() or len(text) > _MOST_DIGITS or int(text) < 1:
         raise DataFileError(f"{read.table.path}: the comment '# cycles: N' is missing or damaged; write the file anew")
     return int(text)
 
@@ -172,8 +178,8 @@ def _action(read: CommentedTable, row: CsvRow, legs: int) -> CycleAction:
     table = read.table
     with located(f"{table.path}, line {row.line}", DataFileError):
         side = table.text(row, "side")
-        if not side.isdecimal():
-            raise table.error(row.line, f"side is {side!r}; it must be a whole number")
+        if not side.isdecimal() or len(side) > _MOST_DIGITS:
+            raise table.error(row.line, f"side is {side[:_MOST_DIGITS]!r}; it must be a whole number")
         fraction, angle, distance = (
             read.number(row, column, unit)
             for column, unit in (("fraction", NUMBER), ("angle_deg", DEGREES), ("push_mm", MILLIMETRES))

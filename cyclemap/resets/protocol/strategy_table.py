@@ -84,7 +84,7 @@ _ENTRIES: dict[str, tuple[type, tuple[Entry, ...]]] = {
         ),
     ),
 }
-_COMBINED = "combined"
+_COMBINED, _DEEPEST = "combined", 8
 STRATEGY_KINDS = (*_ENTRIES, _COMBINED)
 
 
@@ -172,6 +172,8 @@ def _combined(given: Table, place: str) -> Combined:
         parts = given["parts"]
         if not isinstance(parts, list) or not parts:
             raise InvalidInput("parts must be one or more tables [[strategy.parts]]")
+        if place.count(".parts") >= _DEEPEST:
+            raise InvalidInput(f"parts within parts are nested too deeply: {_DEEPEST} levels are enough for any")
     inner = place.strip("[]")
     made = tuple(strategy_from_table(part, f"[[{inner}.parts]] {n}") for n, part in enumerate(parts, 1))
     with located(place):

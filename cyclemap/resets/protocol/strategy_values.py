@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Any
 
 from cyclemap.checks import positive_number, whole_number
@@ -16,7 +17,7 @@ from cyclemap.resets.strategies.schedules import GoldenAngle, Independent, Latin
 from cyclemap.resets.strategies.spread import Number, Spread
 from cyclemap.suggestions import unknown_name
 
-ANY = "any"
+ANY, _WEIGHT = "any", "weight"
 _PUSH_UNITS = {"fraction": NUMBER, "angle_deg": DEGREES, "push_mm": MILLIMETRES}
 _PLAIN_SCHEDULES: dict[str, type[Schedule]] = {
     "independent": Independent,
@@ -103,6 +104,10 @@ def checked_table(value: object, known: tuple[str, ...], needed: tuple[str, ...]
     return dict(value)
 
 
+def _whole(name: str, value: object, least: int) -> int:
+    return whole_number(name, float(value) if isinstance(value, Decimal) else value, least=least)
+
+
 def _boolean(name: str, value: object) -> bool:
     if not isinstance(value, bool):
         raise InvalidInput(f"{name} must be true or false, not {value!r}")
@@ -142,7 +147,7 @@ def read_schedule_value(value: object) -> Schedule:
         return _PLAIN_SCHEDULES[name]()
     blocks = LatinBlocks()
     return LatinBlocks(
-        whole_number("size", table.get("size", blocks.size), least=1), _boolean("jitter", table.get("jitter", True))
+        _whole("size", table.get("size", blocks.size), least=1), _boolean("jitter", table.get("jitter", True))
     )
 
 
@@ -166,7 +171,7 @@ def read_push(value: object) -> SidePush:
     for key, unit in _PUSH_UNITS.items():
         with located(f"{key} = {table[key]}"):
             numbers.append(unit.read(table[key]))
-    return SidePush(whole_number("side", table["side"], least=0), *numbers)
+    return SidePush(_whole("side", table["side"], least=0), *numbers)
 
 
 def write_weighted_pushes(pushes: tuple[SidePush, ...], weights: tuple[float, ...] | None) -> list[dict[str, object]]:
@@ -180,16 +185,22 @@ def write_weighted_pushes(pushes: tuple[SidePush, ...], weights: tuple[float, ..
 def read_weighted_pushes(value: object) -> tuple[tuple[SidePush, ...], tuple[float, ...] | None]:
     """Return the pushes of tables, and their weights: either all have one, or none."""
     rows = _rows(value)
-    weighted = sum("weight" in row for row in rows)
+    weighted = sum(_WEIGHT in row for row in rows)
     if weighted not in (0, len(rows)):
         raise InvalidInput(f"{weighted} of {len(rows)} pushes have a weight: give all of them one, or none")
     pushes, weights = [], []
     for index, row in enumerate(rows):
         with located(f"push {index + 1}"):
-            pushes.append(read_push({key: part for key, part in row.items() if key != "weight"}))
+            checked_table(row, ("side", *_PUSH_UNITS, _WEIGHT))
+            pushes.append(read_push({key: part for key, part in row.items() if key != _WEIGHT}))
             if weighted:
-                weights.append(positive_number("weight", NUMBER.read(row["weight"])))
+                weights.append(_weight(row[_WEIGHT]))
     return tuple(pushes), tuple(weights) if weighted else None
+
+
+def _weight(value: object) -> float:
+    with located(f"{_WEIGHT} = {value}"):
+        return positive_number(_WEIGHT, NUMBER.read(value))
 
 
 def _rows(value: object) -> list[Mapping[str, object]]:

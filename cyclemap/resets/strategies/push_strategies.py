@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -131,7 +130,9 @@ class DrawnPushes(PushChoice):
         """How likely each push is, (k,)."""
         if self.weights is None:
             return super().chances
-        return np.asarray(np.array(self.weights) / math.fsum(self.weights))
+        # By the largest first: a sum of huge weights would overflow.
+        shares = np.array(self.weights) / max(self.weights)
+        return np.asarray(shares / shares.sum())
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
-from cyclemap.resets.drawn_pushes.push_bound import GAP, least_bias, push_bound
+from cyclemap.resets.drawn_pushes.push_bound import GAP, _PushCells, least_bias, push_bound
 from cyclemap.resets.drawn_pushes.push_library import PushLibrary
 from cyclemap.resets.drawn_pushes.push_weights import best_push_weights
 
@@ -100,3 +101,33 @@ def test_the_price_of_mass_is_that_of_brute_force():
 def test_bad_values_are_refused(library, options, message):
     with pytest.raises(InvalidInput, match=message):
         push_bound(library, **options)
+
+
+@pytest.mark.parametrize("options", [{}, {"drag_limit": 0.13}, {"allow_tv": 0.0}])
+def test_beside_a_rotation_the_programme_ends_and_says_how_well(options):
+    """A rotation keeps the law even: the optimum is degenerate, and simplex steps alone would go in a circle."""
+    maps = [CircleMap.arnold(0.1, 0.7), CircleMap.arnold(0.3, -0.9), CircleMap.rigid(0.7), CircleMap.arnold(2.0, 0.5)]
+    library = PushLibrary.of_maps([maps], WrappedNormal(0.15), [[0.1, 0.2, 0.15, 0.12]], modes=8)
+    bound = push_bound(library, cells=64, **options)
+    assert bound.is_certified and bound.tv < 1e-8
+    assert bound.lower == 0.0 if "allow_tv" not in options else 0.1 < bound.lower <= bound.drag < 0.15
+
+
+@pytest.mark.parametrize(("price", "swing", "wave"), [(0.0, 0.0, 1.0), (1.0, 0.05, 0.0), (1.0, 0.05, 1.0)])
+def test_what_follows_a_push_is_bounded_below_all_over_every_part_not_at_its_middle_alone(price, swing, wave):
+    """Price times drag, plus the chance that map and noise lead onto a half circle, by the normal law itself."""
+    stretch, noise = CircleMap.arnold(0.3, 0.9), WrappedNormal(0.05)
+    even = 2 * np.pi * np.arange(64) / 64
+    library = PushLibrary.of_maps([[stretch]], noise, [[0.1 + swing * np.cos(even)]], 8)
+    pushes = _PushCells(library.random_maps[0], library.drag_lengths[0], 64)
+    parts, width = pushes.grid.parts, pushes.grid.part_width
+    values = np.where(np.arange(parts) < parts // 2, wave, 0.0)
+    lowest, middle = (pushes.cheapest(values, price, bounded=bounded) for bounded in (True, False))
+    theta = (np.arange(parts)[:, None] + np.array([0.0, 0.5, 1.0])) * width
+    half_turns = np.pi * np.arange(-4.0, 8.0).reshape(-1, 2, 1, 1)
+    onto = np.diff(ndtr((half_turns - stretch(theta)) / 0.05), axis=1).sum(axis=(0, 1))
+    drags = np.interp(theta, even, library.drag_lengths[0, 0], period=2 * np.pi)
+    worth = price * drags + wave * onto
+    assert np.abs(worth[:, 1] - middle).max() < 1e-6
+    assert np.all(lowest <= worth.min(axis=1) + 1e-12) and np.max(middle - worth.min(axis=1)) > 1e-7
+    assert np.max(worth.min(axis=1) - lowest) < 5e-3

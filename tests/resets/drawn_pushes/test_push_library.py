@@ -103,6 +103,12 @@ def test_a_part_of_a_library_is_the_same_pushes_alone(library):
     assert np.array_equal(part.mean_drags, library.mean_drags[:, 1:]) and part.loops == library.loops
 
 
+@pytest.mark.parametrize("numbers", [[9], [-1], [0.5]])
+def test_a_part_of_pushes_that_are_not_there_is_refused(library, numbers):
+    with pytest.raises(InvalidInput, match="number of a push"):
+        library.only(numbers)
+
+
 @pytest.mark.parametrize(
     ("pushes", "message"),
     [([], "one or more"), ([0.7], "one or more"), ([SLIPS], "none of the 1 pushes"), ([SidePush(7)], "none of the 1")],

@@ -162,7 +162,31 @@ def test_bad_demands_are_refused(library, options, message):
         best_push_weights(library, **options)
 
 
-@pytest.mark.parametrize(("numbers", "weights"), [([0, 9], [1, 1]), ([0], [0.0]), ([0, 1], [1.0])])
+@pytest.mark.parametrize(
+    ("numbers", "weights"),
+    [([0, 9], [1, 1]), ([0], [0.0]), ([0, 1], [1.0]), ([], []), ([0.7], [1.0]), ([-1], [1.0])],
+)
 def test_weights_that_fit_no_pushes_are_refused(library, numbers, weights):
     with pytest.raises(InvalidInput, match="positive weights"):
         push_weights(library, numbers, weights)
+
+
+@pytest.mark.parametrize("numbers", [[math.nan], ["a"], [[0, 1]]])
+def test_numbers_that_are_none_are_refused(library, numbers):
+    with pytest.raises(InvalidInput, match="numbers"):
+        push_weights(library, numbers, [1.0])
+
+
+def test_only_the_ratios_of_weights_count_be_they_as_large_as_doubles_go(library):
+    told, huge = (push_weights(library, [0, 1], weights) for weights in ([1.0, 1.0], [1e308, 1e308]))
+    assert np.array_equal(told.weights, huge.weights) and np.array_equal(told.tv, huge.tv)
+
+
+def test_the_drag_in_the_long_run_is_weighted_by_the_law_of_the_maps_own_operator():
+    """For a drag of 0.1 + 0.02 cos θ it is 0.1 + 0.02 E cos θ; the mean over even orientations is 0.1."""
+    bent, noise, even = CircleMap.arnold(0.1, 0.7), WrappedNormal(0.15), 2 * np.pi * np.arange(72) / 72
+    library = PushLibrary.of_maps([[bent]], noise, [[0.1 + 0.02 * np.cos(even)]], 48)
+    found = push_weights(library, [0], [1.0])
+    mean = transfer_operator(bent, noise).moment(1).real
+    assert abs(mean) > 0.05 and abs(found.drag[0] - 0.1) < 1e-12
+    assert abs(found.long_run_drag[0] - 0.1 - 0.02 * mean) < 1e-7

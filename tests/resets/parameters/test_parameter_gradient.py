@@ -10,7 +10,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics import EllipseFriction, Material, SidePush
-from cyclemap.resets.design import parameter_gradient
+from cyclemap.resets.parameters import parameter_gradient
 from cyclemap.resets.parameters.parameter_families import (
     drawn_push_family,
     fixed_leg_family,

@@ -118,6 +118,14 @@ def test_ranges_of_a_drawn_push_can_be_narrowed():
     assert [bounds.tolist() for bounds in family.bounds] == [[0.25, 0.25], [0.75, 0.75]]
 
 
+def test_a_push_that_is_none_and_a_range_without_two_ends_are_refused():
+    with pytest.raises(InvalidInput, match="pushes must be SidePush"):
+        drawn_push_family((1,))
+    for ends in ((0.9,), (0.1, 0.5, 0.9), (0.1, float("nan"))):
+        with pytest.raises(InvalidInput, match="range of fraction"):
+            drawn_push_family((SidePush(1),), ranges={"fraction": ends})
+
+
 def test_bad_families_and_parameters_are_refused():
     def build(values):
         return StraightReset()

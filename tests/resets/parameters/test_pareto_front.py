@@ -82,6 +82,10 @@ def test_the_best_within_limits_is_on_the_front():
     assert front.best("bias").title == "b" and front.best("cost").title == "a"
     assert front.best("bias", {"cost": 2.2}).title == "c" and front.best("cost", {"bias": 0.15}).title == "b"
     assert front.best("bias", {"cost": 0.5}) is None
+    for one in front.candidates:
+        limits = dict(zip(front.names, one.values.tolist(), strict=True))
+        kept = front.best("bias", limits)
+        assert kept is not None and np.array_equal(kept.values, one.values), "a limit that is just kept is kept"
 
 
 def test_more_candidates_join_a_front_as_if_they_had_been_there():

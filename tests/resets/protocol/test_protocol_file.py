@@ -227,6 +227,26 @@ REFUSALS = [
         '[[strategy.parts]]\nkind = "scattered-aim"\nradius_mm = 5\nschedule = "golden-angle"\n',
         "could march in step",
     ),
+    (
+        '[strategy]\nkind = "drawn-pushes"\npushes = [{side = 0, fraction = 0.7, push_mm = 9, wieght = 2}]\n',
+        "unknown key 'wieght': did you mean 'weight'",
+    ),
+    (
+        '[strategy]\nkind = "drawn-pushes"\npushes = [{side = 0, fraction = 0.7, push_mm = 9, weight = nan}]\n',
+        "push 1: weight = NaN: must be a finite number",
+    ),
+    (
+        '[strategy]\nkind = "drawn-pushes"\npushes = [{side = 1.5, fraction = 0.7, push_mm = 9}]\n',
+        "side must be a whole number, not 1.5",
+    ),
+    (f"[push]\npush_mm = 1{'0' * 5000}\n", "a number has more digits"),
+    ("[push]\npush_mm = 1e99999999999999999999\n", "a number has more digits, or a larger power of ten"),
+    (f"[push]\nway_points_mm = {'[' * 2000}{']' * 2000}\n", "nested too deeply"),
+    (
+        '[strategy]\nkind = "combined"\n'
+        + "".join(f'[[strategy{".parts" * depth}]]\nkind = "combined"\n' for depth in range(1, 150)),
+        "nested too deeply",
+    ),
     ("[predicted]\nscore = {a = 1}\n", r"\[predicted\] score must be a number"),
     ("predicted = 3\n", "predicted must be a table of scores"),
     ("[push]\npush_mn = 3\n", "unknown setting 'push_mn': did you mean 'push_mm'"),
@@ -256,3 +276,10 @@ def test_the_file_is_replaced_whole_or_left_as_it_was(tmp_path) -> None:
     with pytest.raises(InvalidInput):
         write_protocol(path, LOOP, Mine())
     assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("predicted", [{"a": {"b": 1}}, {1: 2}, [1]])
+def test_a_prediction_that_could_not_be_read_back_is_not_written(predicted, tmp_path) -> None:
+    with pytest.raises(InvalidInput, match="predicted"):
+        write_protocol(tmp_path / "protocol.toml", LOOP, None, predicted=predicted)
+    assert not list(tmp_path.iterdir())

@@ -132,7 +132,9 @@ def replace_field(text: str, cycle: int, column: str, value: str) -> str:
         ("push_mm", "inf", "push_mm is 'inf'"),
         ("push_mm", "-3", "push distance must be positive"),
         ("side", "1.5", "side is '1.5'; it must be a whole number"),
+        ("side", "9" * 5000, "it must be a whole number"),
         ("rod_x_mm", "", "rod_x_mm is ''"),
+        ("fraction", "1e999999999999999999999", "it must be a finite number"),
         ("cycle", "7", "cycle is '7' where 2 should follow"),
         ("leg_2_direction_deg", "0.5", "leg_2 does not run from way_point_2"),
         ("way_point_1_x_mm", "", "way_point_1_x_mm is ''"),
@@ -145,6 +147,36 @@ def test_a_damaged_field_is_refused_with_its_line(schedule, column, value, said)
     with pytest.raises(DataFileError, match=said) as refusal:
         read_schedule(schedule)
     assert f"schedule.csv, line {line_of(text, 2)}" in str(refusal.value)
+
+
+def test_a_way_point_moved_by_a_hundredth_of_a_micrometre_is_noticed(schedule) -> None:
+    """Beside it stand direction and length of the leg, to a picometre."""
+    text = schedule.read_text()
+    header = next(line for line in text.splitlines() if line.startswith("cycle,")).split(",")
+    told = float(text.splitlines()[line_of(text, 2) - 1].split(",")[header.index("way_point_1_x_mm")])
+    schedule.write_text(replace_field(text, 2, "way_point_1_x_mm", repr(told + 1e-5)))
+    with pytest.raises(DataFileError, match="leg_1 does not run from way_point_1"):
+        read_schedule(schedule)
+
+
+def test_a_way_point_whose_column_is_damaged_is_not_left_out_in_silence(schedule) -> None:
+    schedule.write_text(schedule.read_text().replace("way_point_1_x_mm,", "way_point_1_x_m,"))
+    with pytest.raises(DataFileError, match="unknown column 'way_point_1_x_m': did you mean 'way_point_1_x_mm'"):
+        read_schedule(schedule)
+
+
+@pytest.mark.parametrize("column", ["fraction", "push_mm"])
+@pytest.mark.parametrize("value", ["1e9999999", "1e999998"])
+def test_a_number_beyond_all_doubles_is_refused(schedule, column, value) -> None:
+    schedule.write_text(replace_field(schedule.read_text(), 2, column, value))
+    with pytest.raises(DataFileError, match=f"{column} is '{value}'; it must be a finite number"):
+        read_schedule(schedule)
+
+
+def test_a_promise_of_more_cycles_than_can_be_counted_is_refused(schedule) -> None:
+    schedule.write_text(schedule.read_text().replace("# cycles: 6", f"# cycles: {'9' * 5000}"))
+    with pytest.raises(DataFileError, match="'# cycles: N' is missing or damaged"):
+        read_schedule(schedule)
 
 
 def test_a_file_cut_anywhere_is_refused(schedule) -> None:

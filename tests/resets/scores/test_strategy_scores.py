@@ -100,6 +100,12 @@ def test_reach_is_read_off_the_curve_and_is_never_where_the_long_run_is_too_unev
     assert target.total_variation < 1e-8 and target.within(0.2).cycles < np.inf
 
 
+def test_reach_is_to_within_twice_the_variation_that_counts_as_near():
+    for strategy in (DrawnPushes(SIDES), AlternatingPushes(SIDES)):
+        scores = strategy_scores(made_maps(strategy), NOISE, modes=40, tv=0.2)
+        assert scores.reach_cycles.cycles == scores.within(0.4).cycles < scores.within(0.3).cycles
+
+
 @pytest.mark.parametrize("name", ["drawn pushes", "alternating pushes", "leg in blocks of middles", "golden pushes"])
 def test_summaries_of_all_kinds_have_the_keys_of_reset_scores(name):
     maps = made_maps(STRATEGIES[name])

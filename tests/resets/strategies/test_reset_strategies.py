@@ -251,3 +251,9 @@ def test_the_same_seed_gives_every_part_independent_first_draws():
     alone = TrailingLeg(0.05, schedule=Independent()).actions(3, seed=7)
     inside = combine(StraightReset(), TrailingLeg(0.05)).actions(3, seed=7)
     assert alone != inside and inside == combine(StraightReset(), TrailingLeg(0.05)).actions(3, seed=7)
+
+
+def test_weights_count_by_their_ratios_however_large_or_small() -> None:
+    for scale in (1e-300, 1.0, 1e308):
+        chances = DrawnPushes(SIDES, weights=(0.25 * scale, 0.5 * scale, 1.0 * scale)).chances
+        np.testing.assert_allclose(chances, [1 / 7, 2 / 7, 4 / 7], rtol=1e-14)
