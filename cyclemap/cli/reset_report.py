@@ -7,13 +7,13 @@ from pathlib import Path
 from cyclemap.cli.json_numbers import degrees, number
 from cyclemap.cli.json_report import Json
 from cyclemap.mechanics import SidePush
-from cyclemap.resets.design.reset_demands import DRAG, REACH, ResetDemands
+from cyclemap.resets.design.push_proof import PushProof
+from cyclemap.resets.design.reset_demands import CONTACT, DRAG, REACH, ResetDemands
 from cyclemap.resets.design.reset_design import ResetDesign
 from cyclemap.resets.design.reset_ranking import DemandOutlook, ScoredReset
 from cyclemap.resets.design.reset_trial import ResetTrial, SampledStatistic
 from cyclemap.resets.strategies.combined import Combined
 from cyclemap.resets.strategies.push_strategies import PushChoice
-from cyclemap.resets.strategies.strategy import ResetStrategy
 from cyclemap.views import reset_sentences as sentences
 
 
@@ -25,8 +25,9 @@ def reset_report(design: ResetDesign, trial: ResetTrial | None, protocol: Path, 
         "demands": _demands(design.demands, design.keep_push),
         "met": design.met,
         "certified": design.certified,
-        "chosen": {**_strategy(design.chosen), "pushes": _pushes(design.chosen.candidate.strategy)},
+        "chosen": {**_strategy(design.chosen), "pushes": _pushes(design)},
         "own": _strategy(design.own),
+        "proof": None if design.proof is None else _proof(design.proof),
         "reasons": [] if design.met else list(sentences.reason_sentences(design)),
         "binding": [_outlook(one) for one in design.binding],
         "outlooks": [_outlook(one) for one in design.outlooks],
@@ -51,6 +52,7 @@ def _demands(demands: ResetDemands, keep_push: bool) -> Json:
         "drag_ratio": demands.drag_ratio,
         "reach_mm": None if demands.reach is None else 1000 * demands.reach,
         "seconds": demands.seconds,
+        "least_push_mm": None if demands.contact is None else 1000 * demands.contact,
         "abilities": list(demands.abilities),
         "keep_push": keep_push,
     }
@@ -91,14 +93,16 @@ def _scores(one: ScoredReset) -> Json:
         "drag_ratio": number(one.drag_ratio),
         "mean_seconds": number(cost.mean_seconds),
         "reach_mm": number(1000 * cost.reach),
+        "shortest_contact_mm": number(1000 * one.contact),
     }
 
 
-def _pushes(strategy: ResetStrategy) -> list[Json]:
+def _pushes(design: ResetDesign) -> list[Json]:
+    strategy = design.chosen.candidate.strategy
     parts = strategy.parts if isinstance(strategy, Combined) else (strategy,)
     choices = [part for part in parts if isinstance(part, PushChoice)]
     return [
-        {**_push(push), "chance": chance}
+        {**_push(push), "contact_mm": 1000 * design.cache.contact(push), "chance": chance}
         for choice in choices
         for push, chance in zip(choice.pushes, choice.chances.tolist(), strict=True)
     ]
@@ -110,6 +114,15 @@ def _push(push: SidePush) -> Json:
         "fraction": push.fraction,
         "angle_deg": degrees(push.angle),
         "push_mm": 1000 * push.distance,
+    }
+
+
+def _proof(proof: PushProof) -> Json:
+    return {
+        "pushes": [_push(push) for push in proof.pushes],
+        "demand": proof.demand,
+        **_amount(proof.demand, "lower", proof.lower),
+        **_amount(proof.demand, "limit", proof.limit),
     }
 
 
@@ -127,7 +140,7 @@ def _outlook(one: DemandOutlook) -> Json:
 
 def _amount(demand: str, name: str, value: float | None) -> Json:
     """A value of a demand under its name, with the unit it is told in."""
-    if demand in (DRAG, REACH):
+    if demand in (CONTACT, DRAG, REACH):
         return {f"{name}_mm": None if value is None else 1000 * value}
     return {name: value}
 

@@ -1,6 +1,8 @@
 """Resets: what the robot does otherwise, how evenly the orientations spread then, and how to watch it."""
 
 from cyclemap.resets.design.action_cache import ActionCache
+from cyclemap.resets.design.push_proof import PushProof, push_proof
+from cyclemap.resets.design.push_stages import PushStage, push_stages
 from cyclemap.resets.design.reset_candidates import Effort, ResetCandidate
 from cyclemap.resets.design.reset_curves import reset_curves
 from cyclemap.resets.design.reset_demands import ResetDemands
@@ -42,6 +44,7 @@ from cyclemap.resets.robust.design_under_wear import ResetUnderWear, redesign_un
 from cyclemap.resets.robust.material_posterior import MaterialPosterior
 from cyclemap.resets.robust.material_range import MaterialRange
 from cyclemap.resets.robust.material_score import MaterialScore, QuickGrid, material_score
+from cyclemap.resets.robust.robust_reset import RobustReset, corner_check, robust_reset
 from cyclemap.resets.robust.robust_weights import RobustPushes, robust_push_weights
 from cyclemap.resets.robust.sampled_materials import MaterialList, SampledMaterials
 from cyclemap.resets.robust.scenario_loops import direction_matters, loop_on
@@ -147,6 +150,8 @@ __all__ = [
     "PushBound",
     "PushLibrary",
     "PushLimits",
+    "PushProof",
+    "PushStage",
     "PushWeights",
     "QuickGrid",
     "ResetCandidate",
@@ -163,6 +168,7 @@ __all__ = [
     "RestRule",
     "RingPlace",
     "RobustPushes",
+    "RobustReset",
     "SampledEvenness",
     "SampledMaterials",
     "SampledMean",
@@ -195,6 +201,7 @@ __all__ = [
     "bias_gradient",
     "chain_sampler",
     "combine",
+    "corner_check",
     "coverage_measures",
     "design_reset",
     "direction_matters",
@@ -223,6 +230,8 @@ __all__ = [
     "pareto_front",
     "push_bound",
     "push_library",
+    "push_proof",
+    "push_stages",
     "push_weights",
     "random_leg_family",
     "read_protocol",
@@ -234,6 +243,7 @@ __all__ = [
     "reset_under_wear",
     "ring_family",
     "robust_push_weights",
+    "robust_reset",
     "rotation_angles",
     "run_action",
     "run_strategy",

@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from cyclemap.mechanics import SidePush
-from cyclemap.resets.design.reset_demands import DRAG, REACH, SECONDS, TV, TV_AFTER, Miss
+from cyclemap.resets.design.reset_demands import CONTACT, DRAG, REACH, SECONDS, TV, TV_AFTER, Miss
 from cyclemap.resets.design.reset_design import ResetDesign
 from cyclemap.resets.design.reset_ranking import DemandOutlook, ScoredReset
 from cyclemap.resets.design.reset_trial import ResetTrial, SampledStatistic
+from cyclemap.resets.drawn_pushes.push_library import LEAST_SHARE
 from cyclemap.resets.strategies.combined import Combined
 from cyclemap.resets.strategies.push_strategies import PushChoice
+from cyclemap.resets.strategies.schedules import INDEPENDENT
 from cyclemap.resets.strategies.strategy import ResetStrategy
 from cyclemap.views.sentences import number
 
 _MOST_PUSHES = 8
+# Metres: a push whose contact ends this shortly before its end keeps the object.
+_LOST = 1e-4
 
 
 def reset_sentences(design: ResetDesign) -> tuple[str, ...]:
     """The whole answer; the first sentence is the verdict."""
-    told = [verdict_sentence(design), what_to_do(design.chosen.candidate.strategy), own_sentence(design)]
+    told = [verdict_sentence(design), what_to_do(design.chosen.candidate.strategy, design.cache.contact)]
+    told += [brief_sentence(design), own_sentence(design)]
     return tuple(filter(None, (*told, *reason_sentences(design), left_out_sentence(design))))
 
 
@@ -28,7 +34,7 @@ def reason_sentences(design: ResetDesign) -> tuple[str, ...]:
     if design.met:
         return ()
     told = [binding_sentence(design), *(outlook_sentence(design, one) for one in design.binding)]
-    return tuple(filter(None, (*told, more_sentence(design))))
+    return tuple(filter(None, (*told, proof_sentence(design), more_sentence(design))))
 
 
 def verdict_sentence(design: ResetDesign) -> str:
@@ -69,16 +75,46 @@ def own_sentence(design: ResetDesign) -> str:
     )
 
 
-def what_to_do(strategy: ResetStrategy) -> str:
-    """The pushes of a strategy and how often each comes; empty where it has no pushes of its own."""
+def what_to_do(strategy: ResetStrategy, contact: Callable[[SidePush], float]) -> str:
+    """The pushes of a strategy and how often each comes; empty where it has no pushes of its own.
+
+    contact : gives the shortest way (m) of the rod in contact in a push; told where the object is lost before its end.
+    """
     parts = strategy.parts if isinstance(strategy, Combined) else (strategy,)
     choices = [part for part in parts if isinstance(part, PushChoice)]
     if not choices or len(choices[0].pushes) > _MOST_PUSHES:
         return ""
     pushes, chances = choices[0].pushes, choices[0].chances.tolist()
-    listed = ", ".join(f"{push_words(push)} ({chance:.1%})" for push, chance in zip(pushes, chances, strict=True))
-    how = "In turn" if choices[0].name == "alternating pushes" else "Draw before every push"
-    return f"{how}: {listed}."
+    listed = ", ".join(
+        f"{push_words(push)} ({chance:.1%}{_lost_words(push, contact(push))})"
+        for push, chance in zip(pushes, chances, strict=True)
+    )
+    return f"{_order_words(choices[0])}: {listed}."
+
+
+def _order_words(choice: PushChoice) -> str:
+    if choice.name == "alternating pushes":
+        return "In turn"
+    schedule = choice.schedule
+    orders = {"GoldenAngle": "by golden angle ", "LatinBlocks": "in Latin blocks "}
+    order = "" if schedule.kind == INDEPENDENT else orders.get(type(schedule).__name__, f"by {schedule} ")
+    return f"Draw {order}before every push"
+
+
+def _lost_words(push: SidePush, contact: float) -> str:
+    lost = contact < push.distance - _LOST
+    return f", the object lost after {1000 * contact:.0f} mm" if lost else ""
+
+
+def brief_sentence(design: ResetDesign) -> str:
+    """That the chosen pushes lose the object before half their way, and how to forbid it; empty where they do not."""
+    distance, contact = design.loop.push.distance, design.chosen.contact
+    if contact >= LEAST_SHARE * distance:
+        return ""
+    return (
+        f"Its pushes lose the object early: from some orientation after {1000 * contact:.0f} mm of "
+        f"{1000 * distance:.0f} mm, so that they record less; --least-push-mm forbids it."
+    )
 
 
 def push_words(push: SidePush) -> str:
@@ -94,7 +130,8 @@ def push_words(push: SidePush) -> str:
 def miss_words(miss: Miss) -> str:
     """A demand that is missed, with its numbers."""
     value, limit = amount(miss.demand, miss.value), amount(miss.demand, miss.limit)
-    return f"{DEMAND_WORDS[miss.demand]} ({value} where {limit} is allowed)"
+    asked = "is asked for" if miss.demand == CONTACT else "is allowed"
+    return f"{DEMAND_WORDS[miss.demand]} ({value} where {limit} {asked})"
 
 
 def binding_sentence(design: ResetDesign) -> str:
@@ -113,8 +150,11 @@ def outlook_sentence(design: ResetDesign, one: DemandOutlook) -> str:
     def say(value: float) -> str:
         return amount(one.demand, value)
 
-    told = f"{DEMAND_WORDS[one.demand].capitalize()}: {say(one.limit)} is allowed"
-    told += f"; the least of any is {say(one.least)} (“{one.least_by.name}”)"
+    asked = "is asked for" if one.demand == CONTACT else "is allowed"
+    told = f"{DEMAND_WORDS[one.demand].capitalize()}: {say(one.limit)} {asked}"
+    told += (
+        f"; the {'longest' if one.demand == CONTACT else 'least'} of any is {say(one.least)} (“{one.least_by.name}”)"
+    )
     if one.least_with_others is not None and one.with_others_by is not None and one.with_others_by is not one.least_by:
         told += f", {say(one.least_with_others)} with all other demands met (“{one.with_others_by.name}”)"
     if one.demand == REACH:
@@ -122,6 +162,19 @@ def outlook_sentence(design: ResetDesign, one: DemandOutlook) -> str:
     if one.demand == SECONDS:
         told += f". Push and handling alone take {design.seconds_floor:.1f} s"
     return f"{told}."
+
+
+def proof_sentence(design: ResetDesign) -> str:
+    """What no rule can do with the best of the pushes; empty where nothing is proved."""
+    proof = design.proof
+    if proof is None:
+        return ""
+    pushes, lower = ", ".join(push_words(push) for push in proof.pushes), amount(proof.demand, proof.lower)
+    if proof.demand == TV:
+        what = f"total variation {lower} in the long run with a mean drag of at most {amount(DRAG, proof.beside)}"
+    else:
+        what = f"a mean drag of {lower} with a total variation of at most {amount(TV, proof.beside)}"
+    return f"Proved: no rule with the pushes {pushes}, even one that looks at the orientation, gets below {what}."
 
 
 def more_sentence(design: ResetDesign) -> str:
@@ -142,16 +195,17 @@ def left_out_sentence(design: ResetDesign) -> str:
 
 def trial_sentence(trial: ResetTrial) -> str:
     """How a run by the full mechanics compares with the prediction."""
-    verdict = "agree with" if trial.agrees else "DISAGREE with"
+    verdict, size = ("agree with", "nothing") if trial.agrees else ("DISAGREE with", "something")
     return (
-        f"{trial.pushes} pushes by the full mechanics {verdict} the prediction: total variation from uniform in "
-        f"{trial.bins} bins {_range(trial.total_variation)}, Kuiper's distance {_range(trial.kuiper)}, "
-        f"distance from the predicted law {_range(trial.misfit)}."
+        f"{trial.pushes} pushes by the full mechanics {verdict} the prediction ({size} is larger than in 99 of 100 "
+        f"predicted runs): total variation from uniform in {trial.bins} bins {_range(trial.total_variation)}, Kuiper's "
+        f"distance {_range(trial.kuiper)}, distance from the predicted law {_range(trial.misfit, 'nearer')}."
     )
 
 
-def _range(found: SampledStatistic) -> str:
-    return f"{found.value:.3f} (95 % of predicted runs {found.low:.3f} to {found.high:.3f})"
+def _range(found: SampledStatistic, small: str = "more even") -> str:
+    below = f", below them: {small} than predicted" if found.value < found.low else ""
+    return f"{found.value:.3f} (95 % of predicted runs {found.low:.3f} to {found.high:.3f}{below})"
 
 
 DEMAND_WORDS = {
@@ -160,6 +214,7 @@ DEMAND_WORDS = {
     DRAG: "mean drag",
     REACH: "room about the target",
     SECONDS: "time of a cycle",
+    CONTACT: "contact in a push",
 }
 
 
@@ -169,7 +224,7 @@ def amount(demand: str, value: float) -> str:
     >>> amount("tv", 0.0481), amount("drag", 0.0726), amount("seconds", 21.0)
     ('0.048', '73 mm', '21.0 s')
     """
-    if demand in (DRAG, REACH):
+    if demand in (CONTACT, DRAG, REACH):
         return f"{1000 * value:.0f} mm"
     if demand == SECONDS:
         return f"{value:.1f} s"
@@ -188,4 +243,4 @@ def standing(one: ScoredReset) -> str:
     return "meets all, within error" if one.numbers.bounded else "meets all, no bounds taken"
 
 
-SHORT_WORDS = {TV: "TV", TV_AFTER: "TV after", DRAG: "drag", REACH: "room", SECONDS: "time"}
+SHORT_WORDS = {TV: "TV", TV_AFTER: "TV after", DRAG: "drag", REACH: "room", SECONDS: "time", CONTACT: "contact"}

@@ -4,16 +4,22 @@ import csv
 import json
 import math
 import tomllib
+from types import SimpleNamespace
 
 import pytest
 
-from cyclemap.cli import main
+from cyclemap.cli import main, reset_robust
+from cyclemap.cli.reset_robust import followed_under_wear
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import WrappedNormal
+from cyclemap.mechanics import SidePush
 from cyclemap.resets.design import reset_candidates
 from cyclemap.resets.design.reset_candidates import Effort
 from cyclemap.resets.protocol.protocol_file import write_protocol
+from cyclemap.resets.robust import robust_weights
+from cyclemap.resets.robust.material_score import QuickGrid
 from cyclemap.resets.strategies.drag_strategies import GripperTurn
+from cyclemap.resets.strategies.push_strategies import AlternatingPushes
 
 LITTLE = Effort((), (), (), (), (), 4, 0, 1, 1)
 # Noise so wide that a few modes do.
@@ -111,6 +117,13 @@ def test_the_strategy_of_a_protocol_is_ranked_with_the_others(tmp_path, capsys) 
         (["plywood", "--with", "magnet"], "magnet"),
         (["plywood", "--cycles", "0"], "--cycles"),
         (["plywood", "--set", "nonsense=1"], "nonsense"),
+        (["plywood", "--robust", "--ratio-percent", "100"], "--ratio-percent"),
+        (["plywood", "--robust", "--offset-percent", "5000"], "friction ellipse"),
+        (["plywood", "--robust", "--keep-push"], "--robust draws pushes"),
+        (["plywood", "--materials", "0"], "--materials"),
+        (["plywood", "--wear"], "plywood does not wear: name the worn surface with --wear-to"),
+        (["plywood", "--wear-to", "plyw"], "plyw"),
+        (["plywood-measured", "--wear", "--cycles", "1"], "2 pushes or more"),
         ([], "give one material"),
     ],
 )
@@ -119,3 +132,50 @@ def test_bad_use_is_one_line_and_code_2(arguments, words, tmp_path, capsys) -> N
     shown = capsys.readouterr()
     assert words in shown.err and shown.err.count("\n") == 1 and shown.out == ""
     assert not list(tmp_path.iterdir())
+
+
+@pytest.fixture
+def little_robust(monkeypatch) -> None:
+    """Three pushes to choose from and few orientations; how well they do is not what is tested."""
+    monkeypatch.setattr(robust_weights, "FRACTIONS", (0.7,))
+    monkeypatch.setattr(reset_robust, "ROBUST_GRID", QuickGrid(samples=8, modes=8, allowed=1.0))
+
+
+def test_a_robust_reset_is_checked_on_sampled_materials_and_followed_under_wear(
+    tmp_path, capsys, little_robust
+) -> None:
+    asked = ("--allow-tv", "0.5", "--drag-ratio", "4", "--pushes", "0", "--wear-to", "plywood-measured")
+    narrow = ("--robust", "--ratio-percent", "5", "--offset-percent", "0", "--materials", "3", "--workers", "1")
+    report, _ = run_json(tmp_path, capsys, *narrow, *asked)
+    robust, chosen = report["robust"], report["chosen"]
+    assert robust["holds"] and (robust["materials"], robust["corners"], robust["exceeding"]) == (3, 2, 0)
+    assert robust["range"] == {"ratio_percent": 5.0, "offset_percent": 0.0, "direction": "any"}
+    assert robust["share_exceeding_95"] == pytest.approx(1.0 - 0.05 ** (1 / 3))
+    assert robust["nominal_tv"] <= robust["worst_tv"] <= 0.5
+    assert abs(robust["worst_material"]["ratio_off_percent"]) <= 5.0
+    assert robust["first_by_nominal"]["name"] == report["ranking"][1]["name"]
+    assert chosen["name"] == report["ranking"][0]["name"] == "drawn pushes, robust"
+    shares = {(push["side"], push["fraction"]): push["chance"] for push in robust["pushes"]}
+    assert shares == {(push["side"], push["fraction"]): push["chance"] for push in chosen["pushes"]}
+    assert sum(shares.values()) == pytest.approx(1.0) and {fraction for _, fraction in shares} == {0.7}
+    # The nominal material twice: on a grid of eight orientations, and by maps to 1e-5 with error bounds.
+    assert chosen["certified"] and chosen["tv"] == pytest.approx(robust["nominal_tv"], abs=0.02)
+    protocol = tomllib.loads((tmp_path / "reset_plywood.toml").read_text())
+    assert protocol["predicted"]["tv"] == pytest.approx(chosen["tv"])
+    assert protocol["predicted"]["robust_holds"] and protocol["predicted"]["robust_worst_tv"] == robust["worst_tv"]
+    wear = report["wear"]
+    assert wear["followed"] and (wear["pushes"], wear["surface"], wear["allow_tv"]) == (30, "plywood", 0.5)
+    # Fresh is the nominal material of the check: the same number by the same grid.
+    assert wear["fresh_tv"] == pytest.approx(robust["nominal_tv"], abs=1e-6) and wear["worn_tv"] != wear["fresh_tv"]
+    assert (wear["leaves_at_push"] is None) == ("throughout" in wear["says"])
+    for name in ("robust", "wear"):
+        assert (tmp_path / f"reset_plywood_{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_pushes_that_know_of_each_other_are_not_followed_under_wear() -> None:
+    pushes = AlternatingPushes((SidePush(side=0), SidePush(side=2)))
+    chosen = SimpleNamespace(candidate=SimpleNamespace(strategy=pushes))
+    design = SimpleNamespace(chosen=chosen, demands=SimpleNamespace(allow_tv=0.05), loop=CollectionLoop.mit())
+    told = followed_under_wear(design, CollectionLoop.mit("plywood-measured"), 100)
+    assert told.course is None and "know of each other (periodic)" in told.told()
+    assert told.report() == {"followed": False, "reason": told.why_not}

@@ -1,6 +1,7 @@
 """The page and the sentences of a designed reset tell the verdict, both laws, the limits, and why nothing does."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,13 +9,17 @@ from matplotlib.text import Text
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import WrappedNormal
+from cyclemap.resets.design.push_proof import PushProof
 from cyclemap.resets.design.reset_candidates import Effort
 from cyclemap.resets.design.reset_curves import reset_curves
 from cyclemap.resets.design.reset_demands import ResetDemands
 from cyclemap.resets.design.reset_design import design_reset
-from cyclemap.resets.design.reset_trial import reset_trial
+from cyclemap.resets.design.reset_ranking import ScoredReset, outlooks, ranked
+from cyclemap.resets.design.reset_trial import ResetTrial, SampledStatistic, reset_trial
 from cyclemap.resets.strategies.drag_strategies import WayPoints
 from cyclemap.resets.strategies.push_strategies import AlternatingPushes, DrawnPushes, side_pushes
+from cyclemap.resets.strategies.schedules import GoldenAngle
+from cyclemap.resets.strategies.strategy_run import run_strategy
 from cyclemap.views import reset_sentences as sentences
 from cyclemap.views.reset_page import reset_page
 from cyclemap.views.style import render
@@ -31,6 +36,18 @@ def designed(**demands):
     )
 
 
+def asked_anew(design, demands):
+    """The design with the same strategies set against other demands."""
+    drag = design.own.cost.mean_drag_length
+    scored = {
+        one.name: ScoredReset.of(one.candidate, one.numbers, one.cost, demands, drag, one.contact)
+        for one in design.ranking
+    }
+    order, own = ranked(list(scored.values())), scored[design.own.name]
+    found = outlooks(order, demands, drag)
+    return replace(design, demands=demands, ranking=order, own=own, chosen=order[0], outlooks=found)
+
+
 @pytest.fixture(scope="module")
 def met():
     """With noise so wide that the loop as it is does."""
@@ -38,9 +55,9 @@ def met():
 
 
 @pytest.fixture(scope="module")
-def hopeless():
+def hopeless(met):
     """Less room than the push itself takes."""
-    return designed(allow_tv=0.4, reach=0.05, seconds=15.0)
+    return asked_anew(met, ResetDemands(allow_tv=0.4, reach=0.05, seconds=15.0, contact=0.2))
 
 
 def drawn(design, trial=None):
@@ -107,11 +124,12 @@ def test_impossible_demands_are_told_loudly_with_what_stands_in_the_way(hopeless
     assert "No strategy that was looked at meets the demand on room about the target and time of a cycle" in told
     assert "A push of 150 mm alone takes 80 mm" in told
     assert "Push and handling alone take 17.5 s" in told
+    assert "contact in a push (132 mm where 200 mm is asked for)" in told
     assert "NO RESET MEETS" in drawn(hopeless).texts[1].get_text()
 
 
-def test_a_gripper_that_would_do_is_named() -> None:
-    tight = designed(allow_tv=1e-6, extra_tv=1e-3)
+def test_a_gripper_that_would_do_is_named(met) -> None:
+    tight = asked_anew(met, ResetDemands(allow_tv=1e-6, extra_tv=1e-3))
     more = sentences.more_sentence(tight)
     assert "With more (gripper) “gripper, any turn” would meet all demands" in more
     assert sentences.standing(tight.with_more[0]) == "would need gripper"
@@ -127,7 +145,40 @@ def test_a_trial_is_told_and_drawn_with_its_sampling_error(met) -> None:
 
 def test_pushes_are_told_with_their_chances() -> None:
     pushes = side_pushes(CollectionLoop.mit().push, (0, 2))
-    drawn_ = sentences.what_to_do(DrawnPushes(pushes, weights=(1.0, 3.0)))
+    whole = DrawnPushes(pushes, weights=(1.0, 3.0))
+    drawn_ = sentences.what_to_do(whole, lambda push: push.distance)
     assert drawn_ == "Draw before every push: side 0 at 0.70 (25.0%), side 2 at 0.70 (75.0%)."
-    assert sentences.what_to_do(AlternatingPushes(pushes)).startswith("In turn: side 0 at 0.70")
-    assert sentences.what_to_do(ASIDE) == ""
+    lost = sentences.what_to_do(replace(whole, schedule=GoldenAngle()), lambda push: 0.048 if push.side else 0.15)
+    told = "side 0 at 0.70 (25.0%), side 2 at 0.70 (75.0%, the object lost after 48 mm)"
+    assert lost == f"Draw by golden angle before every push: {told}."
+    turns = sentences.what_to_do(AlternatingPushes(pushes), lambda push: 0.15)
+    assert turns.startswith("In turn: side 0 at 0.70")
+    assert sentences.what_to_do(ASIDE, lambda push: 0.15) == ""
+
+
+def test_pushes_that_lose_the_object_early_are_told_with_how_to_forbid_them(met) -> None:
+    brief = replace(met, chosen=replace(met.chosen, contact=0.052))
+    assert "after 52 mm of 150 mm" in sentences.brief_sentence(brief) and "--least-push-mm" in " ".join(
+        sentences.reset_sentences(brief)
+    )
+    assert sentences.brief_sentence(met) == ""
+
+
+def test_a_proof_is_told_with_its_pushes(hopeless) -> None:
+    pushes = side_pushes(CollectionLoop.mit().push, (0, 2))
+    told = sentences.proof_sentence(replace(hopeless, proof=PushProof(pushes, "tv", 0.0213, 0.01, 0.2)))
+    assert told.endswith("gets below total variation 0.021 in the long run with a mean drag of at most 200 mm.")
+    told = sentences.proof_sentence(replace(hopeless, proof=PushProof(pushes, "drag", 0.06, 0.02, 0.05)))
+    assert told.startswith("Proved: no rule with the pushes side 0 at 0.70, side 2 at 0.70, even one that looks at")
+    assert sentences.proof_sentence(hopeless) == ""
+
+
+def test_a_run_more_even_than_predicted_agrees_and_is_called_so(met) -> None:
+    predicted = np.linspace(0.05, 0.15, 400)
+    low, high = (SampledStatistic.of(value, predicted) for value in (0.01, 0.2))
+    assert low.p_value == 1.0 and high.p_value < 0.01 and not low.agrees
+    run = run_strategy(met.loop, met.own.candidate.strategy, 2)
+    trial = ResetTrial(run, low, low, low, 36, 400)
+    assert trial.agrees and not replace(trial, kuiper=high).agrees
+    told = sentences.trial_sentence(trial)
+    assert told.count("below them: more even than predicted") == 2 and "below them: nearer than predicted" in told

@@ -13,14 +13,18 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, Noise, UniformNoise
 from cyclemap.maps.mixtures.independent_sum import IndependentSum
-from cyclemap.resets.design.reset_numbers import ResetKernel
+from cyclemap.mechanics import SidePush
+from cyclemap.resets.design.reset_numbers import ResetKernel, ResetNumbers
+from cyclemap.resets.design.schedule_numbers import schedule_numbers
+from cyclemap.resets.scores.simulated_coverage import Sampler, chain_sampler, schedule_sampler
+from cyclemap.resets.scores.strategy_sampler import strategy_sampler
 from cyclemap.resets.strategies.action_cost import CycleCost, Pace, StrategyCost, action_cost
 from cyclemap.resets.strategies.cycle_action import CycleAction
 from cyclemap.resets.strategies.drag_strategies import GripperTurn
 from cyclemap.resets.strategies.schedules import INDEPENDENT
 from cyclemap.resets.strategies.spread import Spread
-from cyclemap.resets.strategies.strategy import ActionLaw, DrawnStrategy, ResetStrategy
-from cyclemap.resets.strategies.strategy_maps import strategy_maps
+from cyclemap.resets.strategies.strategy import PERIODIC, ActionLaw, DrawnStrategy, ResetStrategy
+from cyclemap.resets.strategies.strategy_maps import StrategyMaps, strategy_maps
 
 # Radians: enough to compare strategies by; certified bounds ask for finer maps (see `finer`).
 MAP_TOLERANCE = 1e-3
@@ -50,6 +54,7 @@ class ActionCache:
     pace: Pace | None = None
     _maps: dict[tuple[CollectionLoop, CycleAction], CircleMap] = field(default_factory=dict, repr=False)
     _costs: dict[tuple[CollectionLoop, CycleAction], CycleCosts] = field(default_factory=dict, repr=False)
+    _contacts: dict[SidePush, float] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         if not isinstance(self.noise, Noise) or isinstance(self.noise, UniformNoise):
@@ -66,7 +71,9 @@ class ActionCache:
 
     def finer(self, tolerance: float) -> ActionCache:
         """Return an empty cache for finer maps of the same loop, which knows the costs."""
-        return ActionCache(self.loop, self.noise, tolerance, self.orientations, self.pace, _costs=self._costs)
+        return ActionCache(
+            self.loop, self.noise, tolerance, self.orientations, self.pace, _costs=self._costs, _contacts=self._contacts
+        )
 
     def put(self, prepared: CollectionLoop, action: CycleAction, made: CircleMap) -> None:
         """Keep a map that was computed elsewhere, for a loop as a strategy prepares it."""
@@ -85,6 +92,43 @@ class ActionCache:
         law = strategy.law(nodes)
         maps = self._of(strategy.prepared(self.loop), law.actions, progress)
         return ResetKernel(maps, law.weights, law.kind, self.noise)
+
+    def maps(self, strategy: ResetStrategy, nodes: int = 12) -> StrategyMaps:
+        """Return the maps of the strategy's law, as `strategy_maps` does, but for the lengths of its drags."""
+        law, prepared = strategy.law(nodes), strategy.prepared(self.loop)
+        still = tuple(replace(action, turn=0.0) for action in law.actions)
+        found = self._of(prepared, law.actions, None), self._of(prepared, still, None)
+        return StrategyMaps(strategy, nodes, prepared, law, *found, self.computed, ())
+
+    def numbers(
+        self, strategy: ResetStrategy, nodes: int, within: int, near: float, bounded: bool = False
+    ) -> ResetNumbers:
+        """Return the scores, whatever the schedule; only those of strategies with a kernel can have bounds."""
+        if has_kernel(strategy):
+            return self.kernel(strategy, nodes).numbers(within, near, bounded)
+        return schedule_numbers(self.maps(strategy, nodes), self.noise, within, near)
+
+    def sampler(self, strategy: ResetStrategy, nodes: int, start: float) -> Sampler:
+        """Return a sampler of runs from orientation `start` (rad), by the strategy's maps."""
+        if not has_kernel(strategy):
+            return strategy_sampler(self.maps(strategy, nodes), self.noise, start)
+        kernel = self.kernel(strategy, nodes)
+        return (
+            schedule_sampler(kernel.schedule(), start) if kernel.alternates else chain_sampler(kernel.operator(), start)
+        )
+
+    def contact(self, push: SidePush) -> float:
+        """Return the shortest way (m) that the rod goes in contact in this push, over the orientations."""
+        if push not in self._contacts:
+            starts = (2.0 * math.pi * np.arange(self.orientations) / self.orientations).tolist()
+            found = [self.loop.model.push(self.loop.start_pose(start), push).travel for start in starts]
+            self._contacts[push] = min(found)
+        return self._contacts[push]
+
+    def shortest_contact(self, strategy: ResetStrategy, nodes: int = 12) -> float:
+        """Return the same (m) over all pushes of the strategy."""
+        usual = strategy.prepared(self.loop).push
+        return min(self.contact(push) for push in {action.push or usual for action in strategy.law(nodes).actions})
 
     def cost(self, strategy: ResetStrategy, nodes: int = 12) -> StrategyCost:
         """Return the cost of the strategy, as `strategy_cost` does, each action's cycles run once."""
@@ -141,6 +185,15 @@ class CycleCosts:
             max(one.rod_reach for one in cycles),
             max(one.object_reach for one in cycles),
         )
+
+
+def has_kernel(strategy: ResetStrategy) -> bool:
+    """Whether its pushes are drawn anew or come in turn; else they know of each other in some other way.
+
+    >>> has_kernel(GripperTurn())
+    True
+    """
+    return strategy.law(1).kind in (INDEPENDENT, PERIODIC)
 
 
 def even_turn(strategy: ResetStrategy) -> UniformNoise | None:

@@ -10,6 +10,7 @@ from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Ellipse, SidePush
+from cyclemap.resets.drawn_pushes.push_library import LEAST_SHARE
 from cyclemap.resets.strategies.combined import combine
 from cyclemap.resets.strategies.drag_strategies import (
     GripperTurn,
@@ -20,6 +21,8 @@ from cyclemap.resets.strategies.drag_strategies import (
     WayPoints,
 )
 from cyclemap.resets.strategies.push_strategies import AlternatingPushes, DrawnPushes
+from cyclemap.resets.strategies.schedules import INDEPENDENT, GoldenAngle, LatinBlocks
+from cyclemap.resets.strategies.spread import Spread
 from cyclemap.resets.strategies.strategy import ResetStrategy
 from cyclemap.resets.strategies.strategy_maps import checked_strategy
 from cyclemap.suggestions import unknown_name
@@ -28,7 +31,12 @@ from cyclemap.suggestions import unknown_name
 _MIDDLE, _ASIDE = 0.05, 0.2
 _MOST_SIDES, _AROUND = 8, 8
 _SLANT = math.radians(30.0)
-_MANY_NODES = 64
+_MANY_NODES, _FEW_NODES = 64, 4
+# Radians and mean drags: how far the direction and the length of a last leg from one side are drawn.
+_FAN, _STRETCH = math.radians(45.0), 0.5
+# Fractions that are tried further out, and the share of its distance that a push must then last in contact.
+_OUTER, _THIRD = (0.15, 0.85), 1.0 / 3.0
+_BLOCK = 12
 
 
 @dataclass(frozen=True)
@@ -38,9 +46,12 @@ class Effort:
     fractions : of every side that are tried besides the loop's own and its mirror image. angles : of slanted pushes,
     rad off the loop's own, that are tried where upright ones do not meet the demands. lengths : of trailing legs, in
     mean drags of the loop's own reset. side_steps : of those legs, in their lengths. aims : radii of a scattered aim,
-    in the same mean drags. nodes : of a law, for a full turn. rings : directions in which other places of the ring are
-    tried. searches : starts of the search for the best weights of pushes. certified : how many strategies that meet
-    the demands are looked at with bounds, at most.
+    in the same mean drags; where there are any, drawn fractions and a leg together are tried too. nodes : of a law, for
+    a full turn. rings : directions in which other places of the ring are tried. searches : starts of the search for
+    the best weights of pushes. certified : how many strategies that meet the demands are looked at with bounds, at
+    most. outer : fractions of every side that are tried where those do not meet the demands. least_share : of its
+    distance, that a push must then last in contact. random_legs : whether the length, or the direction, of a last leg
+    from one side is drawn too.
     """
 
     fractions: tuple[float, ...]
@@ -52,11 +63,14 @@ class Effort:
     rings: int
     searches: int
     certified: int
+    outer: tuple[float, ...] = ()
+    least_share: float = LEAST_SHARE
+    random_legs: bool = False
 
 
 EFFORTS = {
     "quick": Effort((), (), (1.0,), (0.5,), (), 12, 0, 1, 1),
-    "normal": Effort((0.5,), (_SLANT,), (1.0,), (0.0, 0.5), (0.25,), 16, 4, 2, 2),
+    "normal": Effort((0.5,), (_SLANT,), (1.0,), (0.5,), (), 8, 2, 2, 1, _OUTER, _THIRD, True),
     "thorough": Effort(
         (0.15, 0.3, 0.5, 0.7, 0.85),
         (0.5 * _SLANT, _SLANT),
@@ -67,6 +81,9 @@ EFFORTS = {
         8,
         4,
         8,
+        _OUTER,
+        _THIRD,
+        True,
     ),
 }
 
@@ -150,9 +167,9 @@ class PushPlaces:
         mirrored = replace(own, fraction=round((1.0 - own.fraction) % 1.0, 12))
         return cls(own, mirrored, around[_AROUND // 2], around, around)
 
-    def slanted(self, angles: Sequence[float]) -> tuple[SidePush, ...]:
-        """The pushes at the loop's fraction and its mirror image, turned by each angle (rad) to both sides."""
-        near = {round(self.own.fraction, 3), round(self.mirrored.fraction, 3)}
+    def slanted(self, angles: Sequence[float], fractions: Sequence[float] = ()) -> tuple[SidePush, ...]:
+        """The pushes at the loop's fraction, its mirror image and `fractions`, turned by each angle (rad) both ways."""
+        near = {round(fraction, 3) for fraction in (self.own.fraction, self.mirrored.fraction, *fractions)}
         pushes = [push for push in self.everywhere if round(push.fraction, 3) in near or len(near) == 1]
         turned = [(push, push.angle + sign * angle) for angle in angles for push in pushes for sign in (1.0, -1.0)]
         return tuple(replace(push, angle=angle) for push, angle in turned if abs(angle) < 0.5 * math.pi)
@@ -195,7 +212,11 @@ def leg_candidates(work: Effort, own_drag: float) -> list[ResetCandidate]:
             metres, step = round(length * own_drag, 3), round(aside * length * own_drag, 3)
             words = f", side step {1000 * step:.0f} mm" if step else ""
             leg = TrailingLeg(metres, side_step=step)
-            made.append(ResetCandidate(f"trailing leg {1000 * metres:.0f} mm{words}", leg, work.nodes))
+            name = f"trailing leg {1000 * metres:.0f} mm{words}"
+            made.append(ResetCandidate(name, leg, work.nodes))
+            made.append(ResetCandidate(f"{name}, golden angle", replace(leg, schedule=GoldenAngle()), work.nodes))
+    if work.random_legs:
+        made.extend(_random_legs(work, own_drag))
     for aim in work.aims:
         radius = round(aim * own_drag, 3)
         made.append(
@@ -204,9 +225,36 @@ def leg_candidates(work: Effort, own_drag: float) -> list[ResetCandidate]:
     return made
 
 
+def _random_legs(work: Effort, own_drag: float) -> list[ResetCandidate]:
+    """A last leg from one side, its length or its direction drawn."""
+    metres, near, far = (round(share * own_drag, 3) for share in (1.0, 1.0 - _STRETCH, 1.0 + _STRETCH))
+    drawn = TrailingLeg(Spread(near, far), 0.0)
+    turned = TrailingLeg(metres, Spread.within(0.0, _FAN))
+    return [
+        ResetCandidate(f"leg of {1000 * near:.0f} to {1000 * far:.0f} mm, drawn", drawn, _FEW_NODES),
+        ResetCandidate(f"leg {1000 * metres:.0f} mm within ±{math.degrees(_FAN):.0f}°, drawn", turned, _FEW_NODES),
+    ]
+
+
+def scheduled_candidates(best: ResetCandidate | None) -> list[ResetCandidate]:
+    """The same pushes as often, by golden angle and in Latin blocks; none for what is not drawn independently.
+
+    >>> pushes = DrawnPushes((SidePush(0), SidePush(2)))
+    >>> [made.name for made in scheduled_candidates(ResetCandidate("two", pushes))]
+    ['two: golden angle', 'two: blocks of 12']
+    """
+    if best is None or not isinstance(best.strategy, DrawnPushes) or best.strategy.schedule.kind != INDEPENDENT:
+        return []
+    orders = (("golden angle", GoldenAngle()), (f"blocks of {_BLOCK}", LatinBlocks(_BLOCK)))
+    return [
+        replace(best, name=f"{best.name}: {words}", strategy=replace(best.strategy, schedule=order))
+        for words, order in orders
+    ]
+
+
 def combined_candidates(places: PushPlaces, work: Effort, own_drag: float) -> list[ResetCandidate]:
     """Drawn fractions and a trailing leg together."""
-    if not work.lengths or places.own == places.mirrored:
+    if not work.aims or places.own == places.mirrored:
         return []
     length = round(0.5 * own_drag, 3)
     both = combine(DrawnPushes((places.own, places.mirrored)), TrailingLeg(length))

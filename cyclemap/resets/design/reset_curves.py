@@ -13,10 +13,9 @@ from cyclemap.checks import whole_number
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait_curves import TurnCurve, turn_curve
-from cyclemap.resets.design.action_cache import ActionCache
+from cyclemap.resets.design.action_cache import ActionCache, has_kernel
 from cyclemap.resets.design.reset_design import ResetDesign
 from cyclemap.resets.design.reset_ranking import ScoredReset
-from cyclemap.resets.scores.simulated_coverage import chain_sampler, schedule_sampler
 from cyclemap.resets.strategies.cycle_action import CycleAction
 from cyclemap.resets.strategies.shared_strokes import run_action
 
@@ -73,13 +72,13 @@ def reset_curves(design: ResetDesign, pushes: int = 300, seed: int = 0) -> Reset
 
 
 def _curve(cache: ActionCache, one: ScoredReset, theta: Array, pushes: int, seed: int) -> ResetCurve:
-    kernel = cache.kernel(one.candidate.strategy, one.candidate.nodes)
-    sampler = schedule_sampler(kernel.schedule(), 0.0) if kernel.alternates else chain_sampler(kernel.operator(), 0.0)
-    turns = tuple((turn_curve(part), weight) for part, weight in zip(kernel.maps, kernel.weights.tolist(), strict=True))
+    strategy, nodes = one.candidate.strategy, one.candidate.nodes
+    known = cache.kernel(strategy, nodes) if has_kernel(strategy) else cache.maps(strategy, nodes)
+    turns = tuple((turn_curve(part), weight) for part, weight in zip(known.maps, known.weights.tolist(), strict=True))
     return ResetCurve(
         one.name,
         np.maximum(one.numbers.law.density(theta), 0.0),
-        sampler(1, pushes, seed)[0],
+        cache.sampler(strategy, nodes, 0.0)(1, pushes, seed)[0],
         turns,
         tuple(_scenes(cache, one)),
         cache.loop.pusher.radius,

@@ -11,11 +11,15 @@ from cyclemap.errors import InvalidInput
 from cyclemap.resets.design.reset_numbers import ResetNumbers
 from cyclemap.resets.strategies.action_cost import StrategyCost
 
+# Metres: contact that counts as none.
+_LITTLE = 1e-6
 # Abilities by their short names, and what strategies call the same.
 ABILITIES = {"ring": "ring at another place", "gripper": "gripper"}
 # The demands, in the order in which they are told.
-TV, TV_AFTER, DRAG, REACH, SECONDS = "tv", "tv_after", "drag", "reach", "seconds"
-DEMANDS = (TV, TV_AFTER, DRAG, REACH, SECONDS)
+TV, TV_AFTER, DRAG, REACH, SECONDS, CONTACT = "tv", "tv_after", "drag", "reach", "seconds", "contact"
+DEMANDS = (TV, TV_AFTER, DRAG, REACH, SECONDS, CONTACT)
+# Of all but this the limit is the most that is allowed; of this it is the least.
+AT_LEAST = CONTACT
 
 
 @dataclass(frozen=True)
@@ -28,8 +32,8 @@ class Miss:
 
     @property
     def excess(self) -> float:
-        """ln(value/limit): how many e-foldings the value lies above its limit."""
-        return math.log(self.value / self.limit)
+        """|ln(value/limit)|: how many e-foldings the value lies on the wrong side of its limit."""
+        return abs(math.log(max(self.value, _LITTLE) / self.limit))
 
 
 @dataclass(frozen=True)
@@ -45,6 +49,7 @@ class ResetDemands:
     seconds : most mean time of a cycle (s); None: any.
     abilities : what the robot can do besides the same rod and ring: "ring" (another place of the ring), "gripper", or
         what strategies of one's own call it in `needs`.
+    contact : shortest way (m) that the rod must go in contact in every push, whatever the orientation; None: any.
 
     Raises InvalidInput for a value out of its range.
 
@@ -59,6 +64,7 @@ class ResetDemands:
     reach: float | None = None
     seconds: float | None = None
     abilities: tuple[str, ...] = ()
+    contact: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("allow_tv", "extra_tv"):
@@ -67,7 +73,7 @@ class ResetDemands:
                 raise InvalidInput(f"{name} is {value:g}: a total variation that is allowed lies between 0 and 1")
         object.__setattr__(self, "within", whole_number("within", self.within, least=1))
         positive_number("drag_ratio", self.drag_ratio)
-        for name in ("reach", "seconds"):
+        for name in ("reach", "seconds", "contact"):
             if getattr(self, name) is not None:
                 positive_number(name, getattr(self, name))
         given = (self.abilities,) if isinstance(self.abilities, str) else tuple(self.abilities)
@@ -83,7 +89,7 @@ class ResetDemands:
     def limits(self, own_drag: float) -> dict[str, float]:
         """Return the limit of each demand that is made; own_drag : mean drag (m) of the loop's own reset."""
         made = {TV: self.allow_tv, TV_AFTER: self.near_tv, DRAG: self.drag_ratio * own_drag}
-        asked = {REACH: self.reach, SECONDS: self.seconds}
+        asked = {REACH: self.reach, SECONDS: self.seconds, CONTACT: self.contact}
         return {**made, **{name: limit for name, limit in asked.items() if limit is not None}}
 
     def lacking(self, needs: Sequence[str]) -> tuple[str, ...]:
@@ -95,19 +101,32 @@ class ResetDemands:
         known = {*self.abilities, *(ABILITIES.get(ability, ability) for ability in self.abilities)}
         return tuple(need for need in needs if need not in known)
 
-    def misses(self, numbers: ResetNumbers, cost: StrategyCost, own_drag: float) -> tuple[Miss, ...]:
-        """Return the demands that a strategy with these scores and this cost misses; by the best estimates."""
-        found = demanded_values(numbers, cost)
-        return tuple(
-            Miss(name, found[name], limit) for name, limit in self.limits(own_drag).items() if found[name] > limit
-        )
+    def misses(
+        self, numbers: ResetNumbers, cost: StrategyCost, own_drag: float, contact: float = math.inf
+    ) -> tuple[Miss, ...]:
+        """Return the demands that a strategy with these scores and this cost misses; by the best estimates.
+
+        contact : m, the shortest of its pushes.
+        """
+        found = demanded_values(numbers, cost, contact)
+        limits = self.limits(own_drag).items()
+        return tuple(Miss(name, found[name], limit) for name, limit in limits if is_beyond(name, found[name], limit))
 
     def are_certain(self, numbers: ResetNumbers) -> bool:
         """Whether the bounds of the scores confirm that both total variations are within their limits."""
         return numbers.tv.upper <= self.allow_tv and numbers.tv_after.upper <= self.near_tv
 
 
-def demanded_values(numbers: ResetNumbers, cost: StrategyCost) -> dict[str, float]:
+def is_beyond(demand: str, value: float, limit: float) -> bool:
+    """Whether a value lies on the wrong side of its limit.
+
+    >>> is_beyond("drag", 0.2, 0.1), is_beyond("contact", 0.2, 0.1)
+    (True, False)
+    """
+    return value < limit if demand == AT_LEAST else value > limit
+
+
+def demanded_values(numbers: ResetNumbers, cost: StrategyCost, contact: float = math.inf) -> dict[str, float]:
     """Return what each demand is about: probabilities, m and s."""
     return {
         TV: float(numbers.tv),
@@ -115,4 +134,5 @@ def demanded_values(numbers: ResetNumbers, cost: StrategyCost) -> dict[str, floa
         DRAG: cost.mean_drag_length,
         REACH: cost.reach,
         SECONDS: cost.mean_seconds,
+        CONTACT: contact,
     }

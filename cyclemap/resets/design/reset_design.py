@@ -10,6 +10,8 @@ from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Noise, WrappedNormal
 from cyclemap.resets.design.action_cache import MAP_TOLERANCE, ActionCache
+from cyclemap.resets.design.push_proof import PushProof, push_proof
+from cyclemap.resets.design.push_stages import widen
 from cyclemap.resets.design.reset_candidates import (
     Effort,
     ResetCandidate,
@@ -19,9 +21,10 @@ from cyclemap.resets.design.reset_candidates import (
     gripper_candidates,
     leg_candidates,
     push_candidates,
+    scheduled_candidates,
 )
 from cyclemap.resets.design.reset_demands import ResetDemands
-from cyclemap.resets.design.reset_ranking import DemandOutlook, ScoredReset, outlooks, ranked
+from cyclemap.resets.design.reset_ranking import DemandOutlook, ScoredReset, outlooks
 from cyclemap.resets.design.reset_survey import LeftOutStrategy, Progress, ResetSurvey
 from cyclemap.resets.design.searched_candidates import drawn_push_candidates, gripper_spread, ring_candidates
 from cyclemap.resets.parameters.pareto_front import non_dominated
@@ -36,7 +39,8 @@ class ResetDesign:
 
     ranking : as `ranked` orders them. own : the loop's own reset as it is. chosen : the first of the ranking
     that error bounds confirm; where they confirm none, the first. met : whether it meets all demands. outlooks : what
-    can be had of each demand. left_out : what could not be looked at. cache : of the maps and costs.
+    can be had of each demand. left_out : what could not be looked at. cache : of the maps and costs. proof : that
+    pushes which were looked at cannot do it, by any rule; None where the demands are met, or nothing is proved.
     """
 
     loop: CollectionLoop
@@ -49,6 +53,7 @@ class ResetDesign:
     outlooks: tuple[DemandOutlook, ...]
     left_out: tuple[LeftOutStrategy, ...]
     cache: ActionCache
+    proof: PushProof | None = None
 
     @property
     def met(self) -> bool:
@@ -129,16 +134,16 @@ def design_reset(
     survey.look_at_pushes(work)
     survey.look(_candidates(survey, work, also), "scoring strategies")
     survey.look(drawn_push_candidates(survey, work), "scoring pushes that were searched for")
-    if not survey.any_meets and survey.library is not None and work.angles:
-        survey.add_pushes(survey.places(work).slanted(work.angles), "cycle maps of slanted pushes")
-        survey.look(drawn_push_candidates(survey, work, "slanted "), "scoring slanted pushes")
+    widen(survey, work)
+    survey.look(scheduled_candidates(survey.best_drawn), "scoring schedules")
     survey.look([*ring_candidates(survey, work), *gripper_spread(survey)], "scoring ring and gripper")
     survey.confirm(work.certified)
-    order = ranked(list(survey.scored.values()))
+    order = survey.order
     sure = (one for one in order if one.meets and one.certain)
     found = outlooks(order, wanted, survey.own_drag)
-    left_out, chosen = tuple(survey.left_out), next(sure, order[0])
-    return ResetDesign(loop, cache.noise, wanted, keep_push, order, survey.own, chosen, found, left_out, cache)
+    left_out, chosen = survey.all_left_out, next(sure, order[0])
+    proof = None if chosen.meets else push_proof(cache, order, found, report)
+    return ResetDesign(loop, cache.noise, wanted, keep_push, order, survey.own, chosen, found, left_out, cache, proof)
 
 
 def _candidates(survey: ResetSurvey, work: Effort, also: Sequence[ResetStrategy]) -> list[ResetCandidate]:

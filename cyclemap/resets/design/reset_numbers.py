@@ -18,6 +18,7 @@ from cyclemap.maps.mixtures.law_evolution import (
     complex_moments,
     fourier_basis,
     images_law,
+    real_coefficients,
     stationary_fourier_law,
 )
 from cyclemap.maps.mixtures.mixture_operator import mixture_operator
@@ -26,6 +27,8 @@ from cyclemap.maps.mixtures.start_ensemble import StartEnsemble
 from cyclemap.maps.mixtures.worst_start import largest_variation
 from cyclemap.maps.operator.fourier_discretisation import needed_modes
 from cyclemap.resets.scores.effective_size import effective_size
+from cyclemap.resets.scores.schedule_laws import ScheduleLaws
+from cyclemap.resets.scores.schedule_routes import OperatorImages, periodic_chain
 from cyclemap.resets.strategies.schedules import INDEPENDENT
 from cyclemap.resets.strategies.strategy import PERIODIC
 
@@ -41,7 +44,8 @@ class ResetNumbers:
     law : of a recorded orientation, in the long run. tv : its total variation from uniform. tv_after : the same
     after `within` pushes, from the worst start. reach : pushes from which on it is within `near`, from any start; inf
     where that takes more than `within`. effective_per_100 : independent orientations that 100 pushes are worth, for
-    the worst mean of the first two harmonics; nan where actions alternate.
+    the worst mean of the first two harmonics; where actions know of each other, of exactly 100 pushes; nan where the
+    law is too sharp for that.
     bounded : whether the errors of `tv` and `tv_after` are known; else their bounds are infinite.
     """
 
@@ -125,7 +129,8 @@ class ResetKernel:
 
     def _numbers(self, within: int, near: float, modes: int | None, bounded: bool) -> ResetNumbers:
         if self.alternates:
-            schedule, worth = self.schedule(modes), math.nan
+            schedule = self.schedule(modes)
+            worth = _worth_in_turn(schedule, within)
             law, worst = schedule.recorded_law(), schedule.worst(within, starts=None if bounded else QUICK_STARTS)
             curve, error = worst.total_variation, float(worst.total_variation_error[-1])
         else:
@@ -143,6 +148,17 @@ class ResetKernel:
             near=near,
             bounded=bounded,
         )
+
+
+def _worth_in_turn(schedule: PeriodicSchedule, within: int) -> float:
+    """What 100 pushes of alternating actions are worth; nan where the law is too sharp for variances."""
+    chain = periodic_chain(schedule.operators)
+    first = real_coefficients(schedule.recorded_law().moments, chain.size // 2)
+    laws = ScheduleLaws(chain, OperatorImages(schedule.operators), first, QUICK_STARTS, within)
+    try:
+        return float(laws.effective_size(_REPORTED))
+    except ConvergenceError:
+        return math.nan
 
 
 def _curve(operator: CycleOperator, cycles: int) -> tuple[Array, float]:

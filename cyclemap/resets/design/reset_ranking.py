@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cyclemap.resets.design.reset_candidates import ResetCandidate
-from cyclemap.resets.design.reset_demands import DEMANDS, Miss, ResetDemands, demanded_values
+from cyclemap.resets.design.reset_demands import AT_LEAST, DEMANDS, Miss, ResetDemands, demanded_values, is_beyond
 from cyclemap.resets.design.reset_numbers import ResetNumbers
 from cyclemap.resets.strategies.action_cost import StrategyCost
 
@@ -17,7 +17,8 @@ class ScoredReset:
     """A strategy with its scores and its cost, set against the demands.
 
     misses : what it misses, by the best estimates. lacking : what it needs that the robot cannot do. certain :
-    whether error bounds confirm its scores. drag_ratio : mean drag, in those of the loop's own reset.
+    whether error bounds confirm its scores. drag_ratio : mean drag, in those of the loop's own reset. contact : m, the
+    shortest way that the rod goes in contact in any of its pushes, from any orientation.
     """
 
     candidate: ResetCandidate
@@ -27,6 +28,7 @@ class ScoredReset:
     lacking: tuple[str, ...]
     certain: bool
     drag_ratio: float
+    contact: float = math.inf
 
     @classmethod
     def of(
@@ -36,16 +38,18 @@ class ScoredReset:
         cost: StrategyCost,
         demands: ResetDemands,
         own_drag: float,
+        contact: float = math.inf,
     ) -> ScoredReset:
         """Set scores and cost against the demands; own_drag : mean drag (m) of the loop's own reset."""
         return cls(
             candidate,
             numbers,
             cost,
-            demands.misses(numbers, cost, own_drag),
+            demands.misses(numbers, cost, own_drag, contact),
             demands.lacking(candidate.strategy.needs),
             demands.are_certain(numbers),
             cost.mean_drag_length / own_drag,
+            contact,
         )
 
     @property
@@ -71,7 +75,7 @@ class ScoredReset:
 
     def value(self, demand: str) -> float:
         """What a demand is about: a probability, m or s."""
-        return demanded_values(self.numbers, self.cost)[demand]
+        return demanded_values(self.numbers, self.cost, self.contact)[demand]
 
 
 def ranked(scored: Sequence[ScoredReset]) -> tuple[ScoredReset, ...]:
@@ -82,7 +86,7 @@ def ranked(scored: Sequence[ScoredReset]) -> tuple[ScoredReset, ...]:
 
 @dataclass(frozen=True, eq=False)
 class DemandOutlook:
-    """What can be had of one demand: least value over the strategies that the robot can do.
+    """What can be had of one demand: least value over the strategies that the robot can do; of contact the largest.
 
     limit : what was asked. least : of all; least_by : whose it is. least_with_others : of those that meet every other
     demand, None where there is none; with_others_by : whose. ended : of what a limit is about: a probability, m or s.
@@ -98,12 +102,13 @@ class DemandOutlook:
     @property
     def binds_alone(self) -> bool:
         """Whether giving up this demand alone would leave a strategy."""
-        return self.least_with_others is not None and self.least_with_others > self.limit
+        found = self.least_with_others
+        return found is not None and is_beyond(self.demand, found, self.limit)
 
     @property
     def out_of_reach(self) -> bool:
         """Whether no strategy meets it, whatever else is asked."""
-        return self.least > self.limit
+        return is_beyond(self.demand, self.least, self.limit)
 
 
 def outlooks(scored: Sequence[ScoredReset], demands: ResetDemands, own_drag: float) -> tuple[DemandOutlook, ...]:
@@ -117,7 +122,10 @@ def _outlook(able: Sequence[ScoredReset], name: str, limit: float) -> DemandOutl
     def value(one: ScoredReset) -> float:
         return one.value(name)
 
-    least = min(able, key=value)
+    def order(one: ScoredReset) -> float:
+        return -value(one) if name == AT_LEAST else value(one)
+
+    least = min(able, key=order)
     others = [one for one in able if all(miss.demand == name for miss in one.misses)]
-    best = min(others, key=value) if others else None
+    best = min(others, key=order) if others else None
     return DemandOutlook(name, limit, value(least), least, None if best is None else value(best), best)

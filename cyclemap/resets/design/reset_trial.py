@@ -12,14 +12,12 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.resets.design.action_cache import ActionCache
 from cyclemap.resets.design.reset_candidates import ResetCandidate
-from cyclemap.resets.design.reset_numbers import ResetKernel
 from cyclemap.resets.scores.coverage_measures import coverage_measures
-from cyclemap.resets.scores.simulated_coverage import Sampler, chain_sampler, schedule_sampler
 from cyclemap.resets.strategies.strategy_run import StrategyRun, run_strategy
 
 BINS = 36
 _LEVEL = 0.95
-# Two-sided p-value from which on a run disagrees; the runs that are compared must be able to reach it.
+# p-value from which on a run disagrees; the runs that are compared must be able to reach it.
 _DOUBT, _LEAST_RUNS = 0.01, 250
 
 
@@ -27,8 +25,8 @@ _DOUBT, _LEAST_RUNS = 0.01, 250
 class SampledStatistic:
     """One statistic of a run, and of as long runs of the predicted chain from the same start.
 
-    value : of the run. mean : over the predicted runs. low, high : between which 95 % of those lie. p_value :
-    two-sided.
+    value : of the run. mean : over the predicted runs. low, high : between which 95 % of those lie. p_value : share of
+    predicted runs whose value is as large: to be more even than predicted, or nearer to the prediction, is no fault.
     """
 
     value: float
@@ -47,8 +45,7 @@ class SampledStatistic:
         """Set a value against those (runs,) of predicted runs."""
         low, high = np.quantile(predicted, [0.5 * (1.0 - _LEVEL), 0.5 * (1.0 + _LEVEL)])
         above = (1 + int(np.sum(predicted >= value))) / (1 + predicted.size)
-        below = (1 + int(np.sum(predicted <= value))) / (1 + predicted.size)
-        return cls(value, float(np.mean(predicted)), float(low), float(high), min(1.0, 2.0 * min(above, below)))
+        return cls(value, float(np.mean(predicted)), float(low), float(high), above)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +71,7 @@ class ResetTrial:
 
     @property
     def agrees(self) -> bool:
-        """Whether no statistic is as far out as one in a hundred predicted runs or fewer."""
+        """Whether no statistic is so large that one in a hundred predicted runs or fewer has it as large."""
         return min(one.p_value for one in (self.total_variation, self.kuiper, self.misfit)) > _DOUBT
 
 
@@ -101,19 +98,12 @@ def reset_trial(
     run = run_strategy(
         cache.loop, candidate.strategy, count, start=begin, noise=cache.noise, seed=number, progress=progress
     )
-    kernel = cache.kernel(candidate.strategy, candidate.nodes)
-    expected = _predicted_runs(kernel, begin)(many, count, number + 1)
+    expected = cache.sampler(candidate.strategy, candidate.nodes, begin)(many, count, number + 1)
     law = np.mean(_shares(expected), axis=0)
     found = _statistics(run.theta[None, :-1], law)
     likely = _statistics(expected, law)
     told = [SampledStatistic.of(float(one[0]), many_) for one, many_ in zip(found, likely, strict=True)]
     return ResetTrial(run, told[0], told[1], told[2], BINS, many)
-
-
-def _predicted_runs(kernel: ResetKernel, start: float) -> Sampler:
-    if kernel.alternates:
-        return schedule_sampler(kernel.schedule(), start)
-    return chain_sampler(kernel.operator(), start)
 
 
 def _statistics(theta: Array, law: Array) -> tuple[Array, Array, Array]:

@@ -42,14 +42,19 @@ def drawn_push_candidates(survey: ResetSurvey, work: Effort, kind: str = "") -> 
         "starts": work.searches,
     }
     aims: tuple[tuple[str, float | None, int | None], ...] = (
-        (f"at most {_FEW} {kind}pushes, best weights", allowed, _FEW),
         (f"{kind}pushes of least drag, best weights", allowed, None),
+        (f"at most {_FEW} {kind}pushes, best weights", allowed, _FEW),
         (f"{kind}pushes of least bias, best weights", None, None),
     )
-    found = []
+    found, stage = [], f"searching for {kind}pushes"
     for number, (name, allow_tv, most) in enumerate(aims):
         best = best_push_weights(library, allow_tv=allow_tv, most_pushes=most, **options)
-        survey.progress("searching for pushes", (number + 1) / len(aims))
+        survey.progress(stage, (number + 1) / len(aims))
+        if not (best.met or number):
+            # Many pushes do no better where few cannot: the least bias is all that is left to look for.
+            best = best_push_weights(library, **options)
+            survey.progress(stage, 1.0)
+            return [ResetCandidate(aims[-1][0], _rounded(best))]
         found.append(ResetCandidate(name, _rounded(best)))
     return found
 
@@ -62,10 +67,7 @@ def _rounded(best: PushWeights) -> DrawnPushes:
 
 
 def ring_candidates(survey: ResetSurvey, work: Effort) -> list[ResetCandidate]:
-    """The place of the ring, among some nearer to the centre and further away, that leaves the least bias.
-
-    kind : of pushes, in the names.
-    """
+    """The place of the ring, among some nearer to the centre and further away, that leaves the least bias."""
     places, best, least = ring_places(survey.cache.loop, work.rings), None, math.inf
     for number, candidate in enumerate(places):
         try:

@@ -55,6 +55,12 @@ class ResetUnderWear:
         """Return the total variation from uniform of the stationary law, were the wear to stop at a push."""
         return float(self.stage(push).frozen_law(push).total_variation())
 
+    def frozen_course(self, count: int = 41) -> tuple[Array, Array]:
+        """Return `count` pushes evenly from the first to past the last, and `frozen_variation` there: two (count,)."""
+        places = np.linspace(0, self.pushes, whole_number("count", count, least=2))
+        laws = [self.stage(int(place)).frozen_law(place) for place in places.tolist()]
+        return places, np.array([float(law.total_variation()) for law in laws])
+
     @cached_property
     def collection_variation(self) -> float:
         """Total variation of the whole collection's law from uniform."""

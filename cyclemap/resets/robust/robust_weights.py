@@ -13,6 +13,7 @@ from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Noise
+from cyclemap.maps.operator.fourier_discretisation import needed_modes
 from cyclemap.mechanics import Material, SidePush
 from cyclemap.resets.drawn_pushes.push_weights import PushWeights
 from cyclemap.resets.robust.material_score import DEFAULT_GRID, DEFAULT_NOISE, QuickGrid
@@ -26,6 +27,7 @@ Array = NDArray[np.float64]
 # With these the worst corner of ratio +-10 %, offset +-50 % about plywood came out at .041; with .2 to .8 at .060.
 FRACTIONS = (0.1, 0.25, 0.75, 0.9)
 _SCREENED = 64  # materials of the check that comes before the full one
+_MODES = 96  # of the search: as many as tell any law that is nearly even
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +72,9 @@ def robust_push_weights(
 
     By scenarios (Calafiore & Campi 2006; with the worst of each check added, a cutting-plane method): weights are found
     for the source's scenarios, then checked on 64 materials and, where these hold, on all `count`; the worst material
-    that exceeds becomes a scenario, up to `rounds` times. Where that is one already, no more can be done with these
-    pushes: `check` names it. A local optimum, as `best_push_weights` finds it.
+    that exceeds becomes a scenario, up to `rounds` times. Where that is one already, or the scenarios are too much
+    as they are, no more can be done with these pushes: `check` names it. A local optimum, as `best_push_weights` finds
+    it.
 
     pushes : to choose from; None: those of the loop's own distance at fractions .1, .25, .75 and .9 of every side.
     most_pushes : how many may be drawn; None: as many as help. starts : of each search. Others: see `worst_case`.
@@ -91,9 +94,9 @@ def robust_push_weights(
     choice, known = choice_of_pushes(loop, pushes), list(source.scenarios().materials)
     rows = list(spread_work(partial(scenario_row, loop, choice, grid), known, workers))
     check = partial(worst_case, loop, allowance=allowance, noise=noise, grid=grid, workers=workers)
-    history: list[float] = []
+    history, modes = list[float](), max(grid.modes, min(_MODES, needed_modes(noise)))
     for number in range(rounds):
-        library = scenario_library(choice, rows, noise, grid.modes)
+        library = scenario_library(choice, rows, noise, modes)
         drags = np.array([row.own_drag for row in rows])
         found = least_worst_weights(library, drags, allowance, most_pushes, starts, seed)
         tried = check(found.strategy(), source, count=min(count, _SCREENED), seed=seed + 1, draw=draw)
@@ -102,7 +105,8 @@ def robust_push_weights(
         history.append(tried.worst()[1].total_variation)
         report((number + 1) / rounds)
         worst = tried.sample.materials[int(np.argmax([allowance.excess(score) for score in tried.scores]))]
-        if tried.holds or number + 1 == rounds or worst in known:
+        hopeless = worst in known or found.bias > allowance.total_variation  # more scenarios only make it harder
+        if tried.holds or hopeless or number + 1 == rounds:
             break
         known.append(worst)
         rows.append(scenario_row(loop, choice, grid, worst))

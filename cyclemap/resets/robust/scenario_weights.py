@@ -13,8 +13,9 @@ from cyclemap.maps import CircleMap, Noise
 from cyclemap.maps.mixtures.random_map import RandomMap
 from cyclemap.mechanics import Material, SidePush
 from cyclemap.resets.drawn_pushes.push_library import PushLibrary
+from cyclemap.resets.drawn_pushes.push_mixture import PushMixture
 from cyclemap.resets.drawn_pushes.push_weights import PushWeights, best_push_weights, push_weights
-from cyclemap.resets.robust.material_score import QuickGrid, own_drag, sample_cycles
+from cyclemap.resets.robust.material_score import QuickGrid, SampledCycles, own_drag, sample_cycles
 from cyclemap.resets.robust.scenario_loops import loop_on
 from cyclemap.resets.robust.worst_case import Allowance
 from cyclemap.resets.strategies.cycle_action import CycleAction
@@ -27,19 +28,31 @@ _CLOSE = 2e-4
 
 @dataclass(frozen=True, eq=False)
 class ScenarioRow:
-    """The pushes of a library on one material: their maps, drags (P, K), m, and the drag of the loop's own reset, m."""
+    """The pushes of a library on one material: their cycles, and the mean drag of the loop's own reset, m.
+
+    Processes send it to each other: maps cannot be sent, samples can.
+    """
 
     loop: CollectionLoop
-    maps: tuple[CircleMap, ...]
-    drag_length: Array
+    cycles: SampledCycles
     own_drag: float
+
+    @property
+    def maps(self) -> tuple[CircleMap, ...]:
+        """The map of each push."""
+        return self.cycles.maps
+
+    @property
+    def drag_length(self) -> Array:
+        """(P, K), m, of each push from K even orientations."""
+        return self.cycles.drag_length
 
 
 def scenario_row(loop: CollectionLoop, pushes: Sequence[SidePush], grid: QuickGrid, material: Material) -> ScenarioRow:
     """Return what the pushes do on one material, from the grid's orientations; 0.1 s a push."""
     here = loop_on(loop, material)
     cycles = sample_cycles(here, [CycleAction(push=push) for push in pushes], grid)
-    return ScenarioRow(here, cycles.maps, cycles.drag_length, own_drag(here, grid.accuracy))
+    return ScenarioRow(here, cycles, own_drag(here, grid.accuracy))
 
 
 def scenario_library(pushes: Sequence[SidePush], rows: Sequence[ScenarioRow], noise: Noise, modes: int) -> PushLibrary:
@@ -61,8 +74,7 @@ def least_worst_weights(
     within, extra = allowance.pushes, allowance.reach
     limit, every = allowance.drag_ratio * own_drags, np.arange(len(library.pushes))
     even = np.full(every.size, 1.0 / every.size)
-    whole = push_weights(library, every, even, within=within, extra_tv=extra)
-    inside = [int(np.argmax(_biases(whole)))]
+    inside = [int(np.argmax(_biases(library, every, even, within, extra)))]
     while True:
         part = _only_scenarios(library, inside)
         found = best_push_weights(
@@ -74,18 +86,21 @@ def least_worst_weights(
             starts=starts,
             seed=seed,
         )
-        numbers = found.numbers
-        whole = push_weights(library, numbers, found.weights, drag_limit=limit, within=within, extra_tv=extra)
-        over = np.maximum(_biases(whole) - _biases(found).max() - _CLOSE, whole.drag / limit - 1.0 - _CLOSE)
+        numbers = np.array(found.numbers)
+        biases = _biases(library, numbers, found.weights, within, extra)
+        drag = library.mean_drags[:, numbers] @ found.weights
+        over = np.maximum(biases - biases[inside].max() - _CLOSE, drag / limit - 1.0 - _CLOSE)
         over[inside] = -np.inf
         if over.max() <= 0.0:
-            return whole
+            return push_weights(library, numbers, found.weights, drag_limit=limit, within=within, extra_tv=extra)
         inside.append(int(np.argmax(over)))
 
 
-def _biases(found: PushWeights) -> Array:
-    """The bias of each scenario, (S,): in the long run, or early less what is allowed for that."""
-    return np.asarray(np.maximum(found.tv, found.tv_within - found.limits.extra_tv))
+def _biases(library: PushLibrary, numbers: NDArray[np.int64], weights: Array, within: int, extra_tv: float) -> Array:
+    """The bias of each scenario, (S,), from the library's matrices: in the long run, or early less what is allowed."""
+    mixtures = [PushMixture(library.matrices[s][numbers]) for s in range(library.scenarios)]
+    late = [mixture.bias_after(weights, within)[0] - extra_tv for mixture in mixtures]
+    return np.maximum([mixture.bias(weights)[0] for mixture in mixtures], late)
 
 
 def _only_scenarios(library: PushLibrary, numbers: list[int]) -> PushLibrary:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields
 from functools import partial
-from multiprocessing import get_context
 from typing import Any, TypeVar
 
 import numpy as np
@@ -32,6 +30,7 @@ from cyclemap.resets.robust.scenario_loops import direction_matters, loop_on
 from cyclemap.resets.scores.reset_scores import ResetScores, reset_scores
 from cyclemap.resets.strategies.strategy import ResetStrategy
 from cyclemap.resets.strategies.strategy_maps import strategy_maps
+from cyclemap.sweeps.point_workers import own_executor
 
 Array = NDArray[np.float64]
 S = TypeVar("S")
@@ -189,12 +188,9 @@ def spread_work(work: Callable[[S], T], items: Sequence[S], workers: int | None)
     if count == 1:
         yield from map(work, items)
         return
-    # Fresh processes: CasADi's functions and its threads do not survive a fork.
-    pool = ProcessPoolExecutor(count, get_context("spawn"))
-    try:
+    # Fresh processes: CasADi's functions and its threads do not survive a fork. They end when this one does.
+    with own_executor(count) as pool:
         yield from pool.map(work, items, chunksize=max(1, min(8, len(items) // (4 * count))))
-    finally:
-        pool.shutdown(cancel_futures=True)
 
 
 def worst_scores(

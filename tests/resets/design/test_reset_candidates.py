@@ -89,7 +89,8 @@ def test_every_candidate_has_a_name_of_its_own_and_a_law(level, loop) -> None:
 
 def test_only_the_way_back_changes_where_the_push_is_kept() -> None:
     kept = [one.name for one in everything(MIT, "quick") if one.keeps_push(MIT)]
-    assert kept == ["as it is", "trailing leg 100 mm, side step 50 mm", "gripper, any turn"]
+    leg = "trailing leg 100 mm, side step 50 mm"
+    assert kept == ["as it is", leg, f"{leg}, golden angle", "gripper, any turn"]
 
 
 def test_rings_are_tried_nearer_and_further_but_not_where_the_ring_is() -> None:

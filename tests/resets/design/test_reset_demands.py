@@ -22,15 +22,18 @@ COST = StrategyCost(0.15, 0.2, 25.0, 0.12, 0.18)
 
 
 def test_each_demand_is_missed_where_its_value_is_above_its_limit_and_by_the_logarithm_of_their_ratio() -> None:
-    demands = ResetDemands(0.05, 0.05, 50, drag_ratio=1.2, reach=0.17, seconds=24.0)
-    misses = demands.misses(numbers(0.06, 0.2), COST, own_drag=0.1)
+    demands = ResetDemands(0.05, 0.05, 50, drag_ratio=1.2, reach=0.17, seconds=24.0, contact=0.075)
+    misses = demands.misses(numbers(0.06, 0.2), COST, own_drag=0.1, contact=0.05)
     assert [miss.demand for miss in misses] == list(DEMANDS)
-    ratios = [0.06 / 0.05, 0.2 / 0.1, 0.15 / 0.12, 0.18 / 0.17, 25.0 / 24.0]
+    ratios = [0.06 / 0.05, 0.2 / 0.1, 0.15 / 0.12, 0.18 / 0.17, 25.0 / 24.0, 0.075 / 0.05]
     assert [miss.excess for miss in misses] == pytest.approx(np.log(ratios))
 
 
 def test_what_lies_at_its_limit_is_met_and_what_is_not_asked_for_is_not_missed() -> None:
     assert ResetDemands(drag_ratio=1.5).misses(numbers(0.05, 0.1), COST, own_drag=0.1) == ()
+    long = ResetDemands(drag_ratio=1.5, contact=0.075)
+    assert long.misses(numbers(0.05, 0.1), COST, own_drag=0.1, contact=0.075) == ()
+    assert [miss.demand for miss in long.misses(numbers(0.05, 0.1), COST, 0.1, contact=0.0)] == ["contact"]
     assert set(ResetDemands().limits(0.1)) == {"tv", "tv_after", "drag"}
 
 
@@ -65,6 +68,7 @@ def test_what_the_robot_can_do_is_named_shortly_or_as_strategies_name_it(abiliti
         ({"within": 0}, "within must be at least 1"),
         ({"drag_ratio": -1.0}, "drag_ratio must be positive"),
         ({"reach": 0.0}, "reach must be positive"),
+        ({"contact": 0.0}, "contact must be positive"),
         ({"seconds": "9"}, "seconds must be a finite number"),
         ({"abilities": ("",)}, "abilities are names"),
     ],

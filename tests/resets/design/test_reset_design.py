@@ -17,8 +17,10 @@ from cyclemap.resets.design.reset_demands import ResetDemands
 from cyclemap.resets.design.reset_design import design_reset
 from cyclemap.resets.design.reset_survey import ResetSurvey
 from cyclemap.resets.design.reset_trial import reset_trial
+from cyclemap.resets.scores.strategy_scores import strategy_scores
 from cyclemap.resets.strategies.drag_strategies import TrailingLeg, WayPoints
 from cyclemap.resets.strategies.schedules import GoldenAngle
+from cyclemap.resets.strategies.strategy_maps import strategy_maps
 
 NOISE = WrappedNormal(math.radians(6.0))
 LITTLE = Effort((), (), (), (), (), 4, 0, 1, 1)
@@ -135,21 +137,39 @@ def test_keeping_the_push_leaves_only_drags_and_grippers(kept) -> None:
     assert "way-points (given)" in names and "as it is" in names
 
 
-def test_a_strategy_without_a_kernel_is_left_out_by_name(kept) -> None:
-    (left,) = [one for one in kept.left_out if one.name == "trailing leg (given)"]
-    assert "'sequence' have no kernel" in left.reason
+def test_a_strategy_by_golden_angle_is_ranked_with_the_scores_of_its_schedule(kept) -> None:
+    """Two routes: the maps of the cache, and those of the strategy by itself."""
+    (golden,) = [one for one in kept.ranking if one.name == "trailing leg (given)"]
+    maps = strategy_maps(kept.loop, golden.candidate.strategy, nodes=golden.candidate.nodes, tolerance=TOLERANCE)
+    scores = strategy_scores(maps, NOISE, pushes=10)
+    assert golden.numbers.tv == pytest.approx(scores.total_variation, abs=1e-9)
+    assert golden.numbers.tv_after == pytest.approx(scores.curve.total_variation[-1], abs=1e-9)
+    assert golden.numbers.effective_per_100 == pytest.approx(scores.effective_size_per_100, rel=1e-6)
+    assert not golden.certain and golden.numbers.tv > 0.01
+
+
+def test_a_run_by_golden_angle_agrees_with_its_own_prediction(kept) -> None:
+    (golden,) = [one for one in kept.ranking if one.name == "trailing leg (given)"]
+    trial = reset_trial(kept.cache, golden.candidate, 60, seed=1, runs=250)
+    assert trial.agrees and trial.misfit.low < trial.misfit.high < 1.0
+
+
+def test_the_pushes_found_are_ranked_by_golden_angle_and_in_blocks_too(plywood) -> None:
+    design, _ = plywood
+    ordered = [one for one in design.ranking if ": " in one.name]
+    assert sorted(one.name.split(": ")[1] for one in ordered) == ["blocks of 12", "golden angle"]
+    drawn = next(one for one in design.ranking if one.name == ordered[0].name.split(": ")[0])
+    assert all(one.cost == drawn.cost and one.contact == drawn.contact for one in ordered)
+    assert all(float(one.numbers.tv) != float(drawn.numbers.tv) for one in ordered)
 
 
 def test_isotropic_friction_leaves_no_bias_and_what_is_missed_is_speed() -> None:
     """Every cycle of an isotropic surface is a rotation: the even law is stationary, however slow it is reached."""
     loop = CollectionLoop.mit("isotropic")
-    work = replace(LITTLE, lengths=(1.0,), side_steps=(0.5,))
-    demands = ResetDemands(drag_ratio=2.0)
-    design = design_reset(loop, demands, WrappedNormal(0.02), keep_push=True, thoroughness=work, tolerance=1e-3)
-    assert design.own.numbers.tv < 1e-9
-    (leg,) = [one for one in design.ranking if one.name.startswith("trailing leg")]
-    assert leg.numbers.tv < 3e-3 and [miss.demand for miss in leg.misses] == ["drag"]
     design = design_reset(loop, None, WrappedNormal(0.02), keep_push=True, thoroughness=LITTLE, tolerance=TOLERANCE)
+    assert design.own.numbers.tv < 1e-9
+    leg = TrailingLeg(design.own.cost.mean_drag_length, side_step=0.05)
+    assert design.cache.numbers(leg, 64, 50, 0.1).tv < 3e-3
     assert [miss.demand for miss in design.chosen.misses] == ["tv_after"] == [one.demand for one in design.binding]
 
 

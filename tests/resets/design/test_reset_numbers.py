@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, WrappedNormal
 from cyclemap.maps.mixtures.fourier_law import FourierLaw
 from cyclemap.resets.design.reset_numbers import ResetKernel
 from cyclemap.resets.scores.reset_scores import reset_scores
+from cyclemap.resets.scores.simulated_coverage import schedule_sampler
 
 NOISE = WrappedNormal(0.3)
 UNEVEN = (CircleMap.arnold(0.1, 0.7), CircleMap.arnold(0.4, 0.3))
@@ -46,7 +48,11 @@ def test_maps_in_turn_have_the_law_of_their_schedule_which_is_not_that_of_drawn_
     found = turns.numbers(10, 0.3)
     law = turns.schedule().recorded_law()
     assert found.tv == pytest.approx(float(law.total_variation()), abs=1e-12)
-    assert np.isnan(found.effective_per_100)
+    paths = schedule_sampler(turns.schedule(), "uniform")(4000, 140, 1)[:, 40:]
+    waves = np.stack([wave(k * paths) for k in (1, 2) for wave in (np.cos, np.sin)], axis=-1)
+    once, means = np.cov(waves.reshape(-1, 4).T), np.cov(waves.mean(axis=1).T)
+    worth = 1.0 / float(eigh(means, once, eigvals_only=True)[-1])
+    assert found.effective_per_100 == pytest.approx(worth, rel=0.1) and worth < 60.0
     drawn = ResetKernel(UNEVEN, np.full(2, 0.5), "independent", NOISE).numbers(10, 0.3)
     assert abs(found.tv - drawn.tv) > 1e-3
 
