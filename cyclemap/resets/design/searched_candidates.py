@@ -31,30 +31,36 @@ def drawn_push_candidates(survey: ResetSurvey, work: Effort, kind: str = "") -> 
 
     kind : of pushes, in the names.
     """
-    library = None if survey.library is None else _within_reach(survey, survey.library)
+    library = _within_reach(survey)
     if library is None or len(library.pushes) < 2:
         return []
     wanted, allowed = survey.demands, _MARGIN * survey.demands.allow_tv
     options: dict[str, Any] = {
-        "drag_limit": max(_drag_limit(survey), float(library.mean_drags.min())),
         "within": wanted.within,
         "extra_tv": _SPEED_MARGIN * wanted.extra_tv,
         "starts": work.searches,
     }
+    asked, most_drag = _drag_limit(survey), float(library.mean_drags.max())
+    # A limit that no push keeps to is no limit of the search: what the evenness would cost is told instead.
+    limit = asked if asked >= library.mean_drags.min() else most_drag
     aims: tuple[tuple[str, float | None, int | None], ...] = (
-        (f"{kind}pushes of least drag, best weights", allowed, None),
-        (f"at most {_FEW} {kind}pushes, best weights", allowed, _FEW),
-        (f"{kind}pushes of least bias, best weights", None, None),
+        (f"{kind}pushes of least drag", allowed, None),
+        (f"at most {_FEW} {kind}pushes, least drag", allowed, _FEW),
+        (f"{kind}pushes of least bias", None, None),
     )
     found, stage = [], f"searching for {kind}pushes"
     for number, (name, allow_tv, most) in enumerate(aims):
-        best = best_push_weights(library, allow_tv=allow_tv, most_pushes=most, **options)
+        best = best_push_weights(library, allow_tv=allow_tv, most_pushes=most, drag_limit=limit, **options)
         survey.progress(stage, (number + 1) / len(aims))
         if not (best.met or number):
             # Many pushes do no better where few cannot: the least bias is all that is left to look for.
-            best = best_push_weights(library, **options)
+            best = best_push_weights(library, drag_limit=limit, **options)
+            found.append(ResetCandidate(aims[-1][0], _rounded(best)))
+            if limit < most_drag:
+                best = best_push_weights(library, allow_tv=allowed, drag_limit=most_drag, **options)
+                found.append(ResetCandidate(f"{name}, more than is allowed", _rounded(best)))
             survey.progress(stage, 1.0)
-            return [ResetCandidate(aims[-1][0], _rounded(best))]
+            return found
         found.append(ResetCandidate(name, _rounded(best)))
     return found
 
@@ -108,11 +114,11 @@ def _drag_limit(survey: ResetSurvey) -> float:
     return min(limit, (wanted.seconds - pace.handling) * pace.speed - loop.push.distance)
 
 
-def _within_reach(survey: ResetSurvey, library: PushLibrary) -> PushLibrary | None:
-    """The pushes that keep within the room allowed; None where none does."""
-    limit = survey.demands.reach
-    if limit is None:
+def _within_reach(survey: ResetSurvey) -> PushLibrary | None:
+    """The pushes that keep within the room allowed; all of them where too few do to be drawn from."""
+    library, limit = survey.library, survey.demands.reach
+    if library is None or limit is None:
         return library
     reaches = [survey.cache.cost(DrawnPushes((push,)), 1).reach for push in library.pushes]
     kept = np.flatnonzero(np.array(reaches) <= limit)
-    return library.only(kept.tolist()) if kept.size else None
+    return library.only(kept.tolist()) if kept.size > 1 else library
