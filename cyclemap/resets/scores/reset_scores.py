@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.checks import finite_number, whole_number
-from cyclemap.errors import InvalidInput
 from cyclemap.maps import Noise, transfer_operator
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.mixtures.fourier_law import FourierLaw
@@ -21,6 +19,7 @@ from cyclemap.maps.mixtures.worst_start import ReachTime, WorstStart
 from cyclemap.resets.scores.coverage_measures import DEFAULT_SECTORS
 from cyclemap.resets.scores.effective_size import EffectiveSize, effective_size
 from cyclemap.resets.scores.evenness import Evenness, Target, evenness
+from cyclemap.resets.scores.score_options import check_score_options
 from cyclemap.resets.scores.score_summary import coverage_numbers, summary_numbers
 from cyclemap.resets.scores.score_targets import target_law, target_table
 from cyclemap.resets.scores.sector_visits import SectorVisits, sector_visits
@@ -75,10 +74,7 @@ class ResetScores:
 
     def __post_init__(self) -> None:
         fourier_basis(self.operator)
-        if not 0.0 < finite_number("tv", self.tv) < 1.0:
-            raise InvalidInput(f"tv is {self.tv:g}: a total variation lies between 0 and 1")
-        for name, least in (("pushes", 1), ("sectors", 2), ("runs", 2), ("seed", 0)):
-            whole_number(name, getattr(self, name), least=least)
+        check_score_options(self, pushes=1, sectors=2, runs=2, seed=0)
 
     # -- the law in the long run ---------------------------------------------------------------------------
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeVar
 
-from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps import Noise, UniformNoise
+from cyclemap.maps import Noise
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.mixtures.fourier_law import FourierLaw
 from cyclemap.maps.mixtures.periodic_schedule import PeriodicSchedule
@@ -19,6 +18,7 @@ from cyclemap.resets.scores.evenness import Evenness, Target, evenness
 from cyclemap.resets.scores.reset_scores import ResetScores
 from cyclemap.resets.scores.schedule_laws import ScheduleLaws
 from cyclemap.resets.scores.schedule_routes import FOLLOWED_RUNS, schedule_laws
+from cyclemap.resets.scores.score_options import check_score_options, checked_score_noise
 from cyclemap.resets.scores.score_summary import coverage_numbers, sampled_number, summary_numbers
 from cyclemap.resets.scores.score_targets import law_peaks, target_law, target_table
 from cyclemap.resets.scores.simulated_coverage import SimulatedCoverage, schedule_sampler, simulated_coverage
@@ -61,14 +61,7 @@ def strategy_scores(
     """
     if not isinstance(maps, StrategyMaps):
         raise InvalidInput(f"maps is {maps!r}: make them with strategy_maps(loop, strategy)")
-    if not isinstance(noise, Noise):
-        raise InvalidInput(f"the noise is {noise!r}: scores need some, for example WrappedNormal(0.02)")
-    if isinstance(noise, UniformNoise):
-        raise InvalidInput(
-            f"the noise is {noise!r}, which damps no Fourier modes: add a narrow smooth noise, "
-            "IndependentSum((WrappedNormal(0.01), UniformNoise(...)))"
-        )
-    return StrategyScores(maps, noise, modes=modes, bounded=bounded, **options)
+    return StrategyScores(maps, checked_score_noise(noise), modes=modes, bounded=bounded, **options)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,13 +98,7 @@ class StrategyScores:
     bounded: bool = False
 
     def __post_init__(self) -> None:
-        if not 0.0 < finite_number("tv", self.tv) < 1.0:
-            raise InvalidInput(f"tv is {self.tv:g}: a total variation lies between 0 and 1")
-        for name, least in (("pushes", 1), ("sectors", 2), ("runs", 2), ("seed", 0), ("followed", 2)):
-            whole_number(name, getattr(self, name), least=least)
-        for name, least in (("starts", 8), ("modes", 2)):
-            if getattr(self, name) is not None:
-                whole_number(name, getattr(self, name), least=least)
+        check_score_options(self, pushes=1, sectors=2, runs=2, seed=0, followed=2, starts=8, modes=2)
 
     @property
     def name(self) -> str:
