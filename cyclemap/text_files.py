@@ -56,11 +56,11 @@ def read_csv_table(path: str | Path) -> CsvTable:
     absent, not UTF-8 text, empty, without rows, or has a row with more or fewer fields than the header.
     """
     path = Path(path)
-    records = _records(path, _read_text(path, "plain CSV"))
+    records = _records(path, read_text(path, "plain CSV"))
     if not records:
         raise DataFileError(f"{path}: the file is empty; it needs a header line and at least one row")
     table = CsvTable(path, tuple(name.lower() for name in records[0].fields), tuple(records[1:]))
-    _check_shape(table)
+    check_shape(table)
     return table
 
 
@@ -77,7 +77,7 @@ def read_toml(path: str | Path, parse_float: Callable[[str], Any] = float) -> di
     DataFileError, naming the file and the mend, where it is absent or not TOML, or holds what cannot be read.
     """
     try:
-        return tomllib.loads(_read_text(Path(path), "TOML"), parse_float=parse_float)
+        return tomllib.loads(read_text(Path(path), "TOML"), parse_float=parse_float)
     except tomllib.TOMLDecodeError as error:
         raise DataFileError(f"{path}: not TOML: {error}") from error
     except (ValueError, InvalidOperation) as error:
@@ -88,7 +88,8 @@ def read_toml(path: str | Path, parse_float: Callable[[str], Any] = float) -> di
         raise DataFileError(f"{path}: lists or tables are nested too deeply; a few levels are enough") from error
 
 
-def _read_text(path: Path, kind: str) -> str:
+def read_text(path: Path, kind: str) -> str:
+    """Return the text of a UTF-8 file, line ends as "\n"; DataFileError, naming file and mend, where it has none."""
     try:
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
@@ -108,7 +109,8 @@ def _records(path: Path, text: str) -> list[CsvRow]:
     return [CsvRow(line, fields) for line, fields in stripped if any(fields)]
 
 
-def _check_shape(table: CsvTable) -> None:
+def check_shape(table: CsvTable) -> None:
+    """Raise DataFileError where `table` has no rows, or a row that is not as long as its header."""
     if not table.rows:
         raise table.error(1, "a header but no rows; the file is empty or cut off")
     for row in table.rows:

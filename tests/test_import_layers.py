@@ -150,7 +150,7 @@ ROWS = {
     ),
     "resets": (
         ("strategies", "scores", "least_noise", "drawn_pushes", "parameters", "design"),
-        ("strategies", "scores", "drawn_pushes", "robust", "design"),
+        ("strategies", "scores", "drawn_pushes", "design", "robust"),
         ("strategies", "monitor"),
         ("strategies", "scores", "protocol"),
     ),

@@ -8,7 +8,7 @@ from cyclemap.cli.json_numbers import degrees, number
 from cyclemap.cli.json_report import Json
 from cyclemap.mechanics import SidePush
 from cyclemap.resets.design.push_proof import PushProof
-from cyclemap.resets.design.reset_demands import CONTACT, DRAG, REACH, ResetDemands
+from cyclemap.resets.design.reset_demands import LENGTHS, ResetDemands
 from cyclemap.resets.design.reset_design import ResetDesign
 from cyclemap.resets.design.reset_ranking import DemandOutlook, ScoredReset
 from cyclemap.resets.design.reset_trial import ResetTrial, SampledStatistic
@@ -39,9 +39,9 @@ def reset_report(design: ResetDesign, trial: ResetTrial | None, protocol: Path, 
     return report if trial is None else {**report, "trial": _trial(trial)}
 
 
-def predicted_scores(one: ScoredReset) -> dict[str, float | bool | str | None]:
+def predicted_scores(one: ScoredReset) -> dict[str, float | bool]:
     """The scores that a protocol file carries along."""
-    return {key: value for key, value in _scores(one).items() if isinstance(value, float | bool | str)}
+    return {key: value for key, value in _scores(one).items() if isinstance(value, float | bool)}
 
 
 def _demands(demands: ResetDemands, keep_push: bool) -> Json:
@@ -140,7 +140,7 @@ def _outlook(one: DemandOutlook) -> Json:
 
 def _amount(demand: str, name: str, value: float | None) -> Json:
     """A value of a demand under its name, with the unit it is told in."""
-    if demand in (CONTACT, DRAG, REACH):
+    if demand in LENGTHS:
         return {f"{name}_mm": None if value is None else 1000 * value}
     return {name: value}
 

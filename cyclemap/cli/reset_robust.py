@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from cyclemap.cli.json_report import Json
-from cyclemap.cli.robust_ranking import allowance_of, robust_first
 from cyclemap.cli.robust_report import robust_report, wear_report
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -15,6 +14,7 @@ from cyclemap.resets.design.reset_design import ResetDesign
 from cyclemap.resets.robust.design_under_wear import ResetUnderWear, reset_under_wear
 from cyclemap.resets.robust.material_range import MaterialRange
 from cyclemap.resets.robust.material_score import independent_law
+from cyclemap.resets.robust.robust_ranking import allowance_of, robust_first
 from cyclemap.resets.robust.robust_reset import ROBUST_GRID, RobustReset, corner_check, robust_reset
 from cyclemap.resets.robust.worst_case import WorstCase
 from cyclemap.views import robust_sentences as sentences

@@ -22,19 +22,15 @@ from cyclemap.whole_files import write_whole
 
 def run_portrait(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
-    chosen = chosen_collection(options)
+    chosen = chosen_collection(options).simplified()
     loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
     pairs = None if request.data is None else read_theta0_pairs(request.data)
-    if chosen.strategy is not None:
-        from cyclemap.cli.run_strategy_portrait import run_strategy_portrait
-        from cyclemap.resets.protocol.fixed_loop import fixed_loop
+    if chosen.strategy is None:
+        _run_loop(loop, sigma, request, pairs, json_target)
+        return
+    from cyclemap.cli.run_strategy_portrait import run_strategy_portrait
 
-        fixed = fixed_loop(loop, chosen.strategy)
-        if fixed is None:
-            run_strategy_portrait(loop, chosen.strategy, sigma, request, pairs, json_target)
-            return
-        loop = fixed
-    _run_loop(loop, sigma, request, pairs, json_target)
+    run_strategy_portrait(loop, chosen.strategy, sigma, request, pairs, json_target)
 
 
 def _run_loop(

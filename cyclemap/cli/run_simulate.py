@@ -40,7 +40,7 @@ class SimulationRequest:
 
 def run_simulate(options: LoopOptions, request: SimulationRequest, json_target: str | None) -> None:
     """Write the collection that is asked for, or the rest of it, and tell where it is."""
-    chosen = chosen_collection(options)
+    chosen = chosen_collection(options).simplified()
     loop, cycle_by_cycle = _prepared(chosen, request)
     with progress_bar(f"collection on {loop.material.name}") as report:
         made = simulate_collection(
@@ -66,11 +66,6 @@ def _prepared(chosen: ChosenCollection, request: SimulationRequest) -> tuple[Col
     loop, strategy = replace(chosen.loop, accuracy=ACCURACY), chosen.strategy
     if strategy is None:
         return loop, {}
-    from cyclemap.resets.protocol.fixed_loop import fixed_loop
-
-    fixed = fixed_loop(loop, strategy)
-    if fixed is not None:
-        return fixed, {}
     loop = strategy.prepared(loop)
     actions = strategy.actions(request.cycles, request.seed)
     turns = tuple(action.turn for action in actions)

@@ -19,19 +19,15 @@ from cyclemap.whole_files import write_whole
 
 def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
     """Predict the staircase, set the measured one beside it, draw both, and print them for people or as JSON."""
-    chosen = chosen_collection(options)
+    chosen = chosen_collection(options).simplified()
     loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
     measured = None if request.data is None else measured_staircase(read_theta0_pairs(request.data), request.seed)
-    if chosen.strategy is not None:
-        from cyclemap.cli.run_strategy_staircase import run_strategy_staircase
-        from cyclemap.resets.protocol.fixed_loop import fixed_loop
+    if chosen.strategy is None:
+        _run_loop(loop, sigma, request, measured, json_target)
+        return
+    from cyclemap.cli.run_strategy_staircase import run_strategy_staircase
 
-        fixed = fixed_loop(loop, chosen.strategy)
-        if fixed is None:
-            run_strategy_staircase(loop, chosen.strategy, sigma, request, measured, json_target)
-            return
-        loop = fixed
-    _run_loop(loop, sigma, request, measured, json_target)
+    run_strategy_staircase(loop, chosen.strategy, sigma, request, measured, json_target)
 
 
 def _run_loop(

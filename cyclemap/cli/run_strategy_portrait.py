@@ -14,7 +14,7 @@ from cyclemap.collection.portrait import DEFAULT_CYCLES
 from cyclemap.evidence import Theta0Pairs, measured_overlay
 from cyclemap.resets.strategies.strategy import ResetStrategy
 from cyclemap.resets.strategy_portrait import StrategyPortrait, strategy_portrait
-from cyclemap.resets.strategy_portrait_curves import StrategyCurves, strategy_curves, sum_turns
+from cyclemap.resets.strategy_portrait_curves import StrategyCurves, mean_turns, strategy_curves
 from cyclemap.views import strategy_sentences as sentences
 from cyclemap.views.sentences import material_line
 from cyclemap.views.strategy_portrait_page import strategy_portrait_page
@@ -36,7 +36,7 @@ def run_strategy_portrait(
     """Compute the portrait of the strategy, draw it, and print it for people or as JSON."""
     drawn = _compute(loop, strategy, sigma, request, pairs)
     curves = strategy_curves(drawn)
-    measured = None if pairs is None else measured_overlay(pairs, lambda theta: sum_turns(drawn, theta))
+    measured = None if pairs is None else measured_overlay(pairs, lambda theta: mean_turns(drawn, theta))
     report = strategy_portrait_report(drawn, curves, pairs)
     stem = request.out / f"portrait_{file_stem(loop.material.name)}"
     write_json(stem.with_name(f"{stem.name}.json"), report)

@@ -1,5 +1,7 @@
 """`cyclemap staircase` with a strategy: one run of it in sentences, as JSON, and as a picture."""
 
+from pathlib import Path
+
 from cyclemap.cli.json_numbers import degrees
 from cyclemap.cli.json_report import Json, measured_report, steps_report
 from cyclemap.cli.options import RunRequest
@@ -62,7 +64,7 @@ def strategy_staircase_report(found: StrategyStaircase, measured: MeasuredStairc
     return report if measured is None else {**report, "data": measured_report(measured)}
 
 
-def _print_for_people(found: StrategyStaircase, measured: MeasuredStaircase | None, picture: object) -> None:
+def _print_for_people(found: StrategyStaircase, measured: MeasuredStaircase | None, picture: Path) -> None:
     console = PeopleConsole()
     console.print(sentences.staircase_headline(found), style="bold")
     console.print(sentences.run_sentence(found))

@@ -11,7 +11,7 @@ import click
 
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json
-from cyclemap.cli.settings import set_settings
+from cyclemap.cli.settings import protocol_of, set_settings
 from cyclemap.cli.sweep_report import status_report, sweep_report
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.errors import InvalidInput
@@ -75,21 +75,19 @@ def run_sweep_command(options: LoopOptions, request: SweepRequest, json_target: 
 def sweep_plan(options: LoopOptions, request: SweepRequest) -> SweepPlan:
     """The plan that the options ask for."""
     over = tuple(parse_over(text) for text in request.over)
-    settings = {**_protocol_settings(options.protocol), **set_settings(options.settings)}
+    settings = {**_protocol_settings(options), **set_settings(options.settings)}
     tolerance = {} if request.tolerance_deg is None else {"tolerance": math.radians(request.tolerance_deg)}
     numbers = PortraitNumbers(_words(request.quantities), rotation_tolerance=request.rotation_tolerance, **tolerance)
     return SweepPlan(_points(over, request), options.material, settings, numbers)
 
 
-def _protocol_settings(path: Path | None) -> dict[str, object]:
+def _protocol_settings(options: LoopOptions) -> dict[str, object]:
     """The settings of a protocol file; InvalidInput where it has a strategy, which no --over could change."""
-    if path is None:
-        return {}
-    from cyclemap.resets.protocol.protocol_file import read_protocol
-
-    settings, strategy = read_protocol(path)
+    settings, strategy = protocol_of(options)
     if strategy is not None:
-        raise InvalidInput(f"{path}: a sweep is about one push and one drag back: take the table [strategy] out of it")
+        raise InvalidInput(
+            f"{options.protocol}: a sweep is about one push and one drag back: take the table [strategy] out of it"
+        )
     return settings
 
 
@@ -152,16 +150,12 @@ def _drawn(sweep: Sweep, stem: Path, request: SweepRequest, names: tuple[str, ..
     """The picture, where one or two keys are swept."""
     if len(sweep.keys) > _MOST_DRAWN_KEYS:
         return []
-    if not sweep.axes and len(sweep.keys) == _MOST_DRAWN_KEYS and not _numeric(sweep):
+    if not sweep.axes and len(sweep.keys) == _MOST_DRAWN_KEYS and not all(map(sweep.is_numeric, sweep.keys)):
         return []
     picture = stem.with_name(f"{stem.name}.{request.picture_format}")
     page = sweep_page(sweep, sweep_curves(sweep, names))
     write_whole(picture, render(page, request.picture_format))
     return [picture]
-
-
-def _numeric(sweep: Sweep) -> bool:
-    return all(isinstance(value, float) for values in sweep.swept.values() for value in values)
 
 
 def _tell_status(status: SweepStatus, store: Path, json_target: str | None) -> None:

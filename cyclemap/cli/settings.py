@@ -9,7 +9,6 @@ import json
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cyclemap.checks import positive_number
@@ -37,29 +36,35 @@ class ChosenCollection:
     sigma: float | None
     strategy: ResetStrategy | None
 
+    def simplified(self) -> ChosenCollection:
+        """The same, a strategy that does the same in every cycle made part of the loop."""
+        if self.strategy is None:
+            return self
+        from cyclemap.resets.protocol.fixed_loop import fixed_loop
+
+        fixed = fixed_loop(self.loop, self.strategy)
+        return self if fixed is None else ChosenCollection(fixed, self.sigma, None)
+
 
 def chosen_loop(options: LoopOptions) -> tuple[CollectionLoop, float | None]:
     """The loop that `options` ask for, and the noise of a cycle (rad) where they name one.
 
     A strategy that does the same in every cycle is part of the loop; InvalidInput for any other.
     """
-    chosen = chosen_collection(options)
-    if chosen.strategy is None:
-        return chosen.loop, chosen.sigma
-    from cyclemap.resets.protocol.fixed_loop import fixed_loop, why_not_fixed
+    chosen = chosen_collection(options).simplified()
+    if chosen.strategy is not None:
+        from cyclemap.resets.protocol.fixed_loop import why_not_fixed
 
-    loop = fixed_loop(chosen.loop, chosen.strategy)
-    if loop is None:
         raise InvalidInput(
             f"{options.protocol}: {why_not_fixed(chosen.strategy)}, and this command is about one loop: give the "
             "protocol to cyclemap cycle, portrait, staircase or simulate, or take [strategy] out of it"
         )
-    return loop, chosen.sigma
+    return chosen.loop, chosen.sigma
 
 
 def chosen_collection(options: LoopOptions) -> ChosenCollection:
     """The loop, noise and strategy that `options` ask for; InvalidInput for a --set that the strategy overrules."""
-    settings, strategy = _protocol(options.protocol)
+    settings, strategy = protocol_of(options)
     own = set_settings(options.settings)
     settings.update(own)
     for key in settings:
@@ -74,13 +79,14 @@ def chosen_collection(options: LoopOptions) -> ChosenCollection:
     return ChosenCollection(loop, sigma, strategy)
 
 
-def _protocol(path: Path | None) -> tuple[dict[str, object], ResetStrategy | None]:
-    if path is None:
+def protocol_of(options: LoopOptions) -> tuple[dict[str, object], ResetStrategy | None]:
+    """The settings and the strategy of the protocol file; none where `options` name no file."""
+    if options.protocol is None:
         return {}, None
     # Strategies take a second to load, and only a protocol can name one.
     from cyclemap.resets.protocol.protocol_file import read_protocol
 
-    return read_protocol(path)
+    return read_protocol(options.protocol)
 
 
 def _refuse_overruled(loop: CollectionLoop, strategy: ResetStrategy, own: Iterable[str]) -> None:

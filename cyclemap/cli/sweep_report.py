@@ -22,7 +22,7 @@ def status_report(status: SweepStatus, store: Path) -> Json:
 def sweep_report(sweep: Sweep, store: Path) -> Json:
     """The whole sweep, one entry a point."""
     count = int(sweep.description["count"])
-    status = SweepStatus(count, len(sweep), sum(bool(text) for text in sweep.refusals))
+    status = SweepStatus(count, len(sweep), int(sweep.refused.sum()))
     plan = sweep.description["plan"]
     return {
         **status_report(status, store),

@@ -13,7 +13,9 @@ from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA, TurnStatistics, turn_statistics
 from cyclemap.maps import Staircase, WrappedNormal
+from cyclemap.maps.arcs import TWO_PI
 from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.operator.spectrum import mixing_time
 from cyclemap.resets.scores.strategy_scores import StrategyScores, strategy_scores
 from cyclemap.resets.strategies.schedules import INDEPENDENT
 from cyclemap.resets.strategies.strategy import ResetStrategy
@@ -26,10 +28,11 @@ Array = NDArray[np.float64]
 # Radians: what it takes for the law of the orientations to be certified.
 PORTRAIT_TOLERANCE = 1e-5
 PUSHES = 50
-_TWO_PI = 2.0 * math.pi
 # Runs from which the mean turn of a schedule is measured, and their length.
 _RUNS, _RUN_CYCLES = 10, 400
 _MAPS_SHARE = 0.7
+# Drawn actions that the interpolation between maps is tried at.
+TRIED_BETWEEN = 30
 # Actions looked at for one that is not among those of the law.
 _TRIED = 16
 
@@ -61,14 +64,17 @@ class StrategyPortrait:
 
     @property
     def law_certified(self) -> bool:
-        """Whether the law's distance from uniform is proved to 0.005: only where cycles are independent."""
+        """Whether the distance from uniform is known to 0.005 within bounds: only where cycles are independent.
+
+        Of the law of the actions in `maps.law`: where `interpolation` is not 0, they stand for those between them.
+        """
         return self.scores.independent is not None and self.scores.evenness.certified
 
     @property
     def highest_peaks(self) -> tuple[float, ...]:
         """The peaks (rad) at which the law is above uniform by more than its error, the highest first."""
         peaks = np.asarray(self.scores.peaks, dtype=float)
-        above = self.scores.law.density(peaks) - 1.0 / _TWO_PI
+        above = self.scores.law.density(peaks) - 1.0 / TWO_PI
         bound = self.scores.law.error_bound
         order = np.argsort(-above)
         return tuple(peaks[order][above[order] > (bound if math.isfinite(bound) else 0.0)].tolist())
@@ -77,13 +83,7 @@ class StrategyPortrait:
     def memory_cycles(self) -> Estimate | None:
         """-1/ln|λ₂|: cycles in which the slowest departure from the law falls by e; None where there is no gap."""
         gap = self.scores.spectral_gap
-        if gap is None:
-            return None
-        if gap >= 1.0:
-            return Estimate(0.0, 0.0)
-        left = -math.log1p(-float(gap))
-        slope = gap.error_bound / ((1.0 - gap) * left**2) if left else math.inf
-        return Estimate(1.0 / left if left else math.inf, slope)
+        return None if gap is None else mixing_time(Estimate(1.0 - gap, gap.error_bound))
 
 
 def strategy_portrait(
@@ -123,7 +123,7 @@ def strategy_portrait(
         noise=noise,
         scores=scores,
         mean_turn=_mean_turn(maps, noise, scores, seed),
-        interpolation=interpolation_error(maps, seed=seed) if between else 0.0,
+        interpolation=interpolation_error(maps, TRIED_BETWEEN, seed) if between else 0.0,
         staircase=run,
     )
     report(1.0)
@@ -136,9 +136,9 @@ def _mean_turn(maps: StrategyMaps, noise: WrappedNormal, scores: StrategyScores,
         return scores.independent.operator.rotation_number
     runs = np.array(
         [
-            sample_strategy(maps, _RUN_CYCLES, start=_TWO_PI * n / _RUNS, noise=noise, seed=seed + n).mean_turn
+            sample_strategy(maps, _RUN_CYCLES, start=TWO_PI * n / _RUNS, noise=noise, seed=seed + n).mean_turn
             for n in range(_RUNS)
         ]
     )
     error = float(runs.std(ddof=1)) / math.sqrt(_RUNS)
-    return Estimate(float(runs.mean()) / _TWO_PI, 2.0 * error / _TWO_PI)
+    return Estimate(float(runs.mean()) / TWO_PI, 2.0 * error / TWO_PI)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -11,14 +10,13 @@ from numpy.typing import NDArray
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait_curves import CURVE_SAMPLES, TurnCurve, turn_curve
+from cyclemap.maps.arcs import TWO_PI
 from cyclemap.mechanics import SidePush
 from cyclemap.resets.protocol.schedule_file import rod_start
 from cyclemap.resets.strategies.cycle_action import CycleAction, Points
 from cyclemap.resets.strategy_portrait import StrategyPortrait
 
 Array = NDArray[np.float64]
-
-_TWO_PI = 2.0 * math.pi
 
 
 @dataclass(frozen=True)
@@ -56,14 +54,14 @@ class StrategyCurves:
 
 def strategy_curves(portrait: StrategyPortrait) -> StrategyCurves:
     """Return the curves of `portrait`."""
-    maps, theta = portrait.maps, np.linspace(0.0, _TWO_PI, CURVE_SAMPLES + 1)
+    maps, theta = portrait.maps, np.linspace(0.0, TWO_PI, CURVE_SAMPLES + 1)
     actions = [action.filled(maps.loop) for action in maps.law.actions]
     farthest = portrait.scores.curve.total_variation
     slider = maps.loop.slider
     return StrategyCurves(
         turns=tuple(turn_curve(one) for one in maps.maps),
         weights=maps.weights,
-        mean=(theta, sum_turns(portrait, theta)),
+        mean=(theta, mean_turns(portrait, theta)),
         density_theta=theta,
         density=portrait.scores.law.density(theta),
         pushed=np.arange(1.0, farthest.size + 1.0),
@@ -76,7 +74,7 @@ def strategy_curves(portrait: StrategyPortrait) -> StrategyCurves:
     )
 
 
-def sum_turns(portrait: StrategyPortrait, theta: Array) -> Array:
+def mean_turns(portrait: StrategyPortrait, theta: Array) -> Array:
     """Return the mean over the law of the turn (rad) at orientations (n,)."""
     turns = [weight * one.turn(theta) for one, weight in zip(portrait.maps.maps, portrait.maps.weights, strict=True)]
     return np.asarray(np.sum(turns, axis=0))

@@ -1,7 +1,6 @@
 """Which points a sweep visits: every combination of listed values, or a seeded sample of ranges."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import cast
@@ -133,14 +132,3 @@ def _block(sequence: str, seed: int, dimensions: int, block: int) -> NDArray[np.
     if block:
         engine.fast_forward(block * _BLOCK)
     return cast(NDArray[np.float64], np.minimum(engine.random(_BLOCK), np.nextafter(1.0, 0.0)))
-
-
-def described_settings(settings: Mapping[str, object]) -> str:
-    """Settings as words, for messages.
-
-    >>> described_settings({"mu_a": 0.25, "material": "abs"})
-    'mu_a=0.25, material=abs'
-    """
-    return ", ".join(
-        f"{key}={value:g}" if isinstance(value, float) else f"{key}={value}" for key, value in settings.items()
-    )

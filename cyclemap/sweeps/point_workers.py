@@ -5,14 +5,13 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 from cyclemap.errors import CycleMapError
-from cyclemap.sweeps.point_sets import described_settings
 from cyclemap.sweeps.portrait_numbers import PointNumbers, PointOutcome, SweptPoint
 
 _THREADS = "OPENBLAS_NUM_THREADS"
@@ -44,10 +43,16 @@ def _find(numbers: PointNumbers, point: SweptPoint) -> PointOutcome:
     try:
         return numbers(point)
     except Exception as error:
-        told = f"point {point.number} ({described_settings(point.settings)})"
+        told = f"point {point.number} ({_described(point.settings)})"
         raise CycleMapError(
             f"{told} failed, which no input should make it do: {type(error).__name__}: {error}"
         ) from error
+
+
+def _described(settings: Mapping[str, object]) -> str:
+    return ", ".join(
+        f"{key}={value:g}" if isinstance(value, float) else f"{key}={value}" for key, value in settings.items()
+    )
 
 
 class InThisProcess(Executor):

@@ -1,8 +1,8 @@
 """The numbers of a point: the loop that its settings make, and what the portrait of that loop tells."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -142,17 +142,14 @@ class _Work:
     map: CircleMap
     sigma: float
     rotation_tolerance: float
-    _operator: list[TransferOperator] = field(default_factory=list)
 
     @property
     def noise(self) -> WrappedNormal:
         return WrappedNormal(self.sigma)
 
-    @property
+    @cached_property
     def operator(self) -> TransferOperator:
-        if not self._operator:
-            self._operator.append(transfer_operator(self.map, self.noise))
-        return self._operator[0]
+        return transfer_operator(self.map, self.noise)
 
 
 def _map_values(work: _Work) -> Values:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cyclemap.errors import InvalidInput
 from cyclemap.suggestions import unknown_name
@@ -38,7 +39,11 @@ class Quantity:
 
     def written(self, value: float) -> float:
         """The value as files have it."""
-        return float(np.degrees(value)) if self.unit == "rad" else value
+        return float(self.written_array(np.array(value)))
+
+    def written_array(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values, of any shape, as files have them."""
+        return np.degrees(values) if self.unit == "rad" else values
 
 
 _FIXED = "fixed_point"
@@ -82,7 +87,6 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
 }
 # What a phase diagram needs; each costs little beside the map.
 CHEAP_GROUPS = ("map", "rotation", "fixed_points", "turns")
-NOISY_GROUPS = ("stationary", "staircase")
 
 
 def chosen_groups(names: tuple[str, ...]) -> tuple[str, ...]:

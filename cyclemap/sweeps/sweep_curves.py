@@ -1,6 +1,6 @@
 """What a picture of a sweep shows: planes over two keys, lines over one, every number of them worked out here."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,9 +35,9 @@ class SweptLines:
 
     axis : the key with the values that are here, in order. parameter : (n,), the values, or 0, 1, ... where they are
     no numbers. lines : quantities with their values (n,), angles in degrees. rotation : the rotation numbers at
-    `rotation_at` (k,), those points that have one; None where none were asked for. point_at, point_deg, point_stable :
-    (p,) of each fixed point: where on the axis, its direction, whether it is stable; None where not asked for.
-    refused : (r,), where points were refused.
+    `rotation_at` (k,), those points that have one; None where there is none. points : of each fixed point, three (p,)
+    arrays: where on the axis, its direction in degrees, whether it is stable; None where they were not asked for.
+    refused : (r,), where on the axis points were refused.
     """
 
     axis: SweepAxis
@@ -77,8 +77,7 @@ def sweep_curves(sweep: Sweep, names: tuple[str, ...] = ()) -> SweptCurves:
         return _plane(sweep, names)
     if len(keys) == 2:
         first, second = ((key, sweep.values(key)) for key in keys)
-        refused = np.array([bool(text) for text in sweep.refusals])
-        return SweptScatter(first, second, _chosen(sweep, names), refused)
+        return SweptScatter(first, second, _chosen(sweep, names), sweep.refused)
     raise InvalidInput(f"{len(keys)} keys are swept ({', '.join(keys)}): select values of all but two to draw them")
 
 
@@ -89,7 +88,7 @@ def _chosen(sweep: Sweep, names: tuple[str, ...]) -> tuple[tuple[Quantity, Array
     listed = next((one.name for one in chosen if one.listed), None)
     if listed is not None:
         raise InvalidInput(f"{listed} is a list at each point: draw a quantity that is one number")
-    return tuple((one, np.array([one.written(v) for v in sweep.columns[one.name]])) for one in chosen)
+    return tuple((one, one.written_array(sweep.columns[one.name])) for one in chosen)
 
 
 def _plane(sweep: Sweep, names: tuple[str, ...]) -> SweptPlane:
@@ -101,7 +100,7 @@ def _plane(sweep: Sweep, names: tuple[str, ...]) -> SweptPlane:
         return plane
 
     planes = tuple((one, spread(values)) for one, values in _chosen(sweep, names))
-    refused = spread(np.array([float(bool(text)) for text in sweep.refusals])) == 1.0
+    refused = spread(sweep.refused.astype(float)) == 1.0
     return SweptPlane(sweep.axes[0], sweep.axes[1], planes, _rotation_plane(sweep), refused)
 
 
@@ -124,11 +123,11 @@ def axis_places(axis: SweepAxis) -> Array:
 def _lines(sweep: Sweep, key: str, names: tuple[str, ...]) -> SweptLines:
     """Points in the order of the axis; a sample's are put in the order of their values."""
     axis = sweep.axes[0] if sweep.axes else SweepAxis(key, tuple(sorted(set(sweep.swept[key]), key=_order)))
-    place = {str(value): at for value, at in zip(axis.values, axis_places(axis), strict=True)}
-    parameter = np.array([place[str(value)] for value in sweep.swept[key]])
+    (place,) = replace(sweep, axes=(axis,)).places()
+    parameter = axis_places(axis)[place]
     order = np.argsort(parameter, kind="stable")
     lines = tuple((one, values[order]) for one, values in _chosen(sweep, names))
-    refused = parameter[[bool(text) for text in sweep.refusals]]
+    refused = parameter[sweep.refused]
     rotation_at, rotation = _rotation_numbers(sweep, parameter, order)
     return SweptLines(axis, parameter[order], lines, rotation_at, rotation, _fixed_points(sweep, parameter), refused)
 

@@ -123,20 +123,19 @@ class SweepPlan:
 
     def _loaded_materials(self) -> dict[str, Material]:
         """The materials by the names that points give them; "" is that of points which give none."""
-        swept = next((one for one in _listed(self.points) if one.key == MATERIAL_KEY), None)
-        if (self.material is None) == (swept is None):
+        swept = _listed_words(self.points, MATERIAL_KEY)
+        if (self.material is None) == (not swept):
             wanted = "a material: a name, a TOML file, or material=A,B among the swept keys"
-            raise InvalidInput(f"give {wanted}" if swept is None else "material is both given and swept: give it once")
-        if swept is not None:
-            return {str(name): load_material(str(name)) for name in swept.values}
+            raise InvalidInput("material is both given and swept: give it once" if swept else f"give {wanted}")
+        if swept:
+            return {name: load_material(name) for name in swept}
         given = self.material
         assert given is not None
         return {"": given if isinstance(given, Material) else load_material(given)}
 
     def _read_footprints(self) -> dict[str, str]:
         """What the files hold counts, not their names: points found with other support points are other points."""
-        swept = [one.values for one in _listed(self.points) if one.key == FOOTPRINT_KEY]
-        names = {str(name) for name in (self.settings.get(FOOTPRINT_KEY, ""), *(swept[0] if swept else ()))}
+        names = {str(self.settings.get(FOOTPRINT_KEY, "")), *_listed_words(self.points, FOOTPRINT_KEY)}
         files = (Path(name) for name in sorted(names) if name)
         return {str(file): hashlib.sha256(file.read_bytes()).hexdigest()[:16] for file in files if file.is_file()}
 
@@ -169,10 +168,11 @@ def _several(told: str, key: str, values: object) -> tuple[Any, ...]:
     return tuple(values)
 
 
-def _listed(points: PointSet) -> tuple[SweepAxis, ...]:
-    if isinstance(points, Grid):
-        return points.axes
-    return tuple(one for one in points.ranges if isinstance(one, SweepAxis))
+def _listed_words(points: PointSet, key: str) -> tuple[str, ...]:
+    """The words that a swept key takes; () where it is not swept."""
+    listed = points.axes if isinstance(points, Grid) else points.ranges
+    axis = next((one for one in listed if one.key == key), None)
+    return tuple(map(str, axis.values)) if isinstance(axis, SweepAxis) else ()
 
 
 def _fault(material: Material, settings: Mapping[str, object]) -> InvalidInput | None:

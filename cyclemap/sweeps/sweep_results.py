@@ -48,6 +48,15 @@ class Sweep:
         """How many values each axis has."""
         return tuple(len(axis.values) for axis in self.axes)
 
+    @property
+    def refused(self) -> NDArray[np.bool_]:
+        """Whether something was refused at each point, (n,)."""
+        return np.array([bool(text) for text in self.refusals], dtype=bool)
+
+    def is_numeric(self, key: str) -> bool:
+        """Whether the values of a swept key are numbers."""
+        return all(isinstance(value, float) for value in self.swept[key])
+
     def quantity(self, name: str) -> Quantity:
         """The quantity of that name; InvalidInput where it was not asked for."""
         known = {one.name: one for one in self.quantities}
@@ -135,7 +144,7 @@ class Sweep:
         return lambda value: _same(value, wanted), True
 
     def _check_numeric(self, key: str) -> None:
-        if not all(isinstance(value, float) for value in self.swept[key]):
+        if not self.is_numeric(key):
             raise InvalidInput(f"{key} is no number: name its values")
 
 

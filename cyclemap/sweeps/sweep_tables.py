@@ -82,7 +82,7 @@ def to_dataset(sweep: Sweep) -> "xarray.Dataset":
             variables.update(_listed_variables(sweep, one, dimensions, shape, at))
         else:
             values = np.full(shape, np.nan)
-            values[at] = _written(one, sweep.columns[one.name])
+            values[at] = one.written_array(sweep.columns[one.name])
             variables[one.written_name] = (dimensions, values, _attributes(one))
     refusal = np.full(shape, "", dtype=object)
     refusal[at] = np.array(sweep.refusals, dtype=object)
@@ -101,16 +101,12 @@ def _listed_variables(
     rows = np.full((len(lists), padded.shape[-1]), np.nan)
     for row, values in zip(rows, lists, strict=True):
         row[: values.size] = values
-    padded[at], count[at] = _written(one, rows), sizes
+    padded[at], count[at] = one.written_array(rows), sizes
     about = {"units": "1", "long_name": f"how many {one.many.replace('_', ' ')}s there are"}
     return {
         one.written_name: ((*dimensions, one.many), padded, _attributes(one)),
         f"{one.many}_count": (dimensions, count, about),
     }
-
-
-def _written(quantity: Quantity, values: Any) -> Any:
-    return np.degrees(values) if quantity.unit == "rad" else values
 
 
 def _attributes(quantity: Quantity) -> dict[str, str]:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 from cyclemap.mechanics import SidePush
-from cyclemap.resets.design.reset_demands import CONTACT, DRAG, REACH, SECONDS, TV, TV_AFTER, Miss
+from cyclemap.resets.design.reset_demands import CONTACT, DRAG, LENGTHS, REACH, SECONDS, TV, TV_AFTER, Miss
 from cyclemap.resets.design.reset_design import ResetDesign
 from cyclemap.resets.design.reset_ranking import DemandOutlook, ScoredReset
 from cyclemap.resets.design.reset_trial import ResetTrial, SampledStatistic
@@ -224,7 +224,7 @@ def amount(demand: str, value: float) -> str:
     >>> amount("tv", 0.0481), amount("drag", 0.0726), amount("seconds", 21.0)
     ('0.048', '73 mm', '21.0 s')
     """
-    if demand in (CONTACT, DRAG, REACH):
+    if demand in LENGTHS:
         return f"{1000 * value:.0f} mm"
     if demand == SECONDS:
         return f"{value:.1f} s"

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.resets.strategy_portrait_curves import DrawnPush, StrategyCurves
 from cyclemap.views.panel_parts import legend_above, name_tag, say
-from cyclemap.views.sentences import angle
 from cyclemap.views.style import FORCE, INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET, degree_axis
 
 Array = NDArray[np.float64]
@@ -80,10 +79,8 @@ def draw_orientations(axes: Axes, predicted: Array, measured: Array | None) -> N
 def draw_pushes(axes: Axes, curves: StrategyCurves) -> None:
     """The object with its ring, and the rod's way to it in each push, in the object's frame."""
     axes.fill(*(1e3 * curves.outline.T), facecolor=PREDICTED_FILL, edgecolor=QUIET, linewidth=1.0, zorder=1)
-    axes.plot(
-        1e3 * curves.hitch[0], 1e3 * curves.hitch[1], "o", markersize=6, markerfacecolor="white", color=INK, zorder=2
-    )
     ring = (1e3 * curves.hitch[0], 1e3 * curves.hitch[1])
+    axes.plot(*ring, "o", markersize=6, markerfacecolor="white", color=INK, zorder=2)
     axes.annotate("ring", ring, xytext=(6, 3), textcoords="offset points", fontsize=8)
     heaviest = max(push.weight for push in curves.pushes)
     for push in curves.pushes:
@@ -122,16 +119,6 @@ def draw_drags(axes: Axes, curves: StrategyCurves) -> None:
     if straight:
         axes.set_xlabel(f"x (mm); {straight:.0%} of the drags go straight to the target")
     _frame(axes)
-
-
-def gripper_words(curves: StrategyCurves) -> str:
-    """By how much a gripper turns the object; empty where none does."""
-    turns = curves.gripper
-    if not np.any(turns):
-        return ""
-    if turns.size == 1:
-        return f"a gripper turns the object by {angle(turns[0])} after the drag"
-    return f"a gripper turns the object by {angle(turns[0])} to {angle(turns[-1])} after the drag ({turns.size} nodes)"
 
 
 def _frame(axes: Axes) -> None:

@@ -20,7 +20,6 @@ from cyclemap.views.strategy_panels import (
     draw_forgetting,
     draw_orientations,
     draw_pushes,
-    gripper_words,
 )
 from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, QUIET, degree_axis, new_figure, picture_style
 
@@ -77,6 +76,6 @@ def _write_words(figure: Figure, portrait: StrategyPortrait, curves: StrategyCur
         sentences.mean_turn_sentence(portrait),
     )
     figure.text(0.015, 0.928, fill(" ".join(told), LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
-    strategy = "; ".join(filter(None, (sentences.strategy_line(portrait.maps), gripper_words(curves))))
+    strategy = "; ".join(filter(None, (sentences.strategy_line(portrait.maps), sentences.gripper_words(curves))))
     foot = [strategy, sentences.accuracy_line(portrait), material_line(portrait.maps.loop.material)]
     figure.text(0.015, 0.06, "\n".join(filter(None, foot)), fontsize=8, color=QUIET, va="top", linespacing=1.35)

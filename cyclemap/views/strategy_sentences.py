@@ -5,13 +5,12 @@ import math
 import numpy as np
 
 from cyclemap.resets.strategies.strategy_maps import StrategyMaps
-from cyclemap.resets.strategy_portrait import StrategyPortrait
+from cyclemap.resets.strategy_portrait import TRIED_BETWEEN, StrategyPortrait
+from cyclemap.resets.strategy_portrait_curves import StrategyCurves
 from cyclemap.resets.strategy_staircase import StrategyStaircase
 from cyclemap.views.panel_parts import small
-from cyclemap.views.sentences import angle, cycles, number
+from cyclemap.views.sentences import MOST_PEAKS, angle, cycles, number
 from cyclemap.views.strategy_words import strategy_words
-
-MOST_PEAKS = 3
 
 
 def portrait_headline(portrait: StrategyPortrait) -> str:
@@ -52,13 +51,26 @@ def strategy_line(maps: StrategyMaps) -> str:
     return strategy_words(maps.strategy, len(maps.law.actions), maps.law.kind)
 
 
+def gripper_words(curves: StrategyCurves) -> str:
+    """By how much a gripper turns the object; empty where none does."""
+    turns = curves.gripper
+    if not np.any(turns):
+        return ""
+    if turns.size == 1:
+        return f"a gripper turns the object by {angle(turns[0])} after the drag"
+    return f"a gripper turns the object by {angle(turns[0])} to {angle(turns[-1])} after the drag ({turns.size} nodes)"
+
+
 def accuracy_line(portrait: StrategyPortrait) -> str:
     """How the maps were computed, and how well they stand for what lies between them."""
     maps = portrait.maps
     told = f"{maps.computed} cycle maps, error below {small(math.degrees(maps.max_error))}°"
     if portrait.interpolation:
-        told += f"; drawn actions between them up to {small(math.degrees(portrait.interpolation))}° off in 30 tried"
+        off = small(math.degrees(portrait.interpolation))
+        told += f"; drawn actions between them up to {off}° off in {TRIED_BETWEEN} tried"
     proved = "certified" if portrait.law_certified else "not certified"
+    if portrait.law_certified and portrait.interpolation:
+        proved += " for the law of those maps alone"
     return f"{told}; the distance from uniform is {proved}"
 
 

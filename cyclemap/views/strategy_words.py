@@ -1,7 +1,6 @@
 """What a robot does in a cycle of a strategy, in a few words."""
 
 import math
-from itertools import islice
 
 from cyclemap.resets.strategies.cycle_action import CycleAction
 from cyclemap.resets.strategies.strategy import ResetStrategy
@@ -34,9 +33,8 @@ def action_words(action: CycleAction) -> str:
 
 
 def _drag_words(way_points: tuple[tuple[float, float], ...]) -> str:
-    places = [
-        f"{1e3 * math.hypot(x, y):.4g} mm at {angle(math.atan2(y, x))}" for x, y in islice(way_points, _MOST_TOLD)
-    ]
+    told = way_points[:_MOST_TOLD]
+    places = [f"{1e3 * math.hypot(x, y):.4g} mm at {angle(math.atan2(y, x))}" for x, y in told]
     if not places:
         return "straight drag"
     more = len(way_points) - len(places)

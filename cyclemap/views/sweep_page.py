@@ -1,13 +1,15 @@
 """A sweep on one page: the phase diagram over two keys, or the bifurcation diagram over one, with what was swept."""
 
 from collections.abc import Callable
+from functools import partial
 from textwrap import fill
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
-from cyclemap.sweeps.sweep_curves import SweptCurves, SweptLines, SweptPlane, SweptScatter
+from cyclemap.sweeps.quantities import Quantity
+from cyclemap.sweeps.sweep_curves import Array, SweptCurves, SweptLines, SweptPlane
 from cyclemap.sweeps.sweep_results import Sweep
 from cyclemap.views.style import QUIET, new_figure, picture_style
 from cyclemap.views.sweep_panels import draw_fixed_points, draw_swept_line, draw_swept_plane, draw_swept_scatter
@@ -44,22 +46,15 @@ def _panels(curves: SweptCurves) -> list[Panel]:
         first: list[Panel] = []
         if curves.points is not None:
             first.append(("Fixed points", lambda axes: draw_fixed_points(axes, curves)))
-        return first + [_line_panel(curves, index) for index in range(len(curves.lines))]
+        return first + _one_each(partial(draw_swept_line, swept=curves), curves.lines)
     if isinstance(curves, SweptPlane):
-        return [_plane_panel(curves, index) for index in range(len(curves.planes))]
-    return [_scatter_panel(curves, index) for index in range(len(curves.values))]
+        return _one_each(partial(draw_swept_plane, swept=curves), curves.planes)
+    return _one_each(partial(draw_swept_scatter, swept=curves), curves.values)
 
 
-def _line_panel(curves: SweptLines, index: int) -> Panel:
-    return _title(curves.lines[index][0].meaning), lambda axes: draw_swept_line(axes, curves, index)
-
-
-def _plane_panel(curves: SweptPlane, index: int) -> Panel:
-    return _title(curves.planes[index][0].meaning), lambda axes: draw_swept_plane(axes, curves, index)
-
-
-def _scatter_panel(curves: SweptScatter, index: int) -> Panel:
-    return _title(curves.values[index][0].meaning), lambda axes: draw_swept_scatter(axes, curves, index)
+def _one_each(draw: Callable[..., None], told: tuple[tuple[Quantity, Array], ...]) -> list[Panel]:
+    """A panel for each quantity, drawn by its index."""
+    return [(_title(one.meaning), partial(draw, index=index)) for index, (one, _) in enumerate(told)]
 
 
 def _title(meaning: str) -> str:

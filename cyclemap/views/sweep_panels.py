@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
@@ -53,16 +55,15 @@ def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
     else:
         _draw_values(axes, swept, quantity, values)
     _cross_out(axes, swept)
-    _name_ticks(axes, swept)
+    _name_ticks(axes.xaxis, swept.first)
+    _name_ticks(axes.yaxis, swept.second)
 
 
 def _draw_values(axes: Axes, swept: SweptPlane, quantity: Quantity, values: Array) -> None:
     first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
     look, ticks = _shades(values)
     mesh = axes.pcolormesh(first, second, values.T, rasterized=True, **look)
-    bar = axes.get_figure(root=True).colorbar(mesh, ax=axes, label=quantity_label(quantity))  # type: ignore[union-attr]
-    if ticks is not None:
-        bar.set_ticks(ticks.tolist())
+    _add_scale(axes, mesh, quantity, ticks)
     axes.set(xlabel=key_label(swept.first.key), ylabel=key_label(swept.second.key))
     axes.set_xlim(float(first.min()), float(first.max()))
     axes.set_ylim(float(second.min()), float(second.max()))
@@ -80,6 +81,13 @@ def _shades(values: Array) -> tuple[dict[str, Any], Array | None]:
     shades = ListedColormap(colormaps["Blues"](np.linspace(0.12, 0.95, levels.size)))
     norm = BoundaryNorm(np.append(levels, levels[-1] + 1.0) - 0.5, levels.size)
     return {"cmap": shades, "norm": norm}, levels
+
+
+def _add_scale(axes: Axes, drawn: ScalarMappable, quantity: Quantity, ticks: Array | None) -> None:
+    """The scale of the shades of `_shades` beside the axes."""
+    bar = axes.get_figure(root=True).colorbar(drawn, ax=axes, label=quantity_label(quantity))  # type: ignore[union-attr]
+    if ticks is not None:
+        bar.set_ticks(ticks.tolist())
 
 
 def cell_edges(values: Array) -> Array:
@@ -103,11 +111,10 @@ def _cross_out(axes: Axes, swept: SweptPlane) -> None:
     legend_above(axes, handles=[*told[:1], Patch(**REFUSED, label="refused")])
 
 
-def _name_ticks(axes: Axes, swept: SweptPlane) -> None:
-    """Words at the cells of an axis that holds no numbers."""
-    for axis, side in ((swept.first, axes.xaxis), (swept.second, axes.yaxis)):
-        if not axis.is_number:
-            side.set_ticks(axis_places(axis), [_short(value) for value in axis.values])
+def _name_ticks(side: Axis, axis: SweepAxis) -> None:
+    """Words at the values of an axis that holds no numbers."""
+    if not axis.is_number:
+        side.set_ticks(axis_places(axis), [_short(value) for value in axis.values])
 
 
 # -- over one key ------------------------------------------------------------------------------------------
@@ -147,8 +154,7 @@ def _finish_line_axis(axes: Axes, swept: SweptLines, handles: list[Any]) -> None
     low, high = float(axis_places(swept.axis).min()), float(axis_places(swept.axis).max())
     margin = 0.02 * (high - low) if swept.axis.is_number and high > low else 0.5
     axes.set_xlim(low - margin, high + margin)
-    if not swept.axis.is_number:
-        axes.set_xticks(axis_places(swept.axis), [_short(value) for value in swept.axis.values])
+    _name_ticks(axes.xaxis, swept.axis)
     if swept.refused.size:
         bottom = axes.get_xaxis_transform()
         marks = axes.plot(
@@ -171,9 +177,7 @@ def draw_swept_scatter(axes: Axes, swept: SweptScatter, index: int) -> None:
     dots = axes.scatter(
         first[found], second[found], c=values[found], s=size, edgecolor=QUIET, linewidth=0.6, **look, zorder=3
     )
-    bar = axes.get_figure(root=True).colorbar(dots, ax=axes, label=quantity_label(quantity))  # type: ignore[union-attr]
-    if ticks is not None:
-        bar.set_ticks(ticks.tolist())
+    _add_scale(axes, dots, quantity, ticks)
     if swept.refused.any():
         axes.plot(first[swept.refused], second[swept.refused], "x", color=INK, markersize=5, label="refused", zorder=4)
     axes.set(xlabel=key_label(first_key), ylabel=key_label(second_key))

@@ -6,6 +6,7 @@ from collections import Counter
 import numpy as np
 
 from cyclemap.sweeps.sweep_results import Sweep
+from cyclemap.sweeps.swept_keys import MATERIAL_KEY
 from cyclemap.views.sweep_panels import axis_words
 
 _MOST_REASONS = 3
@@ -14,7 +15,7 @@ _LONGEST_REASON = 160
 
 def sweep_headline(sweep: Sweep) -> str:
     """What was swept, in a line, and what was selected of it."""
-    names = "" if "material" in sweep.keys else f"{', '.join(sweep.description['plan']['material'])}: "
+    names = "" if MATERIAL_KEY in sweep.keys else f"{', '.join(sweep.description['plan']['material'])}: "
     kept = [axis.key for axis in sweep.axes] or list(sweep.keys)
     fixed = [f"{key} = {_value(sweep.swept[key][0])}" for key in sweep.keys if key not in kept and len(sweep)]
     return f"{names}{' × '.join(kept)}{' at ' if fixed else ''}{', '.join(fixed)}"

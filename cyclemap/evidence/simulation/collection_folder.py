@@ -75,7 +75,7 @@ class CollectionFolder:
 
     def write_truth(self, theta: list[float]) -> None:
         """Write the θ0 of the cycles so far and of the next, in place of what was there."""
-        lines = "".join(f"{_truth_line(cycle, value)}" for cycle, value in enumerate(theta))
+        lines = "".join(_truth_line(cycle, value) for cycle, value in enumerate(theta))
         write_whole(self.folder / TRUTH_FILE, lines.encode())
 
     def append_truth(self, cycle: int, theta: float) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -12,6 +12,7 @@ from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, Noise, UniformNoise
+from cyclemap.maps.arcs import TWO_PI
 from cyclemap.maps.mixtures.independent_sum import IndependentSum
 from cyclemap.mechanics import SidePush
 from cyclemap.resets.design.reset_numbers import ResetKernel, ResetNumbers
@@ -29,7 +30,6 @@ from cyclemap.resets.strategies.strategy_maps import StrategyMaps, strategy_maps
 # Radians: enough to compare strategies by; certified bounds ask for finer maps (see `finer`).
 MAP_TOLERANCE = 1e-3
 _COST_ACCURACY = 1e-6
-Report = Callable[[float], None]
 
 
 @dataclass
@@ -79,7 +79,7 @@ class ActionCache:
         """Keep a map that was computed elsewhere, for a loop as a strategy prepares it."""
         self._maps[prepared, action.filled(prepared)] = made
 
-    def kernel(self, strategy: ResetStrategy, nodes: int = 12, progress: Report | None = None) -> ResetKernel:
+    def kernel(self, strategy: ResetStrategy, nodes: int = 12) -> ResetKernel:
         """Return what the strategy does to the orientation; maps that are missing are computed.
 
         nodes : of the law, for a full turn. A gripper that turns by an angle drawn evenly about none is noise: its law
@@ -87,17 +87,17 @@ class ActionCache:
         """
         drawn = even_turn(strategy)
         if drawn is not None:
-            maps = self._of(strategy.prepared(self.loop), (CycleAction(),), progress)
+            maps = self._of(strategy.prepared(self.loop), (CycleAction(),))
             return ResetKernel(maps, np.ones(1), INDEPENDENT, IndependentSum((self.noise, drawn)))
         law = strategy.law(nodes)
-        maps = self._of(strategy.prepared(self.loop), law.actions, progress)
+        maps = self._of(strategy.prepared(self.loop), law.actions)
         return ResetKernel(maps, law.weights, law.kind, self.noise)
 
     def maps(self, strategy: ResetStrategy, nodes: int = 12) -> StrategyMaps:
         """Return the maps of the strategy's law, as `strategy_maps` does, but for the lengths of its drags."""
         law, prepared = strategy.law(nodes), strategy.prepared(self.loop)
         still = tuple(replace(action, turn=0.0) for action in law.actions)
-        found = self._of(prepared, law.actions, None), self._of(prepared, still, None)
+        found = self._of(prepared, law.actions), self._of(prepared, still)
         return StrategyMaps(strategy, nodes, prepared, law, *found, self.computed, ())
 
     def numbers(
@@ -120,13 +120,12 @@ class ActionCache:
     def contact(self, push: SidePush) -> float:
         """Return the shortest way (m) that the rod goes in contact in this push, over the orientations."""
         if push not in self._contacts:
-            starts = (2.0 * math.pi * np.arange(self.orientations) / self.orientations).tolist()
-            found = [self.loop.model.push(self.loop.start_pose(start), push).travel for start in starts]
-            self._contacts[push] = min(found)
+            poses = map(self.loop.start_pose, self._starts)
+            self._contacts[push] = min(self.loop.model.push(pose, push).travel for pose in poses)
         return self._contacts[push]
 
     def shortest_contact(self, strategy: ResetStrategy, nodes: int = 12) -> float:
-        """Return the same (m) over all pushes of the strategy."""
+        """Return the shortest `contact` (m) of all pushes of the strategy."""
         usual = strategy.prepared(self.loop).push
         return min(self.contact(push) for push in {action.push or usual for action in strategy.law(nodes).actions})
 
@@ -145,13 +144,16 @@ class ActionCache:
             max(one.object_reach for one in found),
         )
 
-    def _of(
-        self, prepared: CollectionLoop, actions: Sequence[CycleAction], progress: Report | None
-    ) -> tuple[CircleMap, ...]:
+    @property
+    def _starts(self) -> list[float]:
+        """The even start orientations, rad."""
+        return [float(start) for start in TWO_PI * np.arange(self.orientations) / self.orientations]
+
+    def _of(self, prepared: CollectionLoop, actions: Sequence[CycleAction]) -> tuple[CircleMap, ...]:
         keys = [action.filled(prepared) for action in actions]
         missing = tuple(key for key in dict.fromkeys(keys) if (prepared, key) not in self._maps)
         if missing:
-            made = strategy_maps(prepared, _Listed(missing), tolerance=self.tolerance, progress=progress)
+            made = strategy_maps(prepared, _Listed(missing), tolerance=self.tolerance)
             self._maps.update({(prepared, key): one for key, one in zip(missing, made.maps, strict=True)})
         return tuple(self._maps[prepared, key] for key in keys)
 
@@ -159,8 +161,7 @@ class ActionCache:
         key = prepared, action.filled(prepared)
         if key not in self._costs:
             rough = replace(prepared, accuracy=max(prepared.accuracy, _COST_ACCURACY))
-            starts = (2.0 * math.pi * np.arange(self.orientations) / self.orientations).tolist()
-            self._costs[key] = CycleCosts.of([action_cost(rough, key[1], start, self.pace) for start in starts])
+            self._costs[key] = CycleCosts.of([action_cost(rough, key[1], start, self.pace) for start in self._starts])
         return self._costs[key]
 
 

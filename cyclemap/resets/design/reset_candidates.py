@@ -6,10 +6,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Ellipse, SidePush
+from cyclemap.mechanics.stroke_variation import rotation
 from cyclemap.resets.drawn_pushes.push_library import LEAST_SHARE
 from cyclemap.resets.strategies.combined import combine
 from cyclemap.resets.strategies.drag_strategies import (
@@ -263,22 +265,14 @@ def combined_candidates(places: PushPlaces, work: Effort, own_drag: float) -> li
 
 def ring_places(loop: CollectionLoop, directions: int) -> list[ResetCandidate]:
     """The ring nearer to the centre of mass and further away, in that many directions."""
-    if directions < 0:
-        raise InvalidInput(f"directions is {directions}: give the number of directions, 0 or more")
-    import numpy as np
-
+    count = whole_number("directions", directions, least=0)
     centre, hitch = np.array(loop.slider.centre_of_mass), np.array(loop.slider.hitch)
     lever = hitch - centre
-    away = float(np.hypot(*lever))
-    if away == 0.0:
+    if not lever.any():
         lever = np.array([0.25 * float(np.abs(loop.slider.outline_points()).max()), 0.0])
-        away = float(lever[0])
     made = []
-    for k in range(directions):
-        angle = 2.0 * np.pi * k / directions
-        turned = np.array(
-            [np.cos(angle) * lever[0] - np.sin(angle) * lever[1], np.sin(angle) * lever[0] + np.cos(angle) * lever[1]]
-        )
+    for k in range(count):
+        turned = rotation(2.0 * math.pi * k / count) @ lever
         for factor in (0.5, 1.0, 2.0):
             place = tuple((centre + factor * turned).round(6).tolist())
             if np.hypot(*(np.array(place) - hitch)) > 1e-6:

@@ -18,6 +18,8 @@ ABILITIES = {"ring": "ring at another place", "gripper": "gripper"}
 # The demands, in the order in which they are told.
 TV, TV_AFTER, DRAG, REACH, SECONDS, CONTACT = "tv", "tv_after", "drag", "reach", "seconds", "contact"
 DEMANDS = (TV, TV_AFTER, DRAG, REACH, SECONDS, CONTACT)
+# Those whose values are in metres.
+LENGTHS = (DRAG, REACH, CONTACT)
 # Of all but this the limit is the most that is allowed; of this it is the least.
 AT_LEAST = CONTACT
 
@@ -44,6 +46,7 @@ class ResetDemands:
     ----------
     allow_tv : most total variation of the stationary law from uniform, in (0, 1).
     extra_tv : how much further off, at most, the law may be after `within` pushes, from any start; in (0, 1).
+    within : pushes until then, at least 1.
     drag_ratio : most mean drag, in mean drags of the loop's own reset.
     reach : largest distance (m) of rod or object from the target; None: any.
     seconds : most mean time of a cycle (s); None: any.

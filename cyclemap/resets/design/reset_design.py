@@ -150,6 +150,13 @@ def _candidates(survey: ResetSurvey, work: Effort, also: Sequence[ResetStrategy]
     """All that needs no search, and strategies of one's own."""
     places, drag = survey.places(work), survey.own_drag
     work = replace(work, nodes=direction_nodes(survey.cache.loop, work))
-    own = [ResetCandidate(f"{one.name} (given)", one, work.nodes) for one in also]
+    own = [ResetCandidate(name, one, work.nodes) for name, one in zip(_given_names(also), also, strict=True)]
     drags = leg_candidates(work, drag)
     return [*own, *push_candidates(places), *drags, *combined_candidates(places, work, drag), *gripper_candidates()]
+
+
+def _given_names(also: Sequence[ResetStrategy]) -> list[str]:
+    """Names of strategies of one's own, with numbers where several are called the same."""
+    names = [one.name for one in also]
+    numbers = [f", {names[:at].count(name) + 1}" if names.count(name) > 1 else "" for at, name in enumerate(names)]
+    return [f"{name} (given{number})" for name, number in zip(names, numbers, strict=True)]

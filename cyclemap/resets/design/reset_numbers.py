@@ -140,7 +140,7 @@ class ResetKernel:
             curve, error = _curve(operator, within) if not bounded else _bounded_curve(operator, within)
         return ResetNumbers(
             law=law,
-            tv=law.total_variation(),
+            tv=law.total_variation() if bounded else Estimate(float(law.total_variation()), math.inf),
             tv_after=Estimate(float(curve[-1]), error if bounded else math.inf),
             reach=_reach(curve, near),
             effective_per_100=worth,

@@ -89,7 +89,7 @@ class DemandOutlook:
     """What can be had of one demand: least value over the strategies that the robot can do; of contact the largest.
 
     limit : what was asked. least : of all; least_by : whose it is. least_with_others : of those that meet every other
-    demand, None where there is none; with_others_by : whose. ended : of what a limit is about: a probability, m or s.
+    demand, None where there is none; with_others_by : whose. Limits and values are probabilities, m or s.
     """
 
     demand: str

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from cyclemap.checks import finite_number, whole_number
-from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.resets.design.action_cache import ActionCache
 from cyclemap.resets.design.reset_candidates import ResetCandidate
@@ -102,7 +101,7 @@ def reset_trial(
     law = np.mean(_shares(expected), axis=0)
     found = _statistics(run.theta[None, :-1], law)
     likely = _statistics(expected, law)
-    told = [SampledStatistic.of(float(one[0]), many_) for one, many_ in zip(found, likely, strict=True)]
+    told = [SampledStatistic.of(float(one[0]), others) for one, others in zip(found, likely, strict=True)]
     return ResetTrial(run, told[0], told[1], told[2], BINS, many)
 
 
@@ -116,8 +115,6 @@ def _statistics(theta: Array, law: Array) -> tuple[Array, Array, Array]:
 
 def _shares(theta: Array) -> Array:
     """(runs, bins): the share of each run's pushes in each bin."""
-    if theta.ndim != 2:
-        raise InvalidInput(f"orientations must be (runs, pushes), not shape {theta.shape}")
     place = np.minimum((np.mod(theta, TWO_PI) * (BINS / TWO_PI)).astype(np.int64), BINS - 1)
     flat = place + BINS * np.arange(len(theta))[:, None]
     return np.asarray(np.bincount(flat.ravel(), minlength=BINS * len(theta)).reshape(len(theta), BINS) / theta.shape[1])

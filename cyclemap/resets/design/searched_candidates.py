@@ -55,18 +55,18 @@ def drawn_push_candidates(survey: ResetSurvey, work: Effort, kind: str = "") -> 
         if not (best.met or number):
             # Many pushes do no better where few cannot: the least bias is all that is left to look for.
             best = best_push_weights(library, drag_limit=limit, **options)
-            found.append(ResetCandidate(aims[-1][0], _rounded(best)))
+            found.append(ResetCandidate(aims[-1][0], rounded_pushes(best)))
             if limit < most_drag:
                 best = best_push_weights(library, allow_tv=allowed, drag_limit=most_drag, **options)
-                found.append(ResetCandidate(f"{name}, more than is allowed", _rounded(best)))
+                found.append(ResetCandidate(f"{name}, more than is allowed", rounded_pushes(best)))
             survey.progress(stage, 1.0)
             return found
-        found.append(ResetCandidate(name, _rounded(best)))
+        found.append(ResetCandidate(name, rounded_pushes(best)))
     return found
 
 
-def _rounded(best: PushWeights) -> DrawnPushes:
-    """The pushes with weights of a few digits, without those that hardly ever come."""
+def rounded_pushes(best: PushWeights) -> DrawnPushes:
+    """Return the pushes, drawn by weights of four digits, without those that hardly ever come."""
     weights = best.weights.round(_WEIGHT_DIGITS)
     pushes = tuple(push for push, weight in zip(best.pushes, weights, strict=True) if weight > 0.0)
     return DrawnPushes(pushes, weights=tuple(weights[weights > 0.0].tolist()))

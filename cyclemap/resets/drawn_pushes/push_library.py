@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array, non_negative_number, read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop
@@ -80,7 +79,7 @@ class PushLibrary:
 
     @classmethod
     def of_maps(
-        cls, maps: Sequence[Sequence[CircleMap]], noise: Noise, drag_lengths: Any, modes: int = SEARCH_MODES
+        cls, maps: Sequence[Sequence[CircleMap]], noise: Noise, drag_lengths: ArrayLike, modes: int = SEARCH_MODES
     ) -> PushLibrary:
         """The library of given maps, S rows of P, without mechanics.
 
@@ -128,22 +127,23 @@ class PushLibrary:
         joined = np.concatenate([w * part.weights for w, part in zip(share, parts, strict=True)])
         return RandomMap(sum((part.maps for part in parts), ()), joined / joined.sum(), self.noise)
 
-    def reach(self, number: int, *, orientations: int = 12, nodes: int = 8) -> Array:
+    def reach(self, number: int) -> Array:
         """Return the radius (m) about the target that this push needs on each loop, (S,); see `strategy_cost`.
+
+        The largest of runs from 12 even orientations and 8 nodes of the legs' law; kept once found.
 
         Raises InvalidInput where the library has no loops.
         """
         if not self.loops:
             raise InvalidInput("this library was made of maps: without loops nobody knows the room that a push needs")
-        key = int(number), orientations, nodes
-        if key not in self._reaches:
+        if number not in self._reaches:
             alone = self.strategy([number], [1.0])
-            costs = [strategy_cost(loop, alone, orientations=orientations, nodes=nodes) for loop in self.loops]
-            self._reaches[key] = read_only([cost.reach for cost in costs])
-        return self._reaches[key]
+            costs = [strategy_cost(loop, alone, orientations=12, nodes=8) for loop in self.loops]
+            self._reaches[number] = read_only([cost.reach for cost in costs])
+        return self._reaches[number]
 
     @cached_property
-    def _reaches(self) -> dict[tuple[int, int, int], Array]:
+    def _reaches(self) -> dict[int, Array]:
         """What `reach` has found."""
         return {}
 
@@ -152,14 +152,11 @@ class PushLibrary:
         kept = [whole_number("number of a push", i, least=0) for i in np.asarray(numbers).tolist()]
         if max(kept, default=0) >= len(self.pushes):
             raise InvalidInput(f"number of a push is {max(kept)}: the library has pushes 0 to {len(self.pushes) - 1}")
-        return PushLibrary(
-            tuple(self.pushes[i] for i in kept),
-            tuple(tuple(row[i] for i in kept) for row in self.random_maps),
-            self.drag_lengths[:, kept],
-            self.modes,
-            self.legs,
-            self.loops,
-            self.left_out,
+        return replace(
+            self,
+            pushes=tuple(self.pushes[i] for i in kept),
+            random_maps=tuple(tuple(row[i] for i in kept) for row in self.random_maps),
+            drag_lengths=self.drag_lengths[:, kept],
         )
 
 

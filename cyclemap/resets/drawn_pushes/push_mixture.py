@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.operator.fourier_discretisation import waves
 
-Array = NDArray[np.float64]
 ValueAndGradient = tuple[float, Array]
 
 _GRID = 256  # even angles at which densities are compared, at least four a mode
@@ -63,23 +61,18 @@ class PushMixture:
         """L, (n, n); its first row keeps the mass whatever the weights add up to."""
         flat = self.matrices.reshape(len(self.matrices), -1)
         found = (weights @ flat).reshape(self.matrices.shape[1:])
-        found[0] = 0.0
-        found[0, 0] = 1.0
+        found[0] = _first(len(found))
         return np.asarray(found)
 
     def stationary(self, weights: Array) -> Array:
         """The stationary law's coefficients (n,), (1, E cos mθ, E sin mθ): (I - L) c = 0 with c_0 = 1."""
         return np.asarray(np.linalg.solve(_bordered(self.matrix(weights)), _first(self.matrices.shape[1])))
 
-    def stationary_rates(self, weights: Array) -> Array:
-        """(n, P): dc/dw_i = (I - L)^# L_i c, by the bordered system (Golub & Meyer 1986)."""
-        law = self.stationary(weights)
-        moved = (self.matrices @ law).T
-        moved[0] = 0.0
-        return np.asarray(np.linalg.solve(_bordered(self.matrix(weights)), moved))
-
     def bias(self, weights: Array, smoothing: float = 0.0) -> ValueAndGradient:
-        """Total variation of the stationary law from uniform, smoothed, and its gradient (P,) by the adjoint."""
+        """Total variation of the stationary law from uniform, smoothed, and its gradient (P,) by the adjoint.
+
+        The derivative of a stationary law: the bordered system, transposed (Golub & Meyer 1986).
+        """
         system = _bordered(self.matrix(weights))
         law = np.linalg.solve(system, _first(len(system)))
         value, slope = _smooth_variation(self._on_grid @ law[1:], smoothing)

@@ -91,10 +91,11 @@ class PushProblem:
 
     def local_optimum(self, start: Array) -> Array:
         """Weights (P,), locally best from `start`: least bias first, then the least drag where that is sought."""
-        weights = self._least_bias(start, _Smoothed(self, *self.smoothing))
+        smoothed = _Smoothed(self, *self.smoothing)
+        weights = self._least_bias(start, smoothed)
         if self.allow_tv is None or self.biases(weights)[0].max() > self.allow_tv:
             return weights
-        return self._least_drag(weights, _Smoothed(self, *self.smoothing), self.allow_tv)
+        return self._least_drag(weights, smoothed, self.allow_tv)
 
     def _least_bias(self, start: Array, biases: _Smoothed) -> Array:
         """min t with every bias at most t, and the drag within its limit."""
@@ -190,15 +191,15 @@ def search(
 
 def _starts(problem: PushProblem, count: int, seed: int) -> Iterator[Array]:
     """Even weights, then random ones of which few are large; all leaning to short drags where those are limited."""
-    rng = np.random.default_rng(seed)
+    rng, longest = np.random.default_rng(seed), problem.drags.max(axis=0)
+    cheapest = int(np.argmin(longest))
     for number in range(count):
         weights = rng.dirichlet(np.full(problem.size, 0.3)) if number else np.full(problem.size, 1.0 / problem.size)
         if problem.limited:
-            cheapest = np.eye(problem.size)[int(np.argmin(problem.drags.max(axis=0)))]
-            over = float((problem.drags @ weights).max()) - 1.0
-            least = float(problem.drags[:, int(np.argmax(cheapest))].max())
-            share = min(1.0, over / max(over + 1.0 - least, 1e-9)) if over > 0.0 else 0.0
-            weights = (1.0 - share) * weights + share * cheapest
+            over = max(0.0, float((problem.drags @ weights).max()) - 1.0)
+            share = min(1.0, over / max(over + 1.0 - float(longest[cheapest]), 1e-9))
+            weights = (1.0 - share) * weights
+            weights[cheapest] += share
         yield weights
 
 
@@ -237,10 +238,10 @@ def _exchanged(problem: PushProblem, candidate: Candidate, most: int) -> Candida
 
 
 def _promising(problem: PushProblem, candidate: Candidate) -> list[int]:
-    """The pushes outside whose weight would lower the worst bias fastest, in the smoothed problem."""
+    """The pushes outside whose weight would lower the worst bias fastest, smoothed as the problem says."""
     weights = np.zeros(problem.size)
     weights[candidate.numbers] = candidate.weights
-    values, slopes = problem.biases(weights, *_ROUGH)
+    values, slopes = problem.biases(weights, *problem.smoothing)
     order = np.argsort(slopes[int(np.argmax(values))])
     return [int(i) for i in order if i not in candidate.numbers][:_NEWCOMERS]
 

@@ -115,7 +115,7 @@ class PushWeights:
 
     def _law(self, scenario: int) -> FourierLaw:
         basis = _resolved(self.random_map(scenario), self.library.modes)
-        return FourierLaw(complex_moments(PushMixture(basis.matrix[None]).stationary(np.ones(1))))
+        return FourierLaw(_stationary_moments(basis))
 
     @cached_property
     def reach(self) -> Array:
@@ -265,17 +265,20 @@ def _laws(
 ) -> tuple[float, float, float]:
     """Total variation in the long run and after `within` pushes from the worst start, and |λ₂|."""
     basis = _resolved(library.random_map(scenario, numbers, weights.tolist()), library.modes)
-    mixture, alone = PushMixture(basis.matrix[None]), np.ones(1)
     first = images_law(basis, 2.0 * math.pi * np.arange(_STARTS) / _STARTS)
     late = np.linalg.matrix_power(basis.matrix, within - 1) @ first
     worst = largest_variation(complex_moments(late), FourierLaw.uniform())
-    law = FourierLaw(complex_moments(mixture.stationary(alone)))
-    return float(law.total_variation()), worst, mixture.second_eigenvalue(alone)
+    law = FourierLaw(_stationary_moments(basis))
+    return float(law.total_variation()), worst, PushMixture(basis.matrix[None]).second_eigenvalue(np.ones(1))
+
+
+def _stationary_moments(basis: MixtureDiscretisation) -> NDArray[np.complex128]:
+    """(modes + 1,): E exp(imθ) under the stationary law, those of no law where the modes do not resolve it."""
+    return complex_moments(PushMixture(basis.matrix[None]).stationary(np.ones(1)))
 
 
 def _resolved(cycle: RandomMap, modes: int) -> MixtureDiscretisation:
     """The cycle on so many modes, or, where the stationary law still has some of the last ones, on all that matter."""
     basis = mixture_discretisation(cycle, modes)
-    law = complex_moments(PushMixture(basis.matrix[None]).stationary(np.ones(1)))
-    tail = float(np.linalg.norm(law[-(modes // 4 + 1) :]))
+    tail = float(np.linalg.norm(_stationary_moments(basis)[-(modes // 4 + 1) :]))
     return basis if tail < _TAIL else mixture_discretisation(cycle)

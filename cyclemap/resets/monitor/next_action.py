@@ -35,9 +35,10 @@ def next_action(maps: StrategyMaps, coverage: Coverage, theta: float) -> NextAct
     maps : of the strategy's law on the loop as it is believed to be. coverage : of the collection so far, `theta` fed
     to it. The noise of a cycle is left out: it blurs all landings alike.
 
-    Chosen so in every cycle, the recorded directions follow the uniform law as closely as the actions allow (kernel
-    herding, Chen, Welling & Smola 2010). The action then depends on the orientation: record it with each push, for
-    data that are even in orientation need not be even in action.
+    Chosen so in every cycle, it is the greedy step of kernel herding towards the uniform law (Chen, Welling & Smola
+    2010), among the places that the actions reach; how even that becomes is not bounded. The action then
+    depends on the orientation: record it with each push, for data that are even in orientation need not be even in
+    action.
 
     Before anything is recorded every place is alike, and the first action is chosen.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -78,8 +78,8 @@ class BiasGradient:
     cycle; `reach`, the largest total variation from uniform over all starts after some pushes; `mean_drag_length`, m,
     over the law and even orientations. gradient : (5, k). by : (k,), `tangents`, those of the mechanics, or
     `differences` of the scores where there are none. interpolation_error : rad, of the worst map. route : `grid`, or
-    `adaptive` where a map jumps. Nothing is certified; a law too
-    peaked for the modes kept gives a total variation off by percents, and may exceed one.
+    `adaptive` where a map jumps. Nothing is certified; a law too peaked for the modes kept gives a total variation off
+    by percents, which may exceed one.
     """
 
     family: StrategyFamily
@@ -148,13 +148,13 @@ class StrategyEvaluator:
     def __post_init__(self) -> None:
         if not isinstance(self.noise, Noise):
             raise InvalidInput(f"the noise is {self.noise!r}: give the law of the cycle's own, as WrappedNormal(0.02)")
-        self.sampler = CycleSampler(self.loop, self.resolution.samples)
+        self.sampler = CycleSampler(self.resolution.samples)
 
     def at(self, values: ArrayLike) -> BiasGradient:
         """Return the scores and gradients at parameters (k,)."""
         given = self.family.checked(values)
         tangent = law_tangent(self.family, given, self.loop, self.resolution.nodes)
-        refuse_dependent(tangent)
+        _refuse_dependent(tangent)
         samples = self._samples(tangent, tangent.moving)
         error = max(one.interpolation_error for one in samples)
         self.evaluations += 1
@@ -163,9 +163,10 @@ class StrategyEvaluator:
             gradient = self._differences(given, range(given.size), self._adaptive)
             return self._result(given, value, gradient, (DIFFERENCES,) * given.size, error, ADAPTIVE)
         cycle = self._cycle(tangent, samples)
-        scores = [*_scores(cycle, self.resolution.pushes), None]
-        value = np.array([*(s.value for s in scores if s is not None), _mean_drag(tangent, samples)])
-        gradient = np.stack([self._slopes(tangent, samples, cycle, score) for score in scores])
+        scores = _scores(cycle, self.resolution.pushes)
+        value = np.array([*(score.value for score in scores), _mean_drag(tangent, samples)])
+        slopes = [self._score_slopes(tangent, samples, cycle, score) for score in scores]
+        gradient = np.stack([*slopes, _drag_slopes(tangent, samples)])
         rough = np.flatnonzero(~tangent.smooth | ~np.all(np.isfinite(gradient), axis=0)).tolist()
         gradient[:, rough] = self._differences(given, rough, self.value_at)
         by = tuple(DIFFERENCES if index in rough else TANGENTS for index in range(given.size))
@@ -174,7 +175,7 @@ class StrategyEvaluator:
     def value_at(self, values: ArrayLike) -> Array:
         """Return the scores (5,) alone, from even samples."""
         tangent = law_tangent(self.family, values, self.loop, self.resolution.nodes)
-        refuse_dependent(tangent)
+        _refuse_dependent(tangent)
         samples = self._samples(tangent, ())
         cycle = self._cycle(tangent, samples)
         found = [score.value for score in _scores(cycle, self.resolution.pushes)]
@@ -198,37 +199,21 @@ class StrategyEvaluator:
         images = 2.0 * math.pi * np.arange(points) / points + turns + lifted
         return DrawnCycle(images, tangent.at.law.weights, self.noise, self.resolution.modes)
 
-    def _slopes(
-        self, tangent: LawTangent, samples: list[CycleSamples], cycle: DrawnCycle, score: Sensitivity | None
+    def _score_slopes(
+        self, tangent: LawTangent, samples: list[CycleSamples], cycle: DrawnCycle, score: Sensitivity
     ) -> Array:
-        """The gradient (k,) of a score of the cycle; of the mean drag's length for None."""
-        if score is None:
-            by_weight = np.array([one.length.mean() for one in samples])
-            rows = [w * one.length_by.mean(axis=0) for w, one in zip(cycle.weights.tolist(), samples, strict=True)]
-            turned = np.zeros(len(samples))
-        else:
-            by_image, by_weight = cycle.by_images(score)
-            fine = trigonometric_interpolation(self.resolution.samples, self.resolution.points)
-            pulled = by_image @ fine
-            rows = [row @ one.turn_by for row, one in zip(pulled, samples, strict=True)]
-            turned = by_image.sum(axis=1)
-        found = by_weight @ tangent.weights
-        for index, (row, one) in enumerate(zip(rows, samples, strict=True)):
-            slopes = dict(zip(one.names, row.tolist(), strict=True)) | {"turn": float(turned[index]), "theta": 0.0}
-            for name, moved in zip(tangent.at.names[index], tangent.numbers[index], strict=True):
-                found = found + slopes[name] * moved if np.any(moved) else found
-        return np.asarray(found)
+        """The gradient (k,) of a score of the cycle."""
+        by_image, by_weight = cycle.by_images(score)
+        pulled = by_image @ trigonometric_interpolation(self.resolution.samples, self.resolution.points)
+        rows = [row @ one.turn_by for row, one in zip(pulled, samples, strict=True)]
+        return _by_parameters(tangent, samples, by_weight, rows, by_image.sum(axis=1))
 
-    def _differences(self, values: Array, which: ArrayLike, scores: Callable[[Array], Array]) -> Array:
+    def _differences(self, values: Array, which: Sequence[int], scores: Callable[[Array], Array]) -> Array:
         """Central differences of the scores, (5, len(which)); one-sided at a bound."""
-        low, high = self.family.bounds
         columns = []
-        for index in np.asarray(which, dtype=int).tolist():
-            step = _STEP * (high[index] - low[index])
-            ends = [values.copy(), values.copy()]
-            ends[0][index] = max(low[index], values[index] - step)
-            ends[1][index] = min(high[index], values[index] + step)
-            columns.append((scores(ends[1]) - scores(ends[0])) / (ends[1][index] - ends[0][index]))
+        for index in which:
+            below, above = self.family.beside(values, index, _STEP)
+            columns.append((scores(above) - scores(below)) / (above[index] - below[index]))
             self.evaluations += 2
         return np.array(columns).T if columns else np.empty((len(SCORES), 0))
 
@@ -242,7 +227,7 @@ class StrategyEvaluator:
         return np.array([*(score.value for score in _scores(cycle, size.pushes)), drag])
 
 
-def refuse_dependent(tangent: LawTangent) -> None:
+def _refuse_dependent(tangent: LawTangent) -> None:
     """Raise InvalidInput for a law of several actions that are not drawn independently."""
     law = tangent.at.law
     if len(law.actions) > 1 and law.kind != INDEPENDENT:
@@ -259,3 +244,23 @@ def _scores(cycle: DrawnCycle, pushes: int) -> tuple[Sensitivity, ...]:
 
 def _mean_drag(tangent: LawTangent, samples: list[CycleSamples]) -> float:
     return float(tangent.at.law.weights @ np.array([one.length.mean() for one in samples]))
+
+
+def _drag_slopes(tangent: LawTangent, samples: list[CycleSamples]) -> Array:
+    """The gradient (k,) of the mean drag's length, which does not know the gripper's turn."""
+    weights = tangent.at.law.weights.tolist()
+    rows = [weight * one.length_by.mean(axis=0) for weight, one in zip(weights, samples, strict=True)]
+    by_weight = np.array([one.length.mean() for one in samples])
+    return _by_parameters(tangent, samples, by_weight, rows, np.zeros(len(samples)))
+
+
+def _by_parameters(
+    tangent: LawTangent, samples: list[CycleSamples], by_weight: Array, rows: list[Array], by_turn: Array
+) -> Array:
+    """The chain rule, (k,): from derivatives by the weights, by what each action's samples name, and by its turn."""
+    found = by_weight @ tangent.weights
+    for index, (row, one) in enumerate(zip(rows, samples, strict=True)):
+        slopes = dict(zip(one.names, row.tolist(), strict=True)) | {"turn": float(by_turn[index])}
+        for name, moved in zip(tangent.at.names[index], tangent.numbers[index], strict=True):
+            found = found + slopes[name] * moved if np.any(moved) else found
+    return np.asarray(found)

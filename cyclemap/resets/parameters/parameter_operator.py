@@ -7,17 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.maps import Noise
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.mixtures.law_distances import density_on_grid, total_variation_on_grid
 from cyclemap.maps.mixtures.law_evolution import complex_moments
 from cyclemap.maps.operator.fourier_discretisation import waves
 
-Array = NDArray[np.float64]
-
-_TWO_PI = 2.0 * math.pi
-_STARTS = 96  # of the angles, at least, that the worst start is sought among
+_STARTS = 96  # of the angles, at least, that the worst start is sought among: all where there are fewer
 _GRID = 2048  # angles on which a density is compared with the uniform one
 
 
@@ -65,7 +62,7 @@ class DrawnCycle:
         """(n, points): the waves of the angles, times what makes a sum over the angles the integral against a law."""
         points = self.images.shape[1]
         scale = np.where(self.orders == 0.0, 1.0, 2.0) / points
-        return np.asarray(waves(_TWO_PI * np.arange(points) / points, self.modes) * scale[:, None])
+        return np.asarray(waves(TWO_PI * np.arange(points) / points, self.modes) * scale[:, None])
 
     @cached_property
     def after_angles(self) -> Array:
@@ -155,8 +152,7 @@ class DrawnCycle:
         for index, row in enumerate(self.images):
             after = waves(row, self.modes)
             cosines, sines = after[1 : self.modes + 1], after[self.modes + 1 :]
-            slopes = np.concatenate([0.0 * after[:1], cosines, sines])
-            slopes[1 : self.modes + 1], slopes[self.modes + 1 :] = -sines, cosines
+            slopes = np.concatenate([np.zeros_like(after[:1]), -sines, cosines])
             by_image[index] = self.weights[index] * np.einsum("mj,mj->j", self.orders[:, None] * slopes, carried)
             by_weight[index] = np.sum(after * carried)
         return by_image, by_weight

@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.checks import read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.mechanics import DragResult, PushResult, SidePush
 from cyclemap.mechanics.stroke_variation import turned, unit_rows, vary_drag, vary_push
-from cyclemap.resets.parameters.parameter_space import way_point_names
+from cyclemap.resets.parameters.parameter_space import NUMBERS, way_point_names, without_action
 from cyclemap.resets.strategies.cycle_action import CycleAction
 from cyclemap.resets.strategies.shared_strokes import run_drag
 from cyclemap.resets.strategies.spread import Spread
 
-Array = NDArray[np.float64]
 Rows = dict[str, Array]
 
-_TWO_PI = 2.0 * math.pi
-# What a push can vary with, besides the orientation.
-_PUSH_NUMBERS = ("fraction", "angle", "distance", "hitch_x", "hitch_y")
+# What a push can vary with, besides the orientation: all but the gripper's turn.
+_PUSH_NUMBERS = NUMBERS[1:]
 _KEPT = 50_000  # pushes and grids that are kept before the memory is emptied
 
 
@@ -65,7 +62,7 @@ class CycleSamples:
         different kinds, which agree only where the samples resolve the map. A jump leaves a tenth of its height.
         """
         count = self.turn.size
-        step, ahead, slope = _TWO_PI / count, np.roll(self.turn, -1), self.turn_by[:, 0]
+        step, ahead, slope = TWO_PI / count, np.roll(self.turn, -1), self.turn_by[:, 0]
         cubic = 0.5 * (self.turn + ahead) + step / 8.0 * (slope - np.roll(slope, -1))
         middles = trigonometric_interpolation(count, count) @ self.turn
         return float(np.abs(np.roll(middles, -1) - cubic).max())
@@ -82,12 +79,13 @@ class _Pushed:
 
 @dataclass(eq=False)
 class CycleSampler:
-    """Samples cycles of actions of one loop, with rings at any place, and keeps what it has done.
+    """Samples cycles of actions on loops from `samples` even orientations, and keeps what it has done.
+
+    cycles : how many were run.
 
     A push depends on orientation and ring alone, so that actions which differ in their drags share it.
     """
 
-    loop: CollectionLoop
     samples: int = 64
     cycles: int = 0
     _loops: dict[CollectionLoop, CollectionLoop] = field(default_factory=dict)
@@ -99,23 +97,18 @@ class CycleSampler:
 
         `moving` may hold names that this action has not: they are left out.
         """
-        assert action.push is not None and action.way_points is not None
-        standing = replace(action, turn=0.0)
-        key = (loop.slider.hitch, standing, moving)
+        assert action.way_points is not None
+        plain, standing = without_action(loop), replace(action, turn=0.0)
+        key = (plain, standing, moving)
         if key not in self._done:
             self._forget_some()
             ways = way_point_names(len(action.way_points)) if any(name.startswith("way") for name in moving) else ()
             names = ("theta", *(name for name in _PUSH_NUMBERS if name in moving))
-            model = self._known(loop)
+            model = self._loops.setdefault(plain, plain)  # the same each time, since it builds its model once
             rows = [self._cycle(model, standing, names, ways, theta) for theta in even_orientations(self.samples)]
             turn, length, turn_by, length_by = (np.array(column) for column in zip(*rows, strict=True))
             self._done[key] = CycleSamples((*names, *ways), turn, length, turn_by, length_by)
         return self._done[key]
-
-    def _known(self, loop: CollectionLoop) -> CollectionLoop:
-        """The same loop each time, since it builds its model once."""
-        plain = replace(loop, push=SidePush(), reset=replace(loop.reset, way_points=()))
-        return self._loops.setdefault(plain, plain)
 
     def _forget_some(self) -> None:
         if len(self._pushes) > _KEPT or len(self._done) > _KEPT // self.samples or len(self._loops) > 64:
@@ -125,15 +118,16 @@ class CycleSampler:
     def _cycle(
         self, loop: CollectionLoop, action: CycleAction, names: tuple[str, ...], ways: tuple[str, ...], theta: float
     ) -> tuple[float, float, Array, Array]:
+        assert action.push is not None
         self.cycles += 1
-        before = self._pushed(loop, action.push or loop.push, names, float(theta))
+        before = self._pushed(loop, action.push, names, float(theta))
         drag = run_drag(loop, action, before.push)
         turn_by, length_by = _vary_drag_and_way_points(loop, drag, before, names, len(ways))
         turn_by[0] -= 1.0
         return drag.end.theta - theta, drag.length, turn_by, length_by
 
     def _pushed(self, loop: CollectionLoop, push: SidePush, names: tuple[str, ...], theta: float) -> _Pushed:
-        key = (loop.slider.hitch, push, names, theta)
+        key = (loop, push, names, theta)
         if key not in self._pushes:
             self._pushes[key] = _new_push(loop, push, names, theta)
         return self._pushes[key]

@@ -138,9 +138,10 @@ def search_parameters(
     evaluator = StrategyEvaluator(rough, family, noise, resolution or Resolution())
     search = _Search(evaluator, _checked_objective(family, minimise), allowed)
     begins = _beginnings(family, start, whole_number("starts", starts, least=1), whole_number("seed", seed, least=0))
+    most = whole_number("iterations", iterations, least=1)
     runs, report = [], progress or (lambda fraction: None)
     for number, begin in enumerate(begins):
-        runs.append(search.run(begin, whole_number("iterations", iterations, least=1)))
+        runs.append(search.run(begin, most))
         report((number + 1) / len(begins))
     best = search.best()
     ended = min(runs, key=lambda run: float(np.abs(family.to_unit(run.end) - family.to_unit(best.values)).max()))

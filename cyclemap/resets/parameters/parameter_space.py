@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.checks import finite_array, read_only
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import SidePush
 from cyclemap.resets.strategies.cycle_action import CycleAction
 from cyclemap.resets.strategies.strategy import DEFAULT_NODES, ActionLaw, ResetStrategy
 from cyclemap.resets.strategies.strategy_maps import checked_strategy
@@ -83,6 +84,13 @@ class StrategyFamily:
         low, high = self.bounds
         return np.asarray((np.asarray(values) - low) / (high - low))
 
+    def beside(self, values: Array, index: int, share: float) -> tuple[Array, Array]:
+        """Return parameters (k,) with one less and more by a share of its range, no further than its bounds."""
+        low, high = self.bounds
+        step, less, more = share * (high[index] - low[index]), values.copy(), values.copy()
+        less[index], more[index] = max(low[index], values[index] - step), min(high[index], values[index] + step)
+        return less, more
+
 
 @dataclass(frozen=True, eq=False)
 class LawNumbers:
@@ -100,11 +108,13 @@ class LawNumbers:
     @property
     def fixed(self) -> tuple[object, ...]:
         """What must not change with a parameter if the law is to be differentiated by it."""
-        slider = replace(self.loop.slider, hitch=(0.0, 0.0))
-        rest = replace(
-            self.loop, slider=slider, push=type(self.loop.push)(), reset=replace(self.loop.reset, way_points=())
-        )
+        rest = replace(without_action(self.loop), slider=replace(self.loop.slider, hitch=(0.0, 0.0)))
         return (rest, self.law.kind, self.names, tuple(a.push.side for a in self.actions if a.push is not None))
+
+
+def without_action(loop: CollectionLoop) -> CollectionLoop:
+    """Return the loop with the default push and a straight drag: the same for all filled actions on it."""
+    return replace(loop, push=SidePush(), reset=replace(loop.reset, way_points=()))
 
 
 def law_numbers(loop: CollectionLoop, strategy: ResetStrategy, nodes: int = DEFAULT_NODES) -> LawNumbers:
@@ -166,14 +176,13 @@ def law_tangent(
     bound one-sided (1e-5). Where a parameter changes what a law is made of (the number of its way-points, the side of
     a push, the loop besides its ring) there is no such derivative, and `smooth` says so.
     """
-    given, (low, high) = family.checked(values), family.bounds
+    given = family.checked(values)
     at = law_numbers(loop, family.strategy(given), nodes)
     weights = np.zeros((len(at.actions), given.size))
     numbers = tuple(np.zeros((len(names), given.size)) for names in at.names)
     smooth = np.zeros(given.size, dtype=bool)
-    for index, step in enumerate((_STEP * (high - low)).tolist()):
-        ends = [given.copy(), given.copy()]
-        ends[0][index], ends[1][index] = max(low[index], given[index] - step), min(high[index], given[index] + step)
+    for index in range(given.size):
+        ends = family.beside(given, index, _STEP)
         below, above = (law_numbers(loop, family.strategy(end), nodes) for end in ends)
         smooth[index] = below.fixed == above.fixed == at.fixed
         if smooth[index]:

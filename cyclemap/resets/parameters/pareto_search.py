@@ -31,8 +31,8 @@ FRONT_SCORES = (TOTAL_VARIATION, MEAN_DRAG, REACH)
 class SearchedFront:
     """A front and the searches that led to it, one for each family and cost allowed.
 
-    A search that met no limit gives no candidate: its best may lie far outside. Values are `checked` where the searches
-    were, else those of the search.
+    A search that did not meet its limits gives no candidate: its best may lie far outside. Values are `checked` where
+    the searches were, else those of the search.
     """
 
     front: ParetoFront

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.resets.protocol.exact_units import Unit
-from cyclemap.text_files import CsvRow, CsvTable
+from cyclemap.text_files import CsvRow, CsvTable, check_shape, read_text
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ def read_commented_csv(path: str | Path) -> CommentedTable:
     DataFileError, naming the line, where it cannot be read, has no rows, a line is not as long as its header, or the
     last line is not ended: what was cut off in the middle of a number still looks like one.
     """
-    lines = _text(Path(path)).split("\n")
+    lines = read_text(Path(path), "plain CSV").split("\n")
     if lines.pop():
         raise DataFileError(f"{path}, line {len(lines) + 1}: the line is cut off (it has no end); write the file anew")
     comments = [line.lstrip("#").strip() for line in lines if line.startswith("#")]
@@ -42,10 +42,7 @@ def read_commented_csv(path: str | Path) -> CommentedTable:
     if len(rows) < 2:
         raise DataFileError(f"{path}: a schedule has a header and at least one row; the file is empty or cut off")
     table = CsvTable(Path(path), rows[0].fields, tuple(rows[1:]))
-    for row in table.rows:
-        if len(row.fields) != len(table.header):
-            counts = f"{len(row.fields)} of {len(table.header)} fields"
-            raise table.error(row.line, f"{counts}; the line is cut off or has a stray comma: mend or remove it")
+    check_shape(table)
     named = (comment.partition(":") for comment in comments)
     return CommentedTable(table, {name.strip(): fact.strip() for name, colon, fact in named if colon})
 
@@ -56,12 +53,3 @@ def _row(path: Path, number: int, line: str) -> CsvRow:
     except csv.Error as error:
         raise DataFileError(f"{path}, line {number}: {error}; mend the quotes of this line") from error
     return CsvRow(number, tuple(field.strip() for field in fields))
-
-
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8-sig").replace("\r\n", "\n")
-    except UnicodeDecodeError as error:
-        raise DataFileError(f"{path}: byte {error.start} is not UTF-8 text; save it as plain CSV") from error
-    except OSError as error:
-        raise DataFileError(f"{path}: cannot be read ({error.strerror}); give a readable CSV file") from error

@@ -36,7 +36,7 @@ class Unit:
     def read(self, number: object) -> float:
         """Return a number of this unit in SI units; InvalidInput for what is not a finite number."""
         try:
-            found = self._read(checked_decimal(number))
+            found = self._read(_checked_decimal(number))
         except DecimalException as error:
             raise InvalidInput("is too large or too small to be read") from error
         if not math.isfinite(found):
@@ -69,7 +69,7 @@ DEGREES = Unit("degrees", _CONTEXT.divide(_PI, Decimal(180)))
 NUMBER = Unit("its own unit", Decimal(1))
 
 
-def checked_decimal(number: object) -> Decimal:
+def _checked_decimal(number: object) -> Decimal:
     """Return an int, float or Decimal as a Decimal; InvalidInput for anything else, and what is not finite."""
     if isinstance(number, bool) or not isinstance(number, (int, float, Decimal)):
         raise InvalidInput(f"must be a number, not {number!r}")

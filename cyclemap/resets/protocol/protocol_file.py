@@ -108,7 +108,7 @@ def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
             raise DataFileError(f"{path}: {key} is given twice; keep one")
         if isinstance(value, bool) or not isinstance(value, (int, Decimal, str, list)):
             raise DataFileError(
-                f"{path}: {key} is {plain_tables(value)!r}; it must be a number, text or list of points"
+                f"{path}: {key} is {_plain_tables(value)!r}; it must be a number, text or list of points"
             )
         settings[key] = plain_numbers(value)
     with located(str(path), DataFileError):
@@ -126,10 +126,10 @@ def _entries(tables: Mapping[str, object]) -> Iterator[tuple[str, object]]:
             yield from table.items() if isinstance(table, dict) else [(name, table)]
 
 
-def plain_tables(value: object) -> object:
+def _plain_tables(value: object) -> object:
     """Return a value of a file as people wrote it."""
     if isinstance(value, dict):
-        return {key: plain_tables(part) for key, part in value.items()}
+        return {key: _plain_tables(part) for key, part in value.items()}
     return plain_numbers(value)
 
 

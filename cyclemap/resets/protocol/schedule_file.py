@@ -62,11 +62,11 @@ def write_schedule(path: str | Path, loop: CollectionLoop, strategy: ResetStrate
     count, number = whole_number("cycles", cycles, least=1), whole_number("seed", seed, least=0)
     prepared = checked_strategy(strategy).prepared(loop)
     actions = tuple(action.filled(prepared) for action in strategy.actions(count, number))
-    ring = " ".join(decimal_text(MILLIMETRES.written(part)) for part in prepared.slider.hitch)
+    ring = ", ".join(decimal_text(MILLIMETRES.written(part)) for part in prepared.slider.hitch)
     facts = {
         "strategy": " ".join(strategy.name.split()),
         "needs": ", ".join(strategy.needs) or "nothing else",
-        "object": f"{prepared.slider.name}, its ring at ({ring.replace(' ', ', ')}) mm of its frame",
+        "object": f"{prepared.slider.name}, its ring at ({ring}) mm of its frame",
         "surface": " ".join(prepared.material.name.split()),
         "seed": str(number),
         "cycles": str(count),

@@ -146,9 +146,8 @@ def read_schedule_value(value: object) -> Schedule:
             raise InvalidInput(f"{next(iter(table))} belongs to {_BLOCKS}, not to {name}")
         return _PLAIN_SCHEDULES[name]()
     blocks = LatinBlocks()
-    return LatinBlocks(
-        _whole("size", table.get("size", blocks.size), least=1), _boolean("jitter", table.get("jitter", True))
-    )
+    size = _whole("size", table.get("size", blocks.size), least=1)
+    return LatinBlocks(size, _boolean("jitter", table.get("jitter", blocks.jitter)))
 
 
 # -- pushes and points ---------------------------------------------------------------------------------------
@@ -179,7 +178,7 @@ def write_weighted_pushes(pushes: tuple[SidePush, ...], weights: tuple[float, ..
     rows = [write_push(push) for push in pushes]
     if weights is None:
         return rows
-    return [{**row, "weight": NUMBER.written(weight)} for row, weight in zip(rows, weights, strict=True)]
+    return [{**row, _WEIGHT: NUMBER.written(weight)} for row, weight in zip(rows, weights, strict=True)]
 
 
 def read_weighted_pushes(value: object) -> tuple[tuple[SidePush, ...], tuple[float, ...] | None]:
@@ -196,6 +195,13 @@ def read_weighted_pushes(value: object) -> tuple[tuple[SidePush, ...], tuple[flo
             if weighted:
                 weights.append(_weight(row[_WEIGHT]))
     return tuple(pushes), tuple(weights) if weighted else None
+
+
+def _read_unweighted(value: object) -> tuple[SidePush, ...]:
+    pushes, weights = read_weighted_pushes(value)
+    if weights is not None:
+        raise InvalidInput("pushes that come in turn have no weight: leave it out, or draw them (kind = drawn-pushes)")
+    return pushes
 
 
 def _weight(value: object) -> float:
@@ -228,12 +234,5 @@ def _read_points(value: object) -> tuple[tuple[float, float], ...]:
 POINT = Codec(_write_point, _read_point)
 POINTS = Codec(lambda points: [_write_point(point) for point in points], _read_points)
 PUSH = Codec(write_push, read_push)
-PUSHES = Codec(lambda pushes: write_weighted_pushes(pushes, None), lambda value: _unweighted(value))
+PUSHES = Codec(lambda pushes: write_weighted_pushes(pushes, None), _read_unweighted)
 SCHEDULE = Codec(write_schedule_value, read_schedule_value)
-
-
-def _unweighted(value: object) -> tuple[SidePush, ...]:
-    pushes, weights = read_weighted_pushes(value)
-    if weights is not None:
-        raise InvalidInput("pushes that come in turn have no weight: leave it out, or draw them (kind = drawn-pushes)")
-    return pushes

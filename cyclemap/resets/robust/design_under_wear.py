@@ -16,7 +16,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Noise
 from cyclemap.maps.mixtures.fourier_law import FourierLaw
-from cyclemap.maps.mixtures.law_evolution import complex_moments
+from cyclemap.maps.mixtures.law_evolution import complex_moments, real_coefficients
 from cyclemap.maps.operator.fourier_discretisation import waves
 from cyclemap.mechanics import SidePush
 from cyclemap.resets.robust.material_score import DEFAULT_GRID, DEFAULT_NOISE, QuickGrid
@@ -182,8 +182,4 @@ def _checked_stages(strategy: ResetStrategy | Stages, pushes: int) -> list[tuple
 
 def _resized(law: Array, modes: int) -> Array:
     """Coefficients (n,) cut or filled with zeros to as many modes."""
-    known = len(law) // 2
-    kept = min(known, modes)
-    found = np.zeros(2 * modes + 1)
-    found[: kept + 1], found[modes + 1 : modes + 1 + kept] = law[: kept + 1], law[known + 1 : known + 1 + kept]
-    return found
+    return real_coefficients(complex_moments(law), modes)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,6 +14,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, Noise, WrappedNormal
+from cyclemap.maps.arcs import TWO_PI
 from cyclemap.maps.mixtures.fourier_law import FourierLaw
 from cyclemap.maps.mixtures.law_evolution import complex_moments, images_law, stationary_fourier_law
 from cyclemap.maps.mixtures.mixture_operator import MixtureOperator, mixture_operator
@@ -29,7 +29,6 @@ from cyclemap.resets.strategies.strategy_maps import checked_strategy, strategy_
 
 Array = NDArray[np.float64]
 
-_TWO_PI = 2.0 * math.pi
 _STARTS = 96  # compared for the worst one
 EVEN = 0.3  # total variation beyond which a law is peaked, and a few modes do not tell it
 _OWN_ORIENTATIONS = 12  # for the mean drag of the loop's own reset
@@ -131,7 +130,7 @@ def sample_cycles(
     >>> sample_cycles(short, [CycleAction()], QuickGrid(samples=8)).lifted.shape
     (1, 8)
     """
-    theta = _TWO_PI * np.arange(grid.samples) / grid.samples
+    theta = TWO_PI * np.arange(grid.samples) / grid.samples
     rough = replace(loop, accuracy=grid.accuracy)
     rows = np.empty((len(actions), theta.size, 2))
     for push, members in _by_push([action.filled(loop) for action in actions]).items():
@@ -189,13 +188,13 @@ def independent_law(strategy: ResetStrategy, nodes: int) -> ActionLaw:
 
 def own_drag(loop: CollectionLoop, accuracy: float = DEFAULT_GRID.accuracy) -> float:
     """Return the mean length (m) of the drag of the loop's own push and reset, over even orientations."""
-    rough, theta = replace(loop, accuracy=accuracy), _TWO_PI * np.arange(_OWN_ORIENTATIONS) / _OWN_ORIENTATIONS
+    rough, theta = replace(loop, accuracy=accuracy), TWO_PI * np.arange(_OWN_ORIENTATIONS) / _OWN_ORIENTATIONS
     return float(np.mean([run_action(rough, CycleAction(), start)[1].length for start in theta.tolist()]))
 
 
 def variation_after(operator: MixtureOperator, pushes: int) -> float:
     """Return the total variation from uniform after `pushes` cycles of an operator, from the worst of 96 starts."""
-    basis, starts = operator.discretisation, _TWO_PI * np.arange(_STARTS) / _STARTS
+    basis, starts = operator.discretisation, TWO_PI * np.arange(_STARTS) / _STARTS
     columns = np.linalg.matrix_power(basis.matrix, pushes - 1) @ images_law(basis, starts)
     return min(1.0, largest_variation(complex_moments(columns), FourierLaw.uniform()))
 

@@ -15,6 +15,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.maps import Noise
 from cyclemap.mechanics import Material, SidePush
+from cyclemap.resets.design.searched_candidates import rounded_pushes
 from cyclemap.resets.robust.material_range import MaterialRange
 from cyclemap.resets.robust.material_score import DEFAULT_NOISE, QuickGrid, independent_law
 from cyclemap.resets.robust.robust_weights import RobustPushes, choice_of_pushes, robust_push_weights
@@ -31,7 +32,6 @@ Progress = Callable[[str, float], None]
 ROBUST_GRID = QuickGrid(samples=24)
 SLANTS = (-math.radians(30.0), math.radians(30.0))
 _PRECHECKED, _ROUNDS, _STARTS = 32, 3, 2
-_WEIGHT_DIGITS = 4
 # Orientations that a push is tried from, and the share of its way that a slanted one must stay at the object: with half
 # of it the worst corner of the range about delrin came out at .110, with a third at .057, and at .043 with slanted
 # pushes at further fractions.
@@ -44,8 +44,9 @@ class RobustReset:
     """Drawn pushes for a range of materials.
 
     materials : the range. made : how they were found. strategy : they, with weights of four digits. check : the same
-    pushes on the nominal material, the corners of the range and materials drawn independently, none of which they were
-    made with: the shares of it are those of the range. slanted : whether slanted pushes were to choose from.
+    pushes on the nominal material, the corners of the range, and materials drawn independently, with none of which
+    they were made: what holds for the share of these holds for the range. slanted : whether slanted pushes were to
+    choose from.
     seed : of the check.
     """
 
@@ -69,8 +70,7 @@ class RobustReset:
     @property
     def exceeding_drawn(self) -> int:
         """How many of the drawn materials exceed the allowance."""
-        kept = self.check.allowance.is_met
-        return sum(not kept(score) for score in self.check.scores[self.check.sample.chosen :])
+        return self.check.exceeding_drawn
 
     @property
     def mean_drag_ratio(self) -> float:
@@ -80,8 +80,7 @@ class RobustReset:
     @property
     def worst_material(self) -> Material:
         """The one that exceeds the allowance by most, or comes nearest to it."""
-        excess = [self.check.allowance.excess(score) for score in self.check.scores]
-        return self.check.sample.materials[int(np.argmax(excess))]
+        return self.check.furthest
 
     def changes(self, name: str) -> Array:
         """Return by how much a coordinate of the sample is off nominal, (n,): a share; of phi, rad."""
@@ -142,7 +141,7 @@ def robust_reset(
         both = (*choice, *slanted)
         other = _designed(loop, materials, both, search, report, "robust pushes, slanted too")
         made = min(made, other, key=lambda one: (not one.holds, one.found.bias))
-    strategy = _rounded(made)
+    strategy = rounded_pushes(made.found)
     corners = len(materials.without_direction().scenarios())
     check = worst_case(
         loop,
@@ -162,7 +161,8 @@ def corner_check(
 ) -> WorstCase | None:
     """Return what another strategy does on the corners of the range; None where its cycles know of each other.
 
-    options : as of `worst_case`; allowance and grid are those of the robust one unless told.
+    The direction is left nominal. options : as of `worst_case`; unless told, the allowance is that of the robust check
+    and the grid `ROBUST_GRID`.
     """
     try:
         independent_law(strategy, ROBUST_GRID.nodes)
@@ -191,13 +191,6 @@ def _designed(
         progress=lambda done: report(stage, done),
         **options,
     )
-
-
-def _rounded(made: RobustPushes) -> DrawnPushes:
-    """The pushes with weights of a few digits, without those that hardly ever come."""
-    weights = made.found.weights.round(_WEIGHT_DIGITS)
-    pushes = tuple(push for push, weight in zip(made.found.pushes, weights, strict=True) if weight > 0.0)
-    return DrawnPushes(pushes, weights=tuple(weights[weights > 0.0].tolist()))
 
 
 def _slanted(choice: Sequence[SidePush], slants: Sequence[float], further: bool) -> tuple[SidePush, ...]:

@@ -104,7 +104,7 @@ def robust_push_weights(
             tried = check(found.strategy(), source, count=count, seed=seed, draw=draw)
         history.append(tried.worst()[1].total_variation)
         report((number + 1) / rounds)
-        worst = tried.sample.materials[int(np.argmax([allowance.excess(score) for score in tried.scores]))]
+        worst = tried.furthest
         hopeless = worst in known or found.bias > allowance.total_variation  # more scenarios only make it harder
         if tried.holds or hopeless or number + 1 == rounds:
             break

@@ -67,12 +67,12 @@ class WearStage:
 
     def matrix(self, cycle: float) -> Array:
         """The operator (n, n) at a cycle."""
-        before, after, share = self._between(cycle, self.knots)
+        before, after, share = self._between(cycle)
         return np.asarray((1.0 - share) * self.matrices[before] + share * self.matrices[after])
 
     def carried(self, law: Array, cycle: float) -> Array:
         """The coefficients of the law one cycle later, (n,) or (n, m)."""
-        before, after, share = self._between(cycle, self.knots)
+        before, after, share = self._between(cycle)
         return np.asarray((1.0 - share) * (self.matrices[before] @ law) + share * (self.matrices[after] @ law))
 
     def frozen_law(self, cycle: float) -> FourierLaw:
@@ -91,11 +91,11 @@ class WearStage:
         ]
         return max((float(one.total_variation(other)) for one, other in pairs), default=0.0)
 
-    @staticmethod
-    def _between(cycle: float, knots: Array) -> tuple[int, int, float]:
-        after = int(np.clip(np.searchsorted(knots, cycle, side="left"), 1, len(knots) - 1))
-        width = float(knots[after] - knots[after - 1])
-        share = 0.0 if width == 0.0 else (cycle - float(knots[after - 1])) / width
+    def _between(self, cycle: float) -> tuple[int, int, float]:
+        """The knots on both sides of a cycle, by number, and how far it lies from the one to the other, 0 to 1."""
+        after = int(np.clip(np.searchsorted(self.knots, cycle, side="left"), 1, len(self.knots) - 1))
+        width = float(self.knots[after] - self.knots[after - 1])
+        share = 0.0 if width == 0.0 else (cycle - float(self.knots[after - 1])) / width
         return after - 1, after, min(max(share, 0.0), 1.0)
 
 

@@ -106,6 +106,11 @@ class WorstCase:
         return float(np.quantile(values[self.sample.chosen :] if self.sample.drawn else values, share))
 
     @property
+    def furthest(self) -> Material:
+        """The material that exceeds the allowance by most, or comes nearest to it."""
+        return self.sample.materials[int(np.argmax([self.allowance.excess(score) for score in self.scores]))]
+
+    @property
     def nominal(self) -> MaterialScore:
         """The score on the nominal material."""
         return self.scores[0]
@@ -122,12 +127,16 @@ class WorstCase:
         return not self.exceeding
 
     @property
+    def exceeding_drawn(self) -> int:
+        """On how many of the drawn materials the allowance is not kept."""
+        return sum(not self.allowance.is_met(score) for score in self.scores[self.sample.chosen :])
+
+    @property
     def share_exceeding(self) -> float:
         """Upper 95 % confidence bound of the share of all materials that exceed; nan unless draws are independent."""
         if not self.sample.independent or not self.sample.drawn:
             return float("nan")
-        drawn = self.scores[self.sample.chosen :]
-        return share_bound(sum(not self.allowance.is_met(score) for score in drawn), len(drawn))
+        return share_bound(self.exceeding_drawn, self.sample.drawn)
 
     @property
     def variation_between(self) -> float:
@@ -184,7 +193,8 @@ def worst_case(
 
 def spread_work(work: Callable[[S], T], items: Sequence[S], workers: int | None) -> Iterator[T]:
     """Yield work(item) for every item, in their order, from as many processes; None: one a core."""
-    count = min(whole_number("workers", workers or os.cpu_count() or 1, least=1), len(items))
+    most = (os.cpu_count() or 1) if workers is None else whole_number("workers", workers, least=1)
+    count = min(most, len(items))
     if count == 1:
         yield from map(work, items)
         return

@@ -20,12 +20,10 @@ from cyclemap.resets.scores.coverage_measures import DEFAULT_SECTORS
 from cyclemap.resets.scores.effective_size import EffectiveSize, effective_size
 from cyclemap.resets.scores.evenness import Evenness, Target, evenness
 from cyclemap.resets.scores.score_options import check_score_options
-from cyclemap.resets.scores.score_summary import coverage_numbers, summary_numbers
+from cyclemap.resets.scores.score_summary import REPORTED_PUSHES, coverage_numbers, summary_numbers
 from cyclemap.resets.scores.score_targets import target_law, target_table
 from cyclemap.resets.scores.sector_visits import SectorVisits, sector_visits
 from cyclemap.resets.scores.simulated_coverage import SimulatedCoverage, Start, chain_sampler, simulated_coverage
-
-_REPORTED = 100  # pushes that the effective sample size is told for
 
 
 def reset_scores(
@@ -134,7 +132,7 @@ class ResetScores:
     @property
     def effective_size_per_100(self) -> Estimate:
         """Independent orientations that 100 pushes are worth, for the worst mean of the first two harmonics."""
-        return self.effective_size.of(_REPORTED)
+        return self.effective_size.of(REPORTED_PUSHES)
 
     @cached_property
     def visits(self) -> SectorVisits:

@@ -1,4 +1,4 @@
-"""What a schedule draws, cut into cells, each with the mean operator of its actions; and the orders of cells."""
+"""What a schedule draws, cut into cells, each with the mean operator of its actions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Noise
 from cyclemap.maps.arcs import TWO_PI, Array
@@ -25,7 +24,7 @@ from cyclemap.resets.strategies.spread import Spread
 from cyclemap.resets.strategies.strategy import DrawnStrategy, products_of_rows
 from cyclemap.resets.strategies.strategy_maps import StrategyMaps
 
-DEFAULT_CELLS = 144
+_CELLS = 144  # about as many where the schedule does not say how many
 _INSIDE = 2  # Gauss nodes across a cell
 _INSIDE_SECTOR = 8  # and across a sector of a Latin block, which is wider
 _STEEPNESS = 512  # angles at which slopes are compared
@@ -36,8 +35,8 @@ _POINTS = 200_000
 class DrawnAxis:
     """One drawn number between 0 and 1, cut into cells; nodes inside each, for the mean over it.
 
-    ends : (cells - 1,), where a cell ends and the next begins. places, weights : (cells, nodes), weights (cells, nodes)
-    sum to 1 in each cell. known : whether pushes know of each other by it; else it is drawn anew, one cell.
+    ends : (cells - 1,), where a cell ends and the next begins. places, weights : (cells, nodes), the weights sum to 1
+    in each cell. known : whether pushes know of each other by it; else it is drawn anew, one cell.
     """
 
     ends: Array
@@ -56,8 +55,8 @@ class ScheduleCells:
     """The cells of a strategy's schedule: actions in one cell are drawn from it anew whenever it comes.
 
     For continuous numbers that is an approximation, which forgets where in the cell a push was: a change of the action
-    by less than a cell, of mean 0. ``size`` cells in all, about ``target_size`` where
-    the schedule does not say how many. Of a golden angle a cell stands for its middle: rounding it is forgotten soon.
+    by less than a cell, of mean 0. ``size`` cells in all, about 144 where the
+    schedule does not say how many. Of a golden angle a cell stands for its middle: rounding it is forgotten soon.
     Raises InvalidInput for a strategy that does not say what it draws.
 
     >>> from cyclemap.resets.strategies.drag_strategies import TrailingLeg
@@ -69,21 +68,19 @@ class ScheduleCells:
 
     strategy: Any
     nodes: int
-    target_size: int = DEFAULT_CELLS
 
     def __post_init__(self) -> None:
         for part in _parts(self.strategy):
             if not isinstance(part, DrawnStrategy):
                 name = getattr(part, "name", repr(part))
                 raise InvalidInput(f"{name} does not say what it draws: derive it from DrawnStrategy to score it")
-        whole_number("cells", self.target_size, least=2)
 
     @cached_property
     def axes(self) -> tuple[DrawnAxis, ...]:
         """Of all drawn numbers, in the order of ``draws``."""
         parts = _parts(self.strategy)
         smooth = sum(part.dimensions for part in parts if _is_known(part) and _cells_of(part) is None)
-        across = max(2, round(self.target_size ** (1.0 / max(1, smooth))))
+        across = max(2, round(_CELLS ** (1.0 / max(1, smooth))))
         inside = _INSIDE if self.golden_axis is None else 1
         rows = [_turn_axes(part) if part in self.turned else _axes(part, across, inside, self.nodes) for part in parts]
         return tuple(axis for row in rows for axis in row)

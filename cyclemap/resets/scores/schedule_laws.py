@@ -66,7 +66,8 @@ class ScheduleLaws:
         solution leaves. Modes cut off are not in it; see ``halves`` for what is.
         """
         first, second = self.halves
-        return FourierLaw(_unit(complex_moments(self._mean)), float(np.max(np.abs(_density(first, second)))) + _SOLVED)
+        apart = density_on_grid(first.moments - second.moments, _GRID)
+        return FourierLaw(_unit(complex_moments(self._mean)), float(np.max(np.abs(apart))) + _SOLVED)
 
     @cached_property
     def halves(self) -> tuple[FourierLaw, FourierLaw]:
@@ -114,11 +115,14 @@ class ScheduleLaws:
         aim = FourierLaw.uniform() if target is None else target
         if max(float(law.total_variation(aim)) for law in self._limits()) >= tv:
             return ReachTime(np.inf, 1, np.inf)
-        return self._first_from(tv, self.chain.period or _ROW, lambda law, _: _farthest(law, aim))
+        return self._first_from(tv, lambda law, _: _farthest(law, aim))
 
     def mixing_cycles(self, tv: float) -> ReachTime:
-        """The least n from which on the law from any start is within ``tv`` of that of a run that had settled."""
-        return self._first_from(tv, 1, lambda law, settled: _farthest(law, FourierLaw(_unit(complex_moments(settled)))))
+        """The least n from which on the law from any start is within ``tv`` of that of a run that had settled.
+
+        Followed as in ``within``: the marginal laws of a schedule can come near within a period, and part again.
+        """
+        return self._first_from(tv, lambda law, settled: _farthest(law, FourierLaw(_unit(complex_moments(settled)))))
 
     # -- means ---------------------------------------------------------------------------------------------
 
@@ -183,9 +187,10 @@ class ScheduleLaws:
         self._followed[:2] = joint, recipe
         return list(rows[:pushes])
 
-    def _first_from(self, tv: float, row: int, far: Callable[[Array, Array], float]) -> ReachTime:
-        """The least n from which on ``far`` is at most ``tv``, as its last ``row`` values show."""
+    def _first_from(self, tv: float, far: Callable[[Array, Array], float]) -> ReachTime:
+        """The least n from which on ``far`` is at most ``tv``, as its last values, a period of them, show."""
         most, found = (HORIZON if self.chain.period is None else _LONG_HORIZON) * self.pushes, np.empty(0)
+        row = self.chain.period or _ROW
         count = max(self.pushes, row)
         while True:
             laws = self._laws_after(count)[found.size :]
@@ -204,11 +209,6 @@ class ScheduleLaws:
         rows = waves(theta, modes)
         scale = np.where(np.arange(self.chain.size) == 0, 1.0, 2.0) / theta.size
         return np.array([(rows * wave(k * theta)) @ (rows.T * scale) for k in _HARMONICS for wave in (np.cos, np.sin)])
-
-
-def _density(law: FourierLaw, other: FourierLaw) -> Array:
-    """How far two densities are apart on a grid, per radian."""
-    return density_on_grid(law.moments - other.moments, _GRID)
 
 
 def _farthest(laws: Array, aim: FourierLaw) -> float:
@@ -237,13 +237,9 @@ def _settled(chain: ScheduleChain, first_guess: Array) -> JointLaw:
         joint = chain.advance(joint)
         if push % _SETTLING == 0:
             first, second = joint.marginal
-            if np.mean(np.abs(_heights(first - second))) < 2e-2 / TWO_PI:
+            if np.mean(np.abs(density_on_grid(complex_moments(first - second), _GRID))) < 2e-2 / TWO_PI:
                 break
     return JointLaw(joint.push, joint.rows[:, :1])
-
-
-def _heights(coefficients: Array) -> Array:
-    return density_on_grid(complex_moments(coefficients), _GRID)
 
 
 def _returning(chain: ScheduleChain, first_guess: Array) -> Array:

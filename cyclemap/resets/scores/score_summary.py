@@ -10,6 +10,7 @@ from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.mixtures.worst_start import ReachTime
 from cyclemap.resets.scores.simulated_coverage import SampledMean, SimulatedCoverage
 
+REPORTED_PUSHES = 100  # that the effective sample size is told for
 _UNDEFINED = Estimate(np.inf, np.inf)
 
 

@@ -20,7 +20,7 @@ from cyclemap.resets.scores.coverage_measures import DEFAULT_SECTORS, coverage_m
 
 Start = float | Literal["stationary", "uniform"]
 Sampler = Callable[[int, int, int], Array]
-_TABLE = 1 << 13  # points from which starts of the stationary law are drawn
+_TABLE = 1 << 13  # cells of the table from which starts of a law are drawn
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,12 @@ def drawn_starts(operator: CycleOperator, law: str, count: int, rng: np.random.G
     shares = rng.uniform(0.0, 1.0, count)
     if law == "uniform":
         return TWO_PI * shares
+    return density_quantiles(operator.density, shares)
+
+
+def density_quantiles(density: Callable[[Array], Array], shares: Array) -> Array:
+    """Angles (n,) in [0, 2π] below which ``shares`` (n,), in [0, 1], of a density on the circle lie; by 8192 cells."""
     grid = TWO_PI * np.arange(_TABLE + 1) / _TABLE
-    density = np.maximum(operator.density(grid), 0.0)
-    below = np.append(0.0, np.cumsum(0.5 * (density[1:] + density[:-1])))
+    heights = np.maximum(density(grid), 0.0)
+    below = np.append(0.0, np.cumsum(0.5 * (heights[1:] + heights[:-1])))
     return np.asarray(np.interp(shares, below / below[-1], grid))

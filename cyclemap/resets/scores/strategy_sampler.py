@@ -9,15 +9,13 @@ import numpy as np
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Noise
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.arcs import Array
 from cyclemap.maps.mixtures.fourier_law import FourierLaw
 from cyclemap.resets.scores.schedule_cells import gripper_turns
-from cyclemap.resets.scores.simulated_coverage import Sampler
+from cyclemap.resets.scores.simulated_coverage import Sampler, density_quantiles
 from cyclemap.resets.strategies.strategy_maps import StrategyMaps
 from cyclemap.resets.strategies.strategy_run import noise_of_run
 from cyclemap.resets.strategies.strategy_sampling import Interpolated
-
-_TABLE = 1 << 13  # points from which starts of a law are drawn
 
 
 def strategy_sampler(maps: StrategyMaps, noise: Noise, start: float | FourierLaw = 0.0) -> Sampler:
@@ -66,10 +64,7 @@ def run_seed(seed: int, run: int) -> int:
 
 def law_starts(law: FourierLaw, count: int, rng: np.random.Generator) -> Array:
     """Angles (count,) in [0, 2π] of a law, from a table of 8192 cells."""
-    grid = TWO_PI * np.arange(_TABLE + 1) / _TABLE
-    density = np.maximum(law.density(grid), 0.0)
-    below = np.append(0.0, np.cumsum(0.5 * (density[1:] + density[:-1])))
-    return np.asarray(np.interp(rng.uniform(0.0, 1.0, count), below / below[-1], grid))
+    return density_quantiles(law.density, rng.uniform(0.0, 1.0, count))
 
 
 def _interpolated(maps: tuple[Any, ...], rows: Array, theta: Array) -> Array:

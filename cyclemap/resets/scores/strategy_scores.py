@@ -19,7 +19,7 @@ from cyclemap.resets.scores.reset_scores import ResetScores
 from cyclemap.resets.scores.schedule_laws import ScheduleLaws
 from cyclemap.resets.scores.schedule_routes import FOLLOWED_RUNS, schedule_laws
 from cyclemap.resets.scores.score_options import check_score_options, checked_score_noise
-from cyclemap.resets.scores.score_summary import coverage_numbers, sampled_number, summary_numbers
+from cyclemap.resets.scores.score_summary import REPORTED_PUSHES, coverage_numbers, sampled_number, summary_numbers
 from cyclemap.resets.scores.score_targets import law_peaks, target_law, target_table
 from cyclemap.resets.scores.simulated_coverage import SimulatedCoverage, schedule_sampler, simulated_coverage
 from cyclemap.resets.scores.strategy_operators import (
@@ -36,7 +36,6 @@ from cyclemap.resets.strategies.strategy_sampling import Interpolated
 
 Made = TypeVar("Made", ResetScores, ScheduleLaws)
 _QUICK_STARTS, _STARTS = 64, 256
-_REPORTED = 100  # pushes that the effective sample size is told for
 
 
 def strategy_scores(
@@ -169,7 +168,7 @@ class StrategyScores:
 
     @cached_property
     def mixing_cycles(self) -> ReachTime:
-        """Pushes until the law from any start is within ``tv`` of that of a run that had long begun."""
+        """Pushes from which on the law from any start is within ``tv`` of that of a run that had long begun."""
         return self._schedule.mixing_cycles(self.tv) if self.independent is None else self.independent.mixing_cycles
 
     @cached_property
@@ -186,11 +185,9 @@ class StrategyScores:
     @cached_property
     def curve(self) -> WorstStart:
         """Largest total variation and W1 from the target over all starts, after 1, ..., ``pushes`` pushes."""
-        return (
-            self._schedule.worst(self.pushes, target_law(self.target))
-            if self.independent is None
-            else self.independent.curve
-        )
+        if self.independent is not None:
+            return self.independent.curve
+        return self._schedule.worst(self.pushes, target_law(self.target))
 
     # -- what the pushes are worth -------------------------------------------------------------------------
 
@@ -203,11 +200,11 @@ class StrategyScores:
         if self.independent is not None:
             return self.independent.effective_size_per_100
         try:
-            return self._schedule.effective_size(_REPORTED)
+            return self._schedule.effective_size(REPORTED_PUSHES)
         except ConvergenceError:
             if self.modes is not None or self.bounded:
                 raise
-            return self._schedule_laws(self._kept(True)).effective_size(_REPORTED)
+            return self._schedule_laws(self._kept(True)).effective_size(REPORTED_PUSHES)
 
     @cached_property
     def coverage(self) -> SimulatedCoverage:
@@ -252,7 +249,7 @@ class StrategyScores:
 
     @cached_property
     def peaks(self) -> Any:
-        """Angles in [0, 2π), radians, of the maxima of the law's density; none where it is uniform to 1e-6."""
+        """Angles in [0, 2π), radians, of the maxima of the law's density; none where it is uniform."""
         return law_peaks(self.law) if self.independent is None else self.independent.peaks
 
     # -- inside --------------------------------------------------------------------------------------------

@@ -14,11 +14,11 @@ from cyclemap.resets.design.action_cache import ActionCache
 from cyclemap.resets.design.reset_candidates import Effort
 from cyclemap.resets.design.reset_curves import reset_curves
 from cyclemap.resets.design.reset_demands import ResetDemands
-from cyclemap.resets.design.reset_design import design_reset
+from cyclemap.resets.design.reset_design import _given_names, design_reset
 from cyclemap.resets.design.reset_survey import ResetSurvey
 from cyclemap.resets.design.reset_trial import reset_trial
 from cyclemap.resets.scores.strategy_scores import strategy_scores
-from cyclemap.resets.strategies.drag_strategies import TrailingLeg, WayPoints
+from cyclemap.resets.strategies.drag_strategies import StraightReset, TrailingLeg, WayPoints
 from cyclemap.resets.strategies.schedules import GoldenAngle
 from cyclemap.resets.strategies.strategy_maps import strategy_maps
 
@@ -196,3 +196,8 @@ def test_bad_trials_are_refused(kept) -> None:
         reset_trial(kept.cache, kept.chosen.candidate, 0)
     with pytest.raises(InvalidInput, match="runs must be at least 250"):
         reset_trial(kept.cache, kept.chosen.candidate, 10, runs=3)
+
+
+def test_given_strategies_of_one_name_are_told_apart_by_numbers() -> None:
+    names = _given_names((TrailingLeg(0.05), StraightReset(), TrailingLeg(0.07)))
+    assert names == ["trailing leg (given, 1)", "straight (given)", "trailing leg (given, 2)"]

@@ -42,12 +42,6 @@ def test_gradients_are_those_of_finite_differences(mixture, measure):
     assert np.abs(gradient - differences(lambda w: measure(mixture, w)[0], WEIGHTS)).max() < 1e-8
 
 
-def test_the_group_inverse_gives_the_rates_of_the_stationary_law(mixture):
-    rates = mixture.stationary_rates(WEIGHTS)
-    assert rates.shape == (2 * MODES + 1, 4) and np.abs(rates[0]).max() == 0.0
-    assert np.abs(rates - differences(mixture.stationary, WEIGHTS).T).max() < 1e-8
-
-
 def test_the_laws_are_those_of_the_mixtures_operator(mixture):
     """Stationary by its moments; after seven pushes by the law carried on from each start."""
     operator = mixture_operator(MAPS, WEIGHTS, NOISE, MODES)

@@ -36,7 +36,7 @@ def _moved(name, by):
 
 @pytest.fixture(scope="module")
 def sampled():
-    return CycleSampler(LOOP, SAMPLES).sampled(LOOP, CycleAction(POINTS, PUSH), MOVING)
+    return CycleSampler(SAMPLES).sampled(LOOP, CycleAction(POINTS, PUSH), MOVING)
 
 
 @pytest.mark.parametrize("name", [*MOVING, "way_1_y", "way_2_x"])
@@ -65,7 +65,7 @@ def test_samples_are_the_loops_own_cycles_and_slopes(sampled):
 def test_without_way_points_tangents_are_the_loops_sensitivity():
     """The other implementation: `CollectionLoop.sensitivity`, of the whole cycle at once, with friction in the ring."""
     loop = CollectionLoop.mit("abs", push=PUSH, reset=DragBack(pin_friction_radius=0.001))
-    sampler = CycleSampler(loop, SAMPLES)
+    sampler = CycleSampler(SAMPLES)
     found = sampler.sampled(loop, CycleAction().filled(loop), MOVING)
     assert found.names == ("theta", "fraction", "angle", "distance", "hitch_x", "hitch_y")
     for index, theta in enumerate(even_orientations(SAMPLES).tolist()):
@@ -77,10 +77,18 @@ def test_without_way_points_tangents_are_the_loops_sensitivity():
 
 
 def test_actions_that_share_a_push_share_its_run_and_nothing_is_run_twice():
-    sampler = CycleSampler(QUICK, SAMPLES)
+    sampler = CycleSampler(SAMPLES)
     for points in ((), POINTS, POINTS[:1], POINTS):
         sampler.sampled(QUICK, CycleAction(points, PUSH), ("way_1_x",))
     assert sampler.cycles == 3 * SAMPLES and len(sampler._pushes) == SAMPLES
+
+
+def test_loops_that_differ_in_more_than_the_ring_are_told_apart():
+    """The same action with the same ring on another material is another cycle, whatever was run before."""
+    sampler, other = CycleSampler(SAMPLES), CollectionLoop.mit("abs", accuracy=1e-6)
+    before, after = (sampler.sampled(loop, CycleAction((), PUSH), ()) for loop in (QUICK, other))
+    own = CycleAction((), PUSH).on(other).next_theta(even_orientations(SAMPLES)) - even_orientations(SAMPLES)
+    assert np.abs(after.turn - own).max() < 1e-12 and np.abs(after.turn - before.turn).max() > 1e-3
 
 
 def test_a_way_point_where_the_ring_already_is_has_no_derivative():
@@ -88,7 +96,7 @@ def test_a_way_point_where_the_ring_already_is_has_no_derivative():
     theta = float(even_orientations(SAMPLES)[2])
     push = QUICK.model.push(QUICK.start_pose(theta), PUSH)
     there = QUICK.model.ring_place(push.end)
-    found = CycleSampler(QUICK, SAMPLES).sampled(QUICK, CycleAction((there,), PUSH), ("way_1_x", "fraction"))
+    found = CycleSampler(SAMPLES).sampled(QUICK, CycleAction((there,), PUSH), ("way_1_x", "fraction"))
     assert np.isnan(found.turn_by[2, 2:]).all() and np.isfinite(found.turn_by[2, :2]).all()
     assert np.isfinite(np.delete(found.turn_by, 2, axis=0)).all()
 

@@ -91,7 +91,7 @@ def test_a_demand_that_nothing_meets_is_answered_by_what_exceeds_it_least():
 
 
 def test_a_wider_range_is_never_worse_and_a_bound_that_binds_is_named():
-    """Least |lambda_2| over the gripper's spread: the whole range is used up, up to pi, where it is zero."""
+    """Least |lambda_2| over the gripper's spread h: kappa_1 sin(h)/h falls up to pi, so that the range is used up."""
     size = Resolution(samples=8, modes=12, nodes=64, pushes=2)
     narrow, wide = (
         search_parameters(

@@ -206,9 +206,11 @@ def test_a_file_that_lacks_something_is_refused(schedule, change, said) -> None:
         read_schedule(schedule)
 
 
-def test_an_absent_file_is_refused(tmp_path) -> None:
-    with pytest.raises(DataFileError, match="cannot be read"):
+def test_an_absent_file_and_a_folder_are_refused(tmp_path) -> None:
+    with pytest.raises(DataFileError, match=r"none\.csv: there is no such file"):
         read_schedule(tmp_path / "none.csv")
+    with pytest.raises(DataFileError, match="cannot be read"):
+        read_schedule(tmp_path)
 
 
 ACTIONS = tuple(CycleAction((), push, turn) for push, turn in zip((*PUSHES, PUSHES[0]), (0.1, 0.2, 0.1), strict=True))

@@ -23,8 +23,8 @@ def allowance_of(design: ResetDesign) -> Allowance:
 def robust_first(design: ResetDesign, robust: RobustReset, progress: Progress | None = None) -> ResetDesign:
     """Return the design with the robust strategy as the first of its ranking, and as the one that is chosen.
 
-    Its scores are those on the nominal material, with error bounds where it meets the demands there. Raises what its
-    cycles raise.
+    Its scores are those on the nominal material, with error bounds where it meets the demands there. Raises
+    CycleMapError where its cycles lead out of the mechanics.
     """
     survey = ResetSurvey(design.cache, design.demands, False, progress or (lambda stage, done: None))
     survey.look([ResetCandidate(NAME, robust.strategy)], "scoring the robust pushes")
