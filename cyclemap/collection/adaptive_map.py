@@ -6,11 +6,13 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cyclemap.checks import positive_number
 from cyclemap.maps import CircleMap
 
 Sample = Callable[[float], tuple[float, float]]
+SampleMany = Callable[[NDArray[np.float64]], tuple[NDArray[np.float64], NDArray[np.float64]]]
 
 _FULL_TURN = 2.0 * math.pi
 _FIRST_INTERVALS = 24
@@ -59,6 +61,7 @@ class _Sampler:
     """Work in progress: counts and reports samples, keeps what is finished."""
 
     sample: Sample
+    sample_many: SampleMany | None
     tolerance: float
     progress: Callable[[float], None]
     finished: list[_Interval] = field(default_factory=list)
@@ -67,6 +70,13 @@ class _Sampler:
     def node(self, theta: float) -> _Node:
         value, slope = self.sample(theta)
         return _Node(theta, value, slope)
+
+    def nodes(self, theta: list[float]) -> list[_Node]:
+        """The nodes at several places, in one call where there is one for that."""
+        if self.sample_many is None or not theta:
+            return [self.node(t) for t in theta]
+        value, slope = self.sample_many(np.array(theta))
+        return [_Node(*node) for node in zip(theta, value.tolist(), slope.tolist(), strict=True)]
 
     def finish(self, *intervals: _Interval) -> None:
         self.finished.extend(intervals)
@@ -80,6 +90,7 @@ def sample_circle_map(
     tolerance: float,
     progress: Callable[[float], None] | None = None,
     sample_error: float = 0.0,
+    sample_many: SampleMany | None = None,
 ) -> CircleMap:
     """Return the circle map of degree one that `sample` (theta -> lifted value, slope) gives; `value` gives the first.
 
@@ -89,6 +100,7 @@ def sample_circle_map(
 
     The map's `max_error` is the largest error estimate, checked at further places, plus `sample_error`; it exceeds the
     tolerance where that could not be reached, as on stretches so steep that they cannot be told from a jump.
+    `sample_many`, if given, samples several places at once: thetas (n,) -> values, slopes (n,).
 
     >>> lift = lambda theta: theta + 0.5 + 0.1 * math.sin(theta)
     >>> circle = sample_circle_map(lambda theta: (lift(theta), 1.0 + 0.1 * math.cos(theta)), lift, 1e-6)
@@ -96,37 +108,44 @@ def sample_circle_map(
     (True, 0)
     """
     interpolated = (1.0 - _LOCATED) * positive_number("tolerance", tolerance)
-    sampler = _Sampler(sample, interpolated, progress or (lambda fraction: None))
-    nodes = [sampler.node(_FULL_TURN * k / _FIRST_INTERVALS) for k in range(_FIRST_INTERVALS)]
+    sampler = _Sampler(sample, sample_many, interpolated, progress or (lambda fraction: None))
+    nodes = sampler.nodes([_FULL_TURN * k / _FIRST_INTERVALS for k in range(_FIRST_INTERVALS)])
     nodes.append(_Node(_FULL_TURN, nodes[0].value + _FULL_TURN, nodes[0].slope))
-    for low, high in pairwise(nodes):
-        _resolve(sampler, _Interval(low, high, math.inf))
+    _resolve(sampler, [_Interval(low, high, math.inf) for low, high in pairwise(nodes)])
     _check(sampler, value)
     intervals = sorted(sampler.finished, key=lambda interval: interval.low.theta)
     located = _LOCATED * tolerance
     return _assemble(intervals, max(interval.error for interval in intervals) + located + sample_error)
 
 
-def _resolve(sampler: _Sampler, first: _Interval) -> None:
-    """Halve an interval until all of its parts are good enough, splitting it at breaks."""
-    waiting = [first]
+def _resolve(sampler: _Sampler, waiting: list[_Interval]) -> None:
+    """Halve intervals until all of their parts are good enough, splitting them at breaks."""
     while waiting:
-        interval = waiting.pop()
-        if interval.width <= 2.0 * _NARROWEST:
-            sampler.finish(_Interval(interval.low, interval.high, min(interval.error, _narrow_error(interval))))
-            continue
-        middle = sampler.node(0.5 * (interval.low.theta + interval.high.theta))
-        error = _interpolation_error(interval, middle)
-        halves = (
-            _Interval(interval.low, middle, error),
-            _Interval(middle, interval.high, error),
-        )
-        if error <= sampler.tolerance:
-            sampler.finish(*halves)
-            continue
-        suspect = interval.width <= _SUSPECT and error > interval.error / _HALVING
-        sides = _split_at_break(sampler, interval) if suspect else None
-        waiting.extend(sides or reversed(halves))
+        halved = []
+        for interval in waiting:
+            if interval.width <= 2.0 * _NARROWEST:
+                sampler.finish(_Interval(interval.low, interval.high, min(interval.error, _narrow_error(interval))))
+            else:
+                halved.append(interval)
+        middles = sampler.nodes([0.5 * (interval.low.theta + interval.high.theta) for interval in halved])
+        waiting = []
+        for interval, middle in zip(halved, middles, strict=True):
+            waiting.extend(_halves(sampler, interval, middle))
+
+
+def _halves(sampler: _Sampler, interval: _Interval, middle: _Node) -> tuple[_Interval, ...]:
+    """Return the parts that are left to resolve of an interval whose middle has been sampled."""
+    error = _interpolation_error(interval, middle)
+    halves = (
+        _Interval(interval.low, middle, error),
+        _Interval(middle, interval.high, error),
+    )
+    if error <= sampler.tolerance:
+        sampler.finish(*halves)
+        return ()
+    suspect = interval.width <= _SUSPECT and error > interval.error / _HALVING
+    sides = _split_at_break(sampler, interval) if suspect else None
+    return sides or halves
 
 
 def _interpolation_error(interval: _Interval, node: _Node) -> float:
@@ -206,7 +225,7 @@ def _check(sampler: _Sampler, value: Callable[[float], float]) -> None:
         if error <= sampler.tolerance:
             sampler.finish(_Interval(interval.low, interval.high, max(error, interval.error)))
         else:
-            _resolve(sampler, _Interval(interval.low, interval.high, math.inf))
+            _resolve(sampler, [_Interval(interval.low, interval.high, math.inf)])
 
 
 def _assemble(intervals: list[_Interval], max_error: float) -> CircleMap:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.mechanics import Pose
+from cyclemap.mechanics.compiled.cycle_batch import CycleBatch
 
 
 class PushStroke(Protocol):
@@ -116,4 +117,18 @@ class Cycles:
             column("drag_length"),
             column("theta_next"),
             np.array([run.ended == "left" for run in runs]).reshape(theta.shape),
+        )
+
+    @classmethod
+    def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> "Cycles":
+        """Return cycles from the orientations theta (...), in its order, that were run in one call."""
+        shape = theta.shape
+        return cls(
+            theta,
+            batch.push_turn.reshape(shape),
+            batch.push_displacement.reshape(*shape, 2),
+            batch.drag_turn.reshape(shape),
+            batch.drag_length.reshape(shape),
+            batch.theta_next.reshape(shape),
+            batch.left.reshape(shape),
         )

@@ -31,10 +31,13 @@ from cyclemap.mechanics import (
     Trajectory,
     load_material,
 )
+from cyclemap.mechanics.compiled.cycle_batch import cycle_batch, expect_cycles
 from cyclemap.mechanics.cycle_variation import CYCLE_OUTPUTS, PARAMETER_NAMES, cycle_jacobian
 
 # Samples of a drawn push, and of each leg of a drawn drag.
 _DRAWN = 60
+# Samples that a map takes, roughly.
+_MAP_SAMPLES = 300
 
 
 @dataclass(frozen=True)
@@ -155,7 +158,10 @@ class CollectionLoop:
         array([73.653, 73.927])
         """
         values = finite_array("theta", theta)
-        return Cycles.gathered(values, [self.cycle(t) for t in values.ravel().tolist()])
+        batch = cycle_batch(self.model, self.push, self.reset, values.ravel(), slopes=False)
+        if batch is None or not batch.done.all():
+            return Cycles.gathered(values, [self.cycle(t) for t in values.ravel().tolist()])
+        return Cycles.of_batch(values, batch)
 
     def next_theta(self, theta: ArrayLike) -> NDArray[np.float64]:
         """Return theta_next (...), rad on the lift, at orientations (...)."""
@@ -178,16 +184,30 @@ class CollectionLoop:
         `progress` is called with the fraction done. See `sample_circle_map` for how samples are placed and jumps kept.
         """
 
-        def sample(theta: float) -> tuple[float, float]:
-            found = fine.sensitivity(theta, ("theta",))
-            return found.theta_next, found.by_theta
+        sample_error = max(0.1 * positive_number("tolerance", tolerance), 1e-10)
+        fine = replace(self, accuracy=min(sample_error, 1e-6))
+        expect_cycles(fine.model, _MAP_SAMPLES)
 
         def value(theta: float) -> float:
             return fine.cycle(theta).theta_next
 
-        sample_error = max(0.1 * positive_number("tolerance", tolerance), 1e-10)
-        fine = replace(self, accuracy=min(sample_error, 1e-6))
-        return sample_circle_map(sample, value, 0.9 * tolerance, progress, sample_error)
+        return sample_circle_map(
+            fine._value_and_slope, value, 0.9 * tolerance, progress, sample_error, fine._values_and_slopes
+        )
+
+    def _value_and_slope(self, theta: float) -> tuple[float, float]:
+        value, slope = self._values_and_slopes(np.array([theta]))
+        return float(value[0]), float(slope[0])
+
+    def _values_and_slopes(self, theta: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return theta_next and its derivative by theta at orientations (n,)."""
+        batch = cycle_batch(self.model, self.push, self.reset, theta, slopes=True)
+        done = np.zeros(theta.shape, bool) if batch is None else batch.done
+        values, slopes = np.empty((2, *theta.shape)) if batch is None else (batch.theta_next, batch.by_theta)
+        for index in np.flatnonzero(~done).tolist():
+            found = self.sensitivity(float(theta[index]), ("theta",))
+            values[index], slopes[index] = found.theta_next, found.by_theta
+        return values, slopes
 
     def strokes(self, theta: float, longest_step: float = math.inf) -> tuple[PushResult, DragResult]:
         """Run the push and the drag of a cycle, their steps no longer than `longest_step` (m)."""

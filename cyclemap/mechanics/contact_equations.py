@@ -36,6 +36,9 @@ ARGUMENTS = (
     *("mu_a", "mu_b", "m0", "n0", "phi", "rim_share", "warp_a", "warp_b"),
 )
 
+# Those that change with the state, and the rod's direction.
+_STATE_ARGUMENTS = 5
+
 STICK, SLIDE, RING_FRICTION = "stick", "slide", "ring_friction"
 
 
@@ -44,25 +47,43 @@ class ContactFunctions:
     """Functions (unknowns, arguments) of one set of equations in one regime (near or far centre of rotation).
 
     `solver`: -> (residuals, Newton step, f_n, f_t, far), with f_n, f_t the compression and tangential force on the
-    slider per unit load; `tangent` (unknowns, 14): derivatives of the solution by the arguments. Unknowns: omega, and
-    where the rod slides tau.
+    slider per unit load; `tangent` (unknowns, 14): derivatives of the solution by the arguments; `state_tangent`
+    (unknowns, 5), far: by the first five of them, at less cost. Unknowns: omega, and where the rod slides tau.
     """
 
     solver: ca.Function
     tangent: ca.Function
+    state_tangent: ca.Function
 
 
 @dataclass(frozen=True)
 class _Balance:
-    """Symbols and residuals of one set of equations."""
+    """Symbols and expressions of one set of equations; what depends on the twist does so through its own symbol."""
 
     unknowns: Expression
     arguments: Expression
+    twist: Expression
+    twist_of: Expression
     patch: PatchExpressions
     residual: Expression
-    jacobian: Expression
     normal_force: Expression
     tangential_force: Expression
+    gradient: Expression
+
+    def residual_by(self, variables: Expression) -> Expression:
+        """Chain rule: what the residual holds itself, and through the twist by the Hessian."""
+        explicit = ca.jacobian(self.with_gradient(self.residual), variables)
+        by_twist = ca.jacobian(self.residual, self.gradient) @ self.patch.hessian
+        return explicit + by_twist @ ca.jacobian(self.twist_of, variables)
+
+    def with_gradient(self, expression: Expression) -> Expression:
+        """Return an expression with grad D in place of its symbol."""
+        return ca.substitute(expression, self.gradient, ca.vertcat(self.patch.force, self.patch.torque))
+
+    def substituted(self, expression: Expression) -> Expression:
+        """Return an expression of the unknowns and arguments alone."""
+        inner = self.patch.substituted(self.with_gradient(expression))
+        return ca.cse(ca.substitute(inner, self.twist, self.twist_of))
 
 
 @lru_cache(maxsize=256)
@@ -76,70 +97,73 @@ def contact_functions(pressure: PressureFamily, equations: str, near: bool) -> C
         balance = _slide_balance(pressure, near, symbol)
     else:
         balance = _stick_balance(pressure, near, symbol, with_friction=equations == RING_FRICTION)
-    return ContactFunctions(_solver(balance), _tangent(balance))
+    return ContactFunctions(_solver(balance), _tangent(balance), _state_tangent(balance))
 
 
 def _stick_balance(pressure: PressureFamily, near: bool, symbol: Symbol, with_friction: bool) -> _Balance:
-    omega, q = symbol("omega"), symbol("arguments", len(ARGUMENTS))
-    theta, direction, x, y, normal, smu = (q[i] for i in range(6))
+    omega, q, gradient = symbol("omega"), symbol("arguments", len(ARGUMENTS)), symbol("gradient", 3)
+    theta, direction, x, y, _, smu = (q[i] for i in range(6))
     rod = ca.vertcat(ca.cos(direction - theta), ca.sin(direction - theta))
-    patch = _patch(pressure, rod, omega, q, near)
     # Spin about the contact: V(omega) = (u - omega z x c, omega).
-    spin = ca.vertcat(y, -x, 1)
-    gradient = ca.vertcat(patch.force, patch.torque)
-    residual, jacobian = ca.dot(spin, gradient), spin.T @ patch.hessian @ spin
+    residual = ca.dot(ca.vertcat(y, -x, 1), gradient)
     if with_friction:
-        force = ca.sqrt(patch.force[0] ** 2 + patch.force[1] ** 2)
-        residual = residual + smu * force
-        jacobian = jacobian + smu * (patch.force.T / force) @ patch.hessian[:2, :] @ spin
-    return _balance(omega, q, patch, residual, jacobian, normal)
+        residual = residual + smu * ca.sqrt(gradient[0] ** 2 + gradient[1] ** 2)
+    return _balance(pressure, near, symbol, (omega, q, gradient), rod, residual)
 
 
 def _slide_balance(pressure: PressureFamily, near: bool, symbol: Symbol) -> _Balance:
-    z, q = symbol("unknowns", 2), symbol("arguments", len(ARGUMENTS))
+    z, q, gradient = symbol("unknowns", 2), symbol("arguments", len(ARGUMENTS)), symbol("gradient", 3)
     x, y, normal, smu = q[2], q[3], q[4], q[5]
     n, t = ca.vertcat(ca.cos(normal), ca.sin(normal)), ca.vertcat(-ca.sin(normal), ca.cos(normal))
-    patch = _patch(pressure, -n + z[1] * t, z[0], q, near)
-    spin, slip = ca.vertcat(y, -x, 1), ca.vertcat(t, 0)
-    # Perpendicular to the cone's edge -n + smu t.
-    across = ca.vertcat(t + smu * n, 0)
-    gradient = ca.vertcat(patch.force, patch.torque)
-    rows = ca.horzcat(spin, across).T
-    return _balance(z, q, patch, rows @ gradient, rows @ patch.hessian @ ca.horzcat(spin, slip), normal)
-
-
-def _patch(
-    pressure: PressureFamily, contact_velocity: Expression, omega: Expression, q: Expression, near: bool
-) -> PatchExpressions:
-    x, y = q[2], q[3]
-    velocity = contact_velocity + omega * ca.vertcat(y, -x)
-    return patch_expressions(pressure, ca.vertcat(velocity, omega), q[6:14], q[0], near)
+    # No torque about the contact, and no force across the cone's edge -n + smu t.
+    rows = ca.horzcat(ca.vertcat(y, -x, 1), ca.vertcat(t + smu * n, 0)).T
+    return _balance(pressure, near, symbol, (z, q, gradient), -n + z[1] * t, rows @ gradient)
 
 
 def _balance(
-    unknowns: Expression,
-    q: Expression,
-    patch: PatchExpressions,
+    pressure: PressureFamily,
+    near: bool,
+    symbol: Symbol,
+    symbols: tuple[Expression, Expression, Expression],
+    contact_velocity: Expression,
     residual: Expression,
-    jacobian: Expression,
-    normal: Expression,
 ) -> _Balance:
-    fx, fy = patch.force[0], patch.force[1]
+    unknowns, q, gradient = symbols
+    x, y, normal, omega = q[2], q[3], q[4], unknowns[0]
+    twist, twist_of = symbol("twist", 3), ca.vertcat(contact_velocity + omega * ca.vertcat(y, -x), omega)
+    patch = patch_expressions(pressure, twist, q[6:14], q[0], near)
     c, s = ca.cos(normal), ca.sin(normal)
-    return _Balance(unknowns, q, patch, residual, jacobian, -(c * fx + s * fy), c * fy - s * fx)
+    normal_force, tangential_force = -(c * gradient[0] + s * gradient[1]), c * gradient[1] - s * gradient[0]
+    return _Balance(unknowns, q, twist, twist_of, patch, residual, normal_force, tangential_force, gradient)
 
 
 def _solver(balance: _Balance) -> ca.Function:
-    step = -_solved(balance.jacobian, balance.residual)
+    step = -_solved(balance.residual_by(balance.unknowns), balance.residual)
     outputs = ca.vertcat(balance.residual, step, balance.normal_force, balance.tangential_force, balance.patch.far)
-    return ca.Function("balance", [balance.unknowns, balance.arguments], [ca.cse(balance.patch.substituted(outputs))])
+    return ca.Function("balance", [balance.unknowns, balance.arguments], [balance.substituted(outputs)])
 
 
 def _tangent(balance: _Balance) -> ca.Function:
     """Implicit function theorem: d unknowns / d arguments = -(d residual / d unknowns)^-1 d residual / d arguments."""
-    by_arguments = ca.jacobian(balance.residual, balance.arguments)
-    tangent = -_solved(balance.jacobian, by_arguments)
-    return ca.Function("tangent", [balance.unknowns, balance.arguments], [ca.cse(balance.patch.substituted(tangent))])
+    by_unknowns, by_arguments = balance.residual_by(balance.unknowns), balance.residual_by(balance.arguments)
+    tangent = ca.densify(-_solved(by_unknowns, by_arguments))
+    return ca.Function("tangent", [balance.unknowns, balance.arguments], [balance.substituted(tangent)])
+
+
+def _state_tangent(balance: _Balance) -> ca.Function:
+    """The same by the first five arguments alone: of these the footprint's integrals know only theta."""
+    q, theta = balance.arguments, ca.DM.eye(len(ARGUMENTS))[:, 0]
+    explicit = ca.jacobian(balance.residual, q)[:, 1:_STATE_ARGUMENTS]
+    by_theta = ca.jtimes(balance.with_gradient(balance.residual), q, theta)
+    by_twist = ca.jacobian(balance.residual, balance.gradient) @ balance.patch.hessian
+    twist_by = ca.jacobian(balance.twist_of, q)[:, :_STATE_ARGUMENTS]
+    by_state = ca.horzcat(by_theta, explicit) + by_twist @ twist_by
+    tangent = ca.densify(-_solved(balance.residual_by(balance.unknowns), by_state))
+    outputs = balance.substituted(ca.vertcat(ca.vec(tangent), balance.patch.far))
+    size = tangent.numel()
+    return ca.Function(
+        "state_tangent", [balance.unknowns, q], [ca.reshape(outputs[:size], tangent.shape), outputs[size]]
+    )
 
 
 def _solved(matrix: Expression, right: Expression) -> Expression:

@@ -20,8 +20,8 @@ from cyclemap.mechanics.pressure_family import PressureFamily, rim_share, warp
 
 # Residuals, relative to the mean friction coefficient, at which a solution counts as found, and above which one that
 # rounding keeps from getting there is refused.
-_FOUND = 2e-13
-_ACCEPTED = 1e-10
+FOUND = 2e-13
+ACCEPTED = 1e-10
 
 Values = list[float]
 
@@ -55,7 +55,7 @@ class ContactSolver:
         self.footprint, self.friction = footprint, friction
         self.pressure = PressureFamily.of(footprint)
         # Calls of step functions with their buffers, shared by the motions that this solver serves.
-        self.step_calls: dict[tuple[str, str, bool], object] = {}
+        self.step_calls: dict[tuple[str, str, bool, bool], object] = {}
         self.arguments = np.zeros(len(ARGUMENTS))
         self.arguments[6:11] = friction.mu_a, friction.mu_b, friction.m0, friction.n0, friction.phi
         self.arguments[11:14] = rim_share(footprint), *warp(footprint)
@@ -95,7 +95,7 @@ class ContactSolver:
         for _ in range(12):
             residual, step, normal_force, tangential_force, _far = equation.at(omega)
             size = abs(residual) / self._scale
-            if size <= _FOUND:
+            if size <= FOUND:
                 return Stick(omega, normal_force, tangential_force, size)
             if not size < 0.7 * best:
                 break
@@ -119,7 +119,7 @@ class ContactSolver:
             r0, r1, s0, s1, normal_force, tangential_force, _far = self._slide.at(omega, tau)
             size = math.hypot(r0, r1) / self._scale
             # The opposite of the cone's edge satisfies the equations too, but a rod cannot pull.
-            if size <= _FOUND and normal_force > 0.0:
+            if size <= FOUND and normal_force > 0.0:
                 return Slide(omega, tau, normal_force, tangential_force, size)
             if not size < 0.7 * best:
                 break
@@ -134,7 +134,7 @@ class ContactSolver:
             return equation.at(spin)
 
         low, high = _bracket(torque, omega if math.isfinite(omega) else 0.0, f"spin of the {what}")
-        solution, values = _close(torque, low, high, _FOUND * self._scale)
+        solution, values = _close(torque, low, high, FOUND * self._scale)
         residual, _, normal_force, tangential_force, _ = values
         return Stick(solution, normal_force, tangential_force, self._accepted(residual, what))
 
@@ -155,15 +155,15 @@ class ContactSolver:
             return [value, math.nan, stick.normal_force, stick.tangential_force, state[0]]
 
         low, high = _bracket(excess, guess[1], "slip of the sliding contact")
-        tau, values = _close(excess, low, high, _FOUND * self._scale)
+        tau, values = _close(excess, low, high, FOUND * self._scale)
         self.arguments[:6] = theta, 0.0, x, y, normal, smu
         return Slide(values[4], tau, values[2], values[3], self._accepted(values[0], "sliding contact"))
 
     def _accepted(self, residual: float, what: str) -> float:
         size = abs(residual) / self._scale
-        if not size <= _ACCEPTED:
+        if not size <= ACCEPTED:
             state = dict(zip(ARGUMENTS, self.arguments.tolist(), strict=True))
-            raise ConvergenceError(f"the residual of the {what} stays at {size:.2e}, above {_ACCEPTED}, at {state}")
+            raise ConvergenceError(f"the residual of the {what} stays at {size:.2e}, above {ACCEPTED}, at {state}")
         return size
 
 

@@ -1,6 +1,7 @@
 """Integrates a motion while its margins stay positive, and lands on the place where the first one vanishes."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,30 +14,32 @@ from cyclemap.mechanics.runge_kutta import MARGIN, UNKNOWN, C, Step, next_length
 
 # A margin this share of the tolerance's root below zero still counts as kept, and a place where one is that near to
 # zero as landed on: rates are continuous from one law to the next, so that what is wrong is of its square ...
-_SLACK_SHARE = 0.03
+SLACK_SHARE = 0.03
 # ... but for a rod that leaves while it sticks, and a point that passes a corner: rates jump there, and the slack is
 # this share of the tolerance itself.
-_STRICT_SHARE = 0.1
+STRICT_SHARE = 0.1
 # A margin that dips this many slacks below zero at a stage, though not at the step's end, calls for a shorter step.
-_DIP = 30.0
+DIP = 30.0
 # A step this short is taken even if a margin is broken on it.
-_LEAST_ADVANCE = 1e-9
+LEAST_ADVANCE = 1e-9
 # A motion that cannot go on by this much, where a margin is zero, has ended there.
-_STUCK = 1e-8
+STUCK = 1e-8
 # Steps above this share of the length are made in one call or not at all: shorter ones are cheaper than certainty.
-_SHORT = 0.01
-_MOST_STEPS = 20_000
+SHORT = 0.01
+MOST_STEPS = 20_000
+# First steps to try, extents: where they are too long, the estimate of their error may flatter.
+FIRST_PUSH_STEP, FIRST_DRAG_STEP = 0.1, 0.15
 
 # The stages in the order of their places along a step; the end, last, in place of the stage beside it.
-_STAGE_ORDER = np.array([i for i in np.argsort(C, kind="stable").tolist() if C[i] < 1.0] + [len(C)])
-_STAGE_PLACES = np.append(C, 1.0)[_STAGE_ORDER]
+STAGE_ORDER = np.array([i for i in np.argsort(C, kind="stable").tolist() if C[i] < 1.0] + [len(C)])
+STAGE_PLACES = np.append(C, 1.0)[STAGE_ORDER]
 
 
 @dataclass(frozen=True)
 class Phase:
     """A stretch under one law: its steps, the margin that ended it (None: the length was reached), next step size."""
 
-    steps: tuple[Step, ...]
+    steps: Sequence[Step]
     broken: int | None
     next_h: float
 
@@ -64,12 +67,12 @@ def integrate(
     done, h, slack = 0.0, first_h, _slack(motion, tolerance)
     motion.evaluate(state)
     while done < length:
-        if len(steps) > _MOST_STEPS or h < 1e-15 * length:
+        if len(steps) > MOST_STEPS or h < 1e-15 * length:
             raise ConvergenceError(f"the motion needs steps below {h:.2e} at {done:.6g} of {length:.6g}: state {state}")
         tried = min(h, length - done, longest_h)
-        taken = _attempt(motion, state, tried, tolerance, fast=tried > _SHORT * length)
+        taken = _attempt(motion, state, tried, tolerance, fast=tried > SHORT * length)
         if taken is None or not taken.error <= tolerance:
-            ended = _ended(steps, slack) if tried <= max(tolerance, _STUCK) else None
+            ended = _ended(steps, slack) if tried <= max(tolerance, STUCK) else None
             if ended is not None:
                 return Phase(tuple(steps), ended, first_h)
             h = 0.5 * tried if taken is None else next_length(tried, taken.error, tolerance)
@@ -77,10 +80,10 @@ def integrate(
         relative = taken.stages[:, MARGIN] / slack
         least = relative.min()
         broken = int(relative[-1].argmin()) if least < -1.0 and relative[-1].min() < -1.0 else None
-        if broken is None and least < -_DIP and tried > 1e-4 * length:
+        if broken is None and least < -DIP and tried > 1e-4 * length:
             h = 0.4 * tried
             continue
-        if broken is not None and tried > _LEAST_ADVANCE:
+        if broken is not None and tried > LEAST_ADVANCE:
             taken, broken = _land(motion, state, taken, tolerance, slack)
         steps.append(taken)
         motion.unknowns = taken.stages[-1, UNKNOWN].tolist()
@@ -100,7 +103,7 @@ def _attempt(motion: Motion, state: NDArray[np.float64], h: float, tolerance: fl
     try:
         return motion.fast_step(state, h, tolerance) if fast else motion.step(state, h, tolerance)
     except ConvergenceError:
-        if h <= _LEAST_ADVANCE:
+        if h <= LEAST_ADVANCE:
             raise
         motion.unknowns = unknowns
         return None
@@ -116,11 +119,11 @@ def _ended(steps: list[Step], slack: NDArray[np.float64]) -> int | None:
 
 def _slack(motion: Motion, tolerance: float) -> NDArray[np.float64]:
     """How far below zero each margin may go, less for those where the motion changes at once."""
-    slack = np.full(MARGIN.stop - MARGIN.start, _SLACK_SHARE * math.sqrt(tolerance))
+    slack = np.full(MARGIN.stop - MARGIN.start, SLACK_SHARE * math.sqrt(tolerance))
     if motion.mode == STICK:
-        slack[MARGINS.index("approach")] = _STRICT_SHARE * tolerance
+        slack[MARGINS.index("approach")] = STRICT_SHARE * tolerance
     if motion.rod.radius == 0.0:
-        slack[[MARGINS.index("after_low"), MARGINS.index("before_high")]] = _STRICT_SHARE * tolerance
+        slack[[MARGINS.index("after_low"), MARGINS.index("before_high")]] = STRICT_SHARE * tolerance
     return slack
 
 
@@ -133,7 +136,7 @@ def _land(
     broken, h, slope = _first_crossing(taken, slack)
     before = (math.nan, math.nan)
     for iteration in range(400):
-        h = max(h, _LEAST_ADVANCE)
+        h = max(h, LEAST_ADVANCE)
         motion.unknowns = list(unknowns)
         attempt = _attempt(motion, state, h, tolerance)
         if attempt is None:
@@ -144,7 +147,7 @@ def _land(
         if relative[broken] > 1.0 and relative.min() < -1.0:
             broken, slope, before = int(relative.argmin()), math.nan, (math.nan, math.nan)
         margin = float(relative[broken])
-        if abs(margin) <= 1.0 or h <= _LEAST_ADVANCE or high - low <= 1e-13:
+        if abs(margin) <= 1.0 or h <= LEAST_ADVANCE or high - low <= 1e-13:
             return taken, broken
         low, high = (low, h) if margin < 0.0 else (h, high)
         if h != before[0]:
@@ -160,8 +163,8 @@ def _land(
 
 def _first_crossing(taken: Step, slack: NDArray[np.float64]) -> tuple[int, float, float]:
     """Return the margin that breaks first, where, and its slope (in slacks) there, as the stages tell roughly."""
-    order = _STAGE_ORDER
-    places, margins = _STAGE_PLACES * taken.h, taken.stages[order][:, MARGIN] / slack
+    order = STAGE_ORDER
+    places, margins = STAGE_PLACES * taken.h, taken.stages[order][:, MARGIN] / slack
     crossings = []
     for index in np.flatnonzero(margins[-1] < -1.0).tolist():
         after = max(int(np.argmax(margins[:, index] < -1.0)), 1)

@@ -26,12 +26,12 @@ RING, RING_LEFT, RING_RIGHT, RING_STUCK = "ring", "ring_left", "ring_right", "ri
 _SIGN = {STICK: 1.0, SLIDE_LEFT: 1.0, SLIDE_RIGHT: -1.0, SLIDE_FREE: 0.0}
 _SIGN |= {RING: 0.0, RING_LEFT: 1.0, RING_RIGHT: -1.0, RING_STUCK: 0.0}
 
-# A fast step counts when what Newton's last correction leaves, about its square, is this share of the step's tolerance
-# (support points: when the correction itself is, since their friction is not smooth) ...
-_LEFT = 0.01
+# A fast step counts when what Newton's last correction leaves, about its square, is off by this share of the step's
+# tolerance over its length (support points: when the correction itself is, since their friction is not smooth) ...
+LEFT_OVER, _LEFT_AT_POINTS = 0.001, 0.01
 # ... and its centres of rotation stay where the regime's integrals have ten digits or more of the Hessian: these shares
 # of the ratio at which one regime hands over to the other.
-_NEAR_LIMIT, _FAR_LIMIT = 14.0 / 8.0, 5.5 / 8.0
+NEAR_LIMIT, FAR_LIMIT = 14.0 / 8.0, 5.5 / 8.0
 
 _KEPT = (math.inf,) * len(MARGINS)
 
@@ -53,10 +53,20 @@ class Motion:
 
     def __init__(self, solver: ContactSolver, piece: Piece, mode: str, rod: Rod) -> None:
         self.solver, self.piece, self.mode, self.rod = solver, piece, mode, rod
-        self.parameters = motion_parameters(solver, piece, mode, rod)
         self.unknowns = [0.0, 0.0] if self.slides else [0.0]
         self._regime = 0
-        self._calls = [_step_call(solver, piece.kind, self.family, near) for near in (True, False)]
+
+    @cached_property
+    def parameters(self) -> NDArray[np.float64]:
+        """The parameters of its CasADi functions, in the order of PARAMETERS."""
+        return motion_parameters(self.solver, self.piece, self.mode, self.rod)
+
+    @cached_property
+    def _calls(self) -> list[list["_StepCall"]]:
+        """Calls of a step, near and far: quick ones first, and only those for support points."""
+        efforts = (False,) if isinstance(self.solver.footprint, PointFootprint) else (False, True)
+        made = [[(near, thorough) for near in (True, False)] for thorough in efforts]
+        return [[_step_call(self.solver, self.piece.kind, self.family, *key) for key in row] for row in made]
 
     @property
     def slides(self) -> bool:
@@ -113,11 +123,15 @@ class Motion:
         """Return a step of length h, made in one call, or None where its contact is not certified to be solved."""
         if self.mode == RING_STUCK:
             return step(self.evaluate, state, h)
-        taken = self._calls[self._regime](state, self.unknowns, h, self.parameters, tolerance)
-        if taken is None and not self._calls[self._regime].in_regime:
-            self._regime = 1 - self._regime
-            taken = self._calls[self._regime](state, self.unknowns, h, self.parameters, tolerance)
-        return taken
+        for calls in self._calls:
+            taken = calls[self._regime](state, self.unknowns, h, self.parameters, tolerance)
+            if taken is None and not calls[self._regime].in_regime:
+                self._regime = 1 - self._regime
+                taken = calls[self._regime](state, self.unknowns, h, self.parameters, tolerance)
+            # What leaves both regimes on the way needs a shorter step, not more iterations.
+            if taken is not None or not calls[self._regime].in_regime:
+                return taken
+        return None
 
     def step(self, state: NDArray[np.float64], h: float, tolerance: float) -> Step:
         """Return a step of length h: in one call where that is certified, else stage by stage."""
@@ -205,11 +219,11 @@ def motion_parameters(solver: ContactSolver, piece: Piece, mode: str, rod: Rod) 
     return np.array(values)
 
 
-def _step_call(solver: ContactSolver, kind: str, family: str, near: bool) -> "_StepCall":
+def _step_call(solver: ContactSolver, kind: str, family: str, near: bool, thorough: bool) -> "_StepCall":
     """Return the solver's own call of a step, made once."""
-    key = (kind, family, near)
+    key = (kind, family, near, thorough)
     if key not in solver.step_calls:
-        solver.step_calls[key] = _StepCall(solver.pressure, kind, family, near)
+        solver.step_calls[key] = _StepCall(solver.pressure, kind, family, near, thorough)
     call = solver.step_calls[key]
     assert isinstance(call, _StepCall)
     return call
@@ -218,9 +232,9 @@ def _step_call(solver: ContactSolver, kind: str, family: str, near: bool) -> "_S
 class _StepCall:
     """A step's CasADi function, with its buffers, built when it is first needed."""
 
-    def __init__(self, pressure: PressureFamily, kind: str, family: str, near: bool) -> None:
-        self._build = (pressure, kind, family, near)
-        self._near, self._limit = near, far_ratio(pressure) * (_NEAR_LIMIT if near else _FAR_LIMIT)
+    def __init__(self, pressure: PressureFamily, kind: str, family: str, near: bool, thorough: bool) -> None:
+        self._build = (pressure, kind, family, near, thorough)
+        self._near, self._limit = near, far_ratio(pressure) * (NEAR_LIMIT if near else FAR_LIMIT)
         self._exact = not isinstance(pressure.footprint, PointFootprint)
         self._unknowns = 2 if family == SLIDE else 1
         self.in_regime = True
@@ -239,8 +253,8 @@ class _StepCall:
         result = self._function()
         error, correction, least, greatest = result[:4].tolist()
         self.in_regime = not self._exact or (greatest <= self._limit if self._near else least >= self._limit)
-        allowed = math.sqrt(_LEFT * tolerance) if self._exact else _LEFT * tolerance
-        if not (correction <= allowed and self.in_regime and math.isfinite(error)):
+        allowed = math.sqrt(LEFT_OVER * tolerance / h) if self._exact else _LEFT_AT_POINTS * tolerance
+        if not (self.in_regime and math.isfinite(error) and correction <= allowed):
             return None
         return Step(h, result[4:].reshape(STAGES + 1, -1).copy(), error)
 

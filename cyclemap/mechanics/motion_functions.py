@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from cyclemap.mechanics.contact_equations import SLIDE, STICK, ContactFunctions, contact_functions
 from cyclemap.mechanics.footprint import PointFootprint
@@ -21,24 +22,36 @@ PARAMETERS = (
     *("direction", "radius", "smu", "mu_a", "mu_b", "m0", "n0", "phi", "rim_share", "warp_a", "warp_b"),
     *("geometry_0", "geometry_1", "geometry_2", "geometry_3", "geometry_4", "low", "high"),
 )
+DIRECTION = (PARAMETERS.index("direction"),)
 MARGINS = ("approach", "after_low", "before_high", "mode_first", "mode_second")
 
-# Newton iterations a stage, for patches and for support points, whose friction is less smooth.
-_ITERATIONS_PATCH, _ITERATIONS_POINTS = 2, 3
+# Newton iterations of each stage: the start comes solved, and is only certified. Patches are tried quickly first: two
+# only where there is no bend to go by yet, where it is far, and at the end, whose balance is what is looked at. The
+# friction of support points is less smooth.
+QUICK, THOROUGH, _ITERATIONS_POINTS = (1, 2, 1, 2, 1, 1, 2), (1, 2, 2, 2, 2, 2, 2), (1, 3, 3, 3, 3, 3, 3)
+# Places of the stages and of the end along a step.
+_PLACES = np.append(C, 1.0)
+
+
+def _bend_weights() -> NDArray[np.float64]:
+    """Weights (7, 7) of earlier stages: what their unknowns are off the tangent, over their places' squares, goes on.
+
+    From the second stage on, as the first one's state is of lower order.
+    """
+    weights = np.zeros((STAGES + 1, STAGES + 1))
+    for i in range(2, STAGES + 1):
+        used = np.arange(min(2, i - 1), i)
+        for k in used:
+            others = _PLACES[used[used != k]]
+            lagrange = np.prod((_PLACES[i] - others) / (_PLACES[k] - others))
+            weights[i, k] = lagrange * (_PLACES[i] / _PLACES[k]) ** 2
+    return weights
+
+
+BEND = _bend_weights()
+_STATE, _SLOPE, _UNKNOWN = slice(0, 2), slice(2, 4), slice(9, None)
 # Functions up to this many operations a Newton iteration are unrolled into scalars, larger ones are called.
 _UNROLLED = 2000
-
-
-@lru_cache(maxsize=256)
-def step_function(pressure: PressureFamily, kind: str, mode: str, near: bool) -> ca.Function:
-    """Build (once) the step of a normalised footprint's family, kind of contact, mode and regime.
-
-    (state 2, unknowns u, h, parameters) -> (error, last Newton correction, least far, greatest far) followed, for each
-    of the 6 stages and the end, by state 2, slope 2, margins 5, unknowns u.
-    """
-    contact = _contact_functions(pressure, mode, near)
-    iterations = _ITERATIONS_POINTS if isinstance(pressure.footprint, PointFootprint) else _ITERATIONS_PATCH
-    return _step(contact, _arguments(kind), _rate(kind, mode), iterations)
 
 
 @lru_cache(maxsize=256)
@@ -49,7 +62,31 @@ def variation_function(
 
     (state, unknowns, parameters) -> derivatives by the state and by the `wanted` ones of PARAMETERS, by columns; far.
     """
-    return _variation(_contact_functions(pressure, mode, near), _arguments(kind), _rate(kind, mode), wanted)
+    solver = _contact_functions(pressure, mode, near).solver
+    s, u, q = _symbols(solver.size1_in(0))
+    explicit, by_unknowns = rate_slopes(kind, mode, wanted)(s, u, q)
+    total = explicit + by_unknowns @ _solution_slope(pressure, kind, mode, near, wanted)(s, u, q)
+    far = solver(u, arguments_function(kind)(s, q))[-1]
+    return _unrolled(ca.Function("variation", [s, u, q], [ca.vertcat(ca.vec(total), far)]), solver)
+
+
+@lru_cache(maxsize=64)
+def rate_slopes(kind: str, mode: str, wanted: tuple[int, ...]) -> ca.Function:
+    """(state, unknowns, parameters) -> derivatives of the slope by state and wanted parameters; by the unknowns."""
+    rate = rate_function(kind, mode)
+    state, z, p = (ca.SX.sym(name, rate.size1_in(i)) for name, i in (("state", 0), ("unknowns", 1), ("parameters", 3)))
+    slope = rate(state, z, ca.SX.zeros(2), p)[0]
+    by_wanted = ca.jacobian(slope, ca.vertcat(state, p[list(wanted)]))
+    return ca.Function("rate_slopes", [state, z, p], [ca.densify(by_wanted), ca.densify(ca.jacobian(slope, z))])
+
+
+@lru_cache(maxsize=64)
+def argument_slopes(kind: str, wanted: tuple[int, ...], count: int) -> ca.Function:
+    """(state, parameters) -> derivatives of the first `count` arguments by the state and the wanted parameters."""
+    state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
+    arguments = arguments_function(kind)(state, p)[:count]
+    chain = ca.jacobian(arguments, ca.vertcat(state, p[list(wanted)]))
+    return ca.Function("argument_slopes", [state, p], [ca.densify(chain)])
 
 
 def _contact_functions(pressure: PressureFamily, mode: str, near: bool) -> ContactFunctions:
@@ -73,7 +110,7 @@ def _contact(kind: str, coordinate: ca.SX, geometry: ca.SX, radius: ca.SX) -> tu
 
 
 @lru_cache(maxsize=16)
-def _arguments(kind: str) -> ca.Function:
+def arguments_function(kind: str) -> ca.Function:
     """(state, parameters) -> the contact equations' arguments."""
     state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
     x, y, normal, _ = _contact(kind, state[1], p[11:16], p[1])
@@ -81,7 +118,7 @@ def _arguments(kind: str) -> ca.Function:
 
 
 @lru_cache(maxsize=16)
-def _rate(kind: str, mode: str) -> ca.Function:
+def rate_function(kind: str, mode: str) -> ca.Function:
     """(state, unknowns, forces, parameters) -> (slope, margins); forces: compression and tangential, per unit load."""
     unknowns = 2 if mode == SLIDE else 1
     state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
@@ -99,80 +136,125 @@ def _rate(kind: str, mode: str) -> ca.Function:
         omega, slip = approach * z[0], along - approach * z[1]
         slope = ca.vertcat(omega, (slip - omega * p[1]) / metric)
         margins = ca.vertcat(approach, *room, ca.sign(p[2]) * slip, 1)
-    return ca.Function("rate", [state, z, forces, p], [slope, margins])
+    return ca.Function("rate", [state, z, forces, p], [ca.densify(slope), ca.densify(margins)])
 
 
-def _step(contact: ContactFunctions, arguments: ca.Function, rate: ca.Function, iterations: int) -> ca.Function:
-    solver = contact.solver
-    count = solver.size1_in(0)
-    state, h, p = ca.MX.sym("state", 2), ca.MX.sym("h"), ca.MX.sym("parameters", len(PARAMETERS))
-    guess = ca.MX.sym("unknowns", count)
-    slope_of_unknowns = _solution_slope(contact, arguments, ())(state, guess, p)
-    states: list[ca.MX] = []
-    unknowns: list[ca.MX] = []
-    slopes: list[ca.MX] = []
-    stages: list[ca.MX] = []
-    corrections: list[ca.MX] = []
-    ratios: list[ca.MX] = []
+@lru_cache(maxsize=256)
+def stage_function(pressure: PressureFamily, kind: str, mode: str, near: bool) -> ca.Function:
+    """Build (once) one Newton iteration of a motion's contact, and the motion with what it corrected.
 
-    def solve(at: ca.MX, nearby: int | None) -> None:
-        q = arguments(at, p)
-        z = guess if nearby is None else unknowns[nearby] + slope_of_unknowns @ (at - states[nearby])
-        # The start comes solved; its one iteration certifies that it is.
-        for _ in range(iterations if nearby is not None else 1):
-            found = solver(z, q)
-            step = found[count : 2 * count]
-            z = z + step
-        slope, margins = rate(at, z, found[-3:-1], p)
-        states.append(at)
-        unknowns.append(z)
-        slopes.append(slope)
-        stages.append(ca.vertcat(at, slope, margins, z))
-        corrections.append(step)
-        ratios.append(found[-1])
-
-    solve(state, None)
-    for i in range(1, STAGES + 1):
-        weights, place = (A[i, :i], C[i]) if i < STAGES else (B, 1.0)
-        # Newton starts at the solved stage that lies nearest, moved along the solution's slope.
-        nearby = int(np.argmin(np.abs(C[:i] - place)))
-        solve(state + h * sum(float(a) * k for a, k in zip(weights, slopes, strict=True) if a), nearby)
-    correction, far = ca.mmax(ca.fabs(ca.vertcat(*corrections))), ca.vertcat(*ratios)
-    certificate = ca.vertcat(h * _error(slopes), correction, ca.mmin(far), ca.mmax(far))
-    outputs = ca.vertcat(certificate, *stages)
-    function = ca.Function("step", [state, guess, h, p], [outputs])
-    return _unrolled(function, solver)
+    (state, unknowns, parameters) -> (state, slope, margins, unknowns), (correction, far, residual, normal force): the
+    correction in the maximum norm; the residual relative to the mean friction coefficient, signed where it is single.
+    """
+    contact, arguments, rate = (
+        _contact_functions(pressure, mode, near),
+        arguments_function(kind),
+        rate_function(kind, mode),
+    )
+    count = contact.solver.size1_in(0)
+    state, z, p = _symbols(count)
+    found = contact.solver(z, arguments(state, p))
+    corrected = z + found[count : 2 * count]
+    slope, margins = rate(state, corrected, found[-3:-1], p)
+    row = ca.vertcat(state, slope, margins, corrected)
+    residual = (found[0] if count == 1 else ca.sqrt(found[0] ** 2 + found[1] ** 2)) / ca.sqrt(p[3] * p[4])
+    report = ca.vertcat(_largest(found[count : 2 * count]), found[-1], residual, found[-3])
+    return _unrolled(ca.Function("stage", [state, z, p], [row, report]), contact.solver)
 
 
-def _error(slopes: list[ca.MX]) -> ca.MX:
-    """Error estimate per unit length."""
-    return ca.mmax(ca.fabs(sum(float(e) * k for e, k in zip(ERROR, slopes, strict=True) if e)))
+@lru_cache(maxsize=256)
+def step_function(pressure: PressureFamily, kind: str, mode: str, near: bool, thorough: bool) -> ca.Function:
+    """Build (once) the step of a normalised footprint's family, kind of contact, mode and regime.
+
+    (state 2, unknowns u, h, parameters) -> (error, last Newton correction, least far, greatest far) followed, for each
+    of the 6 stages and the end, by state 2, slope 2, margins 5, unknowns u. `thorough`: with more Newton iterations.
+    """
+    stage, guess_slope = stage_function(pressure, kind, mode, near), _solution_slope(pressure, kind, mode, near)
+    count, smooth = stage.size1_in(1), not isinstance(pressure.footprint, PointFootprint)
+    iterations = (THOROUGH if thorough else QUICK) if smooth else _ITERATIONS_POINTS
+    (state, guess, p), h = _symbols(count), ca.MX.sym("h")
+    course = _Course(guess_slope(state, guess, p), smooth)
+    for i in range(STAGES + 1):
+        at = state + h * _mixed(A[i, :i] if i < STAGES else B, course.slopes) if i else state
+        z = course.predicted(at, i) if i else guess
+        for _ in range(iterations[i]):
+            row, report = stage(at, z, p)
+            z = row[_UNKNOWN]
+        course.add(row, report)
+    correction, far = (ca.vertcat(*(report[k] for report in course.reports)) for k in (0, 1))
+    error = _largest(_mixed(ERROR, course.slopes))
+    certificate = ca.vertcat(h * error, _largest(correction), ca.mmin(far), ca.mmax(far))
+    step = ca.Function("step", [state, guess, h, p], [ca.vertcat(certificate, *course.rows)])
+    return _unrolled(step, _contact_functions(pressure, mode, near).solver)
 
 
-def _solution_slope(contact: ContactFunctions, arguments: ca.Function, wanted: tuple[int, ...]) -> ca.Function:
-    """(state, unknowns, parameters) -> derivatives of the solved unknowns by the state and the wanted parameters."""
-    tangent = contact.tangent
+@lru_cache(maxsize=16)
+def touch_function(kind: str) -> ca.Function:
+    """(state, parameters) -> approach and motion along the outline of a rod that travels by one; the curve's metric."""
     state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
-    chain = ca.jacobian(arguments(state, p), ca.vertcat(state, p[list(wanted)]))
-    chained = ca.Function("chain", [state, p], [chain])
-    s, z, q = ca.MX.sym("state", 2), ca.MX.sym("unknowns", tangent.size1_in(0)), ca.MX.sym("p", len(PARAMETERS))
-    return ca.Function("slope", [s, z, q], [tangent(z, arguments(s, q)) @ chained(s, q)])
+    _, _, normal, metric = _contact(kind, state[1], p[11:16], p[1])
+    off = normal + state[0] - p[0]
+    return ca.Function("touch", [state, p], [ca.vertcat(-ca.cos(off), -ca.sin(off), metric)])
 
 
-def _variation(
-    contact: ContactFunctions, arguments: ca.Function, rate: ca.Function, wanted: tuple[int, ...]
+class _Course:
+    """The solved stages of a step, and what they tell of the next one's unknowns."""
+
+    def __init__(self, guess_slope: ca.MX, smooth: bool) -> None:
+        self._guess_slope, self._smooth = guess_slope, smooth
+        self.rows: list[ca.MX] = []
+        self.reports: list[ca.MX] = []
+
+    @property
+    def slopes(self) -> list[ca.MX]:
+        """The slopes of the stages."""
+        return [row[_SLOPE] for row in self.rows]
+
+    def add(self, row: ca.MX, report: ca.MX) -> None:
+        """Take a stage."""
+        self.rows.append(row)
+        self.reports.append(report)
+
+    def predicted(self, at: ca.MX, i: int) -> ca.MX:
+        """Return where Newton's method starts at stage i: its tangent from the start, and the bend seen so far.
+
+        Friction of support points bends abruptly: there the nearest stage is moved along the tangent.
+        """
+        if not self._smooth:
+            nearest = self.rows[int(np.argmin(np.abs(_PLACES[:i] - _PLACES[i])))]
+            return nearest[_UNKNOWN] + self._guess_slope @ (at - nearest[_STATE])
+        bends = [row[_UNKNOWN] - self._tangent(row[_STATE]) for row in self.rows]
+        return self._tangent(at) + _mixed(BEND[i, :i], bends)
+
+    def _tangent(self, at: ca.MX) -> ca.MX:
+        start = self.rows[0]
+        return start[_UNKNOWN] + self._guess_slope @ (at - start[_STATE])
+
+
+def _largest(values: ca.MX) -> ca.MX:
+    return ca.mmax(ca.fabs(values))
+
+
+def _mixed(weights: NDArray[np.float64], values: list[ca.MX]) -> ca.MX:
+    return sum((float(weight) * value for weight, value in zip(weights, values, strict=True) if weight), ca.MX(0))
+
+
+@lru_cache(maxsize=256)
+def _solution_slope(
+    pressure: PressureFamily, kind: str, mode: str, near: bool, wanted: tuple[int, ...] = ()
 ) -> ca.Function:
-    solver = contact.solver
-    state, p = ca.SX.sym("state", 2), ca.SX.sym("parameters", len(PARAMETERS))
-    z = ca.SX.sym("unknowns", rate.size1_in(1))
-    slope = rate(state, z, ca.SX.zeros(2), p)[0]
-    by_wanted = ca.jacobian(slope, ca.vertcat(state, p[list(wanted)]))
-    direct = ca.Function("direct", [state, z, p], [by_wanted, ca.jacobian(slope, z)])
-    s, u, q = ca.MX.sym("state", 2), ca.MX.sym("unknowns", z.shape[0]), ca.MX.sym("p", len(PARAMETERS))
-    explicit, by_unknowns = direct(s, u, q)
-    total = explicit + by_unknowns @ _solution_slope(contact, arguments, wanted)(s, u, q)
-    far = solver(u, arguments(s, q))[-1]
-    return _unrolled(ca.Function("variation", [s, u, q], [ca.vertcat(ca.vec(ca.densify(total)), far)]), solver)
+    """(state, unknowns, parameters) -> derivatives of the solved unknowns by the state and the wanted parameters."""
+    contact = _contact_functions(pressure, mode, near)
+    # The contact's place and the rod's direction cost little: of these the footprint's integrals know only theta.
+    tangent = contact.state_tangent if set(wanted) <= set(DIRECTION) else contact.tangent
+    s, z, q = _symbols(tangent.size1_in(0))
+    by_arguments = tangent.call([z, arguments_function(kind)(s, q)])[0]
+    slope = by_arguments @ argument_slopes(kind, wanted, tangent.size2_out(0))(s, q)
+    return _unrolled(ca.Function("slope", [s, z, q], [slope]), contact.solver)
+
+
+def _symbols(unknowns: int) -> tuple[ca.MX, ca.MX, ca.MX]:
+    return ca.MX.sym("state", 2), ca.MX.sym("unknowns", unknowns), ca.MX.sym("parameters", len(PARAMETERS))
 
 
 def _unrolled(function: ca.Function, solver: ca.Function) -> ca.Function:

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.mechanics.contact_curve import STRAIGHT, OutlinePiece, SidePiece
 from cyclemap.mechanics.contact_solver import ContactSolver
-from cyclemap.mechanics.event_integration import Phase, integrate
+from cyclemap.mechanics.event_integration import FIRST_PUSH_STEP, Phase, integrate
 from cyclemap.mechanics.motion import SLIDE_FREE, SLIDE_LEFT, SLIDE_RIGHT, STICK, Motion, Rod
 from cyclemap.mechanics.motion_functions import MARGINS
 from cyclemap.mechanics.runge_kutta import MARGIN
 
 _APPROACH, _AFTER_LOW, _BEFORE_HIGH, _FIRST, _SECOND = range(len(MARGINS))
-_MOST_PHASES = 10_000
+MOST_PHASES = 10_000
 
 
 @dataclass(frozen=True)
@@ -64,11 +64,11 @@ def run_push(
     Raises InvalidInput if the rod moves away from the outline at the start, UnsupportedContact where it would touch
     two sides at once, ConvergenceError where the contact cannot be solved.
     """
-    index, left, h = start.piece, length, 0.1
+    index, left, h = start.piece, length, FIRST_PUSH_STEP
     state = np.array((start.theta, start.coordinate))
     motion = _first_motion(solver, pieces[index], rod, state)
     phases: list[RunPhase] = []
-    for _ in range(_MOST_PHASES):
+    for _ in range(MOST_PHASES):
         phase = integrate(motion, state, left, tolerance, h, longest_step)
         phases.append(RunPhase(motion, state, phase))
         state, h, left = phase.steps[-1].end, phase.next_h, left - phase.length
@@ -84,7 +84,7 @@ def run_push(
             index, motion = neighbour, _same_mode(motion, pieces[neighbour], state)
         else:
             motion = _other_mode(motion, state, phase.broken)
-    raise ConvergenceError(f"the contact changes its mode more than {_MOST_PHASES} times: it chatters at {state}")
+    raise ConvergenceError(f"the contact changes its mode more than {MOST_PHASES} times: it chatters at {state}")
 
 
 def _first_motion(solver: ContactSolver, piece: OutlinePiece, rod: Rod, state: NDArray[np.float64]) -> Motion:

@@ -9,9 +9,11 @@ from scipy.constants import g as GRAVITY
 
 from cyclemap.checks import finite_number, non_negative_number, positive_number
 from cyclemap.errors import InvalidInput, RodInsideObject, RodMissesObject, UnsupportedContact
+from cyclemap.mechanics.compiled.recorded_strokes import recorded_leg, recorded_push, stroke_kind
+from cyclemap.mechanics.compiled.stroke_library import StrokeKind
 from cyclemap.mechanics.contact_curve import OutlinePiece, RingPiece, contact_curve, side_coordinate
 from cyclemap.mechanics.contact_solver import ContactSolver
-from cyclemap.mechanics.event_integration import integrate
+from cyclemap.mechanics.event_integration import FIRST_DRAG_STEP, integrate
 from cyclemap.mechanics.first_touch import first_touch, overlaps
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
@@ -92,8 +94,18 @@ class QuasiStaticModel:
         return self.pusher.radius / self.unit
 
     @cached_property
+    def stroke_kind(self) -> StrokeKind | None:
+        """What compiled strokes have to know of the model; None where only Python can run them."""
+        return stroke_kind(self.solver, self.pieces, self.radius)
+
+    @cached_property
     def _outline(self) -> Outline:
         return self.slider.outline.scaled(1.0 / self.unit)
+
+    @property
+    def step_tolerance(self) -> float:
+        """Error that one step may have, rad or extents."""
+        return _STEP_SHARE * self.accuracy
 
     @property
     def weight(self) -> float:
@@ -106,10 +118,11 @@ class QuasiStaticModel:
         `longest_step` (m) bounds the spacing of the trajectory's samples. Raises InvalidInput for a contact that does
         not exist or a push that points away, UnsupportedContact and ConvergenceError as `run_push` tells.
         """
-        start, direction, rod_start, length = self._start(pose, push)
+        start, direction, rod_start, length = self.start(pose, push)
         rod = Rod(self.radius, self.pusher.friction, direction)
-        tolerance, longest = _STEP_SHARE * self.accuracy, longest_step / self.unit
-        run = run_push(self.solver, self.pieces, start, rod, length, tolerance, longest)
+        tolerance, longest = self.step_tolerance, longest_step / self.unit
+        given = (self.solver, self.pieces, start, rod, length, tolerance, longest)
+        run = recorded_push(self.stroke_kind, *given) or run_push(*given)
         self._refuse_overlap(run)
         frame = Frame(self.unit, rod_start, self.weight)
         return PushResult(pose, self._end_pose(run, frame), run.ended, run, frame)
@@ -153,13 +166,10 @@ class QuasiStaticModel:
             return None
         piece = RingPiece((self.slider.hitch[0] / self.unit, self.slider.hitch[1] / self.unit))
         rod = Rod(0.0, friction_radius, math.atan2(dy, dx))
-        motion = Motion(self.solver, piece, ring_mode(self.solver, pose.theta, piece, rod), rod)
-        state = np.array((pose.theta, 0.0))
-        tolerance, longest = _STEP_SHARE * self.accuracy, longest_step / self.unit
-        phase = integrate(motion, state, length, tolerance, 0.3, longest)
-        return DragLeg(RunPhase(motion, state, phase), Frame(self.unit, ring, self.weight))
+        given = (self.solver, piece, pose.theta, rod, length, self.step_tolerance, longest_step / self.unit)
+        return DragLeg(recorded_leg(self.stroke_kind, *given) or _run_leg(*given), Frame(self.unit, ring, self.weight))
 
-    def _start(self, pose: Pose, push: SidePush | WorldPush) -> tuple[PushStart, float, tuple[float, float], float]:
+    def start(self, pose: Pose, push: SidePush | WorldPush) -> tuple[PushStart, float, tuple[float, float], float]:
         """Return start state, direction (world), the rod's place at first touch (m) and the travel left (units)."""
         if isinstance(push, SidePush):
             index, coordinate = side_coordinate(self._outline, self.pieces, push.side, push.fraction)
@@ -215,6 +225,13 @@ class QuasiStaticModel:
                     raise UnsupportedContact(
                         "the rod runs into another side of this concave outline: use a thinner rod or push less far"
                     )
+
+
+def _run_leg(
+    solver: ContactSolver, piece: RingPiece, theta: float, rod: Rod, length: float, tolerance: float, longest: float
+) -> RunPhase:
+    motion, state = Motion(solver, piece, ring_mode(solver, theta, piece, rod), rod), np.array((theta, 0.0))
+    return RunPhase(motion, state, integrate(motion, state, length, tolerance, FIRST_DRAG_STEP, longest))
 
 
 def _pose_from_ring(ring: tuple[float, float], theta: float, hitch: tuple[float, float]) -> Pose:

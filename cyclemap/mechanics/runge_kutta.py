@@ -6,21 +6,29 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import RK45
 
 # Dormand & Prince's method of order 5 with its estimator of order 4 (Hairer, Norsett & Wanner 1993, II.5). Their method
 # of order 8 took a quarter longer for the same error: where the centre of rotation crosses the rim, or a support point,
 # the motion is only twice differentiable.
-STAGES: int = RK45.n_stages
-A: NDArray[np.float64] = RK45.A
-B: NDArray[np.float64] = RK45.B
-C: NDArray[np.float64] = RK45.C
+STAGES = 6
+A: NDArray[np.float64] = np.array(
+    (
+        (0, 0, 0, 0, 0),
+        (1 / 5, 0, 0, 0, 0),
+        (3 / 40, 9 / 40, 0, 0, 0),
+        (44 / 45, -56 / 15, 32 / 9, 0, 0),
+        (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0),
+        (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
+    )
+)
+B: NDArray[np.float64] = np.array((35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84))
+C: NDArray[np.float64] = np.array((0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1))
 # Weights (7,) of the slopes, the end's last, in the estimate.
-ERROR: NDArray[np.float64] = RK45.E
+ERROR: NDArray[np.float64] = np.array((-71 / 57600, 0, 71 / 16695, -71 / 1920, 17253 / 339200, -22 / 525, 1 / 40))
 
 # Exponent, safety and bounds of the step-size controller.
 _ORDER = 5
-_SAFETY, _SHRINK, _GROW = 0.9, 0.2, 2.0
+SAFETY, SHRINK, GROW = 0.9, 0.2, 2.0
 
 # One evaluation of a motion: state 2, slope 2, margins 5, the contact's unknowns.
 STATE, SLOPE, MARGIN, UNKNOWN = slice(0, 2), slice(2, 4), slice(4, 9), slice(9, None)
@@ -55,6 +63,6 @@ def step(evaluate: Callable[[NDArray[np.float64]], NDArray[np.float64]], state: 
 def next_length(h: float, error: float, tolerance: float) -> float:
     """Return the length at which the error should just meet the tolerance, within the controller's bounds."""
     if not math.isfinite(error):
-        return h * _SHRINK
-    factor = _SAFETY * (tolerance / max(error, 1e-300)) ** (1.0 / _ORDER)
-    return float(h * min(_GROW, max(_SHRINK, factor)))
+        return h * SHRINK
+    factor = SAFETY * (tolerance / max(error, 1e-300)) ** (1.0 / _ORDER)
+    return float(h * min(GROW, max(SHRINK, factor)))

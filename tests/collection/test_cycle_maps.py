@@ -104,8 +104,8 @@ def test_many_cycles_are_the_single_ones_in_any_shape():
         single = loop.cycle(float(theta[index]))
         found = (many.push_turn, many.drag_turn, many.drag_length, many.theta_next)
         expected = (single.push_turn, single.drag_turn, single.drag_length, single.theta_next)
-        np.testing.assert_array_equal([array[index] for array in found], expected)
-        np.testing.assert_array_equal(many.push_displacement[index], single.push_displacement)
+        np.testing.assert_allclose([array[index] for array in found], expected, rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(many.push_displacement[index], single.push_displacement, rtol=0.0, atol=1e-13)
         assert many.left[index] == (single.ended == "left")
     assert many.left.sum() == 4
     assert loop.cycles([]).theta_next.shape == (0,) and loop.next_theta(0.5).shape == ()

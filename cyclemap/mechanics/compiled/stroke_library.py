@@ -1,0 +1,156 @@
+"""The C source of one kind of stroke: the CasADi functions of its laws, tables of them, and the driver."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+
+from cyclemap.mechanics import contact_solver, event_integration, motion, push_run, runge_kutta
+from cyclemap.mechanics.contact_equations import ARGUMENTS, RING_FRICTION, SLIDE, STICK, contact_functions
+from cyclemap.mechanics.motion_functions import (
+    BEND,
+    DIRECTION,
+    PARAMETERS,
+    QUICK,
+    THOROUGH,
+    argument_slopes,
+    arguments_function,
+    rate_function,
+    rate_slopes,
+    touch_function,
+)
+from cyclemap.mechanics.patch_integrals import far_ratio
+from cyclemap.mechanics.pressure_family import PressureFamily
+
+# Kinds of contact by their numbers in C.
+KINDS = ("side", "corner", "ellipse", "ring")
+_RING = "ring"
+_SHARED = ("solver", "tangent")
+
+
+@dataclass(frozen=True)
+class StrokeKind:
+    """What one library can run: a family of footprints, pushes on the kinds of contact of an outline, and the ring."""
+
+    pressure: PressureFamily
+    kinds: tuple[str, ...]
+
+    @property
+    def laws(self) -> tuple[tuple[str, str], ...]:
+        """Kinds of contact with their laws."""
+        return (*((kind, law) for kind in self.kinds for law in (STICK, SLIDE)), (_RING, RING_FRICTION))
+
+
+def stroke_source(stroke: StrokeKind) -> str:
+    """Return the C source of a library that runs strokes; see stroke_driver.c."""
+    functions = {name: _renamed(function, name) for name, function in _functions(stroke)}
+    driver = [Path(__file__).with_name(name).read_text() for name in ("stroke_steps.c", "stroke_events.c")]
+    parts = ("#include <math.h>", "#include <string.h>", _generated(functions), _tables(stroke, functions), *driver)
+    return "\n".join(parts)
+
+
+def _functions(stroke: StrokeKind) -> Iterable[tuple[str, ca.Function]]:
+    equations = sorted({_equations(law) for _, law in stroke.laws})
+    for law, near in product(equations, (True, False)):
+        contact = contact_functions(stroke.pressure, law, near)
+        yield _of("solver", law, near), contact.solver
+        yield _of("tangent", law, near), contact.state_tangent
+    for kind in (*stroke.kinds, _RING):
+        yield f"arguments_{kind}", arguments_function(kind)
+        yield f"chain_{kind}", argument_slopes(kind, DIRECTION, contact.state_tangent.size2_out(0))
+    for kind, law in stroke.laws:
+        yield f"rate_{kind}_{law}", rate_function(kind, law)
+        yield f"rate_slopes_{kind}_{law}", rate_slopes(kind, law, DIRECTION)
+    yield from ((f"touch_{kind}", touch_function(kind)) for kind in stroke.kinds)
+
+
+def _equations(law: str) -> str:
+    """Without friction a ring is a contact that sticks: the driver sets it to zero for both."""
+    return SLIDE if law == SLIDE else RING_FRICTION
+
+
+def _of(member: str, law: str, near: bool) -> str:
+    return f"{member}_{law}_{'near' if near else 'far'}"
+
+
+def _generated(functions: dict[str, ca.Function]) -> str:
+    generator = ca.CodeGenerator("kernels", {"with_header": False})
+    for function in functions.values():
+        generator.add(function)
+    return str(generator.dump())
+
+
+def _renamed(function: ca.Function, name: str) -> ca.Function:
+    """Scalar functions are copied, others called."""
+    if function.is_a("SXFunction"):
+        inputs = function.sx_in()
+        return ca.Function(name, inputs, function.call(inputs))
+    inputs = function.mx_in()
+    return ca.Function(name, inputs, function.call(inputs, False, True))
+
+
+def _tables(stroke: StrokeKind, functions: dict[str, ca.Function]) -> str:
+    sizes = [(f.sz_arg(), f.sz_res(), f.sz_iw(), f.sz_w()) for f in functions.values()]
+    numbers = zip(("ARGUMENTS", "RESULTS", "INTEGERS", "WORK"), np.max(sizes, axis=0).tolist(), strict=True)
+    lines = [f"enum {{ {', '.join(f'{name} = {value + 4}' for name, value in numbers)} }};"]
+    lines.append(f"enum {{ EQUATION_ARGUMENTS = {len(ARGUMENTS)} }};")
+    lines.append(
+        f"enum {{ STAGES = {runge_kutta.STAGES}, PARAMETERS = {len(PARAMETERS)}, RING_KIND = {KINDS.index(_RING)} }};"
+    )
+    lines += [f"#define {name} {value!r}" for name, value in _constants(stroke.pressure).items()]
+    order = event_integration.STAGE_ORDER
+    lines.append(f"static const int STAGE_ORDER[] = {_braced(order)};")
+    for name, values in (
+        ("STAGE_PLACES", event_integration.STAGE_PLACES),
+        ("B", runge_kutta.B),
+        ("ERROR", runge_kutta.ERROR),
+    ):
+        lines.append(f"static const double {name}[] = {_braced(values)};")
+    for kind, name, table in (
+        ("double", "A", runge_kutta.A),
+        ("double", "BEND", BEND),
+        ("int", "ITERATIONS", np.array((QUICK, THOROUGH))),
+    ):
+        rows = _braced(_braced(row) for row in table.tolist())
+        lines.append(f"static const {kind} {name}[{table.shape[0]}][{table.shape[1]}] = {rows};")
+    return "\n".join([*lines, *_law_tables(stroke)]) + "\n"
+
+
+def _law_tables(stroke: StrokeKind) -> list[str]:
+    """Which functions serve which kind of contact and law."""
+    laws = []
+    for kind, law in stroke.laws:
+        contact = ", ".join(_braced(_of(member, _equations(law), near) for near in (True, False)) for member in _SHARED)
+        own = f"arguments_{kind}, chain_{kind}, rate_{kind}_{law}, rate_slopes_{kind}_{law}"
+        laws.append(f"[{KINDS.index(kind)}][{int(law == SLIDE)}] = {{{2 if law == SLIDE else 1}, {contact}, {own}}}")
+    touches = [f"[{KINDS.index(kind)}] = touch_{kind}" for kind in stroke.kinds]
+    return [
+        "typedef int Function(const double **, double **, casadi_int *, double *, int);",
+        "typedef struct { int unknowns; Function *solver[2], *tangent[2];",
+        "    Function *arguments, *chain, *rate, *rate_slopes; } Law;",
+        f"static const Law LAWS[{len(KINDS)}][2] = {{{', '.join(laws)}}};",
+        f"static Function *const TOUCH[{len(KINDS)}] = {{{', '.join(touches)}}};",
+    ]
+
+
+def _constants(pressure: PressureFamily) -> dict[str, float]:
+    ratio, events, method = far_ratio(pressure), event_integration, runge_kutta
+    return {
+        "FAR_RATIO": ratio,
+        "NEAR_LIMIT": ratio * motion.NEAR_LIMIT,
+        "FAR_LIMIT": ratio * motion.FAR_LIMIT,
+        "LEFT_OVER": motion.LEFT_OVER,
+        "FOUND": contact_solver.FOUND,
+        "ACCEPTED": contact_solver.ACCEPTED,
+        **{name: getattr(method, name) for name in ("SAFETY", "SHRINK", "GROW")},
+        **{name: getattr(events, name) for name in ("SLACK_SHARE", "STRICT_SHARE", "DIP", "LEAST_ADVANCE", "STUCK")},
+        **{name: getattr(events, name) for name in ("SHORT", "MOST_STEPS", "FIRST_PUSH_STEP", "FIRST_DRAG_STEP")},
+        "MOST_PHASES": push_run.MOST_PHASES,
+    }
+
+
+def _braced(values: Iterable[object]) -> str:
+    return f"{{{', '.join(str(value) for value in values)}}}"

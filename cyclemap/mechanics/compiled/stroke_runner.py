@@ -1,0 +1,177 @@
+"""Runs strokes in compiled code: many in one call, or one with the record of its phases."""
+
+import ctypes
+import os
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.mechanics.compiled.compiler import COMPILER_VARIABLE, NoCompiler
+from cyclemap.mechanics.compiled.library_cache import CACHE_VARIABLE, cached_library
+from cyclemap.mechanics.compiled.stroke_library import KINDS, StrokeKind, stroke_source
+from cyclemap.mechanics.contact_curve import Piece
+from cyclemap.mechanics.runge_kutta import STAGES
+
+Array = NDArray[np.float64]
+
+# Columns of what goes to C and comes back, as stroke_steps.c names them.
+STROKE_COLUMNS, RESULT_COLUMNS, PHASE_COLUMNS, ROW = 18, 11, 7, 11
+STEP_COLUMNS = 2 + (STAGES + 1) * ROW
+# Room for the record of one stroke; longer ones are left to Python.
+_STEPS, _PHASES = 8192, 256
+# Strokes asked for one at a time before a library is compiled for them: compiling takes as long as running so many.
+WORTHWHILE = 250
+# A thread that has fewer strokes than this to run takes longer to start than it saves.
+_LEAST_SHARE = 16
+
+
+class _Record(ctypes.Structure):
+    _fields_ = [
+        *((name, ctypes.c_long) for name in ("most_steps", "most_phases", "steps", "phases")),
+        *((name, ctypes.c_void_p) for name in ("step", "phase")),
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class StrokeRunner:
+    """The compiled strokes of one kind; safe to call from several threads at once."""
+
+    library: ctypes.CDLL
+
+    def run(self, pieces: Array, strokes: Array, tolerance: float, longest: float, vary: bool) -> Array:
+        """Return results (n, RESULT_COLUMNS) of strokes (n, STROKE_COLUMNS), on all cores; row by row as in C."""
+        strokes = np.ascontiguousarray(strokes)
+        results = np.empty((len(strokes), RESULT_COLUMNS))
+        shares = min(_cores(), max(1, len(strokes) // _LEAST_SHARE))
+        bounds = [len(strokes) * k // shares for k in range(shares + 1)]
+
+        def run_share(share: tuple[int, int]) -> None:
+            part = slice(*share)
+            self._call(pieces, strokes[part], tolerance, longest, vary, results[part], None)
+
+        if shares == 1:
+            run_share((0, len(strokes)))
+        else:
+            list(_pool().map(run_share, pairwise(bounds)))
+        return results
+
+    def recorded(self, pieces: Array, stroke: Array, tolerance: float, longest: float) -> tuple[Array, Array, Array]:
+        """Return one stroke's result, its phases (k, PHASE_COLUMNS) and all of their steps (n, STEP_COLUMNS)."""
+        result = np.empty(RESULT_COLUMNS)
+        steps, phases = np.empty((_STEPS, STEP_COLUMNS)), np.empty((_PHASES, PHASE_COLUMNS))
+        record = _Record(_STEPS, _PHASES, 0, 0, steps.ctypes.data, phases.ctypes.data)
+        self._call(pieces, stroke[None], tolerance, longest, False, result, record)
+        return result, phases[: record.phases], steps[: record.steps]
+
+    def _call(
+        self,
+        pieces: Array,
+        strokes: Array,
+        tolerance: float,
+        longest: float,
+        vary: bool,
+        results: Array,
+        record: _Record | None,
+    ) -> None:
+        self.library.run_strokes(
+            ctypes.c_void_p(pieces.ctypes.data),
+            ctypes.c_long(len(pieces)),
+            ctypes.c_void_p(strokes.ctypes.data),
+            ctypes.c_long(len(strokes)),
+            ctypes.c_double(tolerance),
+            ctypes.c_double(longest),
+            ctypes.c_int(vary),
+            ctypes.c_void_p(results.ctypes.data),
+            ctypes.byref(record) if record is not None else None,
+        )
+
+
+@dataclass
+class _Place:
+    """What is known of one kind of stroke: its runner, or why there is none; how many strokes were asked for."""
+
+    runner: StrokeRunner | None = None
+    refusal: str = ""
+    sought: bool = False
+    asked: int = 0
+    lock: threading.Lock = field(default_factory=threading.Lock)
+
+
+def stroke_runner(stroke: StrokeKind, strokes: int = 1) -> StrokeRunner | None:
+    """Return the compiled strokes of a kind, or None where there are none yet: `strokes` more of them are asked for.
+
+    A library that is kept is loaded at once; one is compiled when WORTHWHILE strokes have been asked for.
+    """
+    if _INTERPRETING.get():
+        return None
+    place = _place(stroke, *(os.environ.get(name) for name in (COMPILER_VARIABLE, "CC", CACHE_VARIABLE)))
+    if place.runner is not None or place.refusal:
+        return place.runner
+    with place.lock:
+        place.asked += strokes
+        worthwhile = place.asked >= WORTHWHILE
+        if place.runner is None and not place.refusal and (worthwhile or not place.sought):
+            place.sought = True
+            try:
+                place.runner = _loaded(stroke, worthwhile)
+            except NoCompiler as reason:
+                place.refusal = str(reason)
+    return place.runner
+
+
+_INTERPRETING = ContextVar("interpreting", default=False)
+
+
+@contextmanager
+def interpreted() -> Iterator[None]:
+    """Within this, strokes are run by Python and CasADi's interpreter, whatever is compiled."""
+    before = _INTERPRETING.set(True)
+    try:
+        yield
+    finally:
+        _INTERPRETING.reset(before)
+
+
+def why_interpreted(stroke: StrokeKind) -> str:
+    """Return why strokes of a kind cannot be compiled here; empty where they can be, which this does."""
+    try:
+        _loaded(stroke, compile_now=True)
+    except NoCompiler as reason:
+        return str(reason)
+    return ""
+
+
+def _loaded(stroke: StrokeKind, compile_now: bool) -> StrokeRunner | None:
+    library = cached_library(repr(stroke), (lambda: stroke_source(stroke)) if compile_now else None)
+    return None if library is None else StrokeRunner(library)
+
+
+@lru_cache(maxsize=256)
+def _place(stroke: StrokeKind, *environment: str | None) -> _Place:
+    return _Place()
+
+
+def piece_table(pieces: tuple[Piece, ...]) -> Array:
+    """Return pieces of a contact curve as the rows that C reads: kind, geometry 5, low, high."""
+    rows = [
+        (KINDS.index(piece.kind), *piece.geometry, *(0.0,) * (5 - len(piece.geometry)), piece.low, piece.high)
+        for piece in pieces
+    ]
+    return np.array(rows)
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@lru_cache(maxsize=1)
+def _pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(_cores(), thread_name_prefix="strokes")

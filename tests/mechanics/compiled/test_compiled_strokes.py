@@ -1,0 +1,201 @@
+"""Compiled strokes are the interpreted ones: every number of them, and the steps that they took."""
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cyclemap.collection import CollectionLoop
+from cyclemap.mechanics import (
+    DragBack,
+    Ellipse,
+    EllipseFriction,
+    PatchFootprint,
+    Polygon,
+    Pose,
+    Pusher,
+    QuasiStaticModel,
+    SidePush,
+    Slider,
+    grid_footprint,
+)
+from cyclemap.mechanics.compiled import stroke_runner
+from cyclemap.mechanics.compiled.compiler import NoCompiler, find_compiler
+from cyclemap.mechanics.compiled.cycle_batch import cycle_batch
+
+SQUARE = Slider.mit("rect1")
+AROUND = (0.05, 0.0, 0.7)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def compiled(tmp_path_factory):
+    """Kernels compiled at once, kept in a folder of their own."""
+    try:
+        find_compiler()
+    except NoCompiler as reason:
+        pytest.skip(f"compiled kernels are not tested: {reason}")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CYCLEMAP_CACHE", str(tmp_path_factory.mktemp("kernels")))
+        patch.setattr(stroke_runner, "WORTHWHILE", 0)
+        yield
+
+
+def random_law(rng) -> EllipseFriction:
+    mu_a, mu_b = rng.uniform(0.15, 0.4, 2)
+    return EllipseFriction(mu_a, mu_b, *rng.uniform(-0.05, 0.05, 2), rng.uniform(0.0, math.pi))
+
+
+def random_case(rng) -> tuple[QuasiStaticModel, Pose, SidePush, DragBack]:
+    """A law, rod, push and drag drawn at random, on MIT's square."""
+    pusher = Pusher(rng.uniform(0.001, 0.01), rng.choice([0.0, 0.15, 0.5]))
+    model = QuasiStaticModel(SQUARE, random_law(rng), pusher, accuracy=10.0 ** rng.uniform(-10.0, -6.0))
+    push = SidePush(int(rng.integers(4)), rng.uniform(0.05, 0.95), rng.uniform(-0.8, 0.8), rng.uniform(0.02, 0.2))
+    reset = DragBack(((0.03, -0.05),), float(rng.choice([0.0, 0.001])))
+    return model, Pose(0.02, -0.01, rng.uniform(-4.0, 4.0)), push, reset
+
+
+def run(case):
+    model, pose, push, reset = case
+    pushed = model.push(pose, push)
+    return pushed, model.drag(pushed.end, (*reset.way_points, (0.0, 0.0)), math.inf, reset.pin_friction_radius)
+
+
+def numbers(strokes) -> list[float]:
+    push, drag = strokes
+    return [*vars(push.end).values(), push.travel, *vars(drag.end).values(), drag.length]
+
+
+def story(strokes) -> list[tuple[str, str, int | None, int]]:
+    """Modes, pieces, what ended each phase, and how many steps it took."""
+    phases = [*strokes[0].run.phases, *(leg.phase for leg in strokes[1].legs)]
+    return [(p.motion.mode, p.motion.piece.kind, p.phase.broken, len(p.phase.steps)) for p in phases]
+
+
+def both(case):
+    """The strokes as Python runs them, and compiled ones, which are no fallback."""
+    with stroke_runner.interpreted():
+        slow = run(case)
+    assert stroke_runner.stroke_runner(case[0].stroke_kind) is not None
+    return slow, run(case)
+
+
+def test_random_strokes_agree_to_1e_12_and_take_the_same_steps():
+    rng = np.random.default_rng(7)
+    cases = [random_case(rng) for _ in range(40)]
+    modes = set()
+    for case in cases:
+        slow, fast = both(case)
+        assert story(fast) == story(slow)
+        np.testing.assert_allclose(numbers(fast), numbers(slow), rtol=0.0, atol=1e-12)
+        assert fast[0].ended == slow[0].ended
+        modes |= {phase[0] for phase in story(slow)}
+    assert modes >= {"stick", "slide_left", "slide_right", "slide_free", "ring", "ring_left", "ring_right"}
+
+
+def leaning() -> PatchFootprint:
+    outline = SQUARE.outline
+    return PatchFootprint(outline, gradient=(3.0, -2.0), rim_share=0.2, warp=(0.05, 0.02))
+
+
+@pytest.mark.parametrize(
+    ("slider", "footprint"),
+    [
+        (Slider(Ellipse(0.05, 0.03), mass=1.0, hitch=(0.0, 0.01)), None),
+        (Slider(Polygon(((0.05, -0.03), (0.02, 0.05), (-0.04, -0.02))), mass=1.0, hitch=(0.0, 0.01)), None),
+        (SQUARE, leaning()),
+    ],
+    ids=["ellipse", "triangle", "leaning, framed and warped"],
+)
+def test_other_outlines_and_pressures_agree_to_1e_12(slider, footprint):
+    model = QuasiStaticModel(slider, EllipseFriction(0.3, 0.2, 0.02, -0.01, 0.4), footprint=footprint)
+    for theta in (0.3, 2.0):
+        slow, fast = both((model, Pose(theta=theta), SidePush(fraction=0.6, distance=0.1), DragBack()))
+        assert story(fast) == story(slow)
+        np.testing.assert_allclose(numbers(fast), numbers(slow), rtol=0.0, atol=1e-12)
+
+
+def test_a_recorded_stroke_holds_the_stages_of_its_steps():
+    case = (QuasiStaticModel(SQUARE, EllipseFriction(0.3, 0.2)), Pose(), SidePush(), DragBack())
+    slow, fast = both(case)
+    pairs = list(zip(slow[0].run.phases, fast[0].run.phases, strict=True))
+    assert len(pairs) >= 2
+    for one, other in pairs:
+        np.testing.assert_allclose(other.start, one.start, atol=1e-12)
+        for taken, same in zip(one.phase.steps, other.phase.steps, strict=True):
+            assert same.h == pytest.approx(taken.h, rel=1e-6)
+            finite = np.isfinite(taken.stages)
+            np.testing.assert_allclose(same.stages[finite], taken.stages[finite], atol=1e-7)
+    np.testing.assert_allclose(fast[0].trajectory.pose, slow[0].trajectory.pose, atol=1e-12)
+
+
+@pytest.mark.parametrize("material", ["plywood", "delrin"])
+def test_a_batch_is_its_cycles_one_by_one_with_their_slopes(material):
+    loop = CollectionLoop.mit(material)
+    theta = np.linspace(-1.0, 9.0, 12)
+    batch = cycle_batch(loop.model, loop.push, loop.reset, theta, slopes=True)
+    assert batch.done.all()
+    with stroke_runner.interpreted():
+        slow = loop.cycles(theta)
+        slopes = [loop.sensitivity(t, ("theta",)).by_theta for t in theta]
+    for name in ("push_turn", "push_displacement", "drag_turn", "drag_length", "theta_next"):
+        np.testing.assert_allclose(getattr(batch, name), getattr(slow, name), rtol=0.0, atol=1e-12)
+    np.testing.assert_array_equal(batch.left, slow.left)
+    assert 0 < batch.left.sum() < 12
+    np.testing.assert_allclose(batch.by_theta, slopes, rtol=0.0, atol=1e-9)
+
+
+def test_a_batch_with_way_points_has_the_slope_of_its_differences():
+    loop = replace(CollectionLoop.mit(), reset=DragBack(((0.1, 0.02), (-0.05, 0.04))), accuracy=1e-10)
+    theta, step = np.array([0.3, 2.5, 4.0]), 1e-5
+    sides = [cycle_batch(loop.model, loop.push, loop.reset, theta + s * step, slopes=False).theta_next for s in (1, -1)]
+    slopes = cycle_batch(loop.model, loop.push, loop.reset, theta, slopes=True).by_theta
+    np.testing.assert_allclose(slopes, (sides[0] - sides[1]) / (2.0 * step), atol=2e-5)
+
+
+def test_a_batch_is_the_same_on_any_number_of_threads(monkeypatch):
+    loop, theta = CollectionLoop.mit(), np.linspace(0.0, 6.0, 64)
+    found = []
+    for cores in (1, 3):
+        monkeypatch.setattr(stroke_runner, "_cores", lambda cores=cores: cores)
+        found.append(loop.next_theta(theta))
+    np.testing.assert_array_equal(*found)
+
+
+def test_one_library_serves_threads_at_once():
+    loop, theta = CollectionLoop.mit(), np.linspace(0.0, 6.0, 8)
+    alone = loop.next_theta(theta)
+    with ThreadPoolExecutor(4) as pool:
+        for found in pool.map(lambda _: loop.next_theta(theta), range(8)):
+            np.testing.assert_array_equal(found, alone)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        QuasiStaticModel(SQUARE, EllipseFriction(0.3, 0.2), footprint=grid_footprint(SQUARE.outline, 4)),
+        QuasiStaticModel(SQUARE, EllipseFriction(0.3, 0.2), Pusher(radius=0.0)),
+    ],
+    ids=["support points", "a point rod"],
+)
+def test_what_only_python_can_run_is_left_to_it(model):
+    assert model.stroke_kind is None
+    assert cycle_batch(model, SidePush(), DragBack(), np.array([0.0, 1.0]), slopes=False) is None
+    assert model.push(Pose(), SidePush(distance=0.02)).ended == "distance"
+
+
+def test_a_leg_without_length_is_left_to_python():
+    loop = replace(CollectionLoop.mit(), reset=DragBack(((0.1, 0.0), (0.1, 0.0))))
+    theta = np.array([0.0, 1.0])
+    batch = cycle_batch(loop.model, loop.push, loop.reset, theta, slopes=False)
+    assert not batch.done.any() and np.isnan(batch.theta_next).all()
+    straight = replace(loop, reset=DragBack(((0.1, 0.0),)))
+    np.testing.assert_allclose(loop.next_theta(theta), straight.next_theta(theta), rtol=0.0, atol=1e-12)
+
+
+def test_a_library_is_compiled_once_enough_strokes_are_asked_for(monkeypatch, tmp_path):
+    monkeypatch.setenv("CYCLEMAP_CACHE", str(tmp_path / "empty"))
+    monkeypatch.setattr(stroke_runner, "WORTHWHILE", 10)
+    kind = CollectionLoop.mit().model.stroke_kind
+    assert [stroke_runner.stroke_runner(kind, 3) is not None for _ in range(4)] == [False, False, False, True]
