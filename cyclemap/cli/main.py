@@ -12,6 +12,7 @@ from typing import NoReturn
 import click
 
 from cyclemap.cli.command_compare import compare_command
+from cyclemap.cli.command_doctor import doctor_command
 from cyclemap.cli.command_dynamics import dynamics_command
 from cyclemap.cli.command_experiment import experiment_command
 from cyclemap.cli.command_figures import figures_command
@@ -42,7 +43,7 @@ for _command in (
     *(cycle_command, portrait_command, staircase_command, fingerprint_command),
     *(dynamics_command, experiment_command, figures_command),
     *(simulate_command, fit_command, identify_command, compare_command, replay_command, watch_command),
-    *(reset_command, sweep_command),
+    *(reset_command, sweep_command, doctor_command),
 ):
     cli.add_command(_command)
 

@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.checks import positive_number
+from cyclemap.collection.hermite_pieces import Node, Quintic, cubic
 from cyclemap.maps import CircleMap
 
 Sample = Callable[[float], tuple[float, float]]
@@ -25,6 +26,8 @@ _SUSPECT = 0.04
 _NARROWEST = 1e-10
 # A kink is located so closely that this share of the tolerance is left.
 _LOCATED = 0.01
+# Where quintics hold, cubics are put through so many of their values that this share of the tolerance is lost.
+_FILLED = 0.1
 # A sample belongs to one side of a break if it lies this near to that side's tangent, as a share of the gap.
 _SIDE_SHARE = 0.2
 # Intervals that are tried at one more place at the end, the least certain first.
@@ -32,28 +35,35 @@ _CHECKED = 12
 
 
 @dataclass(frozen=True)
-class _Node:
-    """A sample: place, value, slope."""
-
-    theta: float
-    value: float
-    slope: float
-
-    def along_tangent(self, theta: float) -> float:
-        return self.value + self.slope * (theta - self.theta)
-
-
-@dataclass(frozen=True)
 class _Interval:
-    """Neighbouring nodes and the error (rad) that a cubic between them is believed to have."""
+    """Neighbouring nodes and the error (rad) that the polynomial between them is believed to have.
 
-    low: _Node
-    high: _Node
+    That is the quintic through the node midway too if there is one, else the cubic. around : a quintic through nodes of
+    which these are two, with what the interval was half of.
+    """
+
+    low: Node
+    high: Node
     error: float
+    midway: Node | None = None
+    around: Quintic | None = None
 
     @property
     def width(self) -> float:
         return self.high.theta - self.low.theta
+
+    @property
+    def quintic(self) -> Quintic | None:
+        return None if self.midway is None else Quintic.through(self.low, self.midway, self.high)
+
+    def at(self, theta: float) -> tuple[float, float]:
+        """Value and slope of its polynomial."""
+        quintic = self.quintic
+        return cubic(self.low, self.high, theta) if quintic is None else quintic.at(theta)
+
+    def error_at(self, node: Node, found: tuple[float, float]) -> float:
+        """Difference from a node, in value and, as far as it reaches within a half, in slope."""
+        return max(abs(found[0] - node.value), abs(found[1] - node.slope) * self.width / 8.0)
 
 
 @dataclass
@@ -67,16 +77,16 @@ class _Sampler:
     finished: list[_Interval] = field(default_factory=list)
     covered: float = 0.0
 
-    def node(self, theta: float) -> _Node:
+    def node(self, theta: float) -> Node:
         value, slope = self.sample(theta)
-        return _Node(theta, value, slope)
+        return Node(theta, value, slope)
 
-    def nodes(self, theta: list[float]) -> list[_Node]:
+    def nodes(self, theta: list[float]) -> list[Node]:
         """The nodes at several places, in one call where there is one for that."""
         if self.sample_many is None or not theta:
             return [self.node(t) for t in theta]
         value, slope = self.sample_many(np.array(theta))
-        return [_Node(*node) for node in zip(theta, value.tolist(), slope.tolist(), strict=True)]
+        return [Node(*node) for node in zip(theta, value.tolist(), slope.tolist(), strict=True)]
 
     def finish(self, *intervals: _Interval) -> None:
         self.finished.extend(intervals)
@@ -110,12 +120,13 @@ def sample_circle_map(
     interpolated = (1.0 - _LOCATED) * positive_number("tolerance", tolerance)
     sampler = _Sampler(sample, sample_many, interpolated, progress or (lambda fraction: None))
     nodes = sampler.nodes([_FULL_TURN * k / _FIRST_INTERVALS for k in range(_FIRST_INTERVALS)])
-    nodes.append(_Node(_FULL_TURN, nodes[0].value + _FULL_TURN, nodes[0].slope))
+    nodes.append(Node(_FULL_TURN, nodes[0].value + _FULL_TURN, nodes[0].slope))
     _resolve(sampler, [_Interval(low, high, math.inf) for low, high in pairwise(nodes)])
     _check(sampler, value)
     intervals = sorted(sampler.finished, key=lambda interval: interval.low.theta)
     located = _LOCATED * tolerance
-    return _assemble(intervals, max(interval.error for interval in intervals) + located + sample_error)
+    largest = max(interval.error for interval in intervals)
+    return _assemble(intervals, largest + located + sample_error, _FILLED * interpolated)
 
 
 def _resolve(sampler: _Sampler, waiting: list[_Interval]) -> None:
@@ -133,25 +144,23 @@ def _resolve(sampler: _Sampler, waiting: list[_Interval]) -> None:
             waiting.extend(_halves(sampler, interval, middle))
 
 
-def _halves(sampler: _Sampler, interval: _Interval, middle: _Node) -> tuple[_Interval, ...]:
+def _halves(sampler: _Sampler, interval: _Interval, middle: Node) -> tuple[_Interval, ...]:
     """Return the parts that are left to resolve of an interval whose middle has been sampled."""
-    error = _interpolation_error(interval, middle)
-    halves = (
-        _Interval(interval.low, middle, error),
-        _Interval(middle, interval.high, error),
-    )
+    low, high = interval.low, interval.high
+    error = interval.error_at(middle, interval.at(middle.theta))
     if error <= sampler.tolerance:
-        sampler.finish(*halves)
+        sampler.finish(_Interval(low, middle, error), _Interval(middle, high, error))
         return ()
+    # The quintic that did not know the middle yet is worse than the interval's own.
+    told = math.inf if interval.around is None else interval.error_at(middle, interval.around.at(middle.theta))
+    if told <= (1.0 - _FILLED) * sampler.tolerance:
+        sampler.finish(_Interval(low, high, told + _FILLED * sampler.tolerance, midway=middle))
+        return ()
+    around = Quintic.through(low, middle, high)
+    halves = (_Interval(low, middle, error, around=around), _Interval(middle, high, error, around=around))
     suspect = interval.width <= _SUSPECT and error > interval.error / _HALVING
     sides = _split_at_break(sampler, interval) if suspect else None
     return sides or halves
-
-
-def _interpolation_error(interval: _Interval, node: _Node) -> float:
-    """Difference at a node from the cubic, in value and, as far as it reaches within a half, in slope."""
-    value, slope = _cubic(interval, node.theta)
-    return max(abs(value - node.value), abs(slope - node.slope) * interval.width / 8.0)
 
 
 def _narrow_error(interval: _Interval) -> float:
@@ -161,17 +170,6 @@ def _narrow_error(interval: _Interval) -> float:
     """
     low, high = interval.low, interval.high
     return abs(high.value - low.value) + 4.0 / 27.0 * interval.width * (abs(low.slope) + abs(high.slope))
-
-
-def _cubic(interval: _Interval, theta: float) -> tuple[float, float]:
-    """Value and slope of the cubic Hermite interpolant."""
-    low, high, h = interval.low, interval.high, interval.width
-    t = (theta - low.theta) / h
-    secant = (high.value - low.value) / h
-    bend, twist = secant - low.slope, low.slope + high.slope - 2.0 * secant
-    value = low.value + h * t * (low.slope + t * (bend + (t - 1.0) * twist))
-    slope = low.slope + 2.0 * t * bend + (3.0 * t - 2.0) * t * twist
-    return value, slope
 
 
 def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, ...] | None:
@@ -191,11 +189,11 @@ def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, 
     left, right = low.along_tangent(place), high.along_tangent(place)
     if abs(right - left) <= sampler.tolerance:
         left = right = 0.5 * (left + right)
-    before, after = _Node(place, left, low.slope), _Node(place, right, high.slope)
+    before, after = Node(place, left, low.slope), Node(place, right, high.slope)
     return _Interval(after, interval.high, math.inf), _Interval(interval.low, before, math.inf)
 
 
-def _side(low: _Node, middle: _Node, high: _Node, gap: float) -> int:
+def _side(low: Node, middle: Node, high: Node, gap: float) -> int:
     """Tell whether a node belongs to the low (-1) or the high (+1) side of a break, or to neither (0).
 
     By value where the sides are apart by `gap`, by slope where they only meet at an angle.
@@ -220,22 +218,22 @@ def _check(sampler: _Sampler, value: Callable[[float], float]) -> None:
         if interval.width <= 2.0 * _NARROWEST:
             continue
         theta = interval.low.theta + 0.3 * interval.width
-        error = abs(_cubic(interval, theta)[0] - value(theta))
+        error = abs(interval.at(theta)[0] - value(theta))
         sampler.finished = [other for other in sampler.finished if id(other) != key]
         if error <= sampler.tolerance:
-            sampler.finish(_Interval(interval.low, interval.high, max(error, interval.error)))
+            sampler.finish(replace(interval, error=max(error, interval.error)))
         else:
             _resolve(sampler, [_Interval(interval.low, interval.high, math.inf)])
 
 
-def _assemble(intervals: list[_Interval], max_error: float) -> CircleMap:
+def _assemble(intervals: list[_Interval], max_error: float, filled: float) -> CircleMap:
     """Join the intervals; where neighbours do not share a node, a repeated place marks a break."""
-    nodes: list[_Node] = []
+    nodes: list[Node] = []
     for interval in intervals:
         if not nodes or nodes[-1] != interval.low:
             nodes.append(interval.low)
+        quintic = interval.quintic
+        nodes.extend(() if quintic is None else quintic.between(filled))
         nodes.append(interval.high)
-    theta = np.array([node.theta for node in nodes])
-    lifted = np.array([node.value for node in nodes])
-    slopes = np.array([node.slope for node in nodes])
+    theta, lifted, slopes = np.array([(node.theta, node.value, node.slope) for node in nodes]).T
     return CircleMap.from_samples(theta, lifted, slopes, degree=1, max_error=max_error)

@@ -48,7 +48,8 @@ class ContactFunctions:
 
     `solver`: -> (residuals, Newton step, f_n, f_t, far), with f_n, f_t the compression and tangential force on the
     slider per unit load; `tangent` (unknowns, 14): derivatives of the solution by the arguments; `state_tangent`
-    (unknowns, 5), far: by the first five of them, at less cost. Unknowns: omega, and where the rod slides tau.
+    (unknowns, 5): by the first five of them, at less cost, and what `solver` returns. Unknowns: omega, and where the
+    rod slides tau.
     """
 
     solver: ca.Function
@@ -138,9 +139,12 @@ def _balance(
 
 
 def _solver(balance: _Balance) -> ca.Function:
+    return ca.Function("balance", [balance.unknowns, balance.arguments], [balance.substituted(_solution(balance))])
+
+
+def _solution(balance: _Balance) -> Expression:
     step = -_solved(balance.residual_by(balance.unknowns), balance.residual)
-    outputs = ca.vertcat(balance.residual, step, balance.normal_force, balance.tangential_force, balance.patch.far)
-    return ca.Function("balance", [balance.unknowns, balance.arguments], [balance.substituted(outputs)])
+    return ca.vertcat(balance.residual, step, balance.normal_force, balance.tangential_force, balance.patch.far)
 
 
 def _tangent(balance: _Balance) -> ca.Function:
@@ -159,11 +163,10 @@ def _state_tangent(balance: _Balance) -> ca.Function:
     twist_by = ca.jacobian(balance.twist_of, q)[:, :_STATE_ARGUMENTS]
     by_state = ca.horzcat(by_theta, explicit) + by_twist @ twist_by
     tangent = ca.densify(-_solved(balance.residual_by(balance.unknowns), by_state))
-    outputs = balance.substituted(ca.vertcat(ca.vec(tangent), balance.patch.far))
     size = tangent.numel()
-    return ca.Function(
-        "state_tangent", [balance.unknowns, q], [ca.reshape(outputs[:size], tangent.shape), outputs[size]]
-    )
+    outputs = balance.substituted(ca.vertcat(ca.vec(tangent), _solution(balance)))
+    results = [ca.reshape(outputs[:size], tangent.shape), outputs[size:]]
+    return ca.Function("state_tangent", [balance.unknowns, q], results)
 
 
 def _solved(matrix: Expression, right: Expression) -> Expression:

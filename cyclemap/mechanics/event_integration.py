@@ -65,6 +65,8 @@ def integrate(
     """
     steps: list[Step] = []
     done, h, slack = 0.0, first_h, _slack(motion, tolerance)
+    # After a step that was too long the next one grows no further.
+    refused = False
     motion.evaluate(state)
     while done < length:
         if len(steps) > MOST_STEPS or h < 1e-15 * length:
@@ -76,10 +78,9 @@ def integrate(
             if ended is not None:
                 return Phase(tuple(steps), ended, first_h)
             h = 0.5 * tried if taken is None else next_length(tried, taken.error, tolerance)
+            refused = True
             continue
-        relative = taken.stages[:, MARGIN] / slack
-        least = relative.min()
-        broken = int(relative[-1].argmin()) if least < -1.0 and relative[-1].min() < -1.0 else None
+        least, broken = (math.inf, None) if motion.in_ring else _broken(taken, slack)
         if broken is None and least < -DIP and tried > 1e-4 * length:
             h = 0.4 * tried
             continue
@@ -89,7 +90,9 @@ def integrate(
         motion.unknowns = taken.stages[-1, UNKNOWN].tolist()
         done, state = done + taken.h, taken.end
         # A last short step says nothing about the size that the next phase can take.
-        h = next_length(tried, taken.error, tolerance) if taken.h == h else h
+        if taken.h == h:
+            h = min(next_length(tried, taken.error, tolerance), h if refused else math.inf)
+        refused = False
         if broken is not None:
             return Phase(tuple(steps), broken, h)
         if length - done <= 1e-14 * length:
@@ -107,6 +110,13 @@ def _attempt(motion: Motion, state: NDArray[np.float64], h: float, tolerance: fl
             raise
         motion.unknowns = unknowns
         return None
+
+
+def _broken(taken: Step, slack: NDArray[np.float64]) -> tuple[float, int | None]:
+    """Return the least margin of a step, in slacks, and which one is broken at its end."""
+    relative = taken.stages[:, MARGIN] / slack
+    least = float(relative.min())
+    return least, int(relative[-1].argmin()) if least < -1.0 and relative[-1].min() < -1.0 else None
 
 
 def _ended(steps: list[Step], slack: NDArray[np.float64]) -> int | None:

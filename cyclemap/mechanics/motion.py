@@ -55,6 +55,8 @@ class Motion:
         self.solver, self.piece, self.mode, self.rod = solver, piece, mode, rod
         self.unknowns = [0.0, 0.0] if self.slides else [0.0]
         self._regime = 0
+        # Whether the last step could have been made with fewer iterations: the next one is tried so first.
+        self._quick = False
 
     @cached_property
     def parameters(self) -> NDArray[np.float64]:
@@ -123,11 +125,12 @@ class Motion:
         """Return a step of length h, made in one call, or None where its contact is not certified to be solved."""
         if self.mode == RING_STUCK:
             return step(self.evaluate, state, h)
-        for calls in self._calls:
+        for calls in self._calls[0 if self._quick else -1 :]:
             taken = calls[self._regime](state, self.unknowns, h, self.parameters, tolerance)
             if taken is None and not calls[self._regime].in_regime:
                 self._regime = 1 - self._regime
                 taken = calls[self._regime](state, self.unknowns, h, self.parameters, tolerance)
+            self._quick = calls[self._regime].quick_enough
             # What leaves both regimes on the way needs a shorter step, not more iterations.
             if taken is not None or not calls[self._regime].in_regime:
                 return taken
@@ -237,7 +240,7 @@ class _StepCall:
         self._near, self._limit = near, far_ratio(pressure) * (NEAR_LIMIT if near else FAR_LIMIT)
         self._exact = not isinstance(pressure.footprint, PointFootprint)
         self._unknowns = 2 if family == SLIDE else 1
-        self.in_regime = True
+        self.in_regime, self.quick_enough = True, False
 
     def __call__(
         self,
@@ -248,15 +251,18 @@ class _StepCall:
         tolerance: float,
     ) -> Step | None:
         """Return the step, or None where its Newton iterations or its regime do not hold."""
-        at, guess, length, numbers = self._function.arguments
+        function = self._function
+        at, guess, length, numbers = function.arguments
         at[:], guess[:], length[0], numbers[:] = state, unknowns, h, parameters
-        result = self._function()
-        error, correction, least, greatest = result[:4].tolist()
+        result = function()
+        error, correction, quick, least, greatest = result[:5].tolist()
         self.in_regime = not self._exact or (greatest <= self._limit if self._near else least >= self._limit)
         allowed = math.sqrt(LEFT_OVER * tolerance / h) if self._exact else _LEFT_AT_POINTS * tolerance
-        if not (self.in_regime and math.isfinite(error) and correction <= allowed):
+        sound = self.in_regime and math.isfinite(error)
+        self.quick_enough = sound and quick <= allowed
+        if not (sound and correction <= allowed):
             return None
-        return Step(h, result[4:].reshape(STAGES + 1, -1).copy(), error)
+        return Step(h, result[5:].reshape(STAGES + 1, -1).copy(), error)
 
     @cached_property
     def _function(self) -> BufferedFunction:

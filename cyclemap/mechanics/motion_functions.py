@@ -166,24 +166,28 @@ def stage_function(pressure: PressureFamily, kind: str, mode: str, near: bool) -
 def step_function(pressure: PressureFamily, kind: str, mode: str, near: bool, thorough: bool) -> ca.Function:
     """Build (once) the step of a normalised footprint's family, kind of contact, mode and regime.
 
-    (state 2, unknowns u, h, parameters) -> (error, last Newton correction, least far, greatest far) followed, for each
-    of the 6 stages and the end, by state 2, slope 2, margins 5, unknowns u. `thorough`: with more Newton iterations.
+    (state 2, unknowns u, h, parameters) -> (error, last Newton correction, the last one that a quick step would have
+    made, least far, greatest far) followed, for each of the 6 stages and the end, by state 2, slope 2, margins 5,
+    unknowns u. `thorough`: with more Newton iterations.
     """
     stage, guess_slope = stage_function(pressure, kind, mode, near), _solution_slope(pressure, kind, mode, near)
     count, smooth = stage.size1_in(1), not isinstance(pressure.footprint, PointFootprint)
     iterations = (THOROUGH if thorough else QUICK) if smooth else _ITERATIONS_POINTS
+    quick: list[ca.MX] = []
     (state, guess, p), h = _symbols(count), ca.MX.sym("h")
     course = _Course(guess_slope(state, guess, p), smooth)
     for i in range(STAGES + 1):
         at = state + h * _mixed(A[i, :i] if i < STAGES else B, course.slopes) if i else state
         z = course.predicted(at, i) if i else guess
-        for _ in range(iterations[i]):
+        for iteration in range(iterations[i]):
             row, report = stage(at, z, p)
             z = row[_UNKNOWN]
+            if iteration + 1 == QUICK[i]:
+                quick.append(report[0])
         course.add(row, report)
     correction, far = (ca.vertcat(*(report[k] for report in course.reports)) for k in (0, 1))
     error = _largest(_mixed(ERROR, course.slopes))
-    certificate = ca.vertcat(h * error, _largest(correction), ca.mmin(far), ca.mmax(far))
+    certificate = ca.vertcat(h * error, _largest(correction), _largest(ca.vertcat(*quick)), ca.mmin(far), ca.mmax(far))
     step = ca.Function("step", [state, guess, h, p], [ca.vertcat(certificate, *course.rows)])
     return _unrolled(step, _contact_functions(pressure, mode, near).solver)
 
@@ -258,6 +262,9 @@ def _symbols(unknowns: int) -> tuple[ca.MX, ca.MX, ca.MX]:
 
 
 def _unrolled(function: ca.Function, solver: ca.Function) -> ca.Function:
-    """Return the function in scalars, where the contact's equations are small enough for that."""
-    small = solver.is_a("SXFunction") and solver.n_instructions() <= _UNROLLED
-    return function.expand() if small else function
+    """Return the function in scalars, each computed once, where the contact's equations are small enough for that."""
+    if not (solver.is_a("SXFunction") and solver.n_instructions() <= _UNROLLED):
+        return function
+    inputs = [ca.SX.sym(function.name_in(i), function.size1_in(i)) for i in range(function.n_in())]
+    outputs = ca.cse(function.expand().call(inputs))
+    return ca.Function(function.name(), inputs, outputs)

@@ -10,7 +10,7 @@ import numpy as np
 # Scalars or matrices: SX for closed forms, MX for sums over many nodes.
 Expression: TypeAlias = ca.SX | ca.MX
 
-# Keeps the logarithm finite where the centre of rotation lies on a side's line; d^2 times it is then zero to rounding.
+# Keeps the logarithm finite where the centre of rotation lies on a side; its distance times it is then zero to rounding.
 _TINY = 1e-60
 
 # Gauss points on each of an ellipse's two arcs, and the least half-width of the strip (rad) that they resolve.
@@ -53,8 +53,10 @@ def polygon_rim(x: Expression, y: Expression) -> Rim:
     start, end = x * tx + y * ty, x[following] * tx + y[following] * ty
     radius = ca.sqrt(x * x + y * y)
     s0, s1 = radius, radius[following]
-    # asinh(end/|d|) - asinh(start/|d|), by one logarithm.
-    angle = ca.log(_sum_with_root(end, s1, d) / _sum_with_root(start, s0, d))
+    # asinh(end/|d|) - asinh(start/|d|), by one logarithm: of what does not cancel where the foot lies on the side, else
+    # of the triangle's sides (the potential of a charged rod).
+    beside = (s0 + s1 + size) / ca.fmax(s0 + s1 - size, _TINY)
+    angle = ca.log(ca.if_else(start * end < 0, (s0 - start) * (s1 + end) / (d * d + _TINY), beside))
     # Integrals along the side: of t^2/s, of s, of t s, with s = sqrt(d^2 + t^2).
     ts = end * s1 - start * s0
     length, moment = (ts + d * d * angle) / 2, (ts - d * d * angle) / 2
@@ -73,12 +75,6 @@ def polygon_rim(x: Expression, y: Expression) -> Rim:
     inverses = ca.horzcat(angle, rise, moment, cube - d * dr)
     normal, tangent = ca.horzcat(nx, ny), ca.horzcat(tx, ty)
     return Rim(normal, d, length, unit, first, second, ca.horzcat(d * nx, d * ny), tangent, lengths, inverses)
-
-
-def _sum_with_root(t: Expression, root: Expression, d: Expression) -> Expression:
-    """Return t + root, root = sqrt(d^2 + t^2), without cancellation where t is negative."""
-    size = root + ca.fabs(t) + math.sqrt(_TINY)
-    return ca.if_else(t >= 0, size, (d * d + _TINY) / size)
 
 
 def ellipse_rim(

@@ -28,7 +28,7 @@ ERROR: NDArray[np.float64] = np.array((-71 / 57600, 0, 71 / 16695, -71 / 1920, 1
 
 # Exponent, safety and bounds of the step-size controller.
 _ORDER = 5
-SAFETY, SHRINK, GROW = 0.9, 0.2, 2.0
+SAFETY, SHRINK, GROW = 0.8, 0.2, 2.0
 
 # One evaluation of a motion: state 2, slope 2, margins 5, the contact's unknowns.
 STATE, SLOPE, MARGIN, UNKNOWN = slice(0, 2), slice(2, 4), slice(4, 9), slice(9, None)

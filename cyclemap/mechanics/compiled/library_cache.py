@@ -11,6 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import casadi as ca
+from platformdirs import user_cache_path
 
 from cyclemap.mechanics.compiled.compiler import FLAGS, NoCompiler, find_compiler
 from cyclemap.whole_files import write_whole
@@ -26,11 +27,7 @@ def cache_folder() -> Path:
     named = os.environ.get(CACHE_VARIABLE)
     if named:
         return Path(named).expanduser()
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "cyclemap" / "Cache"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "cyclemap"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "cyclemap"
+    return user_cache_path("cyclemap", appauthor=False)
 
 
 def cached_library(made_from: str, source: Callable[[], str] | None) -> ctypes.CDLL | None:

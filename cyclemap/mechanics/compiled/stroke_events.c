@@ -66,12 +66,12 @@ static int land(Run *r, Motion *m, const double *state, const double *slack, Ste
 /* phase_variation.vary_phase, of one step. */
 static void vary(Run *r, const Motion *m, const Step *taken) {
     Step varied; /* its rows hold the variations of states and slopes */
-    double by[6], toward[6], at[2];
+    double by[6], at[2];
     for (int i = 0; i < STAGES; ++i) {
         const double *row = taken->rows[i];
         place(&varied, r->varied, taken->h, i, at);
-        int far = !(variation(m, m->regime, row, row + UNKNOWN, by, toward) <= FAR_RATIO);
-        if (far != m->regime) variation(m, far, row, row + UNKNOWN, by, toward);
+        int far = !(variation(m, m->regime, row, row + UNKNOWN, by) <= FAR_RATIO);
+        if (far != m->regime) variation(m, far, row, row + UNKNOWN, by);
         for (int c = 0; c < 2; ++c)
             varied.rows[i][SLOPE + c] = by[c] * at[0] + by[2 + c] * at[1] + by[4 + c] * r->varied[2];
     }
@@ -91,6 +91,7 @@ static int keep(Run *r, const Motion *m, const Step *taken) {
 static int integrate(Run *r, Motion *m, double *state, double length, double *next_h, double *done, Step *taken) {
     double h = *next_h, first_h = *next_h, tolerance = r->tolerance, slack[MARGINS], row[ROW], report[4], value;
     long count = 0;
+    int refused = 0;
     for (int k = 0; k < MARGINS; ++k) slack[k] = SLACK_SHARE * sqrt(tolerance);
     if (m->mode == STICK) slack[APPROACH] = STRICT_SHARE * tolerance;
     if (!evaluate(r, m, state, row, report)) return DECLINED;
@@ -106,6 +107,7 @@ static int integrate(Run *r, Motion *m, double *state, double length, double *ne
                 return ended;
             }
             h = found ? next_length(tried, taken->error, tolerance) : 0.5 * tried;
+            refused = 1;
             continue;
         }
         for (int i = 0; i <= STAGES; ++i) {
@@ -125,7 +127,8 @@ static int integrate(Run *r, Motion *m, double *state, double length, double *ne
         ++count;
         *done += taken->h;
         memcpy(state, row, 2 * sizeof(double));
-        if (taken->h == h) h = next_length(tried, taken->error, tolerance);
+        if (taken->h == h) h = fmin(next_length(tried, taken->error, tolerance), refused ? h : INFINITY);
+        refused = 0;
         *next_h = h;
         if (broken != NOTHING) return broken;
         if (length - *done <= 1e-14 * length) break;

@@ -26,7 +26,7 @@ typedef struct {
 
 typedef struct {
     const Law *law;
-    int mode, piece, regime;
+    int mode, piece, regime, quick;
     double p[PARAMETERS], z[2];
 } Motion;
 
@@ -43,7 +43,7 @@ static void call(Function *f, const double *a, const double *b, const double *c,
 
 static Motion motion_of(const Run *r, int mode, int piece, double z0, double z1) {
     const double *at = r->pieces + piece * PIECE_COLUMNS;
-    Motion m = {&LAWS[(int)at[KIND]][SLIDE_LEFT <= mode && mode <= SLIDE_FREE], mode, piece, 0, {0}, {z0, z1}};
+    Motion m = {&LAWS[(int)at[KIND]][SLIDE_LEFT <= mode && mode <= SLIDE_FREE], mode, piece, 0, 0, {0}, {z0, z1}};
     memcpy(m.p, r->parameters, 11 * sizeof(double));
     memcpy(m.p + 11, at + GEOMETRY, 7 * sizeof(double));
     m.p[2] *= SIGN[mode];
@@ -56,12 +56,9 @@ static void equation_arguments(const Motion *m, const double *state, double *q) 
     if (m->mode == STICK || m->mode == RING) q[5] = 0.0;
 }
 
-/* motion_functions.stage_function: row of ROW; report: correction, far, residual, normal force. */
-static void stage(const Motion *m, int far, const double *state, const double *z, double *row, double *report) {
-    double q[EQUATION_ARGUMENTS], found[7];
+/* The motion with what one Newton iteration found: row of ROW; report: correction, far, residual, normal force. */
+static void settle(const Motion *m, const double *state, const double *z, const double *found, double *row, double *report) {
     int n = m->law->unknowns;
-    equation_arguments(m, state, q);
-    call(m->law->solver[far], z, q, 0, 0, found, 0);
     memcpy(row, state, 2 * sizeof(double));
     for (int k = 0; k < n; ++k) row[UNKNOWN + k] = z[k] + found[n + k];
     call(m->law->rate, state, row + UNKNOWN, found + 2 * n, m->p, row + SLOPE, row + MARGIN);
@@ -71,23 +68,37 @@ static void stage(const Motion *m, int far, const double *state, const double *z
     report[3] = found[2 * n];
 }
 
-/* motion_functions.variation_function: derivatives of the slope (2, 3) and of the unknowns (n, 3) by theta, coordinate
-   and direction, by columns; returns far. */
-static double variation(const Motion *m, int far, const double *state, const double *z, double *by, double *toward) {
-    double q[EQUATION_ARGUMENTS], tangent[10], chain[15], by_unknowns[4], ratio;
+/* motion_functions.stage_function. */
+static void stage(const Motion *m, int far, const double *state, const double *z, double *row, double *report) {
+    double q[EQUATION_ARGUMENTS], found[7];
+    equation_arguments(m, state, q);
+    call(m->law->solver[far], z, q, 0, 0, found, 0);
+    settle(m, state, z, found, row, report);
+}
+
+/* Derivatives of the unknowns (n, 3) by theta, coordinate and direction, by columns; found: as the solver finds. */
+static void tangent_at(const Motion *m, int far, const double *state, const double *z, double *toward, double *found) {
+    double q[EQUATION_ARGUMENTS], tangent[10], chain[15];
     int n = m->law->unknowns;
     equation_arguments(m, state, q);
-    call(m->law->tangent[far], z, q, 0, 0, tangent, &ratio);
+    call(m->law->tangent[far], z, q, 0, 0, tangent, found);
     call(m->law->chain, state, m->p, 0, 0, chain, 0);
+    memset(toward, 0, 3 * n * sizeof(double));
+    for (int column = 0; column < 3; ++column)
+        for (int k = 0; k < n; ++k)
+            for (int j = 0; j < 5; ++j) toward[column * n + k] += tangent[j * n + k] * chain[column * 5 + j];
+}
+
+/* motion_functions.variation_function: derivatives of the slope (2, 3), by columns; returns far. */
+static double variation(const Motion *m, int far, const double *state, const double *z, double *by) {
+    double toward[6], found[7], by_unknowns[4];
+    int n = m->law->unknowns;
+    tangent_at(m, far, state, z, toward, found);
     call(m->law->rate_slopes, state, z, m->p, 0, by, by_unknowns);
     for (int column = 0; column < 3; ++column)
-        for (int k = 0; k < n; ++k) {
-            double sum = 0.0;
-            for (int j = 0; j < 5; ++j) sum += tangent[j * n + k] * chain[column * 5 + j];
-            toward[column * n + k] = sum;
-            for (int c = 0; c < 2; ++c) by[column * 2 + c] += by_unknowns[k * 2 + c] * sum;
-        }
-    return ratio;
+        for (int k = 0; k < n; ++k)
+            for (int c = 0; c < 2; ++c) by[column * 2 + c] += by_unknowns[k * 2 + c] * toward[column * n + k];
+    return found[2 * n + 2];
 }
 
 /* _RegimeSwitch.at: one stage, in the regime that is accurate; returns the residual. */
@@ -199,23 +210,37 @@ static void finish(Step *taken, double h) {
     }
 }
 
+/* Where Newton's method starts at stage i, motion_functions._Course.predicted: along the tangent, and bent. */
+static void predict(const Motion *m, const double *toward, double (*bend)[2], const double *start, const double *at, int i,
+                    double *tangent, double *z) {
+    int n = m->law->unknowns;
+    for (int k = 0; k < n; ++k) {
+        tangent[k] = start[UNKNOWN + k] + toward[k] * (at[0] - start[0]) + toward[n + k] * (at[1] - start[1]);
+        z[k] = tangent[k];
+        for (int j = 1; j < i; ++j) z[k] += BEND[i][j] * bend[j][k];
+    }
+}
+
 /* motion_functions.step_function and motion._StepCall: 1 taken, 0 not certified, -1 not in its regime. */
 static int certified(Motion *m, const int *iterations, const double *state, double h, double tolerance, Step *taken) {
     int n = m->law->unknowns;
-    double by[6], toward[6], bend[STAGES + 1][2], correction = 0.0, nearest = INFINITY, farthest = 0.0, report[4];
-    variation(m, m->regime, state, m->z, by, toward);
+    double toward[6], found[7], bend[STAGES + 1][2], tangent[2], at[2], z[2], report[4];
+    double correction = 0.0, quick = 0.0, nearest = INFINITY, farthest = 0.0, allowed = sqrt(LEFT_OVER * tolerance / h);
+    m->quick = 0;
     for (int i = 0; i <= STAGES; ++i) {
-        double at[2], z[2] = {m->z[0], m->z[1]}, tangent[2], *row = taken->rows[i];
-        const double *start = taken->rows[0];
-        place(taken, state, h, i, at);
-        for (int k = 0; i && k < n; ++k) {
-            tangent[k] = start[UNKNOWN + k] + toward[k] * (at[0] - start[0]) + toward[n + k] * (at[1] - start[1]);
-            z[k] = tangent[k];
-            for (int j = 1; j < i; ++j) z[k] += BEND[i][j] * bend[j][k];
+        double *row = taken->rows[i];
+        if (i == 0) {
+            tangent_at(m, m->regime, state, m->z, toward, found);
+            settle(m, state, m->z, found, row, report);
+            quick = report[0];
+        } else {
+            place(taken, state, h, i, at);
+            predict(m, toward, bend, taken->rows[0], at, i, tangent, z);
         }
-        for (int iteration = 0; iteration < iterations[i]; ++iteration) {
+        for (int iteration = 1; i && iteration <= iterations[i]; ++iteration) {
             stage(m, m->regime, at, z, row, report);
             memcpy(z, row + UNKNOWN, n * sizeof(double));
+            if (iteration == ITERATIONS[0][i]) quick = fmax(quick, report[0]);
         }
         for (int k = 0; i && k < n; ++k) bend[i][k] = z[k] - tangent[k];
         correction = fmax(correction, report[0]);
@@ -224,12 +249,13 @@ static int certified(Motion *m, const int *iterations, const double *state, doub
         if (!(m->regime ? nearest >= FAR_LIMIT : farthest <= NEAR_LIMIT)) return -1;
     }
     finish(taken, h);
-    return isfinite(taken->error) && correction <= sqrt(LEFT_OVER * tolerance / h);
+    m->quick = isfinite(taken->error) && quick <= allowed;
+    return isfinite(taken->error) && correction <= allowed;
 }
 
 /* Motion.fast_step */
 static int fast_step(Motion *m, const double *state, double h, double tolerance, Step *taken) {
-    for (int effort = 0; effort < 2; ++effort) {
+    for (int effort = !m->quick; effort < 2; ++effort) {
         int found = certified(m, ITERATIONS[effort], state, h, tolerance, taken);
         if (found < 0) {
             m->regime = !m->regime;
