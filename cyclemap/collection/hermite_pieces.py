@@ -60,7 +60,7 @@ class Quintic:
         return value, slope / self.half
 
     def between(self, error: float) -> Iterator[Node]:
-        """Nodes of its own, inside, so that cubics from node to node come within `error` of it: h^4 max |q''''| / 384."""
+        """Nodes of its own, inside: cubics from node to node come within `error` of it, h^4 max |q''''| / 384."""
         bend = 24.0 * abs(self.powers[4]) + 120.0 * abs(self.powers[5])
         count = max(1, math.ceil(2.0 * (bend / (384.0 * error)) ** 0.25))
         for k in range(1, count):

@@ -10,7 +10,7 @@ import numpy as np
 # Scalars or matrices: SX for closed forms, MX for sums over many nodes.
 Expression: TypeAlias = ca.SX | ca.MX
 
-# Keeps the logarithm finite where the centre of rotation lies on a side; its distance times it is then zero to rounding.
+# Keeps asinh(t / |d|) finite where the centre of rotation lies on a side's line; d^2 asinh is then zero to rounding.
 _TINY = 1e-60
 
 # Gauss points on each of an ellipse's two arcs, and the least half-width of the strip (rad) that they resolve.
@@ -53,10 +53,8 @@ def polygon_rim(x: Expression, y: Expression) -> Rim:
     start, end = x * tx + y * ty, x[following] * tx + y[following] * ty
     radius = ca.sqrt(x * x + y * y)
     s0, s1 = radius, radius[following]
-    # asinh(end/|d|) - asinh(start/|d|), by one logarithm: of what does not cancel where the foot lies on the side, else
-    # of the triangle's sides (the potential of a charged rod).
-    beside = (s0 + s1 + size) / ca.fmax(s0 + s1 - size, _TINY)
-    angle = ca.log(ca.if_else(start * end < 0, (s0 - start) * (s1 + end) / (d * d + _TINY), beside))
+    away = 1 / ca.sqrt(d * d + _TINY)
+    angle = ca.asinh(end * away) - ca.asinh(start * away)
     # Integrals along the side: of t^2/s, of s, of t s, with s = sqrt(d^2 + t^2).
     ts = end * s1 - start * s0
     length, moment = (ts + d * d * angle) / 2, (ts - d * d * angle) / 2

@@ -45,11 +45,12 @@ class StrokeKind:
 
 
 def stroke_source(stroke: StrokeKind) -> str:
-    """Return the C source of a library that runs strokes; see stroke_driver.c."""
+    """Return the C source of a library that runs strokes: prelude, functions, tables, driver."""
     functions = {name: _renamed(function, name) for name, function in _functions(stroke)}
-    driver = [Path(__file__).with_name(name).read_text() for name in ("stroke_steps.c", "stroke_events.c")]
-    parts = ("#include <math.h>", "#include <string.h>", _generated(functions), _tables(stroke, functions), *driver)
-    return "\n".join(parts)
+    prelude, *driver = (
+        Path(__file__).with_name(name).read_text() for name in ("kernel_prelude.c", "stroke_steps.c", "stroke_events.c")
+    )
+    return "\n".join((prelude, _generated(functions), _tables(stroke, functions), *driver))
 
 
 def _functions(stroke: StrokeKind) -> Iterable[tuple[str, ca.Function]]:
