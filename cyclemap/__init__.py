@@ -76,14 +76,14 @@ __all__ = [
     "read_theta0_pairs", "read_wrench_twists", "redesign_under_wear", "refit_harmonic_map", "replay_push",
     "replay_pushes", "reset_curves", "reset_scores", "reset_trial", "reset_under_wear", "ring_family",
     "robust_push_weights", "robust_reset", "rotation_interval", "rotation_number", "rotation_numbers", "rotation_plane",
-    "run_strategy", "run_sweep", "saddle_nodes", "sample_random_paths", "sample_staircase", "sample_staircases",
-    "scored_candidate", "search_front", "search_parameters", "set_laws", "shifted", "simulate_collection",
-    "simulated_ensemble", "slip_probabilities", "slow_passages", "staircase_forecast", "strategy_cost", "strategy_maps",
-    "strategy_portrait", "strategy_sampler", "strategy_scores", "strategy_staircase", "survival_probabilities",
-    "sweep_curves", "sweep_status", "tongue", "tongues", "total_variation", "transfer_operator", "turn_histogram",
-    "upper_envelope", "watson_critical_value", "watson_p_value", "watson_statistic", "way_point_family", "wear_path",
-    "worn_friction", "worn_loop", "worst_case", "worst_scores", "wrench_twist_block", "write_protocol",
-    "write_schedule",
+    "run_cycles", "run_strategy", "run_sweep", "saddle_nodes", "sample_random_paths", "sample_staircase",
+    "sample_staircases", "scored_candidate", "search_front", "search_parameters", "set_laws", "shifted",
+    "simulate_collection", "simulated_ensemble", "slip_probabilities", "slow_passages", "staircase_forecast",
+    "strategy_cost", "strategy_maps", "strategy_portrait", "strategy_sampler", "strategy_scores", "strategy_staircase",
+    "survival_probabilities", "sweep_curves", "sweep_status", "tongue", "tongues", "total_variation",
+    "transfer_operator", "turn_histogram", "upper_envelope", "watson_critical_value", "watson_p_value",
+    "watson_statistic", "way_point_family", "wear_path", "worn_friction", "worn_loop", "worst_case", "worst_scores",
+    "wrench_twist_block", "write_protocol", "write_schedule",
 ]
 # fmt: on
 

@@ -14,6 +14,7 @@ from cyclemap.collection.fingerprint import Fingerprint, TurnResponse, fingerpri
 from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
 from cyclemap.collection.fingerprint_prediction import Prediction, predict
 from cyclemap.collection.loop import CollectionLoop, Cycle, CycleSensitivity, CycleTrajectory
+from cyclemap.collection.many_cycles import run_cycles
 from cyclemap.collection.portrait import Portrait, portrait
 from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
 from cyclemap.collection.wearing_loop import drifting_map, worn_loop
@@ -44,6 +45,7 @@ __all__ = [
     "isotropic_twin",
     "portrait",
     "predict",
+    "run_cycles",
     "staircase_forecast",
     "worn_loop",
 ]

@@ -1,7 +1,7 @@
 """One push and reset told by its two strokes, whoever ran them, and many of them as arrays."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
@@ -120,15 +120,14 @@ class Cycles:
         )
 
     @classmethod
-    def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> "Cycles":
-        """Return cycles from the orientations theta (...), in its order, that were run in one call."""
-        shape = theta.shape
-        return cls(
-            theta,
-            batch.push_turn.reshape(shape),
-            batch.push_displacement.reshape(*shape, 2),
-            batch.drag_turn.reshape(shape),
-            batch.drag_length.reshape(shape),
-            batch.theta_next.reshape(shape),
-            batch.left.reshape(shape),
-        )
+    def of_batch(
+        cls, theta: NDArray[np.float64], batch: CycleBatch, run: Callable[[int], StrokePair[Any, Any]]
+    ) -> "Cycles":
+        """Return cycles from the orientations theta (...), in its order; `run` runs those that were not done."""
+        shape, undone = theta.shape, np.flatnonzero(~batch.done.ravel()).tolist()
+        columns = [getattr(batch, field.name) for field in fields(cls)[1:]]
+        if undone:
+            rest = cls.gathered(theta.ravel()[undone], [run(index) for index in undone])
+            for column, field in zip(columns, fields(cls)[1:], strict=True):
+                column.reshape(theta.size, -1)[undone] = getattr(rest, field.name).reshape(len(undone), -1)
+        return cls(theta, *(column.reshape((*shape, *column.shape[2:])) for column in columns))

@@ -1,8 +1,12 @@
-"""Polynomials through values and slopes: cubics between two nodes, quintics through three."""
+"""Polynomials through values and slopes at a few nodes: of degree three through two, five through three, and so on."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+
+# Cubics are compared at these shares of their width; they are put this much closer than what is seen there asks for.
+_COMPARED, _CLOSER = (0.25, 0.5, 0.75), 1.15
 
 
 @dataclass(frozen=True)
@@ -18,51 +22,64 @@ class Node:
         return self.value + self.slope * (theta - self.theta)
 
 
-def cubic(low: Node, high: Node, theta: float) -> tuple[float, float]:
-    """Value and slope of the cubic Hermite interpolant."""
-    h = high.theta - low.theta
-    t = (theta - low.theta) / h
-    secant = (high.value - low.value) / h
-    bend, twist = secant - low.slope, low.slope + high.slope - 2.0 * secant
-    value = low.value + h * t * (low.slope + t * (bend + (t - 1.0) * twist))
-    slope = low.slope + 2.0 * t * bend + (3.0 * t - 2.0) * t * twist
-    return value, slope
-
-
 @dataclass(frozen=True)
-class Quintic:
-    """The polynomial of degree five through two nodes and the one midway, in powers of t in [-1, 1] between them.
+class HermitePolynomial:
+    """The polynomial of degree 2 k - 1 with the values and slopes of k nodes, by divided differences (Davis 1975, 3.1).
 
-    >>> nodes = [Node(x, x**5, 5.0 * x**4) for x in (0.0, 1.0, 2.0)]
-    >>> Quintic.through(*nodes).at(1.5) == (1.5**5, 5.0 * 1.5**4)
+    nodes : ascending, no place twice. differences : Newton's coefficients, to places that come twice each.
+
+    >>> nodes = [Node(x, x**5, 5.0 * x**4) for x in (0.0, 0.5, 2.0)]
+    >>> HermitePolynomial.through(nodes).at(1.5) == (1.5**5, 5.0 * 1.5**4)
     True
     """
 
-    middle: float
-    half: float
-    powers: tuple[float, ...]
+    nodes: tuple[Node, ...]
+    differences: tuple[float, ...]
 
     @classmethod
-    def through(cls, low: Node, middle: Node, high: Node) -> "Quintic":
-        """Return the polynomial that has the values and slopes of three nodes, evenly spaced."""
-        half = 0.5 * (high.theta - low.theta)
-        before, at, after = half * low.slope, half * middle.slope, half * high.slope
-        even, odd = 0.5 * (high.value + low.value) - middle.value, 0.5 * (high.value - low.value) - at
-        fourth, fifth = 0.25 * (after - before) - even, 0.25 * (after + before) - 0.5 * at - 1.5 * odd
-        return cls(middle.theta, half, (middle.value, at, even - fourth, odd - fifth, fourth, fifth))
+    def through(cls, nodes: Sequence[Node]) -> "HermitePolynomial":
+        """Return the polynomial that has the values and slopes of the nodes."""
+        places = [node.theta for node in nodes for _ in (0, 1)]
+        column = [node.value for node in nodes for _ in (0, 1)]
+        differences = column[:1]
+        for order in range(1, len(places)):
+            rises = [column[i + 1] - column[i] for i in range(len(column) - 1)]
+            if order == 1:
+                column = [
+                    rise / (places[i + 1] - places[i]) if i % 2 else nodes[i // 2].slope for i, rise in enumerate(rises)
+                ]
+            else:
+                column = [rise / (places[i + order] - places[i]) for i, rise in enumerate(rises)]
+            differences.append(column[0])
+        return cls(tuple(nodes), tuple(differences))
 
     def at(self, theta: float) -> tuple[float, float]:
         """Value and slope at a place."""
-        t, value, slope = (theta - self.middle) / self.half, 0.0, 0.0
-        for power in reversed(self.powers):
-            slope = slope * t + value
-            value = value * t + power
-        return value, slope / self.half
+        value = slope = 0.0
+        for k in reversed(range(len(self.differences))):
+            off = theta - self.nodes[k // 2].theta
+            slope = slope * off + value
+            value = value * off + self.differences[k]
+        return value, slope
 
-    def between(self, error: float) -> Iterator[Node]:
-        """Nodes of its own, inside: cubics from node to node come within `error` of it, h^4 max |q''''| / 384."""
-        bend = 24.0 * abs(self.powers[4]) + 120.0 * abs(self.powers[5])
-        count = max(1, math.ceil(2.0 * (bend / (384.0 * error)) ** 0.25))
-        for k in range(1, count):
-            theta = self.middle + self.half * (2.0 * k / count - 1.0)
-            yield Node(theta, *self.at(theta))
+    def refined(self, error: float) -> Iterator[Node]:
+        """Its nodes, and so many between them that cubics from one to the next are within `error` of it."""
+        for low, high in pairwise(self.nodes):
+            count = max(1, math.ceil(_CLOSER * (self._off_cubic(low, high) / error) ** 0.25))
+            width = (high.theta - low.theta) / count
+            yield low
+            for theta in (low.theta + k * width for k in range(1, count)):
+                yield Node(theta, *self.at(theta))
+        yield self.nodes[-1]
+
+    def _off_cubic(self, low: Node, high: Node) -> float:
+        # A cubic between two places misses q by q'''' (s (1 - s) h^2)^2 / 24 at the share s of its width h.
+        cubic, width = HermitePolynomial.through((low, high)), high.theta - low.theta
+        places = [(s, low.theta + s * width) for s in _COMPARED]
+        return max(abs(cubic.at(x)[0] - self.at(x)[0]) / (16.0 * (s * (1.0 - s)) ** 2) for s, x in places)
+
+
+def left_out_error(nodes: Sequence[Node], number: int) -> float:
+    """Return by how much the polynomial through all nodes but one misses the value of that one."""
+    left = nodes[number]
+    return abs(HermitePolynomial.through([*nodes[:number], *nodes[number + 1 :]]).at(left.theta)[0] - left.value)

@@ -158,10 +158,8 @@ class CollectionLoop:
         array([73.653, 73.927])
         """
         values = finite_array("theta", theta)
-        batch = cycle_batch(self.model, self.push, self.reset, values.ravel(), slopes=False)
-        if batch is None or not batch.done.all():
-            return Cycles.gathered(values, [self.cycle(t) for t in values.ravel().tolist()])
-        return Cycles.of_batch(values, batch)
+        batch = cycle_batch((self,), values.reshape(1, -1), slopes=False)
+        return Cycles.of_batch(values, batch, lambda index: self.cycle(float(values.flat[index])))
 
     def next_theta(self, theta: ArrayLike) -> NDArray[np.float64]:
         """Return theta_next (...), rad on the lift, at orientations (...)."""
@@ -201,10 +199,9 @@ class CollectionLoop:
 
     def _values_and_slopes(self, theta: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return theta_next and its derivative by theta at orientations (n,)."""
-        batch = cycle_batch(self.model, self.push, self.reset, theta, slopes=True)
-        done = np.zeros(theta.shape, bool) if batch is None else batch.done
-        values, slopes = np.empty((2, *theta.shape)) if batch is None else (batch.theta_next, batch.by_theta)
-        for index in np.flatnonzero(~done).tolist():
+        batch = cycle_batch((self,), theta[None], slopes=True)
+        values, slopes = batch.theta_next[0], batch.by_theta[0]
+        for index in np.flatnonzero(~batch.done[0]).tolist():
             found = self.sensitivity(float(theta[index]), ("theta",))
             values[index], slopes[index] = found.theta_next, found.by_theta
         return values, slopes

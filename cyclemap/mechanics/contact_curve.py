@@ -6,6 +6,7 @@ has a coordinate of its own in which contact point and normal are smooth, and wh
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import ClassVar, NamedTuple
 
 from cyclemap.errors import InvalidInput
@@ -148,6 +149,7 @@ OutlinePiece = SidePiece | CornerPiece | EllipsePiece
 Piece = OutlinePiece | RingPiece
 
 
+@lru_cache(maxsize=256)
 def contact_curve(outline: Outline, radius: float) -> tuple[OutlinePiece, ...]:
     """Return the curve's pieces counter-clockwise, starting with side 0; lengths as in the outline and the radius.
 

@@ -27,6 +27,8 @@ STUCK = 1e-8
 # Steps above this share of the length are made in one call or not at all: shorter ones are cheaper than certainty.
 SHORT = 0.01
 MOST_STEPS = 20_000
+# A leg of a drag this short, extents, is none.
+NO_LEG = 1e-12
 # First steps to try, extents: where they are too long, the estimate of their error may flatter.
 FIRST_PUSH_STEP, FIRST_DRAG_STEP = 0.1, 0.15
 

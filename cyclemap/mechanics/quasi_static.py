@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.constants import g as GRAVITY
@@ -13,7 +13,7 @@ from cyclemap.mechanics.compiled.recorded_strokes import recorded_leg, recorded_
 from cyclemap.mechanics.compiled.stroke_library import StrokeKind
 from cyclemap.mechanics.contact_curve import OutlinePiece, RingPiece, contact_curve, side_coordinate
 from cyclemap.mechanics.contact_solver import ContactSolver
-from cyclemap.mechanics.event_integration import FIRST_DRAG_STEP, integrate
+from cyclemap.mechanics.event_integration import FIRST_DRAG_STEP, NO_LEG, integrate
 from cyclemap.mechanics.first_touch import first_touch, overlaps
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
@@ -71,7 +71,7 @@ class QuasiStaticModel:
         if self.footprint is not None:
             return self.footprint
         assert self.slider.centre_of_mass is not None
-        return PatchFootprint.under(self.slider.outline, self.slider.centre_of_mass)
+        return _under(self.slider.outline, self.slider.centre_of_mass)
 
     @cached_property
     def unit(self) -> float:
@@ -96,11 +96,11 @@ class QuasiStaticModel:
     @cached_property
     def stroke_kind(self) -> StrokeKind | None:
         """What compiled strokes have to know of the model; None where only Python can run them."""
-        return stroke_kind(self.solver, self.pieces, self.radius)
+        return stroke_kind(normalised(self.pressure), self.pieces, self.radius)
 
     @cached_property
     def _outline(self) -> Outline:
-        return self.slider.outline.scaled(1.0 / self.unit)
+        return _scaled(self.slider.outline, 1.0 / self.unit)
 
     @property
     def step_tolerance(self) -> float:
@@ -162,7 +162,7 @@ class QuasiStaticModel:
         ring = self.ring_place(pose)
         dx, dy = finite_number("way-point x", goal[0]) - ring[0], finite_number("way-point y", goal[1]) - ring[1]
         length = math.hypot(dx, dy) / self.unit
-        if length <= 1e-12:
+        if length <= NO_LEG:
             return None
         piece = RingPiece((self.slider.hitch[0] / self.unit, self.slider.hitch[1] / self.unit))
         rod = Rod(0.0, friction_radius, math.atan2(dy, dx))
@@ -225,6 +225,15 @@ class QuasiStaticModel:
                     raise UnsupportedContact(
                         "the rod runs into another side of this concave outline: use a thinner rod or push less far"
                     )
+
+
+# Many models are of few objects.
+_under = lru_cache(maxsize=256)(PatchFootprint.under)
+
+
+@lru_cache(maxsize=256)
+def _scaled(outline: Outline, factor: float) -> Outline:
+    return outline.scaled(factor)
 
 
 def _run_leg(

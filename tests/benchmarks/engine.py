@@ -28,6 +28,7 @@ from cyclemap.mechanics.compiled.compiler import NoCompiler, find_compiler
 from cyclemap.mechanics.compiled.library_cache import CACHE_VARIABLE
 from cyclemap.mechanics.compiled.recorded_strokes import stroke_row
 from cyclemap.mechanics.compiled.stroke_library import stroke_source
+from cyclemap.mechanics.compiled.threads import THREADS_VARIABLE, thread_count
 from cyclemap.mechanics.motion import Rod
 from tests.benchmarks.timing import Row, seconds, show
 
@@ -162,14 +163,11 @@ def main() -> None:
         sys.exit(f"nothing to compare: {reason}")
     stroke_runner.WORTHWHILE = 0
     MIT.next_theta(THETA)
-    print(
-        f"{processor()}, {stroke_runner._cores()} cores, {platform.system()}, "
-        f"Python {platform.python_version()}, {compiler}"
-    )
-    cores, stroke_runner._cores = stroke_runner._cores, lambda: 1
+    print(f"{processor()}, {thread_count()} cores, {platform.system()}, Python {platform.python_version()}, {compiler}")
+    os.environ[THREADS_VARIABLE] = "1"
     show("cycles", cycle_rows())
     show("pushes to 10 µm", push_rows())
-    stroke_runner._cores = cores
+    del os.environ[THREADS_VARIABLE]
     show("maps", map_rows())
     show("portraits", portrait_rows())
     show("kernels", compile_rows())

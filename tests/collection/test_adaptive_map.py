@@ -59,7 +59,7 @@ def test_stated_error_holds_and_meets_the_tolerance(tolerance):
     assert worst_error(circle, smooth, theta) <= circle.max_error <= tolerance
 
 
-def test_samples_grow_with_the_fourth_root_of_the_tolerance():
+def test_nodes_grow_with_the_fourth_root_of_the_tolerance():
     """Cubic pieces: 10,000 times the accuracy costs 10 times the samples, give or take the halving."""
     coarse, fine = sampled(smooth, 1e-5).samples, sampled(smooth, 1e-9).samples
     assert 5.0 <= fine / coarse <= 20.0

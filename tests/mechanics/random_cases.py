@@ -15,7 +15,7 @@ from cyclemap.mechanics import (
     SidePush,
     Slider,
 )
-from cyclemap.mechanics.runge_kutta import SLOPE, STATE
+from cyclemap.mechanics.runge_kutta import SLOPE, STATE, UNKNOWN
 
 # Below this speed (per unit of rod travel) the twist's own direction has too few digits to be checked.
 SLOWEST = 1e-4
@@ -55,16 +55,20 @@ def random_case(seed: int, accuracy: float = 1e-6) -> Case:
     return Case(model, Pose(*rng.uniform(-0.1, 0.1, 2), rng.uniform(-math.pi, math.pi)), push)
 
 
-def twists_and_wrenches(model: QuasiStaticModel, phases, trajectory):
+def twists_and_wrenches(model: QuasiStaticModel, phases, trajectory, solved: bool = False):
     """Twists of the object's frame (n, 3) and contact wrenches per unit load (n, 3) about its origin, its own axes.
 
     The twist comes from the integrated motion and the geometry of the contact curve alone, the wrench from the
     reported contact force: that they belong together is left to be checked. Lengths in m, rates per m of rod travel.
+    `solved`: with rates that are solved once more; those of steps are only as exact as the accuracy asks.
     """
     twists, wrenches, node = [], [], 0
     for phase in phases:
         rows = [phase.phase.steps[0].stages[0], *(taken.stages[-1] for taken in phase.phase.steps)]
         for row in rows:
+            if solved:
+                phase.motion.unknowns = row[UNKNOWN].tolist()
+                row = phase.motion.evaluate(row[STATE])
             twists.append(_twist(model, phase.motion, row))
             wrenches.append(_wrench(model, trajectory, node))
             node += 1
@@ -90,7 +94,7 @@ def _twist(model, motion, row):
     off = motion.rod.direction - theta
     velocity = np.array((math.cos(off), math.sin(off)))
     place, travel = np.array((contact.x, contact.y)), 0.0
-    if motion.mode != "ring":
+    if not motion.in_ring:
         n = np.array((math.cos(contact.normal), math.sin(contact.normal)))
         place, travel = place + motion.rod.radius * n, rate * metric
         velocity = velocity - travel * np.array((-n[1], n[0]))

@@ -11,6 +11,7 @@ from scipy.optimize import minimize, minimize_scalar
 
 from cyclemap.mechanics.contact_curve import Contact
 from cyclemap.mechanics.contact_solver import ContactSolver
+from cyclemap.mechanics.event_integration import SLACK_SHARE
 from cyclemap.mechanics.footprint import PatchFootprint, PointFootprint, grid_footprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.limit_surface import LimitSurface, normalised
@@ -163,15 +164,17 @@ def test_the_codes_contact_force_is_the_gradient_of_the_least_dissipation_by_the
 
 
 def test_spin_and_slip_are_continuous_where_a_push_goes_from_sticking_to_sliding():
+    """To a few times the margin within which the switch is landed on."""
     switches = 0
     for theta in np.linspace(0.0, 6.0, 7):
         model = QuasiStaticModel(Slider.mit("rect1"), load_material("plywood").friction, accuracy=1e-9)
         phases = model.push(Pose(theta=theta), SidePush()).run.phases
+        landed = SLACK_SHARE * math.sqrt(model.step_tolerance)
         for before, after in pairwise(phases):
             if "stick" not in (before.motion.mode, after.motion.mode):
                 continue
             last, first = before.phase.steps[-1].stages[-1][SLOPE], after.phase.steps[0].stages[0][SLOPE]
-            assert np.abs(last - first).max() < 1e-6
+            assert np.abs(last - first).max() < 20.0 * landed < 1e-5
             switches += 1
     assert switches >= 7
 

@@ -11,7 +11,7 @@ from pathlib import Path
 # Name of the compiler to use, or `none` for the interpreter.
 COMPILER_VARIABLE = "CYCLEMAP_COMPILER"
 # Rounding stays as written: no reordering, no fused multiplication and addition, so that interpreter and C agree.
-FLAGS = ("-O1", "-fPIC", "-shared", "-fno-math-errno", "-ffp-contract=off", "-w")
+FLAGS = ("-O3", "-fPIC", "-shared", "-fno-math-errno", "-ffp-contract=off", "-w")
 
 _COMMON = ("cc", "gcc", "clang")
 _PATIENCE_SECONDS = 120

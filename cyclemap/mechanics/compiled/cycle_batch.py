@@ -1,72 +1,84 @@
-"""Whole cycles from many orientations in compiled code: pushes from the ring's target, drags back, and the slope."""
+"""Whole cycles of many loops, each from many orientations, in one call of compiled code; slopes of their maps too."""
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.mechanics.compiled.recorded_strokes import stroke_row
-from cyclemap.mechanics.compiled.stroke_runner import piece_table, stroke_runner
-from cyclemap.mechanics.contact_curve import Piece, RingPiece
-from cyclemap.mechanics.motion import Rod
+from cyclemap.errors import CycleMapError
+from cyclemap.mechanics.compiled.stroke_library import StrokeKind
+from cyclemap.mechanics.compiled.stroke_runner import (
+    CYCLE_RESULTS,
+    LOOP_COLUMNS,
+    StrokeRunner,
+    piece_table,
+    stroke_runner,
+)
+from cyclemap.mechanics.contact_curve import RingPiece
+from cyclemap.mechanics.pressure_family import rim_share, warp
 from cyclemap.mechanics.protocol import DragBack, Pose, SidePush
-from cyclemap.mechanics.push_run import PushStart
 
 if TYPE_CHECKING:
     from cyclemap.mechanics.quasi_static import QuasiStaticModel
 
 Array = NDArray[np.float64]
 
+# The target, in every loop's frame.
+_TARGET = (0.0, 0.0)
+
+
+class PushAndReset(Protocol):
+    """What is done over and over: a push of a model from the ring's target, and the drag back to it."""
+
+    @property
+    def model(self) -> "QuasiStaticModel":
+        """The object on its surface, with the rod."""
+
+    @property
+    def push(self) -> SidePush:
+        """The push."""
+
+    @property
+    def reset(self) -> DragBack:
+        """The way back."""
+
 
 @dataclass(frozen=True, eq=False)
 class CycleBatch:
-    """Cycles from n orientations; SI units and radians, as in `CollectionLoop.cycles`.
+    """Cycles in the shape (k, n): k loops, each from n orientations; SI units and radians, as in `Cycles`.
 
-    done : (n,) bool, where the compiled code ran them; the rest is nan, and left to Python.
-    by_theta : (n,) d theta_next / d theta, nan unless it was asked for.
+    done : bool, where the compiled code ran them; the rest is nan, and left to Python.
+    by_theta : d theta_next / d theta, nan unless it was asked for.
     """
 
     done: NDArray[np.bool_]
+    left: NDArray[np.bool_]
     push_turn: Array
     push_displacement: Array
     drag_turn: Array
     drag_length: Array
     theta_next: Array
-    left: NDArray[np.bool_]
     by_theta: Array
 
 
-@dataclass
-class _Objects:
-    """n objects on their way: place (n, 2) in m and orientation (n,), and how these vary (m, rad)."""
+def cycle_batch(loops: Sequence[PushAndReset], theta: Array, slopes: bool) -> CycleBatch:
+    """Run cycles of k loops from orientations theta (k, n), rad, on all cores.
 
-    place: Array
-    theta: Array
-    by_place: Array
-    by_theta: Array
-    done: NDArray[np.bool_]
-
-
-def cycle_batch(
-    model: "QuasiStaticModel", push: SidePush, reset: DragBack, theta: Array, slopes: bool
-) -> CycleBatch | None:
-    """Run cycles from orientations theta (n,), rad; None where no compiled code is to be had, or worth its while."""
-    if theta.size == 0 or not expect_cycles(model, theta.size):
-        return None
-    hitch = _turned(theta, np.array(model.slider.hitch))
-    objects = _Objects(-hitch, theta, -_quarter(hitch), np.ones_like(theta), np.ones(theta.shape, bool))
-    with np.errstate(invalid="ignore"):
-        pushed, left = _push(model, push, objects, slopes)
-        back, length = _drag(model, reset, pushed, slopes)
-    moved = _turned(-theta, pushed.place - objects.place)
-    slope = back.by_theta if slopes else np.full(theta.shape, math.nan)
-    columns = (pushed.theta - theta, moved, back.theta - pushed.theta, length, back.theta, slope)
-    for column in columns:
-        column[~back.done] = math.nan
-    turn, moved, back_turn, length, following, slope = columns
-    return CycleBatch(back.done, turn, moved, back_turn, length, following, left & back.done, slope)
+    Not done are cycles of loops whose parts do not fit, whose kind has no compiled code or not enough to run for one,
+    and single cycles that compiled code declines.
+    """
+    table = np.full((*theta.shape, CYCLE_RESULTS), np.nan)
+    table[..., :2] = 0.0
+    for kind, members in _by_kind(loops).items():
+        numbers = list(members)
+        runner = stroke_runner(kind, len(numbers) * theta.shape[1]) if theta.shape[1] else None
+        if runner is not None:
+            table[numbers] = _run(runner, list(members.values()), theta[numbers], slopes)
+    done, left, turn, dx, dy, back, length, following, slope = np.ascontiguousarray(np.moveaxis(table, -1, 0))
+    moved = np.stack([dx, dy], axis=-1)
+    return CycleBatch(done == 1.0, left == 1.0, turn, moved, back, length, following, slope)
 
 
 def expect_cycles(model: "QuasiStaticModel", count: int) -> bool:
@@ -74,99 +86,57 @@ def expect_cycles(model: "QuasiStaticModel", count: int) -> bool:
     return model.stroke_kind is not None and stroke_runner(model.stroke_kind, count) is not None
 
 
-def _push(
-    model: "QuasiStaticModel", push: SidePush, objects: _Objects, slopes: bool
-) -> tuple[_Objects, NDArray[np.bool_]]:
-    """Push every object; returns them afterwards, and whether the rod left."""
-    start, direction, _, length = model.start(Pose(), push)
-    row = stroke_row(model.solver, Rod(model.radius, model.pusher.friction, direction), start, length)
-    row[4:7] = 1.0, 0.0, 1.0
-    strokes = np.tile(row, (objects.theta.size, 1))
-    strokes[:, 2], strokes[:, 7] = objects.theta, objects.theta + direction
-    end = _run(model, model.pieces, strokes, slopes)
-    left, travel, toward = end[:, 5] == 1.0, end[:, 4], _toward(strokes[:, 7])
-    by_travel = np.where(left, _later_leaving(model, end), 0.0)
-    by_state = end[:, 6:8] + end[:, 8:10] * by_travel[:, None]
-    before = _rod_centre(model, np.full(len(end), start.piece), objects.theta, np.full(len(end), start.coordinate))
-    after = _rod_centre(model, end[:, 3], end[:, 1], end[:, 2])
-    unit = model.unit
-    place = objects.place + unit * (before.place + travel[:, None] * toward - after.place)
-    by_rod = toward * by_travel[:, None] + _quarter(toward) * travel[:, None]
-    by_after = _quarter(after.place) * by_state[:, :1] + after.by_coordinate * by_state[:, 1:]
-    by_place = objects.by_place + unit * (_quarter(before.place) + by_rod - by_after)
-    return _Objects(place, end[:, 1], by_place, by_state[:, 0], end[:, 0] == 1.0), left
-
-
-def _later_leaving(model: "QuasiStaticModel", end: Array) -> Array:
-    """Variation of the travel at which a rod leaves, as `stroke_variation` tells."""
-    turning = np.array([model.pieces[int(k)].normal_slope(c) for k, c in zip(end[:, 3], end[:, 2], strict=True)])
-    varied, slope = end[:, 6] + turning * end[:, 7] - 1.0, end[:, 8] + turning * end[:, 9]
-    return np.asarray(-varied / np.where(slope == 0.0, math.nan, slope))
-
-
 @dataclass(frozen=True, eq=False)
-class _RodCentre:
-    """The rod's centre seen from the object's origin, in the world's axes (n, 2), units; and by the coordinate."""
+class _PackedLoop:
+    """A loop as C reads it: its pieces with its ring behind them (p, columns), way-points with the target (g, 2), and
+    the columns of its row that tell neither's place."""
 
-    place: Array
-    by_coordinate: Array
-
-
-def _rod_centre(model: "QuasiStaticModel", piece: Array, theta: Array, coordinate: Array) -> _RodCentre:
-    contacts = [model.pieces[int(k)].contact(c, model.radius) for k, c in zip(piece, coordinate.tolist(), strict=True)]
-    centre = np.array([contact.rod_centre(model.radius) for contact, _ in contacts])
-    normal = np.array([contact.normal for contact, _ in contacts])
-    metric = np.array([metric for _, metric in contacts])
-    return _RodCentre(_turned(theta, centre), metric[:, None] * _quarter(_toward(theta + normal)))
+    kind: StrokeKind
+    pieces: Array
+    goals: tuple[tuple[float, float], ...]
+    numbers: tuple[float, ...]
 
 
-def _drag(model: "QuasiStaticModel", reset: DragBack, objects: _Objects, slopes: bool) -> tuple[_Objects, Array]:
-    """Drag every object through the way-points; returns them afterwards, and the length of the ring's path."""
-    hitch, unit = np.array(model.slider.hitch), model.unit
-    piece = RingPiece((hitch[0] / unit, hitch[1] / unit))
-    theta, by_theta, done = objects.theta, objects.by_theta, objects.done
-    lever = _turned(theta, hitch)
-    ring, by_ring = objects.place + lever, objects.by_place + _quarter(lever) * by_theta[:, None]
-    length = np.zeros_like(theta)
-    for goal in (*reset.way_points, (0.0, 0.0)):
-        way = np.array(goal) - ring
-        travel = np.hypot(way[:, 0], way[:, 1])
-        toward = way / travel[:, None]
-        by_length, by_direction = -(toward * by_ring).sum(axis=1), -(_quarter(toward) * by_ring).sum(axis=1) / travel
-        row = stroke_row(model.solver, Rod(0.0, reset.pin_friction_radius / unit, 0.0), PushStart(0, 0.0, 0.0), 0.0)
-        strokes = np.tile(row, (theta.size, 1))
-        strokes[:, 2], strokes[:, 3], strokes[:, 4], strokes[:, 6] = theta, travel / unit, by_theta, by_direction
-        strokes[:, 7] = np.arctan2(way[:, 1], way[:, 0])
-        end = _run(model, (piece,), strokes, slopes)
-        # A leg without length, and a ring that holds, are left to Python.
-        done = done & (end[:, 0] == 1.0) & (travel > 1e-12 * unit)
-        theta, by_theta = end[:, 1], end[:, 6] + end[:, 8] * by_length / unit
-        length, ring, by_ring = length + travel, np.broadcast_to(goal, ring.shape), np.zeros_like(by_ring)
-    return _Objects(ring - _turned(theta, hitch), theta, by_ring, by_theta, done), length
+def _by_kind(loops: Sequence[PushAndReset]) -> dict[StrokeKind, dict[int, _PackedLoop]]:
+    """The loops that compiled code can run, by their numbers."""
+    found: dict[StrokeKind, dict[int, _PackedLoop]] = {}
+    for number, loop in enumerate(loops):
+        try:
+            packed = _packed(loop)
+        except CycleMapError:
+            # Parts that do not fit each other: whoever runs its cycles one by one is told.
+            continue
+        if packed is not None:
+            found.setdefault(packed.kind, {})[number] = packed
+    return found
 
 
-def _run(model: "QuasiStaticModel", pieces: tuple[Piece, ...], strokes: Array, slopes: bool) -> Array:
-    """Results of strokes, nan where they are left to Python."""
-    runner = None if model.stroke_kind is None else stroke_runner(model.stroke_kind, 0)
-    assert runner is not None
-    results = runner.run(piece_table(pieces), strokes, model.step_tolerance, math.inf, slopes)
-    declined = results[:, 0] != 1.0
-    results[declined] = math.nan
-    results[declined, 3] = 0.0
-    return results
+def _packed(loop: PushAndReset) -> _PackedLoop | None:
+    """The loop as C reads it; None where only Python can run it."""
+    model, law = loop.model, loop.model.friction
+    kind, unit = model.stroke_kind, model.unit
+    if kind is None:
+        return None
+    start, direction, _, length = model.start(Pose(), loop.push)
+    hitch = model.slider.hitch
+    goals = tuple((x / unit, y / unit) for x, y in (*loop.reset.way_points, _TARGET))
+    friction = (law.mu_a, law.mu_b, law.m0, law.n0, law.phi, rim_share(model.pressure), *warp(model.pressure))
+    motion = (start.piece, start.coordinate, direction, length)
+    accuracy = (unit, model.step_tolerance, loop.reset.pin_friction_radius / unit)
+    # The rod's direction is each cycle's own.
+    rod = (0.0, model.radius, model.pusher.friction)
+    ring = RingPiece((hitch[0] / unit, hitch[1] / unit))
+    return _PackedLoop(kind, piece_table((*model.pieces, ring)), goals, (*motion, *accuracy, *rod, *friction))
 
 
-def _toward(angle: Array) -> Array:
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-
-
-def _quarter(vectors: Array) -> Array:
-    """Return z x each of the vectors (n, 2)."""
-    return np.stack([-vectors[:, 1], vectors[:, 0]], axis=-1)
-
-
-def _turned(angle: Array, vectors: Array) -> Array:
-    """Return vectors (2,) or (n, 2) turned by angles (n,)."""
-    c, s = np.cos(angle), np.sin(angle)
-    x, y = vectors[..., 0], vectors[..., 1]
-    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+def _run(runner: StrokeRunner, loops: list[_PackedLoop], theta: Array, slopes: bool) -> Array:
+    """Results (k, n, CYCLE_RESULTS) of loops of one kind."""
+    rows, piece, goal = np.empty((len(loops), LOOP_COLUMNS)), 0, 0
+    for row, loop in zip(rows, loops, strict=True):
+        row[:] = (piece, len(loop.pieces) - 1, goal, len(loop.goals), *loop.numbers)
+        piece, goal = piece + len(loop.pieces), goal + len(loop.goals)
+    pieces = np.concatenate([loop.pieces for loop in loops])
+    goals = np.array([point for loop in loops for point in loop.goals])
+    number = np.repeat(np.arange(float(len(loops))), theta.shape[1])
+    cycles = np.stack([number, theta.ravel()], axis=-1)
+    return runner.run_cycles(rows, pieces, goals, cycles, slopes).reshape(*theta.shape, -1)

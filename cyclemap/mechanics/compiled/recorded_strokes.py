@@ -12,7 +12,7 @@ from cyclemap.mechanics.compiled.stroke_runner import STROKE_COLUMNS, StrokeRunn
 from cyclemap.mechanics.contact_curve import OutlinePiece, Piece, RingPiece
 from cyclemap.mechanics.contact_solver import ContactSolver
 from cyclemap.mechanics.event_integration import Phase
-from cyclemap.mechanics.footprint import PatchFootprint
+from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.motion import (
     RING,
     RING_LEFT,
@@ -26,6 +26,7 @@ from cyclemap.mechanics.motion import (
     Rod,
     motion_parameters,
 )
+from cyclemap.mechanics.pressure_family import PressureFamily
 from cyclemap.mechanics.push_run import PushRun, PushStart, RunPhase
 from cyclemap.mechanics.runge_kutta import STAGES, UNKNOWN, Step
 
@@ -35,18 +36,18 @@ Array = NDArray[np.float64]
 MODES = (STICK, SLIDE_LEFT, SLIDE_RIGHT, SLIDE_FREE, RING, RING_LEFT, RING_RIGHT, RING_STUCK)
 
 
-def stroke_kind(solver: ContactSolver, pieces: tuple[OutlinePiece, ...], radius: float) -> StrokeKind | None:
-    """Return the kind of a model's strokes, None where only Python can run them.
+def stroke_kind(footprint: Footprint, pieces: tuple[OutlinePiece, ...], radius: float) -> StrokeKind | None:
+    """Return the kind of strokes of a normalised footprint on a contact curve, None where only Python can run them.
 
     Those are of support points, point rods and concave outlines.
     """
-    if not isinstance(solver.footprint, PatchFootprint) or radius == 0.0:
+    if not isinstance(footprint, PatchFootprint) or radius == 0.0:
         return None
     kinds = [piece.kind for piece in pieces]
     neighbours = zip(kinds, kinds[1:] + kinds[:1], strict=True)
     if kinds != ["ellipse"] and any(one == other == "side" for one, other in neighbours):
         return None
-    return StrokeKind(solver.pressure, tuple(sorted(set(kinds))))
+    return StrokeKind(PressureFamily.of(footprint), tuple(sorted(set(kinds))))
 
 
 def stroke_row(solver: ContactSolver, rod: Rod, start: PushStart, length: float) -> Array:

@@ -29,6 +29,7 @@ from cyclemap.mechanics.pressure_family import PressureFamily
 KINDS = ("side", "corner", "ellipse", "ring")
 _RING = "ring"
 _SHARED = ("solver", "tangent")
+_FILES = ("kernel_prelude", "stroke_steps", "stroke_events", "stroke_cycles")
 
 
 @dataclass(frozen=True)
@@ -47,9 +48,7 @@ class StrokeKind:
 def stroke_source(stroke: StrokeKind) -> str:
     """Return the C source of a library that runs strokes: prelude, functions, tables, driver."""
     functions = {name: _renamed(function, name) for name, function in _functions(stroke)}
-    prelude, *driver = (
-        Path(__file__).with_name(name).read_text() for name in ("kernel_prelude.c", "stroke_steps.c", "stroke_events.c")
-    )
+    prelude, *driver = (Path(__file__).with_name(f"{name}.c").read_text() for name in _FILES)
     return "\n".join((prelude, _generated(functions), _tables(stroke, functions), *driver))
 
 
@@ -150,6 +149,7 @@ def _constants(pressure: PressureFamily) -> dict[str, float]:
         **{name: getattr(events, name) for name in ("SLACK_SHARE", "STRICT_SHARE", "DIP", "LEAST_ADVANCE", "STUCK")},
         **{name: getattr(events, name) for name in ("SHORT", "MOST_STEPS", "FIRST_PUSH_STEP", "FIRST_DRAG_STEP")},
         "MOST_PHASES": push_run.MOST_PHASES,
+        "NO_LEG": event_integration.NO_LEG,
     }
 
 

@@ -1,15 +1,13 @@
-"""Runs strokes in compiled code: many in one call, or one with the record of its phases."""
+"""Runs strokes in compiled code, and whole cycles on all cores."""
 
 import ctypes
 import os
 import threading
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +15,7 @@ from numpy.typing import NDArray
 from cyclemap.mechanics.compiled.compiler import COMPILER_VARIABLE, NoCompiler
 from cyclemap.mechanics.compiled.library_cache import CACHE_VARIABLE, cached_library
 from cyclemap.mechanics.compiled.stroke_library import KINDS, StrokeKind, stroke_source
+from cyclemap.mechanics.compiled.threads import on_threads, thread_count
 from cyclemap.mechanics.contact_curve import Piece
 from cyclemap.mechanics.runge_kutta import STAGES
 
@@ -25,12 +24,16 @@ Array = NDArray[np.float64]
 # Columns of what goes to C and comes back, as stroke_steps.c names them.
 STROKE_COLUMNS, RESULT_COLUMNS, PHASE_COLUMNS, ROW = 18, 11, 7, 11
 STEP_COLUMNS = 2 + (STAGES + 1) * ROW
+# The same of whole cycles, as stroke_cycles.c names them.
+LOOP_COLUMNS, CYCLE_COLUMNS, CYCLE_RESULTS = 22, 2, 9
 # Room for the record of one stroke; longer ones are left to Python.
 _STEPS, _PHASES = 8192, 256
 # Strokes asked for one at a time before a library is compiled for them: compiling takes as long as running so many.
 WORTHWHILE = 250
-# A thread that has fewer strokes than this to run takes longer to start than it saves.
-_LEAST_SHARE = 16
+# A thread that has fewer cycles than this to run takes longer to start than it saves.
+_LEAST_SHARE = 8
+# Cycles that a thread runs before it looks whether it is interrupted.
+_AT_ONCE = 256
 
 
 class _Record(ctypes.Structure):
@@ -47,20 +50,29 @@ class StrokeRunner:
     library: ctypes.CDLL
 
     def run(self, pieces: Array, strokes: Array, tolerance: float, longest: float, vary: bool) -> Array:
-        """Return results (n, RESULT_COLUMNS) of strokes (n, STROKE_COLUMNS), on all cores; row by row as in C."""
+        """Return results (n, RESULT_COLUMNS) of strokes (n, STROKE_COLUMNS) on a contact curve, row by row as in C."""
         strokes = np.ascontiguousarray(strokes)
         results = np.empty((len(strokes), RESULT_COLUMNS))
-        shares = min(_cores(), max(1, len(strokes) // _LEAST_SHARE))
-        bounds = [len(strokes) * k // shares for k in range(shares + 1)]
+        self._call(pieces, strokes, tolerance, longest, vary, results, None)
+        return results
 
-        def run_share(share: tuple[int, int]) -> None:
-            part = slice(*share)
-            self._call(pieces, strokes[part], tolerance, longest, vary, results[part], None)
+    def run_cycles(self, loops: Array, pieces: Array, goals: Array, cycles: Array, vary: bool) -> Array:
+        """Return results (n, CYCLE_RESULTS) of cycles (n, CYCLE_COLUMNS) of loops (k, LOOP_COLUMNS), on all cores."""
+        count, results = len(cycles), np.empty((len(cycles), CYCLE_RESULTS))
+        queue = ctypes.c_long(0)
+        given = [ctypes.c_void_p(table.ctypes.data) for table in (loops, pieces, goals, cycles)]
+        to = (ctypes.c_long(count), ctypes.c_int(vary), ctypes.c_void_p(results.ctypes.data), ctypes.byref(queue))
 
-        if shares == 1:
-            run_share((0, len(strokes)))
-        else:
-            list(_pool().map(run_share, pairwise(bounds)))
+        def work() -> None:
+            try:
+                while queue.value < count:
+                    self.library.run_cycles(*given, *to, ctypes.c_long(_AT_ONCE))
+            except BaseException:
+                # Interrupted: nobody takes another one.
+                queue.value = count
+                raise
+
+        on_threads(min(thread_count(), max(1, count // _LEAST_SHARE)), work)
         return results
 
     def recorded(self, pieces: Array, stroke: Array, tolerance: float, longest: float) -> tuple[Array, Array, Array]:
@@ -166,12 +178,3 @@ def piece_table(pieces: tuple[Piece, ...]) -> Array:
         for piece in pieces
     ]
     return np.array(rows)
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-@lru_cache(maxsize=1)
-def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(_cores(), thread_name_prefix="strokes")

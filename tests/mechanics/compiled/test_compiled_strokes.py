@@ -2,7 +2,6 @@
 
 import math
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,7 +22,6 @@ from cyclemap.mechanics import (
 )
 from cyclemap.mechanics.compiled import stroke_runner
 from cyclemap.mechanics.compiled.compiler import NoCompiler, find_compiler
-from cyclemap.mechanics.compiled.cycle_batch import cycle_batch
 
 SQUARE = Slider.mit("rect1")
 AROUND = (0.05, 0.0, 0.7)
@@ -130,39 +128,6 @@ def test_a_recorded_stroke_holds_the_stages_of_its_steps():
     np.testing.assert_allclose(fast[0].trajectory.pose, slow[0].trajectory.pose, atol=1e-12)
 
 
-@pytest.mark.parametrize("material", ["plywood", "delrin"])
-def test_a_batch_is_its_cycles_one_by_one_with_their_slopes(material):
-    loop = CollectionLoop.mit(material)
-    theta = np.linspace(-1.0, 9.0, 12)
-    batch = cycle_batch(loop.model, loop.push, loop.reset, theta, slopes=True)
-    assert batch.done.all()
-    with stroke_runner.interpreted():
-        slow = loop.cycles(theta)
-        slopes = [loop.sensitivity(t, ("theta",)).by_theta for t in theta]
-    for name in ("push_turn", "push_displacement", "drag_turn", "drag_length", "theta_next"):
-        np.testing.assert_allclose(getattr(batch, name), getattr(slow, name), rtol=0.0, atol=1e-12)
-    np.testing.assert_array_equal(batch.left, slow.left)
-    assert 0 < batch.left.sum() < 12
-    np.testing.assert_allclose(batch.by_theta, slopes, rtol=0.0, atol=1e-9)
-
-
-def test_a_batch_with_way_points_has_the_slope_of_its_differences():
-    loop = replace(CollectionLoop.mit(), reset=DragBack(((0.1, 0.02), (-0.05, 0.04))), accuracy=1e-10)
-    theta, step = np.array([0.3, 2.5, 4.0]), 1e-5
-    sides = [cycle_batch(loop.model, loop.push, loop.reset, theta + s * step, slopes=False).theta_next for s in (1, -1)]
-    slopes = cycle_batch(loop.model, loop.push, loop.reset, theta, slopes=True).by_theta
-    np.testing.assert_allclose(slopes, (sides[0] - sides[1]) / (2.0 * step), atol=2e-5)
-
-
-def test_a_batch_is_the_same_on_any_number_of_threads(monkeypatch):
-    loop, theta = CollectionLoop.mit(), np.linspace(0.0, 6.0, 64)
-    found = []
-    for cores in (1, 3):
-        monkeypatch.setattr(stroke_runner, "_cores", lambda cores=cores: cores)
-        found.append(loop.next_theta(theta))
-    np.testing.assert_array_equal(*found)
-
-
 def test_one_library_serves_threads_at_once():
     loop, theta = CollectionLoop.mit(), np.linspace(0.0, 6.0, 8)
     alone = loop.next_theta(theta)
@@ -181,17 +146,7 @@ def test_one_library_serves_threads_at_once():
 )
 def test_what_only_python_can_run_is_left_to_it(model):
     assert model.stroke_kind is None
-    assert cycle_batch(model, SidePush(), DragBack(), np.array([0.0, 1.0]), slopes=False) is None
     assert model.push(Pose(), SidePush(distance=0.02)).ended == "distance"
-
-
-def test_a_leg_without_length_is_left_to_python():
-    loop = replace(CollectionLoop.mit(), reset=DragBack(((0.1, 0.0), (0.1, 0.0))))
-    theta = np.array([0.0, 1.0])
-    batch = cycle_batch(loop.model, loop.push, loop.reset, theta, slopes=False)
-    assert not batch.done.any() and np.isnan(batch.theta_next).all()
-    straight = replace(loop, reset=DragBack(((0.1, 0.0),)))
-    np.testing.assert_allclose(loop.next_theta(theta), straight.next_theta(theta), rtol=0.0, atol=1e-12)
 
 
 def test_a_library_is_compiled_once_enough_strokes_are_asked_for(monkeypatch, tmp_path):

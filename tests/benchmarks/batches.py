@@ -1,0 +1,97 @@
+"""How fast many cycles at once are: many materials in one call, one by one, on one thread and on all.
+
+Run `python -m tests.benchmarks.batches` from the repository's root, with nothing else running. Ways are run in turn, so
+that a machine that slows down slows all of them; it prints medians and asserts nothing: times are for people.
+"""
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import math
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from cyclemap.collection import CollectionLoop
+from cyclemap.collection.many_cycles import run_cycles
+from cyclemap.mechanics import EllipseFriction, Material
+from cyclemap.mechanics.compiled import stroke_runner
+from cyclemap.mechanics.compiled.threads import THREADS_VARIABLE, thread_count
+from tests.benchmarks.timing import Row, show
+
+MIT = CollectionLoop.mit()
+MATERIALS, ORIENTATIONS = 2_000, 8
+THETA = np.linspace(-math.pi, math.pi, ORIENTATIONS, endpoint=False)
+
+
+def random_loops(count: int, seed: int = 1) -> list[CollectionLoop]:
+    """MIT's loop on surfaces drawn at random; made anew, so that nothing of them is prepared."""
+    rng = np.random.default_rng(seed)
+    laws = [EllipseFriction(*rng.uniform(0.15, 0.4, 2), *rng.uniform(-0.05, 0.05, 2), rng.uniform(0.0, math.pi))
+            for _ in range(count)]  # fmt: skip
+    return [replace(MIT, material=Material("drawn", law)) for law in laws]
+
+
+def in_turn(ways: dict[str, Callable[[], object]], repeats: int = 5) -> dict[str, float]:
+    """Median time of each way, all of them once a round."""
+    times: dict[str, list[float]] = {name: [] for name in ways}
+    for _ in range(repeats):
+        for name, run in ways.items():
+            begun = time.perf_counter()
+            run()
+            times[name].append(time.perf_counter() - begun)
+    return {name: statistics.median(found) for name, found in times.items()}
+
+
+def on(threads: int, run: Callable[[], object]) -> Callable[[], object]:
+    """The same on so many threads."""
+
+    def limited() -> object:
+        os.environ[THREADS_VARIABLE] = str(threads)
+        try:
+            return run()
+        finally:
+            del os.environ[THREADS_VARIABLE]
+
+    return limited
+
+
+def batch_rows(materials: int = MATERIALS, repeats: int = 3) -> list[Row]:
+    """Many materials from a few orientations each, per cycle; preparing the loops is part of every way."""
+    cores = thread_count()
+    ways = {
+        "one call, 1 thread": on(1, lambda: run_cycles(random_loops(materials), THETA)),
+        f"one call, {cores} threads": on(cores, lambda: run_cycles(random_loops(materials), THETA)),
+        "a call a loop, 1 thread": on(1, lambda: [loop.cycles(THETA) for loop in random_loops(materials)]),
+        f"a call a loop, {cores} threads": on(cores, lambda: [loop.cycles(THETA) for loop in random_loops(materials)]),
+        "a call a cycle": lambda: [loop.cycle(t) for loop in random_loops(materials) for t in THETA.tolist()],
+    }
+    cycles, found = materials * THETA.size, in_turn(ways, repeats)
+    return [Row(name, taken / cycles, f"{cycles / taken:,.0f} cycles a second") for name, taken in found.items()]
+
+
+def thread_rows(cycles: int = 8_000, repeats: int = 9) -> list[Row]:
+    """One material from many orientations on more and more threads: what each thread adds."""
+    theta = np.linspace(-math.pi, math.pi, cycles)
+    counts = sorted({1, thread_count()})
+    found = in_turn({str(n): on(n, lambda: MIT.cycles(theta)) for n in counts}, repeats)
+    return [
+        Row(f"{n} thread(s)", found[str(n)], f"{found['1'] / found[str(n)]:.2f} times as fast as 1, {cycles:,} cycles")
+        for n in counts
+    ]
+
+
+def main() -> None:
+    """Print the tables."""
+    stroke_runner.WORTHWHILE = 0
+    MIT.next_theta(THETA)
+    show(f"{MATERIALS:,} materials x {ORIENTATIONS} orientations, each cycle", batch_rows())
+    show("threads", thread_rows())
+
+
+if __name__ == "__main__":
+    main()

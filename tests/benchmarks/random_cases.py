@@ -1,0 +1,77 @@
+"""Random cycles across everything that can be asked for: each is done, or refused for a reason that is stated.
+
+Run `python -m tests.benchmarks.random_cases --count N --seed S` from the repository's root. Loops of tests/collection's
+random_loops.py are run in batches, one an object; a share of them once more with their records, whose balance of forces
+is checked along the way. It prints what became of them, and every failure with what makes it again; its exit code is 1
+where there is one, or a residual above 1e-9.
+"""
+
+import argparse
+import os
+import sys
+import time
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from cyclemap.mechanics.compiled import stroke_runner
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "collection"))
+from random_loops import Fate, fates, worst_residual
+
+ALLOWED = 1e-9
+
+
+def told(number: int, index: int, fate: Fate) -> str:
+    """What makes a case again."""
+    loop = replace(fate.loop, footprint=fate.loop.model.pressure)
+    return f"object {number}, case {index}, theta {fate.theta!r}: {loop!r}"
+
+
+def check_object(seed: int, number: int, count: int, every: int) -> tuple[Counter[str], float, list[str]]:
+    """Words of the cases of an object, their worst residual, and what to complain of."""
+    words: Counter[str] = Counter()
+    worst, complaints = 0.0, []
+    for index, fate in enumerate(fates(seed, number, count)):
+        words.update([fate.word] if fate.word != "done" else ["done", "by Python"][: 1 + (not fate.compiled)])
+        if fate.word == "refused":
+            words[type(fate.refusal).__name__] += 1
+        if fate.word == "failed":
+            complaints.append(f"{type(fate.refusal).__name__}: {fate.refusal}\n  {told(number, index, fate)}")
+        if fate.word == "done" and index % every == 0:
+            residual = worst_residual(fate.loop.cycle(fate.theta))
+            words["balanced"] += 1
+            worst = max(worst, residual)
+            if not residual <= ALLOWED:
+                complaints.append(f"residual {residual:.2e}\n  {told(number, index, fate)}")
+    return words, worst, complaints
+
+
+def main() -> None:
+    """Print what became of all cases."""
+    parser = argparse.ArgumentParser(description="Random cycles across everything that can be asked for.")
+    parser.add_argument("--count", type=int, default=10_000, help="cycles")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--objects", type=int, help="objects among which they are shared")
+    parser.add_argument("--every", type=int, default=10, help="every so many-th one is balanced")
+    asked = parser.parse_args()
+    # What compiled code can run it shall run.
+    stroke_runner.WORTHWHILE = 0
+    objects = asked.objects or 24 + asked.count // 2000
+    words, worst, failures, begun = Counter(), 0.0, 0, time.perf_counter()
+    for number in range(objects):
+        share = asked.count * (number + 1) // objects - asked.count * number // objects
+        found, residual, complaints = check_object(asked.seed, number, share, asked.every)
+        words, worst, failures = words + found, max(worst, residual), failures + len(complaints)
+        for complaint in complaints:
+            print(complaint, flush=True)
+        so_far = ", ".join(f"{count} {word}" for word, count in sorted(words.items()))
+        taken = time.perf_counter() - begun
+        print(f"{number + 1} of {objects} objects, {taken:.0f} s: {so_far}; worst residual {worst:.1e}", flush=True)
+    sys.exit(1 if failures else 0)
+
+
+if __name__ == "__main__":
+    main()

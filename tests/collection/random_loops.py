@@ -1,0 +1,222 @@
+"""Loops drawn at random from everything that can be asked for, seeded, and what becomes of their cycles."""
+
+import math
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from cyclemap.collection import CollectionLoop, Cycle
+from cyclemap.errors import CycleMapError, InvalidInput, UnsupportedContact
+from cyclemap.mechanics import (
+    MIT_SHAPE_NAMES,
+    DragBack,
+    Ellipse,
+    EllipseFriction,
+    LimitSurface,
+    Material,
+    PatchFootprint,
+    PointFootprint,
+    Polygon,
+    Pusher,
+    SidePush,
+    Slider,
+    grid_footprint,
+)
+from cyclemap.mechanics.compiled.cycle_batch import cycle_batch
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "mechanics"))
+from random_cases import SLOWEST, twists_and_wrenches
+
+# Refusals that say what the model does not describe.
+STATED = (InvalidInput, UnsupportedContact)
+# Every so many-th object has one of these shapes; the others are MIT's.
+SHAPES = 10
+
+
+@dataclass(frozen=True)
+class Fate:
+    """What became of a loop's cycle from an orientation: done, or what refused it; compiled code, or Python."""
+
+    loop: CollectionLoop
+    theta: float
+    compiled: bool
+    refusal: CycleMapError | None
+
+    @property
+    def word(self) -> str:
+        """Done, refused, or failed."""
+        return "done" if self.refusal is None else "refused" if isinstance(self.refusal, STATED) else "failed"
+
+
+def random_object(rng: np.random.Generator, number: int) -> CollectionLoop:
+    """A loop of an object: MIT's shapes and others in turn, from 1 mm to 1 m, its weight spread somehow."""
+    slider = Slider.mit(MIT_SHAPE_NAMES[number // 2 % SHAPES]) if number % 2 else Slider(_outline(rng, number // 2))
+    if rng.uniform() < 0.3:
+        slider = replace(slider, outline=slider.outline.scaled(10 ** rng.uniform(-1.5, 1.0)), centre_of_mass=None)
+    loop = replace(CollectionLoop.mit(), slider=slider)
+    if rng.uniform() < 0.3:
+        loop = _leaning(loop, rng)
+    if rng.uniform() < 0.25:
+        loop = _framed(loop, rng)
+    return replace(loop, footprint=_points(loop, rng)) if number % 32 == 31 else loop
+
+
+def _outline(rng: np.random.Generator, number: int) -> Polygon | Ellipse:
+    size, thin = 0.05, 10 ** rng.uniform(-1.0, 0.0)
+    kind = number % 6
+    if kind == 0:
+        return Ellipse(size, size)
+    if kind == 1:
+        return Ellipse(size, size * thin)
+    if kind == 2:
+        x, y = size, size * thin
+        return Polygon(((x, y), (-x, y), (-x, -y), (x, -y)))
+    if kind == 3:
+        angles = np.arange(5) * 2.0 * math.pi / 5.0 + rng.uniform(0.0, 2.0 * math.pi)
+        radii = np.array([1.0, 1.0, 0.15, 1.0, 1.0])
+    else:
+        angles = np.sort(rng.uniform(0.0, 2.0 * math.pi, int(rng.integers(3, 9))))
+        radii = 1.0
+    points = size * np.stack([radii * np.cos(angles), max(thin, 0.3) * radii * np.sin(angles)], axis=-1)
+    try:
+        polygon = Polygon(tuple(map(tuple, points)))
+    except InvalidInput:
+        return _outline(rng, number)
+    return polygon if polygon.area > 1e-2 * size**2 else _outline(rng, number)
+
+
+def _leaning(loop: CollectionLoop, rng: np.random.Generator) -> CollectionLoop:
+    """Its centre of mass off the centroid, as far as it stands."""
+    outline, reach = loop.slider.outline, 10.0
+    for _ in range(40):
+        off = rng.uniform(-1.0, 1.0, 2) * reach * outline.extent
+        reach *= 0.7
+        try:
+            moved = replace(loop, slider=replace(loop.slider, centre_of_mass=tuple(outline.centroid + off)))
+            assert moved.model.pressure
+        except InvalidInput:
+            continue
+        return moved
+    return loop
+
+
+def _framed(loop: CollectionLoop, rng: np.random.Generator) -> CollectionLoop:
+    """More weight at the rim, or less, and perhaps an underside that is not flat, as far as it stands."""
+    under = loop.model.pressure
+    assert isinstance(under, PatchFootprint)
+    warped, reach = rng.uniform() < 0.5, 1.0
+    for _ in range(40):
+        share, warp = reach * rng.uniform(-0.5625, 1.0), reach * rng.uniform(-0.5, 0.5, 2) * warped
+        reach *= 0.7
+        try:
+            return replace(loop, footprint=replace(under, rim_share=share, warp=tuple(warp)))
+        except InvalidInput:
+            continue
+    return loop
+
+
+def _points(loop: CollectionLoop, rng: np.random.Generator) -> PointFootprint:
+    outline = loop.slider.outline
+    if rng.uniform() < 0.5:
+        return grid_footprint(outline, int(rng.integers(3, 9)))
+    points = rng.uniform(-0.7, 0.7, (int(rng.integers(3, 7)), 2)) * outline.extent + outline.centroid
+    return PointFootprint(tuple(map(tuple, points)), tuple(rng.uniform(0.05, 1.0, len(points))))
+
+
+def random_loop(rng: np.random.Generator, base: CollectionLoop) -> CollectionLoop:
+    """The loop of an object with everything else drawn: surface, rod, push, ring, way back, accuracy."""
+    size, outline = base.slider.outline.extent, base.slider.outline
+    away, ring = rng.uniform(0.0, 2.0 * math.pi), size * (0.0 if rng.uniform() < 0.02 else 10 ** rng.uniform(-2.0, 0.2))
+    hitch = outline.centroid + ring * np.array((math.cos(away), math.sin(away)))
+    radius = 0.0 if rng.uniform() < 0.03 else size * 10 ** rng.uniform(-2.0, 0.5)
+    friction = rng.choice([0.0, rng.uniform(), 10 ** rng.uniform(0.0, 0.7)], p=[0.1, 0.7, 0.2])
+    ways = tuple(map(tuple, rng.uniform(-3.0, 3.0, (int(rng.choice([0, 0, 0, 1, 3])), 2)) * size))
+    # From half the ring's lever on there may be no motion in the ring, as `QuasiStaticModel.drag` tells.
+    lever = math.hypot(*np.subtract(hitch, base.model.pressure.centre))
+    pin = 0.0 if rng.uniform() < 0.6 else lever * 10 ** rng.uniform(-2.0, -0.302)
+    return replace(
+        base,
+        slider=replace(base.slider, hitch=tuple(hitch)),
+        material=Material("drawn", random_law(rng)),
+        pusher=Pusher(radius, float(friction)),
+        push=_push(rng, outline.sides, size),
+        reset=DragBack(ways, pin),
+        accuracy=10.0 ** rng.uniform(-10.0, -4.0),
+    )
+
+
+def _push(rng: np.random.Generator, sides: int, size: float) -> SidePush:
+    fraction = float(rng.integers(2)) if rng.uniform() < 0.1 else rng.uniform()
+    widest = 89.9 if rng.uniform() < 0.2 else 60.0
+    angle, distance = math.radians(rng.uniform(-widest, widest)), size * 10 ** rng.uniform(-1.5, 1.0)
+    return SidePush(int(rng.integers(sides)), fraction, angle, distance)
+
+
+def random_law(rng: np.random.Generator) -> EllipseFriction:
+    """Isotropic, or axes up to ten to one; its centre out to 95 % of the ellipse; in any direction.
+
+    From about fifty to one objects turn so abruptly towards the easy direction that explicit steps become too many.
+    """
+    widest = float(rng.choice([0.0, math.log(3.0), math.log(10.0)], p=[0.15, 0.45, 0.4]))
+    mean, ratio = 10 ** rng.uniform(-2.0, 0.3), math.exp(rng.uniform(-widest, widest) / 2.0)
+    off = 0.0 if rng.uniform() < 0.2 else 0.95 * math.sqrt(rng.uniform())
+    towards, mu_a, mu_b = rng.uniform(0.0, 2.0 * math.pi), mean * ratio, mean / ratio
+    centre = off * mu_a * math.cos(towards), off * mu_b * math.sin(towards)
+    return EllipseFriction(mu_a, mu_b, *centre, rng.uniform(0.0, 2.0 * math.pi))
+
+
+def fates(seed: int, number: int, count: int) -> list[Fate]:
+    """What becomes of `count` cycles of loops of one object, run in one call, what that leaves undone by Python."""
+    rng = np.random.default_rng([seed, number])
+    base = random_object(rng, number)
+    loops = [random_loop(rng, base) for _ in range(count)]
+    theta = rng.uniform(-10.0, 10.0, count)
+    done = cycle_batch(loops, theta[:, None], slopes=False).done[:, 0].tolist()
+    return [
+        Fate(loop, at, compiled, None if compiled else _refusal(loop, at))
+        for loop, at, compiled in zip(loops, theta.tolist(), done, strict=True)
+    ]
+
+
+def _refusal(loop: CollectionLoop, theta: float) -> CycleMapError | None:
+    try:
+        cycle = loop.cycle(theta)
+    except CycleMapError as refusal:
+        return refusal
+    assert np.isfinite((cycle.push_turn, *cycle.push_displacement, cycle.drag_turn, cycle.drag_length)).all()
+    return None
+
+
+def worst_residual(cycle: Cycle) -> float:
+    """Largest residual along a cycle, relative to the friction.
+
+    The contact equations' own, and the distance of the contact's wrench from the limit surface's at the object's twist.
+    """
+    model, pin, worst = cycle.loop.model, cycle.loop.reset.pin_friction_radius, 0.0
+    courses = [(cycle.push.run.phases, cycle.push)]
+    if cycle.drag.legs:
+        courses.append((tuple(leg.phase for leg in cycle.drag.legs), cycle.drag))
+    for phases, stroke in courses:
+        worst = max(worst, stroke.trajectory.residual)
+        if isinstance(model.pressure, PatchFootprint):
+            worst = max(worst, _imbalance(model, phases, stroke.trajectory, pin))
+    return worst
+
+
+def _imbalance(model, phases, course, pin: float) -> float:
+    twists, wrenches = twists_and_wrenches(model, phases, course, solved=True)
+    surface, worst = LimitSurface(model.pressure, model.friction), 0.0
+    scale = np.array([1.0, 1.0, 1.0 / model.unit]) / math.sqrt(model.friction.mu_a * model.friction.mu_b)
+    for twist, wrench, theta, mode in zip(twists, wrenches, course.pose[:, 2], course.mode, strict=True):
+        if np.hypot(*twist[:2]) + abs(twist[2]) * model.unit <= SLOWEST:
+            continue
+        off = surface.wrench(twist, frame=theta) - wrench
+        held = pin * np.hypot(*wrench[:2])
+        if mode in ("ring_left", "ring_right"):
+            off[2] += held if mode == "ring_left" else -held
+        elif mode == "ring_stuck":
+            off[2] -= np.clip(off[2], -held, held)
+        worst = max(worst, float(np.abs(scale * off).max()))
+    return worst
