@@ -23,7 +23,7 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
 
     Where a C compiler is at hand all of it is one call of compiled code for every outline with its kind of footprint,
     on as many threads as CYCLEMAP_THREADS tells, else one a core; the results do not depend on how many, nor on what
-    else is in the call. What compiled code cannot run (support points, point rods, concave outlines) is run by Python.
+    else is in the call. What compiled code cannot run (point rods, concave outlines) is run by Python.
     The numbers are those of `CollectionLoop.cycle` to 1e-12.
 
     Raises what `CollectionLoop.cycle` raises where a cycle is refused, telling which loop and orientation; InvalidInput

@@ -87,13 +87,20 @@ class _Balance:
         return ca.cse(ca.substitute(inner, self.twist, self.twist_of))
 
 
+# Sums over up to so many support points are written out.
+_FEW_POINTS = 16
+
+
 @lru_cache(maxsize=256)
 def contact_functions(pressure: PressureFamily, equations: str, near: bool) -> ContactFunctions:
     """Build (once) the functions of a normalised footprint's family (extent one): stick, slide or ring_friction."""
-    # Sums over many points are faster as vector operations, closed forms as scalars.
+    # Sums over many points are faster as vector operations, closed forms and short sums as scalars.
     footprint = pressure.footprint
-    closed = near and isinstance(footprint, PatchFootprint) and isinstance(footprint.outline, Polygon)
-    symbol = ca.SX.sym if closed else ca.MX.sym
+    if isinstance(footprint, PatchFootprint):
+        scalar = near and isinstance(footprint.outline, Polygon)
+    else:
+        scalar = len(footprint.positions) <= _FEW_POINTS
+    symbol = ca.SX.sym if scalar else ca.MX.sym
     if equations == SLIDE:
         balance = _slide_balance(pressure, near, symbol)
     else:

@@ -28,7 +28,7 @@ _SIGN |= {RING: 0.0, RING_LEFT: 1.0, RING_RIGHT: -1.0, RING_STUCK: 0.0}
 
 # A fast step counts when what Newton's last correction leaves, about its square, is off by this share of the step's
 # tolerance over its length (support points: when the correction itself is, since their friction is not smooth) ...
-LEFT_OVER, _LEFT_AT_POINTS = 0.001, 0.01
+LEFT_OVER, LEFT_AT_POINTS = 0.001, 0.01
 # ... and its centres of rotation stay where the regime's integrals have ten digits or more of the Hessian: these shares
 # of the ratio at which one regime hands over to the other.
 NEAR_LIMIT, FAR_LIMIT = 14.0 / 8.0, 5.5 / 8.0
@@ -257,7 +257,7 @@ class _StepCall:
         result = function()
         error, correction, quick, least, greatest = result[:5].tolist()
         self.in_regime = not self._exact or (greatest <= self._limit if self._near else least >= self._limit)
-        allowed = math.sqrt(LEFT_OVER * tolerance / h) if self._exact else _LEFT_AT_POINTS * tolerance
+        allowed = math.sqrt(LEFT_OVER * tolerance / h) if self._exact else LEFT_AT_POINTS * tolerance
         sound = self.in_regime and math.isfinite(error)
         self.quick_enough = sound and quick <= allowed
         if not (sound and correction <= allowed):

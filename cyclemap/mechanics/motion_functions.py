@@ -28,7 +28,7 @@ MARGINS = ("approach", "after_low", "before_high", "mode_first", "mode_second")
 # Newton iterations of each stage: the start comes solved, and is only certified. Patches are tried quickly first: two
 # only where there is no bend to go by yet, where it is far, and at the end, whose balance is what is looked at. The
 # friction of support points is less smooth.
-QUICK, THOROUGH, _ITERATIONS_POINTS = (1, 2, 1, 2, 1, 1, 2), (1, 2, 2, 2, 2, 2, 2), (1, 3, 3, 3, 3, 3, 3)
+QUICK, THOROUGH, AT_POINTS = (1, 2, 1, 2, 1, 1, 2), (1, 2, 2, 2, 2, 2, 2), (1, 3, 3, 3, 3, 3, 3)
 # Places of the stages and of the end along a step.
 _PLACES = np.append(C, 1.0)
 
@@ -49,6 +49,8 @@ def _bend_weights() -> NDArray[np.float64]:
 
 
 BEND = _bend_weights()
+# The stage nearest to each, of those before it.
+NEAREST_STAGE = tuple(int(np.argmin(np.abs(_PLACES[: max(i, 1)] - _PLACES[i]))) for i in range(STAGES + 1))
 _STATE, _SLOPE, _UNKNOWN = slice(0, 2), slice(2, 4), slice(9, None)
 # Functions up to this many operations a Newton iteration are unrolled into scalars, larger ones are called.
 _UNROLLED = 2000
@@ -172,7 +174,7 @@ def step_function(pressure: PressureFamily, kind: str, mode: str, near: bool, th
     """
     stage, guess_slope = stage_function(pressure, kind, mode, near), _solution_slope(pressure, kind, mode, near)
     count, smooth = stage.size1_in(1), not isinstance(pressure.footprint, PointFootprint)
-    iterations = (THOROUGH if thorough else QUICK) if smooth else _ITERATIONS_POINTS
+    iterations = (THOROUGH if thorough else QUICK) if smooth else AT_POINTS
     quick: list[ca.MX] = []
     (state, guess, p), h = _symbols(count), ca.MX.sym("h")
     course = _Course(guess_slope(state, guess, p), smooth)
@@ -225,7 +227,7 @@ class _Course:
         Friction of support points bends abruptly: there the nearest stage is moved along the tangent.
         """
         if not self._smooth:
-            nearest = self.rows[int(np.argmin(np.abs(_PLACES[:i] - _PLACES[i])))]
+            nearest = self.rows[NEAREST_STAGE[i]]
             return nearest[_UNKNOWN] + self._guess_slope @ (at - nearest[_STATE])
         bends = [row[_UNKNOWN] - self._tangent(row[_STATE]) for row in self.rows]
         return self._tangent(at) + _mixed(BEND[i, :i], bends)

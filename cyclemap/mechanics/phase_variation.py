@@ -17,7 +17,7 @@ from cyclemap.mechanics.runge_kutta import STAGES, STATE, UNKNOWN, A, B
 Array = NDArray[np.float64]
 
 # A support point slower than this (unit rod travel) has a kink beneath it: tangents are then taken by differences.
-_STILL = 1e-7
+STILL = 1e-7
 _DIFFERENCE = 1e-6
 
 _SMU, _RIM_SHARE = PARAMETERS.index("smu"), PARAMETERS.index("rim_share")
@@ -93,7 +93,7 @@ def _kinked(motion: Motion, stages: Array) -> list[int]:
     still = []
     for index, stage in enumerate(stages):
         contact, _ = motion.piece.contact(float(stage[1]), motion.rod.radius)
-        if np.hypot(*motion.velocities(stage, contact, points).T).min() < _STILL:
+        if np.hypot(*motion.velocities(stage, contact, points).T).min() < STILL:
             still.append(index)
     return still
 

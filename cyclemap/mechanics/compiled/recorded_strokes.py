@@ -12,7 +12,7 @@ from cyclemap.mechanics.compiled.stroke_runner import STROKE_COLUMNS, StrokeRunn
 from cyclemap.mechanics.contact_curve import OutlinePiece, Piece, RingPiece
 from cyclemap.mechanics.contact_solver import ContactSolver
 from cyclemap.mechanics.event_integration import Phase
-from cyclemap.mechanics.footprint import Footprint, PatchFootprint
+from cyclemap.mechanics.footprint import Footprint
 from cyclemap.mechanics.motion import (
     RING,
     RING_LEFT,
@@ -39,9 +39,9 @@ MODES = (STICK, SLIDE_LEFT, SLIDE_RIGHT, SLIDE_FREE, RING, RING_LEFT, RING_RIGHT
 def stroke_kind(footprint: Footprint, pieces: tuple[OutlinePiece, ...], radius: float) -> StrokeKind | None:
     """Return the kind of strokes of a normalised footprint on a contact curve, None where only Python can run them.
 
-    Those are of support points, point rods and concave outlines.
+    Those are of point rods and concave outlines.
     """
-    if not isinstance(footprint, PatchFootprint) or radius == 0.0:
+    if radius == 0.0:
         return None
     kinds = [piece.kind for piece in pieces]
     neighbours = zip(kinds, kinds[1:] + kinds[:1], strict=True)

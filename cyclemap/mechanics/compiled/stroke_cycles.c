@@ -31,7 +31,7 @@ static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] 
 
 /* One stroke of a loop in the direction of its parameters, from an orientation that varies as the object's. */
 static Run stroke_of(const double *loop, const double *pieces, long piece_count, const double *parameters, int vary) {
-    Run r = {pieces, parameters, loop[STEP_TOLERANCE], INFINITY, {0, 0, 0}, piece_count, vary, {0, 0}, 0};
+    Run r = {pieces, parameters, loop[STEP_TOLERANCE], INFINITY, {0, 0, 0}, piece_count, vary, {0, 0}, -1, 0};
     return r;
 }
 

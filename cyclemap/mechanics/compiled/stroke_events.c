@@ -39,7 +39,14 @@ static int land(Run *r, Motion *m, const double *state, const double *slack, Ste
     for (int i = 0; i < 400; ++i) {
         h = fmax(h, LEAST_ADVANCE);
         memcpy(m->z, z, sizeof z);
-        if (attempt(r, m, state, h, 0, &tried) != 1) return DECLINED;
+        int found = attempt(r, m, state, h, 0, &tried);
+        if (found == DECLINED) return DECLINED;
+        if (!found) {
+            high = h;
+            h = 0.5 * (low + h);
+            place = before = NAN;
+            continue;
+        }
         *taken = tried;
         const double *end = taken->rows[STAGES];
         int worst = least(end, slack, &value);
@@ -64,11 +71,12 @@ static int land(Run *r, Motion *m, const double *state, const double *slack, Ste
 }
 
 /* phase_variation.vary_phase, of one step. */
-static void vary(Run *r, const Motion *m, const Step *taken) {
+static int vary(Run *r, const Motion *m, const Step *taken) {
     Step varied; /* its rows hold the variations of states and slopes */
     double by[6], at[2];
     for (int i = 0; i < STAGES; ++i) {
         const double *row = taken->rows[i];
+        if (kinked(m, row)) return 0;
         place(&varied, r->varied, taken->h, i, at);
         int far = !(variation(m, m->regime, row, row + UNKNOWN, by) <= FAR_RATIO);
         if (far != m->regime) variation(m, far, row, row + UNKNOWN, by);
@@ -77,10 +85,11 @@ static void vary(Run *r, const Motion *m, const Step *taken) {
     }
     place(&varied, r->varied, taken->h, STAGES, at);
     memcpy(r->varied, at, sizeof at);
+    return 1;
 }
 
 static int keep(Run *r, const Motion *m, const Step *taken) {
-    if (r->vary) vary(r, m, taken);
+    if (r->vary && !vary(r, m, taken)) return 0;
     if (!r->record) return 1;
     if (r->record->steps == r->record->most_steps) return 0;
     r->record->step[r->record->steps++] = *taken;
@@ -219,7 +228,7 @@ void run_strokes(const double *pieces, long piece_count, const double *strokes, 
     for (long i = 0; i < count; ++i) {
         const double *stroke = strokes + i * STROKE_COLUMNS, *varied = stroke + AT_VARIED;
         Run r = {pieces, stroke + AT_PARAMETERS, tolerance, longest, {varied[0], varied[1], varied[2]}, piece_count,
-                 vary, {0, 0}, record};
+                 vary, {0, 0}, -1, record};
         double *result = results + i * RESULT_COLUMNS, state[2] = {stroke[AT_THETA], stroke[AT_COORDINATE]}, travel = 0;
         Step last = {0};
         int ring = pieces[KIND] == RING_KIND, piece = (int)stroke[AT_PIECE];

@@ -8,11 +8,14 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from cyclemap.mechanics import contact_solver, event_integration, motion, push_run, runge_kutta
+from cyclemap.mechanics import contact_solver, event_integration, motion, phase_variation, push_run, runge_kutta
 from cyclemap.mechanics.contact_equations import ARGUMENTS, RING_FRICTION, SLIDE, STICK, contact_functions
+from cyclemap.mechanics.footprint import PointFootprint
 from cyclemap.mechanics.motion_functions import (
+    AT_POINTS,
     BEND,
     DIRECTION,
+    NEAREST_STAGE,
     PARAMETERS,
     QUICK,
     THOROUGH,
@@ -29,7 +32,7 @@ from cyclemap.mechanics.pressure_family import PressureFamily
 KINDS = ("side", "corner", "ellipse", "ring")
 _RING = "ring"
 _SHARED = ("solver", "tangent")
-_FILES = ("kernel_prelude", "stroke_steps", "stroke_events", "stroke_cycles")
+_FILES = ("kernel_prelude", "stroke_steps", "support_points", "stroke_events", "stroke_cycles")
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,7 @@ def stroke_source(stroke: StrokeKind) -> str:
 
 def _functions(stroke: StrokeKind) -> Iterable[tuple[str, ca.Function]]:
     equations = sorted({_equations(law) for _, law in stroke.laws})
-    for law, near in product(equations, (True, False)):
+    for law, near in product(equations, _regimes(stroke)):
         contact = contact_functions(stroke.pressure, law, near)
         yield _of("solver", law, near), contact.solver
         yield _of("tangent", law, near), contact.state_tangent
@@ -65,6 +68,15 @@ def _functions(stroke: StrokeKind) -> Iterable[tuple[str, ca.Function]]:
         yield f"rate_{kind}_{law}", rate_function(kind, law)
         yield f"rate_slopes_{kind}_{law}", rate_slopes(kind, law, DIRECTION)
     yield from ((f"touch_{kind}", touch_function(kind)) for kind in stroke.kinds)
+
+
+def _regimes(stroke: StrokeKind) -> tuple[bool, ...]:
+    """Near and far; support points are summed either way."""
+    return (True, False) if _is_smooth(stroke) else (True,)
+
+
+def _is_smooth(stroke: StrokeKind) -> bool:
+    return not isinstance(stroke.pressure.footprint, PointFootprint)
 
 
 def _equations(law: str) -> str:
@@ -100,9 +112,9 @@ def _tables(stroke: StrokeKind, functions: dict[str, ca.Function]) -> str:
     lines.append(
         f"enum {{ STAGES = {runge_kutta.STAGES}, PARAMETERS = {len(PARAMETERS)}, RING_KIND = {KINDS.index(_RING)} }};"
     )
-    lines += [f"#define {name} {value!r}" for name, value in _constants(stroke.pressure).items()]
+    lines += [f"#define {name} {value}" for name, value in _constants(stroke).items()]
     order = event_integration.STAGE_ORDER
-    lines.append(f"static const int STAGE_ORDER[] = {_braced(order)};")
+    lines.append(f"static const int STAGE_ORDER[] = {_braced(order)}, NEAREST_STAGE[] = {_braced(NEAREST_STAGE)};")
     for name, values in (
         ("STAGE_PLACES", event_integration.STAGE_PLACES),
         ("B", runge_kutta.B),
@@ -112,18 +124,28 @@ def _tables(stroke: StrokeKind, functions: dict[str, ca.Function]) -> str:
     for kind, name, table in (
         ("double", "A", runge_kutta.A),
         ("double", "BEND", BEND),
-        ("int", "ITERATIONS", np.array((QUICK, THOROUGH))),
+        ("int", "ITERATIONS", np.array((QUICK, THOROUGH) if _is_smooth(stroke) else (AT_POINTS, AT_POINTS))),
     ):
         rows = _braced(_braced(row) for row in table.tolist())
         lines.append(f"static const {kind} {name}[{table.shape[0]}][{table.shape[1]}] = {rows};")
-    return "\n".join([*lines, *_law_tables(stroke)]) + "\n"
+    return "\n".join([*lines, *_points(stroke), *_law_tables(stroke)]) + "\n"
+
+
+def _points(stroke: StrokeKind) -> list[str]:
+    """The support points with their shares of the load; of a patch none, but for what C wants in a table."""
+    footprint = stroke.pressure.footprint
+    points, weights = footprint.quadrature if isinstance(footprint, PointFootprint) else (np.zeros((0, 2)), np.zeros(0))
+    rows = ", ".join(_braced(map(repr, row)) for row in np.column_stack([points, weights]).tolist())
+    return [f"enum {{ POINT_COUNT = {len(points)} }};", f"static const double POINTS[][3] = {{{rows or '{0.0}'}}};"]
 
 
 def _law_tables(stroke: StrokeKind) -> list[str]:
     """Which functions serve which kind of contact and law."""
     laws = []
     for kind, law in stroke.laws:
-        contact = ", ".join(_braced(_of(member, _equations(law), near) for near in (True, False)) for member in _SHARED)
+        contact = ", ".join(
+            _braced(_of(member, _equations(law), near) for near in _regimes(stroke)) for member in _SHARED
+        )
         own = f"arguments_{kind}, chain_{kind}, rate_{kind}_{law}, rate_slopes_{kind}_{law}"
         laws.append(f"[{KINDS.index(kind)}][{int(law == SLIDE)}] = {{{2 if law == SLIDE else 1}, {contact}, {own}}}")
     touches = [f"[{KINDS.index(kind)}] = touch_{kind}" for kind in stroke.kinds]
@@ -136,13 +158,15 @@ def _law_tables(stroke: StrokeKind) -> list[str]:
     ]
 
 
-def _constants(pressure: PressureFamily) -> dict[str, float]:
-    ratio, events, method = far_ratio(pressure), event_integration, runge_kutta
+def _constants(stroke: StrokeKind) -> dict[str, object]:
+    ratio, events, method = far_ratio(stroke.pressure), event_integration, runge_kutta
+    limits = {"FAR_RATIO": ratio, "NEAR_LIMIT": ratio * motion.NEAR_LIMIT, "FAR_LIMIT": ratio * motion.FAR_LIMIT}
     return {
-        "FAR_RATIO": ratio,
-        "NEAR_LIMIT": ratio * motion.NEAR_LIMIT,
-        "FAR_LIMIT": ratio * motion.FAR_LIMIT,
+        **(limits if _is_smooth(stroke) else dict.fromkeys(limits, "INFINITY")),
+        "SMOOTH": int(_is_smooth(stroke)),
         "LEFT_OVER": motion.LEFT_OVER,
+        "LEFT_AT_POINTS": motion.LEFT_AT_POINTS,
+        "STILL": phase_variation.STILL,
         "FOUND": contact_solver.FOUND,
         "ACCEPTED": contact_solver.ACCEPTED,
         **{name: getattr(method, name) for name in ("SAFETY", "SHRINK", "GROW")},

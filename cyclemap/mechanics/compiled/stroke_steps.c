@@ -20,7 +20,7 @@ typedef struct {
     const double *pieces, *parameters;
     double tolerance, longest, varied[3]; /* varied: theta, coordinate, direction of the rod */
     long piece_count;
-    int vary, is_far[2];
+    int vary, is_far[2], pinned; /* pinned: the support point that the object last turned about */
     Record *record;
 } Run;
 
@@ -68,6 +68,14 @@ static void settle(const Motion *m, const double *state, const double *z, const 
     report[3] = found[2 * n];
 }
 
+/* The motion at its unknowns, with the forces of a contact that no Newton iteration tells. */
+static void settle_with(const Motion *m, const double *state, const double *force, double *row, double *report) {
+    int n = m->law->unknowns;
+    double found[7] = {0.0};
+    memcpy(found + 2 * n, force, 2 * sizeof(double));
+    settle(m, state, m->z, found, row, report);
+}
+
 /* motion_functions.stage_function. */
 static void stage(const Motion *m, int far, const double *state, const double *z, double *row, double *report) {
     double q[EQUATION_ARGUMENTS], found[7];
@@ -113,13 +121,15 @@ static double solved_at(Run *r, const Motion *m, const double *state, const doub
 }
 
 static int evaluate(Run *r, Motion *m, const double *state, double *row, double *report);
+static int remembered(Run *r, Motion *m, const double *state, double *row, double *report);
+static int pinned(Run *r, Motion *m, const double *state, double *row, double *report);
 
 /* What a bracket closes on: the spin of a contact that sticks, or the slip of one that slides. */
 typedef struct {
     Run *r;
     const Motion *m;
     const double *state;
-    double *row, *report, omega, facing; /* facing: angle of the outward normal in the world */
+    double *row, *report, omega, facing, force[2]; /* facing: angle of the outward normal in the world */
 } Search;
 
 static double torque(Search *s, double spin) { return solved_at(s->r, s->m, s->state, &spin, s->row, s->report); }
@@ -136,46 +146,70 @@ static double excess(Search *s, double tau) {
     return fabs(turn) > M_PI / 2.0 ? copysign(hypot(normal, tangential), turn) : tangential - smu * normal;
 }
 
-/* contact_solver._bracket and _close, for a function that grows; 0 where it does not vanish. */
+/* The forces of a contact that sticks, as its margins tell them. */
+static void forces(const Search *s, double *force) {
+    force[0] = s->report[3];
+    force[1] = (s->row[MARGIN + SECOND] - s->row[MARGIN + FIRST]) / 2.0;
+}
+
+/* contact_solver._bracket and _close, for a function that grows: 1 where it vanishes, 2 where it jumps, and forces of
+   both sides are mixed; 0 where there is no bracket. */
 static int vanishes(double (*of)(Search *, double), Search *s, double start, double scale, double *at) {
-    double width = 0.1 * (1.0 + fabs(start)), value = of(s, start), bound[2], side[2];
+    double width = 0.1 * (1.0 + fabs(start)), value = of(s, start), bound[2], side[2], force[2][2];
     int up = value <= 0.0, tries = 0;
     bound[!up] = start;
     side[!up] = value;
+    forces(s, force[!up]);
     for (; tries < 60; ++tries, width *= 2.0) {
         bound[up] = bound[!up] + (up ? width : -width);
         side[up] = of(s, bound[up]);
+        forces(s, force[up]);
         if (up ? side[up] >= 0.0 : side[up] <= 0.0) break;
         bound[!up] = bound[up];
         side[!up] = side[up];
+        memcpy(force[!up], force[up], sizeof force[up]);
     }
-    for (int i = 0; tries < 60 && i < 200; ++i) {
+    if (tries == 60) return 0;
+    for (int i = 0; i < 200; ++i) {
         double rise = side[1] - side[0], secant = bound[0] - side[0] * (bound[1] - bound[0]) / rise;
         *at = (bound[0] + bound[1]) / 2.0;
         if (rise > 0.0 && i % 3 && bound[0] < secant && secant < bound[1]) *at = secant;
         value = of(s, *at);
         if (fabs(value) <= FOUND * scale) return 1;
+        if (!isfinite(value)) return 0;
         if (bound[1] - bound[0] <= 1e-15 * fmax(fmax(fabs(bound[0]), fabs(bound[1])), 1e-3)) break;
         bound[value >= 0.0] = *at;
         side[value >= 0.0] = value;
+        forces(s, force[value >= 0.0]);
     }
-    return fabs(value) <= ACCEPTED * scale;
+    double share = side[1] != side[0] ? side[0] / (side[0] - side[1]) : 0.5;
+    *at = (bound[0] + bound[1]) / 2.0;
+    for (int k = 0; k < 2; ++k) s->force[k] = (1.0 - share) * force[0][k] + share * force[1][k];
+    return 2;
 }
 
 static int bracketed(Run *r, Motion *m, const double *state, double *row, double *report) {
-    Search s = {r, m, state, row, report, m->z[0], 0.0};
-    if (!slides(m)) return vanishes(torque, &s, isfinite(m->z[0]) ? m->z[0] : 0.0, 1.0, m->z);
+    Search s = {r, m, state, row, report, m->z[0], 0.0, {0.0}};
+    int closed;
+    if (!slides(m)) {
+        closed = vanishes(torque, &s, isfinite(m->z[0]) ? m->z[0] : 0.0, 1.0, m->z);
+        if (closed == 2) settle_with(m, state, s.force, row, report);
+        return closed;
+    }
+    if (POINT_COUNT && pinned(r, m, state, row, report)) return 1;
     double touch[3];
     call(TOUCH[(int)r->pieces[m->piece * PIECE_COLUMNS]], state, m->p, 0, 0, touch, 0);
     s.facing = m->p[0] + atan2(-touch[1], -touch[0]);
-    if (!vanishes(excess, &s, m->z[1], sqrt(m->p[3] * m->p[4]), &m->z[1])) return 0;
+    closed = vanishes(excess, &s, m->z[1], sqrt(m->p[3] * m->p[4]), &m->z[1]);
     m->z[0] = s.omega;
-    return fabs(solved_at(r, m, state, m->z, row, report)) <= ACCEPTED;
+    if (closed == 2) settle_with(m, state, s.force, row, report);
+    return closed == 1 ? fabs(solved_at(r, m, state, m->z, row, report)) <= ACCEPTED : closed;
 }
 
 /* Motion.evaluate: solved until certain; 0 where that is not reached. */
 static int evaluate(Run *r, Motion *m, const double *state, double *row, double *report) {
     double best = INFINITY, nearest[2] = {m->z[0], m->z[1]};
+    if (remembered(r, m, state, row, report)) return 1;
     for (int i = 0;; ++i) {
         double residual = fabs(solved_at(r, m, state, m->z, row, report));
         if (residual <= FOUND && (!slides(m) || report[3] > 0.0)) break;
@@ -210,14 +244,16 @@ static void finish(Step *taken, double h) {
     }
 }
 
-/* Where Newton's method starts at stage i, motion_functions._Course.predicted: along the tangent, and bent. */
-static void predict(const Motion *m, const double *toward, double (*bend)[2], const double *start, const double *at, int i,
+/* Where Newton's method starts at stage i, motion_functions._Course.predicted: along the tangent from the start, and
+   bent; from the nearest stage where friction bends abruptly. */
+static void predict(const Motion *m, const double *toward, double (*bend)[2], const Step *taken, const double *at, int i,
                     double *tangent, double *z) {
     int n = m->law->unknowns;
+    const double *from = taken->rows[SMOOTH ? 0 : NEAREST_STAGE[i]];
     for (int k = 0; k < n; ++k) {
-        tangent[k] = start[UNKNOWN + k] + toward[k] * (at[0] - start[0]) + toward[n + k] * (at[1] - start[1]);
+        tangent[k] = from[UNKNOWN + k] + toward[k] * (at[0] - from[0]) + toward[n + k] * (at[1] - from[1]);
         z[k] = tangent[k];
-        for (int j = 1; j < i; ++j) z[k] += BEND[i][j] * bend[j][k];
+        for (int j = 1; SMOOTH && j < i; ++j) z[k] += BEND[i][j] * bend[j][k];
     }
 }
 
@@ -225,7 +261,8 @@ static void predict(const Motion *m, const double *toward, double (*bend)[2], co
 static int certified(Motion *m, const int *iterations, const double *state, double h, double tolerance, Step *taken) {
     int n = m->law->unknowns;
     double toward[6], found[7], bend[STAGES + 1][2], tangent[2], at[2], z[2], report[4];
-    double correction = 0.0, quick = 0.0, nearest = INFINITY, farthest = 0.0, allowed = sqrt(LEFT_OVER * tolerance / h);
+    double correction = 0.0, quick = 0.0, nearest = INFINITY, farthest = 0.0;
+    double allowed = SMOOTH ? sqrt(LEFT_OVER * tolerance / h) : LEFT_AT_POINTS * tolerance;
     m->quick = 0;
     for (int i = 0; i <= STAGES; ++i) {
         double *row = taken->rows[i];
@@ -235,7 +272,7 @@ static int certified(Motion *m, const int *iterations, const double *state, doub
             quick = report[0];
         } else {
             place(taken, state, h, i, at);
-            predict(m, toward, bend, taken->rows[0], at, i, tangent, z);
+            predict(m, toward, bend, taken, at, i, tangent, z);
         }
         for (int iteration = 1; i && iteration <= iterations[i]; ++iteration) {
             stage(m, m->regime, at, z, row, report);
@@ -255,7 +292,7 @@ static int certified(Motion *m, const int *iterations, const double *state, doub
 
 /* Motion.fast_step */
 static int fast_step(Motion *m, const double *state, double h, double tolerance, Step *taken) {
-    for (int effort = !m->quick; effort < 2; ++effort) {
+    for (int effort = !(SMOOTH && m->quick); effort < 2; ++effort) {
         int found = certified(m, ITERATIONS[effort], state, h, tolerance, taken);
         if (found < 0) {
             m->regime = !m->regime;
@@ -277,8 +314,15 @@ static int sure_step(Run *r, Motion *m, const double *state, double h, Step *tak
     return 1;
 }
 
+/* event_integration._attempt: 0 where a shorter step is called for. */
 static int attempt(Run *r, Motion *m, const double *state, double h, int fast, Step *taken) {
-    return fast_step(m, state, h, r->tolerance, taken) ? 1 : fast ? 0 : sure_step(r, m, state, h, taken);
+    double z[2] = {m->z[0], m->z[1]};
+    if (fast_step(m, state, h, r->tolerance, taken)) return 1;
+    if (fast) return 0;
+    int found = sure_step(r, m, state, h, taken);
+    if (found == 1 || h <= LEAST_ADVANCE) return found;
+    memcpy(m->z, z, sizeof z);
+    return 0;
 }
 
 static double next_length(double h, double error, double tolerance) {

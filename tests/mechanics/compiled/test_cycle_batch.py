@@ -145,8 +145,8 @@ def test_parts_that_do_not_fit_and_what_only_python_can_run_are_left_to_it():
         loop,
     ]
     batch = cycle_batch(cases, np.zeros((5, 2)), slopes=False)
-    np.testing.assert_array_equal(batch.done.sum(axis=1), [0, 0, 0, 0, 2])
-    assert np.isnan(batch.theta_next[:4]).all() and np.isfinite(batch.theta_next[4]).all()
+    np.testing.assert_array_equal(batch.done.sum(axis=1), [0, 0, 0, 2, 2])
+    assert np.isnan(batch.theta_next[:3]).all() and np.isfinite(batch.theta_next[3:]).all()
 
 
 @pytest.mark.parametrize(
