@@ -14,7 +14,8 @@ from typing import Any
 from cyclemap.errors import CycleMapError
 from cyclemap.sweeps.portrait_numbers import PointNumbers, PointOutcome, SweptPoint
 
-_THREADS = "OPENBLAS_NUM_THREADS"
+# Processes share the cores: each does linear algebra, and runs strokes, in one thread.
+_THREADS = ("OPENBLAS_NUM_THREADS", "CYCLEMAP_THREADS")
 # Mechanics write into buffers that they keep: threads of one process take turns.
 _ONE_AT_A_TIME = threading.Lock()
 
@@ -105,12 +106,11 @@ def _end_with_parent() -> None:
 
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """Let new processes do linear algebra in one thread: more would only get in each other's way."""
-    if _THREADS in os.environ:
-        yield
-        return
-    os.environ[_THREADS] = "1"
+    """Let new processes use one thread where the user has not said otherwise."""
+    unsaid = [name for name in _THREADS if name not in os.environ]
+    os.environ.update(dict.fromkeys(unsaid, "1"))
     try:
         yield
     finally:
-        del os.environ[_THREADS]
+        for name in unsaid:
+            os.environ.pop(name, None)

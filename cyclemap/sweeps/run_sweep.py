@@ -35,9 +35,9 @@ def run_sweep(
 ) -> SweepStatus:
     """Run what the store at `path` lacks of `plan`, and return how far it is: complete, unless interrupted.
 
-    workers : processes; all cores by default, 1 for none but this one. executor : run on it instead, be it of
-    threads, processes or a cluster (`distributed.Client.get_executor()`); `workers` then says how many chunks it
-    works on at once. progress : called with the status at the beginning and after every chunk.
+    workers : processes; by default one a core that this one may use, 1 for none but this one. executor : run on it
+    instead, be it of threads, processes or a cluster (`distributed.Client.get_executor()`); `workers` then says how
+    many chunks it works on at once. progress : called with the status at the beginning and after every chunk.
 
     Only this process writes. Memory does not grow with the length of the sweep: at most twice as many chunks as
     workers are on their way. What is found depends neither on the number or kind of workers nor on interruptions, as
@@ -57,17 +57,23 @@ def run_sweep(
     ...     run_sweep(plan, f"{folder}/sweep.sqlite", workers=1)
     SweepStatus(points=2, stored=2, refused=0)
     """
-    many = (os.cpu_count() or 1) if workers is None else whole_number("workers", workers, least=1)
+    many = _cores() if workers is None else whole_number("workers", workers, least=1)
     with SweepStore(Path(path), plan) as store:
         status = store.status()
         report = progress or (lambda status: None)
         report(status)
         if status.complete:
             return status
+        if executor is None:
+            plan.numbers.prepare(plan.point(0))
         with own_executor(many) if executor is None else nullcontext(executor) as pool:
             _Run(plan, store, pool, many, report, status).go()
         store.finish()
         return store.status()
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @dataclass

@@ -1,5 +1,6 @@
 """Panels of a sweep: planes over two keys, lines and bifurcation diagrams over one, a sample as dots."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from cyclemap.maps import RotationPlane
 from cyclemap.sweeps.quantities import Quantity
 from cyclemap.sweeps.sweep_curves import SweptLines, SweptPlane, SweptScatter, axis_places
 from cyclemap.sweeps.swept_keys import SweepAxis
@@ -24,6 +26,8 @@ _UNITS = {"_deg": "°", "_mm": "mm", "_kg": "kg"}
 _SHORT_UNITS = {"degree": "°", "turns/cycle": "turns a cycle"}
 _MOST_COUNTS = 8
 _LONGEST_NAME = 22
+# Planes with as many values along both axes are fine enough for tongues to be more than a cell wide.
+_FINE_PLANE = 40
 
 
 def key_label(key: str) -> str:
@@ -51,12 +55,38 @@ def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
     """One quantity over two keys, by colour; locked regions outlined, refused points crossed out."""
     quantity, values = swept.planes[index]
     if quantity.name == "rotation" and swept.rotation is not None and np.isfinite(values).any():
-        draw_rotation_plane(axes, swept.rotation, key_label(swept.first.key), key_label(swept.second.key))
+        plane = without_specks(swept.rotation)
+        draw_rotation_plane(axes, plane, key_label(swept.first.key), key_label(swept.second.key))
     else:
         _draw_values(axes, swept, quantity, values)
     _cross_out(axes, swept)
     _name_ticks(axes.xaxis, swept.first)
     _name_ticks(axes.yaxis, swept.second)
+
+
+def without_specks(plane: RotationPlane) -> RotationPlane:
+    """Of a fine plane, the tongues that are wide enough to be seen: narrower ones would be a litter of outlined cells.
+
+    A cell is kept where it is one of two by two that lock at the same p/q, or touches one that is and locks alike.
+    """
+    if min(plane.period.shape) < _FINE_PLANE:
+        return plane
+    ratio = np.where(plane.period > 0, plane.winding / np.maximum(plane.period, 1), np.nan)
+    wide = np.pad(np.where(_in_blocks(ratio), ratio, np.nan), 1, constant_values=np.nan)
+    rows, columns = ratio.shape
+    touched = [wide[i : i + rows, j : j + columns] == ratio for i in range(3) for j in range(3)]
+    kept = np.logical_or.reduce(touched)
+    return replace(plane, period=np.where(kept, plane.period, 0), winding=np.where(kept, plane.winding, 0))
+
+
+def _in_blocks(values: Array) -> NDArray[np.bool_]:
+    """Which cells are one of two by two that are equal."""
+    along = values[1:] == values[:-1]
+    block = along[:, 1:] & along[:, :-1] & (values[1:, 1:] == values[1:, :-1])
+    found = np.zeros(values.shape, dtype=bool)
+    for part in (found[1:, 1:], found[1:, :-1], found[:-1, 1:], found[:-1, :-1]):
+        part |= block
+    return found
 
 
 def _draw_values(axes: Axes, swept: SweptPlane, quantity: Quantity, values: Array) -> None:

@@ -42,7 +42,9 @@ def settings_line(sweep: Sweep) -> str:
     told = ", ".join(f"{key}={value}" for key, value in plan["settings"].items())
     asked = plan["quantities"]
     accuracy = f"map to {np.degrees(asked['tolerance']):.1g}°" if "tolerance" in asked else ""
-    return "; ".join(part for part in (f"set: {told}" if told else "", accuracy) if part)
+    pace = asked.get("rotation_tolerance", 0.0)
+    turns = f"rotation numbers to {pace:g} turns a cycle" if pace and "rotation" in sweep.columns else ""
+    return "; ".join(part for part in (f"set: {told}" if told else "", accuracy, turns) if part)
 
 
 def _value(value: object) -> str:

@@ -5,6 +5,7 @@ import pytest
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import portrait
+from cyclemap.mechanics.compiled.stroke_runner import WORTHWHILE
 from cyclemap.sweeps import portrait_numbers as module
 from cyclemap.sweeps.portrait_numbers import PortraitNumbers
 from cyclemap.sweeps.sweep_plan import SweepPlan
@@ -20,7 +21,7 @@ def point():
 
 
 def test_every_number_is_the_portraits_to_the_last_bit(point) -> None:
-    found = PortraitNumbers(("all",), TOLERANCE)(point)
+    found = PortraitNumbers(("all",), TOLERANCE, rotation_tolerance=0.0)(point)
     loop = CollectionLoop.from_settings({"mu_a": 0.26, "hitch_x_mm": -11.0}, CollectionLoop.mit(material="plywood"))
     drawn = portrait(loop, sigma=float(np.radians(10.0)), cycles=1, tolerance=TOLERANCE)
     points, rotation, turns, operator = drawn.fixed_points, drawn.rotation, drawn.turns, drawn.operator
@@ -100,3 +101,22 @@ def test_a_group_that_cannot_be_found_leaves_the_others(monkeypatch) -> None:
     found = plan.numbers(plan.point(0))
     assert found.refusal == "rotation: too steep"
     assert set(found.values) == {"samples", "max_error", "mean_turn", "min_turn", "max_turn", "min_slope", "max_slope"}
+
+
+def test_by_default_rotation_and_law_are_told_finely_enough_for_a_phase_diagram() -> None:
+    """Away from the tongue 0/1, where nothing is exact: within 1e-4 turns a cycle, and the law is certain."""
+    plan = SweepPlan.grid("plywood", {"hitch_x_mm": (-5.0,)}, {"hitch_y_mm": 5.0}, PortraitNumbers(("all",)))
+    found = plan.numbers(plan.point(0))
+    assert found.refusal == "" and found.values["locked_period"] == 0.0
+    assert 0.0 < found.values["rotation_upper"] - found.values["rotation_lower"] <= 2e-4
+    assert 0.0 < found.values["tv_from_uniform"] < 1.0
+
+
+def test_prepared_are_the_kernels_of_the_points_loop_and_a_loop_that_cannot_be_is_left_alone(monkeypatch) -> None:
+    asked = []
+    monkeypatch.setattr(module, "expect_cycles", lambda model, count: asked.append((model.slider.hitch, count)))
+    plan = SweepPlan.grid("plywood", {"hitch_x_mm": (-5.0,), "fraction": (0.5, 1.5)})
+    for number in range(2):
+        plan.numbers.prepare(plan.point(number))
+    ((hitch, count),) = asked
+    assert hitch[0] == -0.005 and count >= WORTHWHILE

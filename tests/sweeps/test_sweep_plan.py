@@ -54,7 +54,7 @@ def test_every_point_has_its_own_digest_and_the_same_in_another_plan() -> None:
     [
         SweepPlan.grid("abs", OVER),
         SweepPlan.grid("plywood", OVER, {"mu_b": 0.2}),
-        SweepPlan.grid("plywood", OVER, numbers=PortraitNumbers(tolerance=1e-5)),
+        SweepPlan.grid("plywood", OVER, numbers=PortraitNumbers(tolerance=1e-6)),
         SweepPlan.grid("plywood", OVER, numbers=PortraitNumbers(("turns",))),
         SweepPlan.grid("plywood", OVER, numbers=PortraitNumbers(rotation_tolerance=1e-3)),
         SweepPlan.grid(replace(load_material("plywood"), misfit="other"), OVER),

@@ -13,7 +13,13 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import Array
 from cyclemap.maps.mixtures.random_map import RandomMap
 from cyclemap.maps.noise.noise_law import UniformNoise
-from cyclemap.maps.operator.fourier_discretisation import Block, FourierDiscretisation, needed_modes, waves
+from cyclemap.maps.operator.fourier_discretisation import (
+    Block,
+    FourierDiscretisation,
+    Waves,
+    needed_modes,
+    waves,
+)
 
 _ENTRIES = 2_000_000  # nodes times basis functions that are kept or handled at a time
 
@@ -62,6 +68,14 @@ class MixtureDiscretisation(FourierDiscretisation):
 
     def _blocks(self) -> Iterable[Block]:
         return self._kept_blocks if self._rule[0].size * self.size <= _ENTRIES else self._streamed()
+
+    @property
+    def _before(self) -> Iterable[Waves]:
+        return ((part, before) for part, before, _ in self._blocks())
+
+    @property
+    def _after(self) -> Iterable[Waves]:
+        return ((part, after) for part, _, after in self._blocks())
 
     @cached_property
     def _kept_blocks(self) -> list[Block]:

@@ -18,8 +18,9 @@ from cyclemap.maps.quadrature import circle_rule
 
 MAX_MODES = 2_000
 NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
-_ENTRIES = 2_000_000  # waves handled at a time: nodes times basis functions
+_ENTRIES = 5_000_000  # waves handled at a time: nodes times basis functions
 
+Waves = tuple[slice, Array]
 Block = tuple[slice, Array, Array]
 
 
@@ -51,6 +52,25 @@ def waves(theta: Array, modes: int) -> Array:
         np.multiply(powers[1 : more + 1], powers[filled - 1], out=powers[filled : filled + more])
         filled += more
     return np.concatenate([powers.real, powers[1:].imag])
+
+
+@dataclass(frozen=True, eq=False)
+class WavesInBlocks:
+    """Blocks of some angles, each with its ``waves``; kept where all fit in one block, else made as they are used."""
+
+    angles: Array
+    modes: int
+
+    def __iter__(self) -> Iterator[Waves]:
+        step = max(64, _ENTRIES // (2 * self.modes + 1))
+        if self.angles.size <= step:
+            return iter([self._only_block])
+        parts = (slice(at, at + step) for at in range(0, self.angles.size, step))
+        return ((part, waves(self.angles[part], self.modes)) for part in parts)
+
+    @cached_property
+    def _only_block(self) -> Waves:
+        return slice(0, self.angles.size), waves(self.angles, self.modes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,9 +118,7 @@ class FourierDiscretisation:
 
     @property
     def _unit(self) -> Array:
-        unit = np.zeros(self.size)
-        unit[0] = 1.0
-        return unit
+        return np.asarray(np.eye(1, self.size)[0])
 
     @cached_property
     def _scale(self) -> Array:
@@ -170,16 +188,16 @@ class FourierDiscretisation:
     def expected_after(self, dual: Any) -> Any:
         """E z(F(θ) + ξ) at the nodes of ``rule``, for the function z with the integrals ``dual``, ∫ zφ_j."""
         ahead = _times(self.kappa, dual)
-        return np.concatenate([after.T @ ahead for _, _, after in self._blocks()])
+        return np.concatenate([after.T @ ahead for _, after in self._after])
 
     def expected_slope(self, dual: Array, factors: Array | None = None) -> Array:
         """d/dF of ``expected_after`` at the nodes of ``rule``: E z'(F(θ) + ξ); ``factors`` to use for the κ_m."""
         ahead = _times(self.kappa if factors is None else factors, dual)
-        return np.concatenate([self._turned(after).T @ ahead for _, _, after in self._blocks()])
+        return np.concatenate([self._turned(after).T @ ahead for _, after in self._after])
 
     def on_nodes(self, law: Any) -> Any:
         """The density with coefficients ``law``, per radian, at the nodes of ``rule``."""
-        return np.concatenate([before.T @ _times(self._scale, law) for _, before, _ in self._blocks()])
+        return np.concatenate([before.T @ _times(self._scale, law) for _, before in self._before])
 
     def carried(self, density: Any) -> Any:
         """(n,): coefficients after one cycle of the density with these values at the nodes of ``rule``."""
@@ -187,7 +205,7 @@ class FourierDiscretisation:
 
     def _image_moments(self, density: Any) -> Any:
         _, weight = self._rule
-        return np.sum([after @ _times(weight[part], density[part]) for part, _, after in self._blocks()], axis=0)
+        return np.sum([after @ _times(weight[part], density[part]) for part, after in self._after], axis=0)
 
     # -- accuracy ------------------------------------------------------------------------------------------
 
@@ -263,20 +281,18 @@ class FourierDiscretisation:
         return self._turned(image[:, None])[:, 0]
 
     def _blocks(self) -> Iterable[Block]:
-        """Nodes in blocks: (their place, waves of θ, waves of F(θ)); kept where all of them fit in one."""
-        return [self._only_block] if self._rule[0].size * self.size <= _ENTRIES else self._streamed()
+        """Nodes in blocks: (their place, waves of θ, waves of F(θ))."""
+        return ((part, before, after) for (part, before), (_, after) in zip(self._before, self._after, strict=True))
 
     @cached_property
-    def _only_block(self) -> Block:
-        theta, _ = self._rule
-        return slice(0, theta.size), waves(theta, self.modes), waves(self.map(theta), self.modes)
+    def _before(self) -> Iterable[Waves]:
+        """Waves of the nodes θ."""
+        return WavesInBlocks(self._rule[0], self.modes)
 
-    def _streamed(self) -> Iterator[Block]:
-        theta, _ = self._rule
-        step = max(64, _ENTRIES // self.size)
-        for at in range(0, theta.size, step):
-            part = slice(at, min(at + step, theta.size))
-            yield part, waves(theta[part], self.modes), waves(self.map(theta[part]), self.modes)
+    @cached_property
+    def _after(self) -> Iterable[Waves]:
+        """Waves of F(θ) at the nodes."""
+        return WavesInBlocks(self.map(self._rule[0]), self.modes)
 
 
 def _times(factors: Array, columns: Any) -> Any:

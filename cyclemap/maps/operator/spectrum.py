@@ -142,7 +142,10 @@ def _error_bounds(
     if finer is None:
         return np.full(values.size, np.inf)
     if isinstance(finer, FourierDiscretisation) and finer.size == basis.size:
-        return np.asarray(np.abs(np.sum(left * finer.cycle(right), axis=0) - values))
+        # Real columns: with complex ones all waves would be made complex first.
+        carried = finer.cycle(np.ascontiguousarray(right).view(np.float64))
+        carried = np.ascontiguousarray(carried).view(np.complex128)
+        return np.asarray(np.abs(np.sum(left * carried, axis=0) - values))
     from scipy.optimize import linear_sum_assignment
 
     # One to one, or to 0: the nearest finer value may be another's.
