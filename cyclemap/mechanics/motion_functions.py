@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cyclemap.mechanics.contact_equations import SLIDE, STICK, ContactFunctions, contact_functions
 from cyclemap.mechanics.footprint import PointFootprint
 from cyclemap.mechanics.pressure_family import PressureFamily
-from cyclemap.mechanics.runge_kutta import ERROR, STAGES, A, B, C
+from cyclemap.mechanics.runge_kutta import ERROR, LEAST_SHARE, ROUGH, STAGES, A, B, C
 
 # Parameters of a motion, in order. geometry: side (x, y, tx, ty, normal), corner (x, y), ellipse (semi_x, semi_y),
 # ring (x, y), padded with zeros; smu: pusher friction, negative when the rod slides clockwise over the slider, or
@@ -188,7 +188,9 @@ def step_function(pressure: PressureFamily, kind: str, mode: str, near: bool, th
                 quick.append(report[0])
         course.add(row, report)
     correction, far = (ca.vertcat(*(report[k] for report in course.reports)) for k in (0, 1))
-    error = _largest(_mixed(ERROR, course.slopes))
+    error, rough = (_largest(_mixed(weights, course.slopes)) for weights in (ERROR, ROUGH))
+    # CasADi's maximum passes over what is not a number.
+    error = ca.if_else(error >= 0, ca.fmax(error, LEAST_SHARE * h * rough), error)
     certificate = ca.vertcat(h * error, _largest(correction), _largest(ca.vertcat(*quick)), ca.mmin(far), ca.mmax(far))
     step = ca.Function("step", [state, guess, h, p], [ca.vertcat(certificate, *course.rows)])
     return _unrolled(step, _contact_functions(pressure, mode, near).solver)

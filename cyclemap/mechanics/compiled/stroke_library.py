@@ -119,6 +119,7 @@ def _tables(stroke: StrokeKind, functions: dict[str, ca.Function]) -> str:
         ("STAGE_PLACES", event_integration.STAGE_PLACES),
         ("B", runge_kutta.B),
         ("ERROR", runge_kutta.ERROR),
+        ("ROUGH", runge_kutta.ROUGH),
     ):
         lines.append(f"static const double {name}[] = {_braced(values)};")
     for kind, name, table in (
@@ -169,7 +170,7 @@ def _constants(stroke: StrokeKind) -> dict[str, object]:
         "STILL": phase_variation.STILL,
         "FOUND": contact_solver.FOUND,
         "ACCEPTED": contact_solver.ACCEPTED,
-        **{name: getattr(method, name) for name in ("SAFETY", "SHRINK", "GROW")},
+        **{name: getattr(method, name) for name in ("SAFETY", "SHRINK", "GROW", "LEAST_SHARE")},
         **{name: getattr(events, name) for name in ("SLACK_SHARE", "STRICT_SHARE", "DIP", "LEAST_ADVANCE", "STUCK")},
         **{name: getattr(events, name) for name in ("SHORT", "MOST_STEPS", "FIRST_PUSH_STEP", "FIRST_DRAG_STEP")},
         "MOST_PHASES": push_run.MOST_PHASES,

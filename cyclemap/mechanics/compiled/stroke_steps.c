@@ -238,9 +238,13 @@ static void finish(Step *taken, double h) {
     taken->h = h;
     taken->error = 0.0;
     for (int k = 0; k < 2; ++k) {
-        double error = 0.0;
-        for (int i = 0; i <= STAGES; ++i) error += ERROR[i] * taken->rows[i][SLOPE + k];
+        double error = 0.0, rough = 0.0;
+        for (int i = 0; i <= STAGES; ++i) {
+            error += ERROR[i] * taken->rows[i][SLOPE + k];
+            rough += ROUGH[i] * taken->rows[i][SLOPE + k];
+        }
         if (!(h * fabs(error) <= taken->error)) taken->error = h * fabs(error);
+        if (!(LEAST_SHARE * h * h * fabs(rough) <= taken->error)) taken->error = LEAST_SHARE * h * h * fabs(rough);
     }
 }
 
