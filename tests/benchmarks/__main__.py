@@ -5,7 +5,7 @@ import os
 # As the command line does, and before numpy is imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from tests.benchmarks import circle_maps, cycles
+from tests.benchmarks import batches, circle_maps, cycles, engine, identification
 
-circle_maps.main()
-cycles.main()
+for one in (engine, batches, identification, cycles, circle_maps):
+    one.main()

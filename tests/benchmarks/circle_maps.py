@@ -5,6 +5,7 @@ of repeated runs, with what each method's answer is off by, and asserts nothing:
 """
 
 import math
+from functools import partial
 
 import numpy as np
 from scipy.optimize import brentq
@@ -19,6 +20,7 @@ from cyclemap.maps import (
     periodic_points,
     rotation_numbers,
     sample_staircase,
+    tongue,
     transfer_operator,
 )
 from tests.benchmarks.timing import Row, seconds, show
@@ -118,6 +120,33 @@ def rotation_rows() -> list[Row]:
     return [*rows, Row("1,000 iterates in NumPy", plain, f"{1 / plain:.3g} a second")]
 
 
+def bisected_edge() -> float:
+    """The left edge of 1/3 of the sine family at K = 0.9, to 1e-6 turns, by rotation numbers of plain iterates."""
+    low, high = 0.3, 0.334
+    while high - low > 1e-6:
+        middle = 0.5 * (low + high)
+        number = float(plain_rotation(np.array([middle]), np.array([0.9]), 20_000)[0])
+        low, high = (middle, high) if number < 1.0 / 3.0 - 1e-4 else (low, middle)
+    return high
+
+
+def tongue_rows() -> list[Row]:
+    """The tongue 1/3 of the sine family at K = 0.9."""
+    family = partial(_arnold, 0.9)
+    left = tongue(family, (1, 3), (0.3, 0.37)).left
+    off = abs(bisected_edge() - float(left))
+    return [
+        Row(
+            "both edges of a tongue", seconds(lambda: tongue(family, (1, 3), (0.3, 0.37))), f"to {left.error_bound:.0e}"
+        ),
+        Row("one by bisection of plain iterates", seconds(bisected_edge, 1), f"off by {off:.0e} turns"),
+    ]
+
+
+def _arnold(strength: float, omega: float) -> CircleMap:
+    return CircleMap.arnold(omega, strength)
+
+
 def sampled_passage(paths: int) -> tuple[float, float]:
     """The mean passage time by following paths, and its standard error."""
     random = np.random.default_rng(2)
@@ -167,6 +196,7 @@ def main() -> None:
     show("stationary density", density_rows())
     show("periodic points", orbit_rows())
     show("rotation numbers", rotation_rows())
+    show("tongue edges", tongue_rows())
     show("passage times", passage_rows())
     show("paths", path_rows())
 

@@ -1,0 +1,71 @@
+"""One step of an identification: residuals and derivatives of pushes, interpreted and compiled, and by differences.
+
+Run `python -m tests.benchmarks.identification` from the repository's root. It asserts nothing: times are for people.
+"""
+
+import os
+
+# Before numpy is imported.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import math
+from contextlib import nullcontext
+
+import numpy as np
+
+from cyclemap.evidence.data_blocks.measured_strokes import MeasuredPush
+from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock, push_end_block, surface_model
+from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.mechanics import Pose, Slider, WorldPush
+from cyclemap.mechanics.compiled import stroke_runner
+from tests.benchmarks.timing import Row, seconds, show
+
+PUSHES = 40
+SURFACE = SurfaceParameters(ellipticity_x=0.1, offset_x=0.04, pusher_friction=0.2, rim_share=0.4)
+_LENGTH, _DIFFERENCE = 0.115, 1e-5
+
+
+def made_pushes(count: int = PUSHES) -> StrokeBlock:
+    """Pushes of MIT's square from random places in random directions, without noise."""
+    rng, slider = np.random.default_rng(0), Slider.mit("rect1")
+    model, pushes = surface_model(SURFACE, slider), []
+    for number in range(count):
+        start, way = Pose(theta=float(rng.uniform(-math.pi, math.pi))), float(rng.uniform(-math.pi, math.pi))
+        near = start.to_world(*rng.uniform(-0.02, 0.02, 2).tolist())
+        first, last = ((near[0] + reach * math.cos(way), near[1] + reach * math.sin(way)) for reach in (-_LENGTH, 0.0))
+        end = model.push(start, WorldPush(first, way, _LENGTH)).end
+        pushes.append(MeasuredPush(start, end, first, last, number))
+    return push_end_block(pushes, slider)
+
+
+def by_differences(block: StrokeBlock, values: dict[str, float]) -> np.ndarray:
+    """The derivatives by central differences, one parameter after the other."""
+    columns = []
+    for name in block.parameters:
+        below, above = (block.residuals({**values, name: values[name] + sign * _DIFFERENCE})[0] for sign in (-1.0, 1.0))
+        columns.append((above - below) / (2.0 * _DIFFERENCE))
+    return np.stack(columns, axis=1)
+
+
+def step_rows() -> list[Row]:
+    """A step with all parameters free."""
+    block = made_pushes()
+    values = {name: 0.0 for name in block.parameters} | {
+        name: value for name, value in SURFACE.values().items() if name in block.parameters
+    }
+    note, rows = f"{PUSHES} pushes, {len(block.parameters)} parameters", []
+    for name, way in (("interpreted", stroke_runner.interpreted), ("compiled", nullcontext)):
+        with way():
+            rows.append(Row(f"{name} residuals and derivatives", seconds(lambda: block.residuals(values), 3), note))
+    rows.append(Row("the same, derivatives by differences", seconds(lambda: by_differences(block, values), 1), note))
+    return rows
+
+
+def main() -> None:
+    """Print the table."""
+    stroke_runner.WORTHWHILE = 0
+    show("one step of an identification", step_rows())
+
+
+if __name__ == "__main__":
+    main()
