@@ -122,7 +122,7 @@ def rotation_rows() -> list[Row]:
 
 def bisected_edge() -> float:
     """The left edge of 1/3 of the sine family at K = 0.9, to 1e-6 turns, by rotation numbers of plain iterates."""
-    low, high = 0.3, 0.334
+    low, high = 0.32, 0.338
     while high - low > 1e-6:
         middle = 0.5 * (low + high)
         number = float(plain_rotation(np.array([middle]), np.array([0.9]), 20_000)[0])

@@ -50,7 +50,7 @@ def by_differences(block: StrokeBlock, values: dict[str, float]) -> np.ndarray:
 def step_rows() -> list[Row]:
     """A step with all parameters free."""
     block = made_pushes()
-    values = {name: 0.0 for name in block.parameters} | {
+    values = dict.fromkeys(block.parameters, 0.0) | {
         name: value for name, value in SURFACE.values().items() if name in block.parameters
     }
     note, rows = f"{PUSHES} pushes, {len(block.parameters)} parameters", []
