@@ -145,7 +145,7 @@ def _law_tables(stroke: StrokeKind) -> list[str]:
     laws = []
     for kind, law in stroke.laws:
         contact = ", ".join(
-            _braced(_of(member, _equations(law), near) for near in _regimes(stroke)) for member in _SHARED
+            _braced(_of(member, _equations(law), near) for near in (True, _regimes(stroke)[-1])) for member in _SHARED
         )
         own = f"arguments_{kind}, chain_{kind}, rate_{kind}_{law}, rate_slopes_{kind}_{law}"
         laws.append(f"[{KINDS.index(kind)}][{int(law == SLIDE)}] = {{{2 if law == SLIDE else 1}, {contact}, {own}}}")

@@ -20,23 +20,12 @@ from cyclemap.mechanics import (
     Slider,
 )
 from cyclemap.mechanics.compiled import stroke_runner
-from cyclemap.mechanics.compiled.compiler import NoCompiler, find_compiler
 
 SQUARE = Slider.mit("rect1")
 AROUND = (0.05, 0.0, 0.7)
 
 
-@pytest.fixture(scope="module", autouse=True)
-def compiled(tmp_path_factory):
-    """Kernels compiled at once, kept in a folder of their own."""
-    try:
-        find_compiler()
-    except NoCompiler as reason:
-        pytest.skip(f"compiled kernels are not tested: {reason}")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("CYCLEMAP_CACHE", str(tmp_path_factory.mktemp("kernels")))
-        patch.setattr(stroke_runner, "WORTHWHILE", 0)
-        yield
+pytestmark = pytest.mark.usefixtures("compiled")
 
 
 def random_law(rng) -> EllipseFriction:

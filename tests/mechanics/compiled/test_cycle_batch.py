@@ -26,7 +26,6 @@ from cyclemap.mechanics import (
     grid_footprint,
 )
 from cyclemap.mechanics.compiled import stroke_runner
-from cyclemap.mechanics.compiled.compiler import NoCompiler, find_compiler
 from cyclemap.mechanics.compiled.cycle_batch import CycleBatch, cycle_batch
 from cyclemap.mechanics.compiled.threads import THREADS_VARIABLE, on_threads, thread_count
 
@@ -39,17 +38,7 @@ OBJECTS = (
 )
 
 
-@pytest.fixture(scope="module", autouse=True)
-def compiled(tmp_path_factory):
-    """Kernels compiled at once, kept in a folder of their own."""
-    try:
-        find_compiler()
-    except NoCompiler as reason:
-        pytest.skip(f"compiled kernels are not tested: {reason}")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("CYCLEMAP_CACHE", str(tmp_path_factory.mktemp("kernels")))
-        patch.setattr(stroke_runner, "WORTHWHILE", 0)
-        yield
+pytestmark = pytest.mark.usefixtures("compiled")
 
 
 def random_loop(rng, number: int) -> CollectionLoop:

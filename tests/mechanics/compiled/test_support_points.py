@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.mechanics import EllipseFriction, Material, PointFootprint, grid_footprint
+from cyclemap.mechanics import DragBack, EllipseFriction, Material, PointFootprint, grid_footprint
 from cyclemap.mechanics.compiled import stroke_runner
-from cyclemap.mechanics.compiled.compiler import NoCompiler, find_compiler
 from cyclemap.mechanics.compiled.cycle_batch import cycle_batch
 from cyclemap.mechanics.pinned_point import PinnedPoints
 
@@ -25,23 +24,14 @@ THETA = np.linspace(-3.0, 3.0, 12)
 every_footprint = pytest.mark.parametrize("footprint", FOOTPRINTS.values(), ids=FOOTPRINTS)
 
 
-@pytest.fixture(scope="module", autouse=True)
-def compiled(tmp_path_factory):
-    """Kernels compiled at once, kept in a folder of their own."""
-    try:
-        find_compiler()
-    except NoCompiler as reason:
-        pytest.skip(f"compiled kernels are not tested: {reason}")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("CYCLEMAP_CACHE", str(tmp_path_factory.mktemp("kernels")))
-        patch.setattr(stroke_runner, "WORTHWHILE", 0)
-        yield
+pytestmark = pytest.mark.usefixtures("compiled")
 
 
 def on_points(footprint, seed: int) -> CollectionLoop:
-    rng = np.random.default_rng(seed)
+    """A surface drawn at random; every other one with friction in the ring."""
+    rng, reset = np.random.default_rng(seed), DragBack(pin_friction_radius=1e-3 * (seed % 2))
     law = EllipseFriction(*rng.uniform(0.15, 0.4, 2), *rng.uniform(-0.05, 0.05, 2), rng.uniform(0.0, math.pi))
-    return replace(MIT, footprint=footprint, material=Material("drawn", law), accuracy=1e-5)
+    return replace(MIT, footprint=footprint, material=Material("drawn", law), reset=reset, accuracy=1e-5)
 
 
 @every_footprint
