@@ -13,6 +13,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 REPOSITORY = Path(__file__).parents[1]
 
+# Kernels that tests compile are shared by all their processes, and leave the user's own alone.
+os.environ.setdefault("CYCLEMAP_CACHE", str(REPOSITORY / ".pytest_kernels"))
+
 
 @pytest.fixture(scope="session")
 def measured_data() -> Path:

@@ -59,10 +59,11 @@ def test_stated_error_holds_and_meets_the_tolerance(tolerance):
     assert worst_error(circle, smooth, theta) <= circle.max_error <= tolerance
 
 
-def test_nodes_grow_with_the_fourth_root_of_the_tolerance():
-    """Cubic pieces: 10,000 times the accuracy costs 10 times the samples, give or take the halving."""
-    coarse, fine = sampled(smooth, 1e-5).samples, sampled(smooth, 1e-9).samples
-    assert 5.0 <= fine / coarse <= 20.0
+def test_cubics_grow_with_the_fourth_root_of_the_tolerance_and_samples_slower_than_the_sixth():
+    """10,000 times the accuracy asks for 10 times the cubics, but for less than 4.6 times the samples."""
+    coarse, fine = sampled(smooth, 1e-5), sampled(smooth, 1e-9)
+    assert 5.0 <= len(fine.pieces.knots) / len(coarse.pieces.knots) <= 20.0
+    assert fine.samples / coarse.samples < 10_000 ** (1 / 6)
 
 
 def test_jump_is_kept_and_located():

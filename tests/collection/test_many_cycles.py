@@ -64,7 +64,7 @@ def test_a_mixture_comes_to_what_its_loops_come_to_one_by_one():
 
 def test_it_comes_to_the_same_in_the_interpreter():
     loops = [loop for loop in mixture() if loop.model.stroke_kind is not None]
-    assert len(loops) == 5
+    assert len(loops) == 6
     with stroke_runner.interpreted():
         slow = run_cycles(loops, THETA[:2])
     same(run_cycles(loops, THETA[:2]), slow)

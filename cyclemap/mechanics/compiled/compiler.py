@@ -51,7 +51,10 @@ def find_compiler() -> Compiler:
     named = os.environ.get(COMPILER_VARIABLE) or os.environ.get("CC")
     if named == "none":
         raise NoCompiler(f"{COMPILER_VARIABLE}=none asks for the interpreter")
-    choices = [shlex.split(named)] if named else [[name] for name in _COMMON]
+    try:
+        choices = [shlex.split(named)] if named else [[name] for name in _COMMON]
+    except ValueError as error:
+        raise NoCompiler(f"{named!r} cannot be read as a command ({error}): mend {COMPILER_VARIABLE} or CC") from error
     for words in choices:
         program = shutil.which(words[0]) if words else None
         if program is not None:

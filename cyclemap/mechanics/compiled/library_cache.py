@@ -25,9 +25,10 @@ _EXPRESSIONS = Path(__file__).resolve().parents[1]
 def cache_folder() -> Path:
     """Return the folder of compiled kernels: CYCLEMAP_CACHE, else `cyclemap` in the user's cache folder."""
     named = os.environ.get(CACHE_VARIABLE)
-    if named:
-        return Path(named).expanduser()
-    return user_cache_path("cyclemap", appauthor=False)
+    try:
+        return Path(named).expanduser() if named else user_cache_path("cyclemap", appauthor=False)
+    except RuntimeError as error:
+        raise NoCompiler(f"there is no folder for compiled kernels ({error}): name one in {CACHE_VARIABLE}") from error
 
 
 def cached_library(made_from: str, source: Callable[[], str] | None) -> ctypes.CDLL | None:

@@ -146,8 +146,9 @@ static int run_cycle(const double *loop, const double *pieces, const double *goa
     Object object = {{-lever[0], -lever[1]}, theta, {lever[1], -lever[0]}, 1.0};
     int left = push_object(loop, own, vary, &object);
     if (left == DECLINED) return 0;
+    if (!isfinite(object.theta)) return 0;
     double pushed = object.theta, shift[2] = {object.place[0] + lever[0], object.place[1] + lever[1]};
-    if (drag_object(loop, own, goals, vary, &object, &length) == DECLINED) return 0;
+    if (drag_object(loop, own, goals, vary, &object, &length) == DECLINED || !isfinite(object.theta)) return 0;
     turned(-theta, shift, moved);
     const double found[] = {1.0, left, pushed - theta, unit * moved[0], unit * moved[1], object.theta - pushed,
                             unit * length, object.theta, vary ? object.by_theta : NAN};

@@ -33,9 +33,10 @@ static void first_crossing(const Step *taken, const double *slack, int *index, d
 /* Returns the margin that is zero at the end of the step, now shortened. */
 static int land(Run *r, Motion *m, const double *state, const double *slack, Step *taken) {
     double low = 0.0, high = taken->h, h, slope, place = NAN, before = NAN, z[2] = {m->z[0], m->z[1]}, value;
-    int broken;
+    int broken = NOTHING;
     Step tried;
     first_crossing(taken, slack, &broken, &h, &slope);
+    if (broken == NOTHING) return DECLINED;
     for (int i = 0; i < 400; ++i) {
         h = fmax(h, LEAST_ADVANCE);
         memcpy(m->z, z, sizeof z);
@@ -236,7 +237,7 @@ void run_strokes(const double *pieces, long piece_count, const double *strokes, 
         Motion m = motion_of(&r, ring ? RING : STICK, piece, 0.0, 0.0);
         int ended = (ring ? run_leg : run_push)(&r, &m, state, stroke[AT_LENGTH], &travel, &last);
         const double *end = last.rows[STAGES];
-        const double values[] = {ended != DECLINED, state[0], state[1], m.piece, travel, ended, r.varied[0], r.varied[1],
+        const double values[] = {ended != DECLINED && isfinite(state[0]), state[0], state[1], m.piece, travel, ended, r.varied[0], r.varied[1],
                                  end[SLOPE], end[SLOPE + 1], record ? record->phases : 0};
         memcpy(result, values, sizeof values);
     }

@@ -32,7 +32,15 @@ from cyclemap.mechanics.pressure_family import PressureFamily
 KINDS = ("side", "corner", "ellipse", "ring")
 _RING = "ring"
 _SHARED = ("solver", "tangent")
-_FILES = ("kernel_prelude", "stroke_steps", "support_points", "stroke_events", "stroke_cycles")
+_FILES = (
+    "kernel_prelude",
+    "contact_motions",
+    "contact_search",
+    "support_points",
+    "stroke_steps",
+    "stroke_events",
+    "stroke_cycles",
+)
 
 
 @dataclass(frozen=True)

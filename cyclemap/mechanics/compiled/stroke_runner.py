@@ -21,15 +21,17 @@ from cyclemap.mechanics.runge_kutta import STAGES
 
 Array = NDArray[np.float64]
 
-# Columns of what goes to C and comes back, as stroke_steps.c names them.
+# Columns of what goes to C and comes back, as contact_motions.c names them.
 STROKE_COLUMNS, RESULT_COLUMNS, PHASE_COLUMNS, ROW = 18, 11, 7, 11
 STEP_COLUMNS = 2 + (STAGES + 1) * ROW
 # The same of whole cycles, as stroke_cycles.c names them.
 LOOP_COLUMNS, CYCLE_COLUMNS, CYCLE_RESULTS = 22, 2, 9
 # Room for the record of one stroke; longer ones are left to Python.
 _STEPS, _PHASES = 8192, 256
-# Strokes asked for one at a time before a library is compiled for them: compiling takes as long as running so many.
-WORTHWHILE = 250
+# Strokes asked for one at a time before a library is compiled for them: compiling takes as long as running so many. For
+# each library that this process has compiled it takes so many times more: where every loop has an object of its own, as
+# in a sweep over the centre of mass, libraries would cost more than they save.
+WORTHWHILE, _DEARER = 250, 4
 # A thread that has fewer cycles than this to run takes longer to start than it saves.
 _LEAST_SHARE = 8
 # Cycles that a thread runs before it looks whether it is interrupted.
@@ -60,19 +62,17 @@ class StrokeRunner:
         """Return results (n, CYCLE_RESULTS) of cycles (n, CYCLE_COLUMNS) of loops (k, LOOP_COLUMNS), on all cores."""
         count, results = len(cycles), np.empty((len(cycles), CYCLE_RESULTS))
         queue = ctypes.c_long(0)
-        given = [ctypes.c_void_p(table.ctypes.data) for table in (loops, pieces, goals, cycles)]
-        to = (ctypes.c_long(count), ctypes.c_int(vary), ctypes.c_void_p(results.ctypes.data), ctypes.byref(queue))
+        given = [_pointer(table) for table in (loops, pieces, goals, cycles)]
+        to = (ctypes.c_long(count), ctypes.c_int(vary), _pointer(results), ctypes.byref(queue))
 
         def work() -> None:
-            try:
-                while queue.value < count:
-                    self.library.run_cycles(*given, *to, ctypes.c_long(_AT_ONCE))
-            except BaseException:
-                # Interrupted: nobody takes another one.
-                queue.value = count
-                raise
+            while queue.value < count:
+                self.library.run_cycles(*given, *to, ctypes.c_long(_AT_ONCE))
 
-        on_threads(min(thread_count(), max(1, count // _LEAST_SHARE)), work)
+        def stop() -> None:
+            queue.value = count
+
+        on_threads(min(thread_count(), max(1, count // _LEAST_SHARE)), work, stop)
         return results
 
     def recorded(self, pieces: Array, stroke: Array, tolerance: float, longest: float) -> tuple[Array, Array, Array]:
@@ -94,16 +94,22 @@ class StrokeRunner:
         record: _Record | None,
     ) -> None:
         self.library.run_strokes(
-            ctypes.c_void_p(pieces.ctypes.data),
+            _pointer(pieces),
             ctypes.c_long(len(pieces)),
-            ctypes.c_void_p(strokes.ctypes.data),
+            _pointer(strokes),
             ctypes.c_long(len(strokes)),
             ctypes.c_double(tolerance),
             ctypes.c_double(longest),
             ctypes.c_int(vary),
-            ctypes.c_void_p(results.ctypes.data),
+            _pointer(results),
             ctypes.byref(record) if record is not None else None,
         )
+
+
+def _pointer(table: Array) -> ctypes.c_void_p:
+    """The place of a table's numbers, row by row; it keeps the table alive as long as it is itself."""
+    assert table.flags.c_contiguous and table.dtype == np.float64
+    return table.ctypes.data_as(ctypes.c_void_p)
 
 
 @dataclass
@@ -120,7 +126,8 @@ class _Place:
 def stroke_runner(stroke: StrokeKind, strokes: int = 1) -> StrokeRunner | None:
     """Return the compiled strokes of a kind, or None where there are none yet: `strokes` more of them are asked for.
 
-    A library that is kept is loaded at once; one is compiled when WORTHWHILE strokes have been asked for.
+    A library that is kept is loaded at once; one is compiled when WORTHWHILE strokes have been asked for, or more where
+    this process has compiled others.
     """
     if _INTERPRETING.get():
         return None
@@ -129,7 +136,7 @@ def stroke_runner(stroke: StrokeKind, strokes: int = 1) -> StrokeRunner | None:
         return place.runner
     with place.lock:
         place.asked += strokes
-        worthwhile = place.asked >= WORTHWHILE
+        worthwhile = place.asked >= WORTHWHILE * _DEARER ** len(_compiled_here)
         if place.runner is None and not place.refusal and (worthwhile or not place.sought):
             place.sought = True
             try:
@@ -162,8 +169,16 @@ def why_interpreted(stroke: StrokeKind) -> str:
 
 
 def _loaded(stroke: StrokeKind, compile_now: bool) -> StrokeRunner | None:
-    library = cached_library(repr(stroke), (lambda: stroke_source(stroke)) if compile_now else None)
+    def source() -> str:
+        _compiled_here.append(stroke)
+        return stroke_source(stroke)
+
+    library = cached_library(repr(stroke), source if compile_now else None)
     return None if library is None else StrokeRunner(library)
+
+
+# What this process has compiled.
+_compiled_here: list[StrokeKind] = []
 
 
 @lru_cache(maxsize=256)

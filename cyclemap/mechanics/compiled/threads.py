@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import lru_cache
 
 from cyclemap.errors import InvalidInput
@@ -24,11 +24,18 @@ def thread_count() -> int:
     return int(named)
 
 
-def on_threads(count: int, work: Callable[[], None]) -> None:
-    """Run the same work on `count` threads at once, the calling one among them; it shares itself out."""
-    others = [_pool(count).submit(work) for _ in range(count - 1)]
+def on_threads(count: int, work: Callable[[], None], stop: Callable[[], None]) -> None:
+    """Run the same work on `count` threads at once, the calling one among them; it shares itself out.
+
+    `stop` is called where one of them fails or is interrupted: nobody takes more of the work then.
+    """
+    others: list[Future[None]] = []
     try:
+        others += [_pool(count).submit(work) for _ in range(count - 1)]
         work()
+    except BaseException:
+        stop()
+        raise
     finally:
         # What was not begun has nothing left to do.
         begun = [other for other in others if not other.cancel()]

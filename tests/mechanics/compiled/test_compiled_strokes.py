@@ -133,5 +133,18 @@ def test_a_point_rod_is_left_to_python():
 def test_a_library_is_compiled_once_enough_strokes_are_asked_for(monkeypatch, tmp_path):
     monkeypatch.setenv("CYCLEMAP_CACHE", str(tmp_path / "empty"))
     monkeypatch.setattr(stroke_runner, "WORTHWHILE", 10)
+    monkeypatch.setattr(stroke_runner, "_compiled_here", [])
     kind = CollectionLoop.mit().model.stroke_kind
     assert [stroke_runner.stroke_runner(kind, 3) is not None for _ in range(4)] == [False, False, False, True]
+
+
+def test_each_library_that_a_process_compiles_makes_the_next_one_dearer(monkeypatch, tmp_path):
+    """Where every loop has an object of its own, few are compiled, however many there are."""
+    monkeypatch.setenv("CYCLEMAP_CACHE", str(tmp_path / "dear"))
+    monkeypatch.setattr(stroke_runner, "WORTHWHILE", 10)
+    monkeypatch.setattr(stroke_runner, "_compiled_here", [])
+    sliders = [Slider(Polygon(((width, -0.03), (0.0, 0.05), (-0.04, -0.02))), mass=1.0) for width in (0.04, 0.05, 0.06)]
+    kinds = [QuasiStaticModel(slider, EllipseFriction(0.3, 0.2)).stroke_kind for slider in sliders]
+    assert len(set(kinds)) == 3
+    assert [stroke_runner.stroke_runner(kind, 20) is not None for kind in kinds] == [True, False, False]
+    assert len(stroke_runner._compiled_here) == 1

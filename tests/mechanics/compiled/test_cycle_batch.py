@@ -175,16 +175,18 @@ def test_the_number_of_threads_is_that_of_the_cores_unless_it_is_given(monkeypat
     assert 1 <= thread_count() <= (os.cpu_count() or 1)
 
 
-def test_work_on_threads_is_done_by_all_of_them_and_its_errors_are_raised():
-    barrier = threading.Barrier(3, timeout=10.0)
-    on_threads(3, barrier.wait)
+def test_work_on_threads_is_done_by_all_of_them_and_its_errors_are_raised_and_stop_the_rest():
+    barrier, stopped = threading.Barrier(3, timeout=10.0), []
+    on_threads(3, barrier.wait, lambda: stopped.append(1))
+    assert not stopped
 
     def fail() -> None:
         barrier.wait()
         raise ValueError("of a thread")
 
     with pytest.raises(ValueError, match="of a thread"):
-        on_threads(3, fail)
+        on_threads(3, fail, lambda: stopped.append(1))
+    assert stopped == [1]
 
 
 CHILD = """
