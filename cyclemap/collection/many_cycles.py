@@ -24,7 +24,7 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
     Where a C compiler is at hand all of it is one call of compiled code for every outline with its kind of footprint,
     on as many threads as CYCLEMAP_THREADS tells, else one a core; the results do not depend on how many, nor on what
     else is in the call. What compiled code cannot run (point rods, concave outlines) is run by Python.
-    The numbers are those of `CollectionLoop.cycle` to 1e-12.
+    The numbers are those of `CollectionLoop.cycle`: to 1e-12 rad times the map's slope, on support points mostly.
 
     Raises what `CollectionLoop.cycle` raises where a cycle is refused, telling which loop and orientation; InvalidInput
     for loops that are none, or thetas in another shape.

@@ -1,7 +1,8 @@
 """One Runge-Kutta step of a pushed or dragged slider as a single CasADi function, with its contact solved inside.
 
 The state is (theta, coordinate): orientation, and place of the rod on its contact curve. All of a step's stages are
-solved by a fixed number of Newton iterations from a linear predictor; the last correction tells whether they converged.
+solved by a fixed number of Newton iterations: from the tangent and what earlier stages bend off it, on support points
+from the nearest stage. The last correction tells whether they converged.
 """
 
 from functools import lru_cache

@@ -214,7 +214,7 @@ def _stationary_values(work: _Work) -> Values:
     return {
         "tv_from_uniform": float(operator.tv_from_uniform) if operator.is_certain else np.nan,
         "spectral_gap": max(0.0, 1.0 - second),
-        "mixing_cycles": float(mixing_time(Estimate(second, 0.0))),
+        "mixing_cycles": float(mixing_time(Estimate(second, np.inf))),
     }
 
 

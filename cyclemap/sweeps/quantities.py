@@ -76,8 +76,8 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     ),
     "stationary": (
         Quantity("tv_from_uniform", "1", "total variation distance of the stationary law from the uniform one"),
-        Quantity("spectral_gap", "1", "one less the second largest eigenvalue's size"),
-        Quantity("mixing_cycles", "cycles", "cycles in which the slowest mode falls by e"),
+        Quantity("spectral_gap", "1", "one less the second largest eigenvalue's size, not certified"),
+        Quantity("mixing_cycles", "cycles", "cycles in which the slowest mode falls by e, not certified"),
     ),
     "staircase": (
         Quantity("noisy_mean_turn", "rad", "turn of a cycle, mean over a long noisy run"),
