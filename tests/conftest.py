@@ -1,6 +1,7 @@
 """Fixtures that several rooms' tests share."""
 
 import os
+import signal
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,6 +13,10 @@ import pytest
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 REPOSITORY = Path(__file__).parents[1]
+
+# What a shell starts in the background ignores interrupts, and so would all that it starts: some tests send them.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Kernels that tests compile are shared by all their processes, and leave the user's own alone.
 os.environ.setdefault("CYCLEMAP_CACHE", str(REPOSITORY / ".pytest_kernels"))

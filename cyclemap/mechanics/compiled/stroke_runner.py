@@ -33,7 +33,7 @@ _STEPS, _PHASES = 8192, 256
 # in a sweep over the centre of mass, libraries would cost more than they save.
 WORTHWHILE, _DEARER = 250, 4
 # A thread that has fewer cycles than this to run takes longer to start than it saves.
-_LEAST_SHARE = 8
+_LEAST_SHARE = 2
 # Cycles that a thread runs before it looks whether it is interrupted.
 _AT_ONCE = 256
 
