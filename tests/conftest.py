@@ -60,3 +60,19 @@ def real_loop():
 def loop_of(real_loop):
     """Make a loop that has a given cycle map."""
     return partial(StubLoop, real_loop)
+
+
+@pytest.fixture(scope="module")
+def compiled():
+    """Kernels compiled at once; without a compiler the tests are skipped."""
+    # Loaded only where it is asked for: they take a while.
+    from cyclemap.mechanics.compiled import stroke_runner
+    from cyclemap.mechanics.compiled.compiler import NoCompiler, find_compiler
+
+    try:
+        find_compiler()
+    except NoCompiler as reason:
+        pytest.skip(f"compiled kernels are not tested: {reason}")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stroke_runner, "WORTHWHILE", 0)
+        yield

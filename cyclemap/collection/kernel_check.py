@@ -10,7 +10,7 @@ import numpy as np
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics.compiled.compiler import NoCompiler, find_compiler
 from cyclemap.mechanics.compiled.cycle_batch import cycle_batch
-from cyclemap.mechanics.compiled.stroke_runner import interpreted, why_interpreted
+from cyclemap.mechanics.compiled.stroke_runner import interpreted, prepare_kernels
 
 # Turns (rad) of MIT's push on plywood and of the drag that follows, from theta = 0, by an independent solver.
 REFERENCE = (math.radians(73.65314), math.radians(-63.68794))
@@ -63,7 +63,7 @@ def check_kernels() -> KernelCheck:
     except NoCompiler as reason:
         refusal = str(reason)
     assert loop.model.stroke_kind is not None
-    refusal = refusal or why_interpreted(loop.model.stroke_kind)
+    refusal = refusal or prepare_kernels(loop.model.stroke_kind)
     with interpreted():
         slow, seen = _timed(loop)
     fast, told = None, seen

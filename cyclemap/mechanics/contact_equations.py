@@ -37,7 +37,7 @@ ARGUMENTS = (
 )
 
 # Those that change with the state, and the rod's direction.
-_STATE_ARGUMENTS = 5
+STATE_ARGUMENTS = 5
 
 STICK, SLIDE, RING_FRICTION = "stick", "slide", "ring_friction"
 
@@ -164,10 +164,10 @@ def _tangent(balance: _Balance) -> ca.Function:
 def _state_tangent(balance: _Balance) -> ca.Function:
     """The same by the first five arguments alone: of these the footprint's integrals know only theta."""
     q, theta = balance.arguments, ca.DM.eye(len(ARGUMENTS))[:, 0]
-    explicit = ca.jacobian(balance.residual, q)[:, 1:_STATE_ARGUMENTS]
+    explicit = ca.jacobian(balance.residual, q)[:, 1:STATE_ARGUMENTS]
     by_theta = ca.jtimes(balance.with_gradient(balance.residual), q, theta)
     by_twist = ca.jacobian(balance.residual, balance.gradient) @ balance.patch.hessian
-    twist_by = ca.jacobian(balance.twist_of, q)[:, :_STATE_ARGUMENTS]
+    twist_by = ca.jacobian(balance.twist_of, q)[:, :STATE_ARGUMENTS]
     by_state = ca.horzcat(by_theta, explicit) + by_twist @ twist_by
     tangent = ca.densify(-_solved(balance.residual_by(balance.unknowns), by_state))
     size = tangent.numel()

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from cyclemap.errors import CycleMapError
+from cyclemap.mechanics.compiled.threads import THREADS_VARIABLE
 from cyclemap.sweeps.portrait_numbers import PointNumbers, PointOutcome, SweptPoint
 
 # Processes share the cores: each does linear algebra, and runs strokes, in one thread.
-_THREADS = ("OPENBLAS_NUM_THREADS", "CYCLEMAP_THREADS")
+_THREADS = ("OPENBLAS_NUM_THREADS", THREADS_VARIABLE)
 # Mechanics write into buffers that they keep: threads of one process take turns.
 _ONE_AT_A_TIME = threading.Lock()
 

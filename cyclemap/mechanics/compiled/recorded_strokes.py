@@ -12,7 +12,7 @@ from cyclemap.mechanics.compiled.stroke_runner import STROKE_COLUMNS, StrokeRunn
 from cyclemap.mechanics.contact_curve import OutlinePiece, Piece, RingPiece
 from cyclemap.mechanics.contact_solver import ContactSolver
 from cyclemap.mechanics.event_integration import Phase
-from cyclemap.mechanics.footprint import Footprint
+from cyclemap.mechanics.footprint import Footprint, PointFootprint
 from cyclemap.mechanics.motion import (
     RING,
     RING_LEFT,
@@ -36,12 +36,16 @@ Array = NDArray[np.float64]
 MODES = (STICK, SLIDE_LEFT, SLIDE_RIGHT, SLIDE_FREE, RING, RING_LEFT, RING_RIGHT, RING_STUCK)
 
 
+# Every call works on some 200 bytes a point of the thread's stack.
+_MOST_POINTS = 1000
+
+
 def stroke_kind(footprint: Footprint, pieces: tuple[OutlinePiece, ...], radius: float) -> StrokeKind | None:
     """Return the kind of strokes of a normalised footprint on a contact curve, None where only Python can run them.
 
-    Those are of point rods and concave outlines.
+    Those are of point rods, concave outlines, and more support points than compiled code has room for.
     """
-    if radius == 0.0:
+    if radius == 0.0 or (isinstance(footprint, PointFootprint) and len(footprint.positions) > _MOST_POINTS):
         return None
     kinds = [piece.kind for piece in pieces]
     neighbours = zip(kinds, kinds[1:] + kinds[:1], strict=True)

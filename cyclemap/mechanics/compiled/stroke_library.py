@@ -9,7 +9,14 @@ import casadi as ca
 import numpy as np
 
 from cyclemap.mechanics import contact_solver, event_integration, motion, phase_variation, push_run, runge_kutta
-from cyclemap.mechanics.contact_equations import ARGUMENTS, RING_FRICTION, SLIDE, STICK, contact_functions
+from cyclemap.mechanics.contact_equations import (
+    ARGUMENTS,
+    RING_FRICTION,
+    SLIDE,
+    STATE_ARGUMENTS,
+    STICK,
+    contact_functions,
+)
 from cyclemap.mechanics.footprint import PointFootprint
 from cyclemap.mechanics.motion_functions import (
     AT_POINTS,
@@ -65,22 +72,22 @@ def stroke_source(stroke: StrokeKind) -> str:
 
 def _functions(stroke: StrokeKind) -> Iterable[tuple[str, ca.Function]]:
     equations = sorted({_equations(law) for _, law in stroke.laws})
-    for law, near in product(equations, _regimes(stroke)):
+    for law, near in product(equations, sorted({_served_by(stroke, near) for near in (True, False)})):
         contact = contact_functions(stroke.pressure, law, near)
         yield _of("solver", law, near), contact.solver
         yield _of("tangent", law, near), contact.state_tangent
     for kind in (*stroke.kinds, _RING):
         yield f"arguments_{kind}", arguments_function(kind)
-        yield f"chain_{kind}", argument_slopes(kind, DIRECTION, contact.state_tangent.size2_out(0))
+        yield f"chain_{kind}", argument_slopes(kind, DIRECTION, STATE_ARGUMENTS)
     for kind, law in stroke.laws:
         yield f"rate_{kind}_{law}", rate_function(kind, law)
         yield f"rate_slopes_{kind}_{law}", rate_slopes(kind, law, DIRECTION)
     yield from ((f"touch_{kind}", touch_function(kind)) for kind in stroke.kinds)
 
 
-def _regimes(stroke: StrokeKind) -> tuple[bool, ...]:
-    """Near and far; support points are summed either way."""
-    return (True, False) if _is_smooth(stroke) else (True,)
+def _served_by(stroke: StrokeKind, near: bool) -> bool:
+    """The regime whose functions serve another one: support points are summed alike near and far."""
+    return near or not _is_smooth(stroke)
 
 
 def _is_smooth(stroke: StrokeKind) -> bool:
@@ -153,7 +160,8 @@ def _law_tables(stroke: StrokeKind) -> list[str]:
     laws = []
     for kind, law in stroke.laws:
         contact = ", ".join(
-            _braced(_of(member, _equations(law), near) for near in (True, _regimes(stroke)[-1])) for member in _SHARED
+            _braced(_of(member, _equations(law), _served_by(stroke, near)) for near in (True, False))
+            for member in _SHARED
         )
         own = f"arguments_{kind}, chain_{kind}, rate_{kind}_{law}, rate_slopes_{kind}_{law}"
         laws.append(f"[{KINDS.index(kind)}][{int(law == SLIDE)}] = {{{2 if law == SLIDE else 1}, {contact}, {own}}}")

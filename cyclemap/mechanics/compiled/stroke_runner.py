@@ -159,8 +159,8 @@ def interpreted() -> Iterator[None]:
         _INTERPRETING.reset(before)
 
 
-def why_interpreted(stroke: StrokeKind) -> str:
-    """Return why strokes of a kind cannot be compiled here; empty where they can be, which this does."""
+def prepare_kernels(stroke: StrokeKind) -> str:
+    """Compile and keep the strokes of a kind, unless they are kept; return why that cannot be, empty where it can."""
     try:
         _loaded(stroke, compile_now=True)
     except NoCompiler as reason:

@@ -50,7 +50,7 @@ def _compiled(problem: PushProblem) -> list[Entrant]:
     """This package's engine on the same problem, many pushes in one call; none where nothing is compiled."""
     model = problem.model(ENGINE.chosen[problem.name].accuracy)
     assert model.stroke_kind is not None
-    if stroke_runner.why_interpreted(model.stroke_kind):
+    if stroke_runner.prepare_kernels(model.stroke_kind):
         return []
     pushes = problem.pushes * _REPEATED
     return [Entrant(ONE_CALL, _in_one_call(model, pushes), len(pushes), "the first row's pushes and ends, compiled")]
@@ -76,7 +76,7 @@ def even_entrants() -> list[Entrant]:
     off = _even_distance(loop, theta)
     kind = loop.model.stroke_kind
     assert kind is not None
-    refusal = stroke_runner.why_interpreted(kind)
+    refusal = stroke_runner.prepare_kernels(kind)
     note = f"interpreted, since {refusal}" if refusal else "compiled, in one call"
     even = [(Pose(theta=t), loop.push) for t in theta.tolist()]
     alone = (lambda: [loop.model.push(*one) for one in even]) if refusal else None

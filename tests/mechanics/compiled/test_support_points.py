@@ -75,3 +75,8 @@ def test_slopes_on_support_points_are_pythons_and_left_to_it_where_a_point_rests
     done = found.done[0]
     assert done.sum() >= 6
     np.testing.assert_allclose(found.by_theta[0][done], np.array(wanted)[done], rtol=0.0, atol=1e-8)
+
+
+def test_more_support_points_than_there_is_room_for_are_left_to_python() -> None:
+    many, few = (replace(MIT, footprint=grid_footprint(MIT.slider.outline, count)) for count in (32, 31))
+    assert many.model.stroke_kind is None and few.model.stroke_kind is not None
