@@ -26,10 +26,19 @@ typedef struct {
     Record *record;
 } Run;
 
+/* Derivatives of the unknowns by theta, coordinate and direction, by columns, and what the solver finds, at a place
+   (state and unknowns); far: the regime, -1 for none yet. */
+typedef struct { int far; double place[4], toward[6], found[7]; } Tangent;
+
+/* A solved place of a motion: how its slope varies, and what slope and unknowns do along the motion. */
+typedef struct { int is_known; double row[ROW], by[6], bend[2], drift[2]; } Node;
+
 typedef struct {
     const Law *law;
     int mode, piece, regime, quick;
     double p[PARAMETERS], z[2];
+    Tangent tangent; /* the last one: a step starts where the one before it ended, as does one that was too long */
+    Node reached;    /* the end of the last step, where slopes are asked for */
 } Motion;
 
 static const double SIGN[] = {1.0, 1.0, -1.0, 0.0, 0.0, 1.0, -1.0, 0.0};
@@ -45,7 +54,7 @@ static void call(Function *f, const double *a, const double *b, const double *c,
 
 static Motion motion_of(const Run *r, int mode, int piece, double z0, double z1) {
     const double *at = r->pieces + piece * PIECE_COLUMNS;
-    Motion m = {&LAWS[(int)at[KIND]][SLIDE_LEFT <= mode && mode <= SLIDE_FREE], mode, piece, 0, 0, {0}, {z0, z1}};
+    Motion m = {&LAWS[(int)at[KIND]][SLIDE_LEFT <= mode && mode <= SLIDE_FREE], mode, piece, 0, 0, {0}, {z0, z1}, {-1}, {0}};
     memcpy(m.p, r->parameters, 11 * sizeof(double));
     memcpy(m.p + 11, at + GEOMETRY, 7 * sizeof(double));
     m.p[2] *= SIGN[mode];
@@ -86,29 +95,36 @@ static void stage(const Motion *m, int far, const double *state, const double *z
     settle(m, state, z, found, row, report);
 }
 
-/* Derivatives of the unknowns (n, 3) by theta, coordinate and direction, by columns; found: as the solver finds. */
-static void tangent_at(const Motion *m, int far, const double *state, const double *z, double *toward, double *found) {
+/* The tangent of the unknowns at a place, and what the solver finds there. */
+static const Tangent *tangent_at(Motion *m, int far, const double *state, const double *z) {
+    Tangent *t = &m->tangent;
     double q[EQUATION_ARGUMENTS], tangent[10], chain[15];
     int n = m->law->unknowns;
+    const double place[] = {state[0], state[1], z[0], n == 2 ? z[1] : 0.0};
+    if (t->far == far && memcmp(t->place, place, sizeof place) == 0) return t;
+    t->far = far;
+    memcpy(t->place, place, sizeof place);
     equation_arguments(m, state, q);
-    call(m->law->tangent[far], z, q, 0, 0, tangent, found);
+    call(m->law->tangent[far], z, q, 0, 0, tangent, t->found);
     call(m->law->chain, state, m->p, 0, 0, chain, 0);
-    memset(toward, 0, 3 * n * sizeof(double));
+    memset(t->toward, 0, sizeof t->toward);
     for (int column = 0; column < 3; ++column)
         for (int k = 0; k < n; ++k)
-            for (int j = 0; j < 5; ++j) toward[column * n + k] += tangent[j * n + k] * chain[column * 5 + j];
+            for (int j = 0; j < 5; ++j) t->toward[column * n + k] += tangent[j * n + k] * chain[column * 5 + j];
+    return t;
 }
 
-/* motion_functions.variation_function: derivatives of the slope (2, 3), by columns; returns far. */
-static double variation(const Motion *m, int far, const double *state, const double *z, double *by) {
-    double toward[6], found[7], by_unknowns[4];
-    int n = m->law->unknowns;
-    tangent_at(m, far, state, z, toward, found);
+/* motion_functions.variation_function: derivatives of the slope (2, 3), by columns, in the regime that is accurate. */
+static const Tangent *variation(Motion *m, const double *state, const double *z, double *by) {
+    int n = m->law->unknowns, far = m->regime;
+    const Tangent *t = tangent_at(m, far, state, z);
+    if (far != !(t->found[2 * n + 2] <= FAR_RATIO)) t = tangent_at(m, !far, state, z);
+    double by_unknowns[4];
     call(m->law->rate_slopes, state, z, m->p, 0, by, by_unknowns);
     for (int column = 0; column < 3; ++column)
         for (int k = 0; k < n; ++k)
-            for (int c = 0; c < 2; ++c) by[column * 2 + c] += by_unknowns[k * 2 + c] * toward[column * n + k];
-    return found[2 * n + 2];
+            for (int c = 0; c < 2; ++c) by[column * 2 + c] += by_unknowns[k * 2 + c] * t->toward[column * n + k];
+    return t;
 }
 
 /* _RegimeSwitch.at: one stage, in the regime that is accurate; returns the residual. */

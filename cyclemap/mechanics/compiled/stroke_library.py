@@ -183,7 +183,7 @@ def _constants(stroke: StrokeKind) -> dict[str, object]:
         "SMOOTH": int(_is_smooth(stroke)),
         "LEFT_OVER": motion.LEFT_OVER,
         "LEFT_AT_POINTS": motion.LEFT_AT_POINTS,
-        "STILL": phase_variation.STILL,
+        **{name: getattr(phase_variation, name) for name in ("STILL", "MIDDLE")},
         "FOUND": contact_solver.FOUND,
         "ACCEPTED": contact_solver.ACCEPTED,
         **{name: getattr(method, name) for name in ("SAFETY", "SHRINK", "GROW", "LEAST_SHARE")},

@@ -42,19 +42,18 @@ static void predict(const Motion *m, const double *toward, double (*bend)[2], co
 /* motion_functions.step_function and motion._StepCall: 1 taken, 0 not certified, -1 not in its regime. */
 static int certified(Motion *m, const int *iterations, const double *state, double h, double tolerance, Step *taken) {
     int n = m->law->unknowns;
-    double toward[6], found[7], bend[STAGES + 1][2], tangent[2], at[2], z[2], report[4];
+    double bend[STAGES + 1][2], tangent[2], at[2], z[2], report[4];
     double correction = 0.0, quick = 0.0, nearest = INFINITY, farthest = 0.0;
     double allowed = SMOOTH ? sqrt(LEFT_OVER * tolerance / h) : LEFT_AT_POINTS * tolerance;
     m->quick = 0;
     for (int i = 0; i <= STAGES; ++i) {
         double *row = taken->rows[i];
         if (i == 0) {
-            tangent_at(m, m->regime, state, m->z, toward, found);
-            settle(m, state, m->z, found, row, report);
+            settle(m, state, m->z, tangent_at(m, m->regime, state, m->z)->found, row, report);
             quick = report[0];
         } else {
             place(taken, state, h, i, at);
-            predict(m, toward, bend, taken, at, i, tangent, z);
+            predict(m, m->tangent.toward, bend, taken, at, i, tangent, z);
         }
         for (int iteration = 1; i && iteration <= iterations[i]; ++iteration) {
             stage(m, m->regime, at, z, row, report);
