@@ -78,19 +78,22 @@ class _Sampler:
     finished: list[_Interval] = field(default_factory=list)
     covered: float = 0.0
     taken: int = 0
+    known: dict[float, Node] = field(default_factory=dict)
 
     def node(self, theta: float) -> Node:
-        self.taken += 1
-        value, slope = self.sample(theta)
-        return Node(theta, value, slope)
+        return self.nodes([theta])[0]
 
     def nodes(self, theta: list[float]) -> list[Node]:
-        """The nodes at several places, in one call where there is one for that."""
-        if self.sample_many is None or not theta:
-            return [self.node(t) for t in theta]
-        self.taken += len(theta)
-        value, slope = self.sample_many(np.array(theta))
-        return [Node(*node) for node in zip(theta, value.tolist(), slope.tolist(), strict=True)]
+        """The nodes at several places: those not known yet in one call, where there is one for that."""
+        new = [t for t in theta if t not in self.known]
+        self.taken += len(new)
+        if self.sample_many is not None and len(new) > 1:
+            value, slope = self.sample_many(np.array(new))
+            found = list(zip(value.tolist(), slope.tolist(), strict=True))
+        else:
+            found = [self.sample(t) for t in new]
+        self.known.update((t, Node(t, *one)) for t, one in zip(new, found, strict=True))
+        return [self.known[t] for t in theta]
 
     def finish(self, *intervals: _Interval) -> None:
         self.finished.extend(intervals)

@@ -74,9 +74,12 @@ class HermitePolynomial:
 
     def _off_cubic(self, low: Node, high: Node) -> float:
         # A cubic between two places misses q by q'''' (s (1 - s) h^2)^2 / 24 at the share s of its width h.
-        cubic, width = HermitePolynomial.through((low, high)), high.theta - low.theta
-        places = [(s, low.theta + s * width) for s in _COMPARED]
-        return max(abs(cubic.at(x)[0] - self.at(x)[0]) / (16.0 * (s * (1.0 - s)) ** 2) for s, x in places)
+        width, off = high.theta - low.theta, 0.0
+        for s in _COMPARED:
+            tangents = width * s * (1.0 - s) * ((1.0 - s) * low.slope - s * high.slope)
+            cubic = low.value + s**2 * (3.0 - 2.0 * s) * (high.value - low.value) + tangents
+            off = max(off, abs(cubic - self.at(low.theta + s * width)[0]) / (16.0 * (s * (1.0 - s)) ** 2))
+        return off
 
 
 def left_out_error(nodes: Sequence[Node], number: int) -> float:

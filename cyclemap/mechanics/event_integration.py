@@ -30,7 +30,7 @@ MOST_STEPS = 20_000
 # A leg of a drag this short, extents, is none.
 NO_LEG = 1e-12
 # First steps to try, extents: where they are too long, the estimate of their error may flatter.
-FIRST_PUSH_STEP, FIRST_DRAG_STEP = 0.1, 0.15
+FIRST_PUSH_STEP, FIRST_DRAG_STEP = 0.07, 0.12
 
 # The stages in the order of their places along a step; the end, last, in place of the stage beside it.
 STAGE_ORDER = np.array([i for i in np.argsort(C, kind="stable").tolist() if C[i] < 1.0] + [len(C)])

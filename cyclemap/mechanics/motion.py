@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,10 +29,12 @@ _SIGN |= {RING: 0.0, RING_LEFT: 1.0, RING_RIGHT: -1.0, RING_STUCK: 0.0}
 
 # A fast step counts when what Newton's last correction leaves, about its square, is off by this share of the step's
 # tolerance over its length (support points: when the correction itself is, since their friction is not smooth) ...
-LEFT_OVER, LEFT_AT_POINTS = 0.001, 0.01
-# ... and its centres of rotation stay where the regime's integrals have ten digits or more of the Hessian: these shares
+LEFT_OVER, LEFT_AT_POINTS = 0.05, 0.1
+# ... its centres of rotation stay where the regime's integrals have ten digits or more of the Hessian: these shares
 # of the ratio at which one regime hands over to the other.
 NEAR_LIMIT, FAR_LIMIT = 14.0 / 8.0, 5.5 / 8.0
+# ... and it is so after having been made again this often, from what it found before.
+AGAIN = 3
 
 _KEPT = (math.inf,) * len(MARGINS)
 
@@ -55,8 +58,6 @@ class Motion:
         self.solver, self.piece, self.mode, self.rod = solver, piece, mode, rod
         self.unknowns = [0.0, 0.0] if self.slides else [0.0]
         self._regime = 0
-        # Whether the last step could have been made with fewer iterations: the next one is tried so first.
-        self._quick = False
 
     @cached_property
     def parameters(self) -> NDArray[np.float64]:
@@ -64,11 +65,13 @@ class Motion:
         return motion_parameters(self.solver, self.piece, self.mode, self.rod)
 
     @cached_property
-    def _calls(self) -> list[list["_StepCall"]]:
-        """Calls of a step, near and far: quick ones first, and only those for support points."""
-        efforts = (False,) if isinstance(self.solver.footprint, PointFootprint) else (False, True)
-        made = [[(near, thorough) for near in (True, False)] for thorough in efforts]
-        return [[_step_call(self.solver, self.piece.kind, self.family, *key) for key in row] for row in made]
+    def _calls(self) -> list[tuple["_StepCall", "_StepCall"]]:
+        """Calls of a step, near and far: the first one, and those that go on from what it found."""
+        kind, family = self.piece.kind, self.family
+        calls = [
+            [_step_call(self.solver, kind, family, near, again) for again in (False, True)] for near in (True, False)
+        ]
+        return [(first, further) for first, further in calls]
 
     @property
     def slides(self) -> bool:
@@ -122,19 +125,20 @@ class Motion:
         return found.normal_force, found.tangential_force, found.residual
 
     def fast_step(self, state: NDArray[np.float64], h: float, tolerance: float) -> Step | None:
-        """Return a step of length h, made in one call, or None where its contact is not certified to be solved."""
+        """Return a step of length h, made in a few calls, or None where its contact is not certified to be solved."""
         if self.mode == RING_STUCK:
             return step(self.evaluate, state, h)
-        for calls in self._calls[0 if self._quick else -1 :]:
-            taken = calls[self._regime](state, self.unknowns, h, self.parameters, tolerance)
-            if taken is None and not calls[self._regime].in_regime:
-                self._regime = 1 - self._regime
-                taken = calls[self._regime](state, self.unknowns, h, self.parameters, tolerance)
-            self._quick = calls[self._regime].quick_enough
+        tried = self._calls[self._regime][0](state, self.unknowns, h, self.parameters, tolerance)
+        if not tried.in_regime:
+            self._regime = 1 - self._regime
+            tried = self._calls[self._regime][0](state, self.unknowns, h, self.parameters, tolerance)
+        for _ in range(AGAIN):
             # What leaves both regimes on the way needs a shorter step, not more iterations.
-            if taken is not None or not calls[self._regime].in_regime:
-                return taken
-        return None
+            if tried.certified or not tried.in_regime:
+                break
+            found = tried.step.stages[:, UNKNOWN].ravel()
+            tried = self._calls[self._regime][1](state, found, h, self.parameters, tolerance)
+        return tried.step if tried.certified else None
 
     def step(self, state: NDArray[np.float64], h: float, tolerance: float) -> Step:
         """Return a step of length h: in one call where that is certified, else stage by stage."""
@@ -222,49 +226,51 @@ def motion_parameters(solver: ContactSolver, piece: Piece, mode: str, rod: Rod) 
     return np.array(values)
 
 
-def _step_call(solver: ContactSolver, kind: str, family: str, near: bool, thorough: bool) -> "_StepCall":
+def _step_call(solver: ContactSolver, kind: str, family: str, near: bool, again: bool) -> "_StepCall":
     """Return the solver's own call of a step, made once."""
-    key = (kind, family, near, thorough)
+    key = (kind, family, near, again)
     if key not in solver.step_calls:
-        solver.step_calls[key] = _StepCall(solver.pressure, kind, family, near, thorough)
+        solver.step_calls[key] = _StepCall(solver.pressure, kind, family, near, again)
     call = solver.step_calls[key]
     assert isinstance(call, _StepCall)
     return call
 
 
+class _Tried(NamedTuple):
+    """A step, whether its centres of rotation stay in the regime, and whether its Newton iterations hold there."""
+
+    step: Step
+    in_regime: bool
+    certified: bool
+
+
 class _StepCall:
     """A step's CasADi function, with its buffers, built when it is first needed."""
 
-    def __init__(self, pressure: PressureFamily, kind: str, family: str, near: bool, thorough: bool) -> None:
-        self._build = (pressure, kind, family, near, thorough)
+    def __init__(self, pressure: PressureFamily, kind: str, family: str, near: bool, again: bool) -> None:
+        self._build = (pressure, kind, family, near, again)
         self._near, self._limit = near, far_ratio(pressure) * (NEAR_LIMIT if near else FAR_LIMIT)
         self._exact = not isinstance(pressure.footprint, PointFootprint)
-        self._unknowns = 2 if family == SLIDE else 1
-        self.in_regime, self.quick_enough = True, False
 
     def __call__(
         self,
         state: NDArray[np.float64],
-        unknowns: list[float],
+        unknowns: list[float] | NDArray[np.float64],
         h: float,
         parameters: NDArray[np.float64],
         tolerance: float,
-    ) -> Step | None:
-        """Return the step, or None where its Newton iterations or its regime do not hold."""
+    ) -> _Tried:
         function = self._function
         at, guess, length, numbers = function.arguments
         at[:], guess[:], length[0], numbers[:] = state, unknowns, h, parameters
         result = function()
-        error, correction, quick, least, greatest = result[:5].tolist()
-        self.in_regime = not self._exact or (greatest <= self._limit if self._near else least >= self._limit)
+        error, correction, least, greatest = result[:4].tolist()
+        in_regime = not self._exact or (greatest <= self._limit if self._near else least >= self._limit)
         allowed = math.sqrt(LEFT_OVER * tolerance / h) if self._exact else LEFT_AT_POINTS * tolerance
-        sound = self.in_regime and math.isfinite(error)
-        self.quick_enough = sound and quick <= allowed
-        if not (sound and correction <= allowed):
-            return None
-        return Step(h, result[5:].reshape(STAGES + 1, -1).copy(), error)
+        certified = in_regime and math.isfinite(error) and correction <= allowed
+        return _Tried(Step(h, result[4:].reshape(STAGES + 1, -1).copy(), error), in_regime, certified)
 
     @cached_property
     def _function(self) -> BufferedFunction:
-        inputs = (np.zeros(2), np.zeros(self._unknowns), np.zeros(1), np.zeros(len(PARAMETERS)))
-        return BufferedFunction(step_function(*self._build), *inputs)
+        function = step_function(*self._build)
+        return BufferedFunction(function, *(np.zeros(function.numel_in(i)) for i in range(function.n_in())))

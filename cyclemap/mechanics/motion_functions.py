@@ -1,10 +1,11 @@
 """One Runge-Kutta step of a pushed or dragged slider as a single CasADi function, with its contact solved inside.
 
 The state is (theta, coordinate): orientation, and place of the rod on its contact curve. All of a step's stages are
-solved by a fixed number of Newton iterations: from the tangent and what earlier stages bend off it, on support points
-from the nearest stage. The last correction tells whether they converged.
+solved by a Newton iteration each: from the tangent and what earlier stages bend off it, on support points from the
+nearest stage. The last correction tells whether they converged; where they did not, the step is made again from there.
 """
 
+from collections.abc import Callable
 from functools import lru_cache
 
 import casadi as ca
@@ -26,22 +27,21 @@ PARAMETERS = (
 DIRECTION = (PARAMETERS.index("direction"),)
 MARGINS = ("approach", "after_low", "before_high", "mode_first", "mode_second")
 
-# Newton iterations of each stage: the start comes solved, and is only certified. Patches are tried quickly first: two
-# only where there is no bend to go by yet, where it is far, and at the end, whose balance is what is looked at. The
-# friction of support points is less smooth.
-QUICK, THOROUGH, AT_POINTS = (1, 2, 1, 2, 1, 1, 2), (1, 2, 2, 2, 2, 2, 2), (1, 3, 3, 3, 3, 3, 3)
+# Newton iterations of each stage, and of the end, whose balance is what is looked at.
+ITERATIONS = (*(1,) * STAGES, 2)
 # Places of the stages and of the end along a step.
 _PLACES = np.append(C, 1.0)
 
 
 def _bend_weights() -> NDArray[np.float64]:
-    """Weights (7, 7) of earlier stages: what their unknowns are off the tangent, over their places' squares, goes on.
+    """Weights (11, 11) of earlier stages: what their unknowns are off the tangent, over their places' squares, goes on.
 
-    From the second stage on, as the first one's state is of lower order.
+    By a parabola through the last three; more would magnify what their states are off the path. The end, and the stage
+    that lies there for the estimate alone, go by the first stage at that place.
     """
     weights = np.zeros((STAGES + 1, STAGES + 1))
     for i in range(2, STAGES + 1):
-        used = np.arange(min(2, i - 1), i)
+        used = np.arange(max(1 if i < 4 else 2, i - 3), i) if i < 9 else np.array((8,))
         for k in used:
             others = _PLACES[used[used != k]]
             lagrange = np.prod((_PLACES[i] - others) / (_PLACES[k] - others))
@@ -175,35 +175,59 @@ def stage_function(pressure: PressureFamily, kind: str, mode: str, near: bool) -
 
 
 @lru_cache(maxsize=256)
-def step_function(pressure: PressureFamily, kind: str, mode: str, near: bool, thorough: bool) -> ca.Function:
+def step_function(pressure: PressureFamily, kind: str, mode: str, near: bool, again: bool) -> ca.Function:
     """Build (once) the step of a normalised footprint's family, kind of contact, mode and regime.
 
-    (state 2, unknowns u, h, parameters) -> (error, last Newton correction, the last one that a quick step would have
-    made, least far, greatest far) followed, for each of the 6 stages and the end, by state 2, slope 2, margins 5,
-    unknowns u. `thorough`: with more Newton iterations.
+    (state 2, unknowns u, h, parameters) -> (error, last Newton correction, least far, greatest far) followed, for each
+    of the 10 stages and the end, by state 2, slope 2, margins 5, unknowns u. `again`: from the unknowns (11 u) of all
+    stages and the end, as a call found them, in place of those of the start.
     """
-    stage, guess_slope = stage_function(pressure, kind, mode, near), _solution_slope(pressure, kind, mode, near)
-    count, smooth = stage.size1_in(1), not isinstance(pressure.footprint, PointFootprint)
-    iterations = (THOROUGH if thorough else QUICK) if smooth else AT_POINTS
-    quick: list[ca.MX] = []
-    (state, guess, p), h = _symbols(count), ca.MX.sym("h")
-    course = _Course(guess_slope(state, guess, p), smooth)
+    stage = stage_function(pressure, kind, mode, near)
+    count, (state, _, p), h = stage.size1_in(1), _symbols(stage.size1_in(1)), ca.MX.sym("h")
+    guess = ca.MX.sym("guess", count * (STAGES + 1) if again else count)
+    course = None if again else _course(pressure, kind, mode, near, (state, guess, p))
+    rows: list[ca.MX] = []
+    reports: list[ca.MX] = []
     for i in range(STAGES + 1):
-        at = state + h * _mixed(A[i, :i] if i < STAGES else B, course.slopes) if i else state
-        z = course.predicted(at, i) if i else guess
-        for iteration in range(iterations[i]):
+        at = state + h * _mixed(A[i, :i] if i < STAGES else B, [row[_SLOPE] for row in rows])
+        z = guess[count * i : count * (i + 1)] if course is None else course(rows, at)
+        for _ in range(ITERATIONS[i]):
             row, report = stage(at, z, p)
             z = row[_UNKNOWN]
-            if iteration + 1 == QUICK[i]:
-                quick.append(report[0])
-        course.add(row, report)
-    correction, far = (ca.vertcat(*(report[k] for report in course.reports)) for k in (0, 1))
-    error, rough = (_largest(_mixed(weights, course.slopes)) for weights in (ERROR, ROUGH))
+        rows.append(row)
+        reports.append(report)
+    correction, far = (ca.vertcat(*(report[k] for report in reports)) for k in (0, 1))
+    error, rough = (_largest(_mixed(weights, [row[_SLOPE] for row in rows])) for weights in (ERROR, ROUGH))
     # CasADi's maximum passes over what is not a number.
     error = ca.if_else(error >= 0, ca.fmax(error, LEAST_SHARE * h * rough), error)
-    certificate = ca.vertcat(h * error, _largest(correction), _largest(ca.vertcat(*quick)), ca.mmin(far), ca.mmax(far))
-    step = ca.Function("step", [state, guess, h, p], [ca.vertcat(certificate, *course.rows)])
+    certificate = ca.vertcat(h * error, _largest(correction), ca.mmin(far), ca.mmax(far))
+    step = ca.Function("step", [state, guess, h, p], [ca.vertcat(certificate, *rows)])
     return _unrolled(step, _contact_functions(pressure, mode, near).solver)
+
+
+def _course(
+    pressure: PressureFamily, kind: str, mode: str, near: bool, start: tuple[ca.MX, ca.MX, ca.MX]
+) -> Callable[[list[ca.MX], ca.MX], ca.MX]:
+    """Return where Newton's method starts, by the stages before and the state: (state, unknowns, parameters) at first.
+
+    Along the tangent from the start, and bent as far as was seen; friction of support points bends abruptly: there the
+    nearest stage is moved along the tangent.
+    """
+    slope = _solution_slope(pressure, kind, mode, near)(*start)
+    smooth = not isinstance(pressure.footprint, PointFootprint)
+
+    def predicted(rows: list[ca.MX], at: ca.MX) -> ca.MX:
+        if not rows:
+            return start[1]
+        bends = [row[_UNKNOWN] - along(rows[0], row[_STATE]) for row in rows]
+        if smooth:
+            return along(rows[0], at) + _mixed(BEND[len(rows), : len(rows)], bends)
+        return along(rows[NEAREST_STAGE[len(rows)]], at)
+
+    def along(row: ca.MX, at: ca.MX) -> ca.MX:
+        return row[_UNKNOWN] + slope @ (at - row[_STATE])
+
+    return predicted
 
 
 @lru_cache(maxsize=16)
@@ -213,40 +237,6 @@ def touch_function(kind: str) -> ca.Function:
     _, _, normal, metric = _contact(kind, state[1], p[11:16], p[1])
     off = normal + state[0] - p[0]
     return ca.Function("touch", [state, p], [ca.vertcat(-ca.cos(off), -ca.sin(off), metric)])
-
-
-class _Course:
-    """The solved stages of a step, and what they tell of the next one's unknowns."""
-
-    def __init__(self, guess_slope: ca.MX, smooth: bool) -> None:
-        self._guess_slope, self._smooth = guess_slope, smooth
-        self.rows: list[ca.MX] = []
-        self.reports: list[ca.MX] = []
-
-    @property
-    def slopes(self) -> list[ca.MX]:
-        """The slopes of the stages."""
-        return [row[_SLOPE] for row in self.rows]
-
-    def add(self, row: ca.MX, report: ca.MX) -> None:
-        """Take a stage."""
-        self.rows.append(row)
-        self.reports.append(report)
-
-    def predicted(self, at: ca.MX, i: int) -> ca.MX:
-        """Return where Newton's method starts at stage i: its tangent from the start, and the bend seen so far.
-
-        Friction of support points bends abruptly: there the nearest stage is moved along the tangent.
-        """
-        if not self._smooth:
-            nearest = self.rows[NEAREST_STAGE[i]]
-            return nearest[_UNKNOWN] + self._guess_slope @ (at - nearest[_STATE])
-        bends = [row[_UNKNOWN] - self._tangent(row[_STATE]) for row in self.rows]
-        return self._tangent(at) + _mixed(BEND[i, :i], bends)
-
-    def _tangent(self, at: ca.MX) -> ca.MX:
-        start = self.rows[0]
-        return start[_UNKNOWN] + self._guess_slope @ (at - start[_STATE])
 
 
 def _largest(values: ca.MX) -> ca.MX:

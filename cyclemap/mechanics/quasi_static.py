@@ -28,7 +28,7 @@ from cyclemap.mechanics.slider import Slider
 from cyclemap.mechanics.trajectory import Frame
 
 # What a step may be off by, as a share of the accuracy asked of the whole motion; measured in tests/mechanics.
-_STEP_SHARE = 0.025
+_STEP_SHARE = 0.05
 
 
 @dataclass(frozen=True)

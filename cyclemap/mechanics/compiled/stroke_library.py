@@ -19,13 +19,11 @@ from cyclemap.mechanics.contact_equations import (
 )
 from cyclemap.mechanics.footprint import PointFootprint
 from cyclemap.mechanics.motion_functions import (
-    AT_POINTS,
     BEND,
     DIRECTION,
+    ITERATIONS,
     NEAREST_STAGE,
     PARAMETERS,
-    QUICK,
-    THOROUGH,
     argument_slopes,
     arguments_function,
     rate_function,
@@ -129,7 +127,9 @@ def _tables(stroke: StrokeKind, functions: dict[str, ca.Function]) -> str:
     )
     lines += [f"#define {name} {value}" for name, value in _constants(stroke).items()]
     order = event_integration.STAGE_ORDER
+    lines.append(f"enum {{ ORDERED = {len(order)} }};")
     lines.append(f"static const int STAGE_ORDER[] = {_braced(order)}, NEAREST_STAGE[] = {_braced(NEAREST_STAGE)};")
+    lines.append(f"static const int ITERATIONS[] = {_braced(ITERATIONS)};")
     for name, values in (
         ("STAGE_PLACES", event_integration.STAGE_PLACES),
         ("B", runge_kutta.B),
@@ -137,13 +137,13 @@ def _tables(stroke: StrokeKind, functions: dict[str, ca.Function]) -> str:
         ("ROUGH", runge_kutta.ROUGH),
     ):
         lines.append(f"static const double {name}[] = {_braced(values)};")
-    for kind, name, table in (
-        ("double", "A", runge_kutta.A),
-        ("double", "BEND", BEND),
-        ("int", "ITERATIONS", np.array((QUICK, THOROUGH) if _is_smooth(stroke) else (AT_POINTS, AT_POINTS))),
+    for name, table in (
+        ("A", runge_kutta.A),
+        ("BEND", BEND),
+        *((name, getattr(phase_variation, name)) for name in ("COLLOCATION", "STATES_INSIDE", "UNKNOWNS_INSIDE")),
     ):
         rows = _braced(_braced(row) for row in table.tolist())
-        lines.append(f"static const {kind} {name}[{table.shape[0]}][{table.shape[1]}] = {rows};")
+        lines.append(f"static const double {name}[{table.shape[0]}][{table.shape[1]}] = {rows};")
     return "\n".join([*lines, *_points(stroke), *_law_tables(stroke)]) + "\n"
 
 
@@ -183,10 +183,11 @@ def _constants(stroke: StrokeKind) -> dict[str, object]:
         "SMOOTH": int(_is_smooth(stroke)),
         "LEFT_OVER": motion.LEFT_OVER,
         "LEFT_AT_POINTS": motion.LEFT_AT_POINTS,
-        **{name: getattr(phase_variation, name) for name in ("STILL", "MIDDLE")},
+        "AGAIN": motion.AGAIN,
+        **{name: getattr(phase_variation, name) for name in ("STILL", "UNSOLVED")},
         "FOUND": contact_solver.FOUND,
         "ACCEPTED": contact_solver.ACCEPTED,
-        **{name: getattr(method, name) for name in ("SAFETY", "SHRINK", "GROW", "LEAST_SHARE")},
+        **{name: getattr(method, name) for name in ("ORDER", "SAFETY", "SHRINK", "GROW", "LEAST_SHARE")},
         **{name: getattr(events, name) for name in ("SLACK_SHARE", "STRICT_SHARE", "DIP", "LEAST_ADVANCE", "STUCK")},
         **{name: getattr(events, name) for name in ("SHORT", "MOST_STEPS", "FIRST_PUSH_STEP", "FIRST_DRAG_STEP")},
         "MOST_PHASES": push_run.MOST_PHASES,

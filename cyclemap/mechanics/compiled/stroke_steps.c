@@ -39,26 +39,22 @@ static void predict(const Motion *m, const double *toward, double (*bend)[2], co
     }
 }
 
-/* motion_functions.step_function and motion._StepCall: 1 taken, 0 not certified, -1 not in its regime. */
-static int certified(Motion *m, const int *iterations, const double *state, double h, double tolerance, Step *taken) {
+/* motion_functions.step_function and motion._StepCall: 1 taken, 0 not certified, -1 not in its regime. `again`: from
+   the unknowns of all rows. */
+static int certified(Motion *m, int again, const double *state, double h, double tolerance, Step *taken) {
     int n = m->law->unknowns;
     double bend[STAGES + 1][2], tangent[2], at[2], z[2], report[4];
-    double correction = 0.0, quick = 0.0, nearest = INFINITY, farthest = 0.0;
+    double correction = 0.0, nearest = INFINITY, farthest = 0.0;
     double allowed = SMOOTH ? sqrt(LEFT_OVER * tolerance / h) : LEFT_AT_POINTS * tolerance;
-    m->quick = 0;
     for (int i = 0; i <= STAGES; ++i) {
         double *row = taken->rows[i];
-        if (i == 0) {
-            settle(m, state, m->z, tangent_at(m, m->regime, state, m->z)->found, row, report);
-            quick = report[0];
-        } else {
-            place(taken, state, h, i, at);
-            predict(m, m->tangent.toward, bend, taken, at, i, tangent, z);
-        }
-        for (int iteration = 1; i && iteration <= iterations[i]; ++iteration) {
+        place(taken, state, h, i, at);
+        if (again) memcpy(z, row + UNKNOWN, n * sizeof(double));
+        else if (i) predict(m, m->tangent.toward, bend, taken, at, i, tangent, z);
+        else settle(m, state, m->z, tangent_at(m, m->regime, state, m->z)->found, row, report);
+        for (int iteration = 0; (i || again) && iteration < ITERATIONS[i]; ++iteration) {
             stage(m, m->regime, at, z, row, report);
             memcpy(z, row + UNKNOWN, n * sizeof(double));
-            if (iteration == ITERATIONS[0][i]) quick = fmax(quick, report[0]);
         }
         for (int k = 0; i && k < n; ++k) bend[i][k] = z[k] - tangent[k];
         correction = fmax(correction, report[0]);
@@ -67,21 +63,18 @@ static int certified(Motion *m, const int *iterations, const double *state, doub
         if (!(m->regime ? nearest >= FAR_LIMIT : farthest <= NEAR_LIMIT)) return -1;
     }
     finish(taken, h);
-    m->quick = isfinite(taken->error) && quick <= allowed;
     return isfinite(taken->error) && correction <= allowed;
 }
 
 /* Motion.fast_step */
 static int fast_step(Motion *m, const double *state, double h, double tolerance, Step *taken) {
-    for (int effort = !(SMOOTH && m->quick); effort < 2; ++effort) {
-        int found = certified(m, ITERATIONS[effort], state, h, tolerance, taken);
-        if (found < 0) {
-            m->regime = !m->regime;
-            found = certified(m, ITERATIONS[effort], state, h, tolerance, taken);
-        }
-        if (found) return found > 0;
+    int found = certified(m, 0, state, h, tolerance, taken);
+    if (found < 0) {
+        m->regime = !m->regime;
+        found = certified(m, 0, state, h, tolerance, taken);
     }
-    return 0;
+    for (int k = 0; found == 0 && k < AGAIN; ++k) found = certified(m, 1, state, h, tolerance, taken);
+    return found > 0;
 }
 
 /* runge_kutta.step, stage by stage. */
@@ -107,7 +100,9 @@ static int attempt(Run *r, Motion *m, const double *state, double h, int fast, S
 }
 
 static double next_length(double h, double error, double tolerance) {
+    int exponent;
     if (!isfinite(error)) return h * SHRINK;
-    return h * fmin(GROW, fmax(SHRINK, SAFETY * pow(tolerance / fmax(error, 1e-300), 0.2)));
+    double factor = SAFETY * pow(tolerance / fmax(error, 1e-300), 1.0 / ORDER);
+    double mantissa = frexp(h * fmin(GROW, fmax(SHRINK, factor)), &exponent);
+    return ldexp(floor(256.0 * mantissa), exponent - 8);
 }
-
