@@ -57,8 +57,9 @@ def _rough() -> NDArray[np.float64]:
 
 
 # What a method of order 5 of the same stages would add. It falls with the sixth power of the step, the estimate with
-# the seventh: where the estimate nearly vanishes by chance, as it may when the centre of rotation crosses the rim
-# within a step, this share of the step (extents) times the difference takes its place.
+# the seventh. This share of the step (extents) times the difference counts where it is the larger: as large on usual
+# steps, it remains where the estimate nearly vanishes by chance, as it may when the centre of rotation crosses the rim
+# within a step. Shares of 0.05 left single cycles eight accuracies off, 0.3 and 0.5 none beyond one and a half.
 ROUGH = _rough()
 LEAST_SHARE = 0.3
 

@@ -163,7 +163,7 @@ def test_all_sensitivities_of_all_six_outputs_are_the_differences(name):
 
 @pytest.mark.parametrize("theta", [-2.5, -0.6, 0.3, 2.2, 4.0, 17.0])
 def test_the_multiplier_is_the_slope_of_the_cycle_map(theta):
-    loop = replace(MIT, accuracy=1e-10)
+    loop = replace(MIT, accuracy=1e-11)
     found = loop.sensitivity(theta)
     assert abs(found.by_theta - differenced(loop, theta, "theta")[-1]) < 1e-6
     assert found.by_theta == found.by("theta") == found.by("theta", "theta_next")
