@@ -1,14 +1,20 @@
 """Results as JSON: degrees and millimetres, every number finite or null."""
 
+from __future__ import annotations
+
 import json
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from cyclemap.cli.json_numbers import degrees, direction_deg, number
 from cyclemap.collection.loop import Cycle
 from cyclemap.collection.portrait import Portrait
-from cyclemap.collection.staircase_forecast import StaircaseForecast
-from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
-from cyclemap.maps import SlowZone, StaircaseSummary, Steps
+
+if TYPE_CHECKING:
+    from cyclemap.collection.staircase_forecast import StaircaseForecast
+    from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
+    from cyclemap.maps import SlowZone, StaircaseSummary, Steps
+
 
 Json = dict[str, object]
 

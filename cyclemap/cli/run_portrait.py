@@ -1,7 +1,10 @@
 """`cyclemap portrait`: the portrait of a material in sentences, as JSON, and as a picture."""
 
+from __future__ import annotations
+
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.table import Table
 
@@ -13,18 +16,20 @@ from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA, Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
-from cyclemap.evidence import MeasuredOverlay, Theta0Pairs, measured_overlay, read_theta0_pairs
 from cyclemap.views import sentences
 from cyclemap.views.portrait_page import portrait_page
 from cyclemap.views.style import render
 from cyclemap.whole_files import write_whole
+
+if TYPE_CHECKING:
+    from cyclemap.evidence import MeasuredOverlay, Theta0Pairs
 
 
 def run_portrait(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
     chosen = chosen_collection(options).simplified()
     loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
-    pairs = None if request.data is None else read_theta0_pairs(request.data)
+    pairs = None if request.data is None else _measured_pairs(request.data)
     if chosen.strategy is None:
         _run_loop(loop, sigma, request, pairs, json_target)
         return
@@ -38,7 +43,7 @@ def _run_loop(
 ) -> None:
     """The portrait of a loop that does the same in every cycle."""
     drawn = _compute(loop, sigma, request, pairs)
-    measured = None if pairs is None else measured_overlay(pairs, drawn.map.turn)
+    measured = None if pairs is None else _overlay(pairs, drawn)
     report = portrait_report(drawn, measured)
     stem = request.out / f"portrait_{file_stem(loop.material.name)}"
     write_json(stem.with_name(f"{stem.name}.json"), report)
@@ -62,6 +67,19 @@ def _compute(loop: CollectionLoop, sigma: float, request: RunRequest, pairs: The
             seed=request.seed,
             progress=report,
         )
+
+
+def _measured_pairs(path: Path) -> Theta0Pairs:
+    # Measured data, and all that belongs to it, are loaded only where there are some.
+    from cyclemap.evidence import read_theta0_pairs
+
+    return read_theta0_pairs(path)
+
+
+def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
+    from cyclemap.evidence import measured_overlay
+
+    return measured_overlay(pairs, drawn.map.turn)
 
 
 def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture: Path) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,13 +78,13 @@ class Portrait:
     prediction: StaircaseSummary
     cycle: Cycle
 
-    @property
+    @cached_property
     def stable_points(self) -> tuple[Orbit, ...]:
         """The stable fixed points, the most visited first."""
         stable = [orbit for orbit in self.fixed_points if orbit.stable]
         return tuple(sorted(stable, key=lambda orbit: -_density_at(self.operator, orbit.points[0])))
 
-    @property
+    @cached_property
     def highest_peaks(self) -> tuple[float, ...]:
         """The peaks (rad) at which the stationary density is above the uniform one, the highest first.
 

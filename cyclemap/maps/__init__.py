@@ -3,56 +3,74 @@
 Angles are radians, maps are lifts, rotation numbers are in turns a cycle. Knows no mechanics.
 """
 
-from cyclemap.maps.algebra.branches import Branch, branches, preimages
-from cyclemap.maps.algebra.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
-from cyclemap.maps.estimate import Estimate
-from cyclemap.maps.families.bifurcations import (
-    bifurcations,
-    border_collisions,
-    orbit_branches,
-    period_doublings,
-    saddle_nodes,
-)
-from cyclemap.maps.families.continuation import OrbitBranch, follow_orbit
-from cyclemap.maps.families.parameter_tangent import ParameterTangent, parameter_tangent
-from cyclemap.maps.families.special_points import Bifurcation
-from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.parametric_lift import ParametricLift, arnold_family, moebius_family
-from cyclemap.maps.mixtures.fourier_law import FourierLaw
-from cyclemap.maps.mixtures.independent_sum import IndependentSum
-from cyclemap.maps.mixtures.law_evolution import law_after, stationary_fourier_law
-from cyclemap.maps.mixtures.mixture_operator import MixtureOperator, mixture_operator
-from cyclemap.maps.mixtures.periodic_schedule import PeriodicSchedule
-from cyclemap.maps.mixtures.random_map import RandomMap, sample_random_paths
-from cyclemap.maps.mixtures.start_ensemble import StartEnsemble
-from cyclemap.maps.mixtures.worst_start import ReachTime, WorstStart
-from cyclemap.maps.noise.noise_law import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
-from cyclemap.maps.operator.lyapunov import lyapunov_exponent
-from cyclemap.maps.operator.metastable_sets import MetastableSets, metastable_sets
-from cyclemap.maps.operator.response import Response
-from cyclemap.maps.operator.spectrum import Spectrum
-from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
-from cyclemap.maps.orbits.basins import Basin, basins
-from cyclemap.maps.orbits.diagonal import JumpCrossing
-from cyclemap.maps.orbits.periodic_orbits import Orbit, crossings_by_jump, fixed_points, periodic_orbits
-from cyclemap.maps.orbits.periodic_points import PeriodicPoints, periodic_points
-from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
-from cyclemap.maps.passages.log_passage import log10_passage_time
-from cyclemap.maps.passages.passage_response import HittingResponse, PassageResponse, hitting_response, passage_response
-from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
-from cyclemap.maps.passages.quasi_stationary import QuasiStationaryLaw, quasi_stationary_law, survival_probabilities
-from cyclemap.maps.passages.slips import Slip, slip_probabilities
-from cyclemap.maps.rotation.birkhoff import birkhoff_average
-from cyclemap.maps.rotation.envelopes import is_nondecreasing, lower_envelope, upper_envelope
-from cyclemap.maps.rotation.rotation_batch import RotationNumbers, rotation_numbers
-from cyclemap.maps.rotation.rotation_number import RotationInterval, RotationNumber, rotation_interval, rotation_number
-from cyclemap.maps.rotation.rotation_plane import RotationPlane, rotation_plane
-from cyclemap.maps.staircases.drifting_map import DriftingMap, DriftSummary, predict_drift
-from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary, predict_staircase
-from cyclemap.maps.staircases.staircase import Staircase, sample_staircase, sample_staircases
-from cyclemap.maps.staircases.step_comparison import StepComparison, compare_steps
-from cyclemap.maps.staircases.step_detection import Steps, find_steps
+from typing import TYPE_CHECKING
+
+from cyclemap.lazy_names import import_on_first_use
+
+if TYPE_CHECKING:
+    # What an editor and a type checker see; at run time each name is imported when it is first used.
+    from cyclemap.maps.algebra.branches import Branch, branches, preimages
+    from cyclemap.maps.algebra.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
+    from cyclemap.maps.estimate import Estimate
+    from cyclemap.maps.families.bifurcations import (
+        bifurcations,
+        border_collisions,
+        orbit_branches,
+        period_doublings,
+        saddle_nodes,
+    )
+    from cyclemap.maps.families.continuation import OrbitBranch, follow_orbit
+    from cyclemap.maps.families.parameter_tangent import ParameterTangent, parameter_tangent
+    from cyclemap.maps.families.special_points import Bifurcation
+    from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
+    from cyclemap.maps.lifts.circle_map import CircleMap
+    from cyclemap.maps.lifts.parametric_lift import ParametricLift, arnold_family, moebius_family
+    from cyclemap.maps.mixtures.fourier_law import FourierLaw
+    from cyclemap.maps.mixtures.independent_sum import IndependentSum
+    from cyclemap.maps.mixtures.law_evolution import law_after, stationary_fourier_law
+    from cyclemap.maps.mixtures.mixture_operator import MixtureOperator, mixture_operator
+    from cyclemap.maps.mixtures.periodic_schedule import PeriodicSchedule
+    from cyclemap.maps.mixtures.random_map import RandomMap, sample_random_paths
+    from cyclemap.maps.mixtures.start_ensemble import StartEnsemble
+    from cyclemap.maps.mixtures.worst_start import ReachTime, WorstStart
+    from cyclemap.maps.noise.noise_law import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
+    from cyclemap.maps.operator.lyapunov import lyapunov_exponent
+    from cyclemap.maps.operator.metastable_sets import MetastableSets, metastable_sets
+    from cyclemap.maps.operator.response import Response
+    from cyclemap.maps.operator.spectrum import Spectrum
+    from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
+    from cyclemap.maps.orbits.basins import Basin, basins
+    from cyclemap.maps.orbits.diagonal import JumpCrossing
+    from cyclemap.maps.orbits.periodic_orbits import Orbit, crossings_by_jump, fixed_points, periodic_orbits
+    from cyclemap.maps.orbits.periodic_points import PeriodicPoints, periodic_points
+    from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
+    from cyclemap.maps.passages.log_passage import log10_passage_time
+    from cyclemap.maps.passages.passage_response import (
+        HittingResponse,
+        PassageResponse,
+        hitting_response,
+        passage_response,
+    )
+    from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
+    from cyclemap.maps.passages.quasi_stationary import QuasiStationaryLaw, quasi_stationary_law, survival_probabilities
+    from cyclemap.maps.passages.slips import Slip, slip_probabilities
+    from cyclemap.maps.rotation.birkhoff import birkhoff_average
+    from cyclemap.maps.rotation.envelopes import is_nondecreasing, lower_envelope, upper_envelope
+    from cyclemap.maps.rotation.rotation_batch import RotationNumbers, rotation_numbers
+    from cyclemap.maps.rotation.rotation_number import (
+        RotationInterval,
+        RotationNumber,
+        rotation_interval,
+        rotation_number,
+    )
+    from cyclemap.maps.rotation.rotation_plane import RotationPlane, rotation_plane
+    from cyclemap.maps.staircases.drifting_map import DriftingMap, DriftSummary, predict_drift
+    from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary, predict_staircase
+    from cyclemap.maps.staircases.staircase import Staircase, sample_staircase, sample_staircases
+    from cyclemap.maps.staircases.step_comparison import StepComparison, compare_steps
+    from cyclemap.maps.staircases.step_detection import Steps, find_steps
+else:
+    import_on_first_use(__name__)
 
 __all__ = [
     "Basin",

@@ -10,12 +10,12 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.optimize.elementwise import find_root
 
 from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.lifts.circle_map import SNAP, CircleMap
+from cyclemap.maps.orbits.bracketing import bracketed_root
 from cyclemap.maps.orbits.scan import Cells, monotone_cells
 
 MAX_NODES = 400_000
@@ -144,7 +144,7 @@ def _minima(circle_map: CircleMap, near: Array) -> Array:
     bracketed = curvature(low) * curvature(high) < 0.0
     found = near.copy()
     if np.any(bracketed):
-        found[bracketed] = find_root(curvature, (low[bracketed], high[bracketed])).x
+        found[bracketed] = bracketed_root(lambda x, _: curvature(x), low[bracketed], high[bracketed])
     return found
 
 

@@ -1,28 +1,36 @@
 """Pushing and dragging under anisotropic friction, quasi-static and dynamic; knows no circle map."""
 
-from cyclemap.mechanics.dynamics.dynamic_model import DynamicModel
-from cyclemap.mechanics.dynamics.dynamic_results import DynamicDrag, DynamicPush, DynamicTrajectory, EnergyBalance
-from cyclemap.mechanics.footprint import (
-    Footprint,
-    PatchFootprint,
-    PointFootprint,
-    corner_footprint,
-    grid_footprint,
-    load_footprint,
-    parse_footprint,
-)
-from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.friction_wear import worn_friction
-from cyclemap.mechanics.handling import DragResult, PushResult
-from cyclemap.mechanics.limit_surface import LimitSurface
-from cyclemap.mechanics.material import FoundWith, Material, Wear, load_material, material_names
-from cyclemap.mechanics.material_text import material_toml
-from cyclemap.mechanics.outline import Ellipse, Polygon
-from cyclemap.mechanics.protocol import DragBack, Pose, SidePush, WorldPush
-from cyclemap.mechanics.pusher import Pusher
-from cyclemap.mechanics.quasi_static import QuasiStaticModel
-from cyclemap.mechanics.slider import MIT_HITCH, MIT_SHAPE_NAMES, Slider
-from cyclemap.mechanics.trajectory import Trajectory
+from typing import TYPE_CHECKING
+
+from cyclemap.lazy_names import import_on_first_use
+
+if TYPE_CHECKING:
+    # What an editor and a type checker see; at run time each name is imported when it is first used.
+    from cyclemap.mechanics.dynamics.dynamic_model import DynamicModel
+    from cyclemap.mechanics.dynamics.dynamic_results import DynamicDrag, DynamicPush, DynamicTrajectory, EnergyBalance
+    from cyclemap.mechanics.footprint import (
+        Footprint,
+        PatchFootprint,
+        PointFootprint,
+        corner_footprint,
+        grid_footprint,
+        load_footprint,
+        parse_footprint,
+    )
+    from cyclemap.mechanics.friction import EllipseFriction
+    from cyclemap.mechanics.friction_wear import worn_friction
+    from cyclemap.mechanics.handling import DragResult, PushResult
+    from cyclemap.mechanics.limit_surface import LimitSurface
+    from cyclemap.mechanics.material import FoundWith, Material, Wear, load_material, material_names
+    from cyclemap.mechanics.material_text import material_toml
+    from cyclemap.mechanics.outline import Ellipse, Polygon
+    from cyclemap.mechanics.protocol import DragBack, Pose, SidePush, WorldPush
+    from cyclemap.mechanics.pusher import Pusher
+    from cyclemap.mechanics.quasi_static import QuasiStaticModel
+    from cyclemap.mechanics.slider import MIT_HITCH, MIT_SHAPE_NAMES, Slider
+    from cyclemap.mechanics.trajectory import Trajectory
+else:
+    import_on_first_use(__name__)
 
 __all__ = [
     "MIT_HITCH",

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq, minimize_scalar
 
 from cyclemap.mechanics.contact_curve import CornerPiece, EllipsePiece, OutlinePiece, SidePiece
 from cyclemap.mechanics.outline import Ellipse, Outline
@@ -92,6 +91,8 @@ def _meet_ellipse(
 ) -> list[tuple[float, float]]:
     """The distance to a convex outline is convex along the path: its minimum splits the two places where it is r."""
 
+    from scipy.optimize import brentq, minimize_scalar
+
     def gap(travel: float) -> float:
         return _distance_from_ellipse(piece, start + travel * toward)[0] - radius
 
@@ -105,6 +106,8 @@ def _meet_ellipse(
 
 def _distance_from_ellipse(piece: EllipsePiece, place: NDArray[np.float64]) -> tuple[float, float]:
     """Return signed distance (negative inside) and eccentric angle of the nearest point of an ellipse."""
+    from scipy.optimize import brentq
+
     x, y = place.tolist()
 
     def slope(angle: float) -> float:

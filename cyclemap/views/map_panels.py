@@ -1,13 +1,14 @@
 """The map itself: its turn over the circle, and its cobweb."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.collection.portrait_curves import Cobweb, TurnCurve
-from cyclemap.evidence import Theta0Pairs, TurnBins
 from cyclemap.maps import Orbit
 from cyclemap.views.style import (
     INK,
@@ -18,6 +19,9 @@ from cyclemap.views.style import (
     UNSTABLE,
     degree_axis,
 )
+
+if TYPE_CHECKING:
+    from cyclemap.evidence import Theta0Pairs, TurnBins
 
 
 def draw_turn(axes: Axes, curve: TurnCurve, fixed_points: tuple[Orbit, ...]) -> None:

@@ -1,13 +1,20 @@
 """What the robot will record: the histogram of directions and the staircase."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 from numpy.typing import NDArray
 
 from cyclemap.collection.portrait_curves import PortraitCurves
-from cyclemap.evidence import AngleHistogram
 from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, degree_axis
+
+if TYPE_CHECKING:
+    from cyclemap.evidence import AngleHistogram
+
 
 Array = NDArray[np.float64]
 PER_DEGREE = np.pi / 180

@@ -1,12 +1,18 @@
 """A portrait in sentences: which directions it locks into, how fast, and its staircase."""
 
+from __future__ import annotations
+
 import math
 from decimal import Decimal
+from typing import TYPE_CHECKING
 
 from cyclemap.collection.portrait import Portrait
-from cyclemap.evidence import MapAgreement
 from cyclemap.maps import Orbit
 from cyclemap.mechanics import Material
+
+if TYPE_CHECKING:
+    from cyclemap.evidence import MapAgreement
+
 
 # A stay longer than this is beyond any experiment: only its order of magnitude is told.
 LONGEST_STAY = 1e5

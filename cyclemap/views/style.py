@@ -21,7 +21,13 @@ MEASURED_EDGE = "#8a5a00"
 UNSTABLE = "#ffffff"
 FORCE = "#c1440e"
 
-PICTURE_FORMATS = ("png", "pdf", "svg")
+# How each format is saved. Level 3 packs a drawing's PNG about as small as the usual 6 does, in half the time.
+_SAVED: dict[str, dict[str, Any]] = {
+    "png": {"metadata": {}, "pil_kwargs": {"compress_level": 3}},
+    "pdf": {"metadata": {"CreationDate": None}},
+    "svg": {"metadata": {"Date": None}},
+}
+PICTURE_FORMATS = tuple(_SAVED)
 
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -77,10 +83,9 @@ def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes
     """The bytes of `figure` as "png", "pdf" or "svg"; InvalidInput for any other format."""
     if picture_format not in PICTURE_FORMATS:
         raise InvalidInput(f"picture format {picture_format!r} is unknown; use one of {', '.join(PICTURE_FORMATS)}")
-    stamp = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}[picture_format]
     buffer = BytesIO()
     with picture_style():
-        figure.savefig(buffer, format=picture_format, dpi=dpi, metadata=stamp)
+        figure.savefig(buffer, format=picture_format, dpi=dpi, **_SAVED[picture_format])
     return buffer.getvalue()
 
 

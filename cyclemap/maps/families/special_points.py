@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
@@ -68,6 +67,8 @@ def smooth_bifurcation(
 
     The extended system (orbit, multiplier) is solved by bisection and interpolation along the branch.
     """
+    from scipy.optimize import brentq
+
     length = float(direction @ (equations.point(after) - equations.point(before)))
     found: dict[float, OrbitState] = {0.0: before, length: after}
 

@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize.elementwise import find_root
 
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.bracketing import bracketed_root
 from cyclemap.maps.quadrature import arc_rule
 
 Density = Callable[[Array], Array]
@@ -31,7 +31,7 @@ def peaks_of(slope: Density, grid: Array, values: Array, margin: float) -> Array
     step, at = grid[1], grid[tops]
     inside = slope(at - step) * slope(at + step) < 0.0
     if np.any(inside):
-        at[inside] = find_root(slope, (at[inside] - step, at[inside] + step)).x
+        at[inside] = bracketed_root(lambda x, _: slope(x), at[inside] - step, at[inside] + step)
     at = np.mod(at, TWO_PI)
     # A tiny negative angle rounds up to a whole turn.
     return np.sort(np.where(at >= TWO_PI, 0.0, at))
@@ -58,7 +58,7 @@ def distance_from_uniform(density: Density, circle_map: CircleMap, grid: Array, 
     crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
     if crossing.size == 0:
         return 0.0
-    found = np.sort(find_root(lambda x: density(x) - 0.5 / np.pi, (crossing, crossing + grid[1])).x)
+    found = np.sort(bracketed_root(lambda x, _: density(x) - 0.5 / np.pi, crossing, crossing + grid[1]))
     ends = np.append(found, found[0] + TWO_PI)
     rules = [arc_rule(circle_map, a, b, size, every_sample=False) for a, b in pairwise(ends.tolist()) if b > a]
     parts = [abs(float(np.dot(weight, density(theta) - 0.5 / np.pi))) for theta, weight in rules]

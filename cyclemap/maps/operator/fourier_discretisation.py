@@ -18,7 +18,7 @@ from cyclemap.maps.quadrature import circle_rule
 
 MAX_MODES = 2_000
 NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
-_ENTRIES = 5_000_000  # waves handled at a time: nodes times basis functions
+_ENTRIES = 400_000  # nodes times basis functions handled at a time: waves made anew in the cache beat kept ones
 
 Waves = tuple[slice, Array]
 Block = tuple[slice, Array, Array]
@@ -109,21 +109,17 @@ class FourierDiscretisation:
     @cached_property
     def mass(self) -> Array:
         """(n,): 1 for the constant, 0 for every wave."""
-        return self._unit
-
-    @cached_property
-    def uniform(self) -> Array:
-        """(n,): the constant alone."""
-        return self._unit
+        return np.asarray(np.eye(1, self.size)[0])
 
     @property
-    def _unit(self) -> Array:
-        return np.asarray(np.eye(1, self.size)[0])
+    def uniform(self) -> Array:
+        """(n,): the constant alone."""
+        return self.mass
 
     @cached_property
     def _scale(self) -> Array:
         """(n,): what turns a wave into a basis function."""
-        return (2.0 - self._unit) / TWO_PI
+        return (2.0 - self.mass) / TWO_PI
 
     @cached_property
     def order(self) -> Array:
@@ -133,7 +129,9 @@ class FourierDiscretisation:
 
     def evaluate(self, theta: Array) -> Array:
         """(m, n): 1/2π, cos mθ/π, sin mθ/π at the angles ``theta``, shape (m,)."""
-        return np.asarray((waves(theta, self.modes) * self._scale[:, None]).T)
+        rows = waves(theta, self.modes)
+        rows *= self._scale[:, None]
+        return rows.T
 
     def slope(self, theta: Array) -> Array:
         """(m, n): the derivatives of the basis functions."""
@@ -171,7 +169,7 @@ class FourierDiscretisation:
         for part, before, after in self._blocks():
             matrix += after @ (before * weight[part]).T
         matrix *= self.kappa[:, None] * self._scale
-        matrix[0] = self._unit
+        matrix[0] = self.mass
         return matrix
 
     def cycle(self, law: Any) -> Any:
@@ -190,10 +188,13 @@ class FourierDiscretisation:
         ahead = _times(self.kappa, dual)
         return np.concatenate([after.T @ ahead for _, after in self._after])
 
-    def expected_slope(self, dual: Array, factors: Array | None = None) -> Array:
-        """d/dF of ``expected_after`` at the nodes of ``rule``: E z'(F(θ) + ξ); ``factors`` to use for the κ_m."""
+    def expected_slope(self, dual: Array, factors: Array | None = None, at: Array | None = None) -> Array:
+        """d/dF of ``expected_after``, E z'(F(θ) + ξ), there or at the angles ``at``; ``factors`` to use for the κ_m."""
+        images = self._after if at is None else WavesInBlocks(self.map(at), self.modes)
         ahead = _times(self.kappa if factors is None else factors, dual)
-        return np.concatenate([self._turned(after).T @ ahead for _, after in self._after])
+        # Turning the few factors back is the same as turning the many waves, and costs nothing.
+        back = -self._turned(ahead)
+        return np.concatenate([after.T @ back for _, after in images])
 
     def on_nodes(self, law: Any) -> Any:
         """The density with coefficients ``law``, per radian, at the nodes of ``rule``."""
@@ -256,7 +257,7 @@ class FourierDiscretisation:
         moving break hands from the branch on its right to that on its left.
         """
         theta, _ = self._rule
-        moved = self._turned_back(self._image_moments(self.on_nodes(law) * tangent(theta)))
+        moved = self._turned(self._image_moments(self.on_nodes(law) * tangent(theta)))
         breaks = self.map.breaks
         if breaks.size and np.any(break_shifts):
             handed = break_shifts * (self.evaluate(breaks) @ law)
@@ -270,15 +271,11 @@ class FourierDiscretisation:
 
     # -- inside --------------------------------------------------------------------------------------------
 
-    def _turned(self, rows: Array) -> Array:
+    def _turned(self, rows: Any) -> Any:
         """Rows of waves to rows of their derivatives: cos → -m sin, sin → m cos."""
         cosines, sines = rows[1 : self.modes + 1], rows[self.modes + 1 :]
-        m = self.order[1 : self.modes + 1, None]
+        m = self.order[1 : self.modes + 1].reshape(-1, *(1,) * (rows.ndim - 1))
         return np.concatenate([0.0 * rows[:1], -m * sines, m * cosines])
-
-    def _turned_back(self, image: Any) -> Any:
-        """E (cos mF, sin mF) weighted by a tangent → the derivative of E (cos mF, sin mF)."""
-        return self._turned(image[:, None])[:, 0]
 
     def _blocks(self) -> Iterable[Block]:
         """Nodes in blocks: (their place, waves of θ, waves of F(θ))."""

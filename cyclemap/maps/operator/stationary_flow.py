@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
 
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.passages.elimination import eliminated
@@ -64,6 +63,8 @@ class StationaryFlow:
 
         Each keeps less than half of its distance to the next, so that no arc vanishes.
         """
+        from scipy.optimize import minimize
+
         scale = self._leaving(cuts)[0]
         ahead = np.minimum(1.0, 0.45 * np.diff(np.append(cuts, cuts[0] + TWO_PI)) / reach)
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize.elementwise import find_root
 
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.bracketing import bracketed_root
 from cyclemap.maps.orbits.scan import Cells
 
 Indices = npt.NDArray[np.int64]
@@ -76,6 +76,6 @@ def roots_in(circle_map: CircleMap, start: Array, end: Array, target: Array) -> 
     theta = np.where(np.abs(at_start) <= np.abs(at_end), start, end)
     bracketed = at_start * at_end < 0.0
     if np.any(bracketed):
-        found = find_root(residual, (start[bracketed], end[bracketed]), args=(target[bracketed],))
-        theta[bracketed] = found.x
+        wanted = target[bracketed]
+        theta[bracketed] = bracketed_root(lambda x, i: residual(x, wanted[i]), start[bracketed], end[bracketed])
     return theta

@@ -83,20 +83,27 @@ def eliminated(q: Array, out: Array) -> Elimination:
         _eliminate_block(work, left, low, high)
         work[:low, :low] += work[:low, low:high] @ work[low:high, :low]
     pivot = np.diag(work).copy()
-    packed = np.asfortranarray(-work)
+    packed = np.negative(work, out=np.empty_like(work, order="F"))
     np.fill_diagonal(packed, pivot)
     return Elimination(packed, out[order], order)
 
 
 def _eliminate_block(work: Array, left: Array, low: int, high: int) -> None:
-    for k in range(high - 1, low - 1, -1):
-        pivot = left[k] + np.sum(work[k, :k])
-        share = work[:k, k] / pivot if pivot > 0.0 else np.zeros(k)
-        work[k, k], work[:k, k] = pivot, share
-        # Only the block's own rows and columns now; the rest at once after it.
-        work[:k, low:k] += np.multiply.outer(share, work[k, low:k])
-        work[low:k, :low] += np.multiply.outer(share[low:], work[k, :low])
-        left[:k] += share * left[k]
+    """Eliminate the states of a block among themselves, then towards those before it; all sums are of >= 0."""
+    inside = slice(low, high)
+    block, away = work[inside, inside], left[inside] + work[inside, :low].sum(axis=1)
+    for k in range(high - low - 1, -1, -1):
+        pivot = away[k] + np.sum(block[k, :k])
+        share = block[:k, k] / pivot if pivot > 0.0 else np.zeros(k)
+        block[k, k], block[:k, k] = pivot, share
+        block[:k, :k] += np.multiply.outer(share, block[k, :k])
+        away[:k] += share * away[k]
+    pivots = np.diag(block)
+    factors = np.diag(np.where(pivots > 0.0, pivots, np.inf)) - np.tril(block, -1) - np.triu(block, 1)
+    left[inside] = _triangular(factors, left[inside], upper=True)
+    work[inside, :low] = _triangular(factors, work[inside, :low], upper=True)
+    work[:low, inside] = _triangular(factors, work[:low, inside].T, transposed=True).T
+    left[:low] += work[:low, inside] @ left[inside]
 
 
 def _by_visits(q: Array) -> npt.NDArray[np.int64]:

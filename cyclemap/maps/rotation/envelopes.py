@@ -8,11 +8,11 @@ from math import floor
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize.elementwise import find_root
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.lifts.circle_map import SIDE_STEP, CircleMap, Scalar
+from cyclemap.maps.orbits.bracketing import bracketed_root
 from cyclemap.maps.orbits.scan import INSET, monotone_cells
 
 SLACK = 1e-12  # radians: a smaller descent is rounding
@@ -149,7 +149,8 @@ def _recovery(
     at_low, at_high = residual(low, level), residual(high, level)
     inside = (high > low) & (at_low < 0.0) & (at_high > 0.0)
     if np.any(inside):
-        end[inside] = find_root(residual, (low[inside], high[inside]), args=(level[inside],)).x
+        wanted = level[inside]
+        end[inside] = bracketed_root(lambda x, i: residual(x, wanted[i]), low[inside], high[inside])
     return end
 
 

@@ -31,6 +31,18 @@ def parameter_slope(law, function):
     return sum(w * (function(kind(at + k * step)) - function(kind(at - k * step))) for k, w in weights.items()) / step
 
 
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_densities_leave_their_argument_alone_and_are_the_callers_own(law):
+    """Kernels are worked on in place: what a law is asked at stays as it was, and nothing that it returns is shared."""
+    x = np.linspace(-3.0, 3.0, 7)
+    kept = x.copy()
+    for density in (law.density, law.line_density):
+        first = density(x)
+        again = density(x)
+        assert np.array_equal(x, kept) and first.flags.writeable and not np.shares_memory(first, again)
+        assert not np.shares_memory(first, x) and np.shape(density(0.5)) == ()
+
+
 @pytest.mark.parametrize("law", SMOOTH, ids=repr)
 def test_coefficients_are_the_fourier_coefficients_of_the_density(law):
     assert isinstance(law, Noise)

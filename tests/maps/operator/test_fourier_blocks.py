@@ -51,3 +51,19 @@ def test_kept_waves_are_made_once(monkeypatch) -> None:
     for _ in range(3):
         law = basis.cycle(law)
     assert made == [basis.rule()[0].size] * 2
+
+
+def test_the_slope_at_chosen_angles_is_the_one_at_the_nodes_there() -> None:
+    """Two routes to d/dF E z(F + ξ): chosen nodes, and all of them; and the slope is that of ``expected_after``."""
+    basis = FourierDiscretisation(MAP, NOISE, MODES)
+    duals = np.random.default_rng(2).standard_normal((basis.size, 3))
+    theta, _ = basis.rule()
+    whole = basis.expected_slope(duals)
+    assert whole.shape == (theta.size, 3)
+    np.testing.assert_allclose(basis.expected_slope(duals, at=theta[5:20]), whole[5:20], rtol=0, atol=1e-12)
+    step = 1e-5
+    moved = [CircleMap.arnold(0.1 + shift / (2 * np.pi), 0.9) for shift in (step, -step)]
+    ahead, back = (FourierDiscretisation(map_, NOISE, MODES) for map_ in moved)
+    assert np.array_equal(ahead.rule()[0], theta)
+    difference = (ahead.expected_after(duals) - back.expected_after(duals)) / (2 * step)
+    np.testing.assert_allclose(whole, difference, rtol=0, atol=1e-6 * np.abs(whole).max())
