@@ -202,7 +202,7 @@ def step_function(pressure: PressureFamily, kind: str, mode: str, near: bool, ag
     error = ca.if_else(error >= 0, ca.fmax(error, LEAST_SHARE * h * rough), error)
     certificate = ca.vertcat(h * error, _largest(correction), ca.mmin(far), ca.mmax(far))
     step = ca.Function("step", [state, guess, h, p], [ca.vertcat(certificate, *rows)])
-    return _unrolled(step, _contact_functions(pressure, mode, near).solver)
+    return _unrolled(step, _contact_functions(pressure, mode, near).solver, shared=not again)
 
 
 def _course(
@@ -265,10 +265,13 @@ def _symbols(unknowns: int) -> tuple[ca.MX, ca.MX, ca.MX]:
     return ca.MX.sym("state", 2), ca.MX.sym("unknowns", unknowns), ca.MX.sym("parameters", len(PARAMETERS))
 
 
-def _unrolled(function: ca.Function, solver: ca.Function) -> ca.Function:
-    """Return the function in scalars, each computed once, where the contact's equations are small enough for that."""
+def _unrolled(function: ca.Function, solver: ca.Function, shared: bool = True) -> ca.Function:
+    """Return the function in scalars, where the contact's equations are small enough for that.
+
+    `shared`: look for those that are computed twice; a step that is made again has hardly any.
+    """
     if not (solver.is_a("SXFunction") and solver.n_instructions() <= _UNROLLED):
         return function
     inputs = [ca.SX.sym(function.name_in(i), function.size1_in(i)) for i in range(function.n_in())]
-    outputs = ca.cse(function.expand().call(inputs))
-    return ca.Function(function.name(), inputs, outputs)
+    outputs = function.expand().call(inputs)
+    return ca.Function(function.name(), inputs, ca.cse(outputs) if shared else outputs)

@@ -1,6 +1,5 @@
 """How the end of a phase varies with its start and its parameters: its variational equation, step by step."""
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,39 +19,14 @@ Array = NDArray[np.float64]
 # A support point slower than this (unit rod travel) has a kink beneath it: tangents are then taken by differences.
 STILL = 1e-7
 _DIFFERENCE = 1e-6
-# Unknowns inside a step that a Newton iteration corrects by more than this are solved first.
-UNSOLVED = 1e-5
-# Lobatto's places along a step, for its method IIIA of order 6 (Hairer & Wanner 1996, IV.5).
-PLACES: NDArray[np.float64] = np.array((0.0, 0.5 - math.sqrt(0.05), 0.5 + math.sqrt(0.05), 1.0))
-
-
-def _integrals() -> NDArray[np.float64]:
-    """Integrals (4, 4) of the Lagrange polynomials of the places (by columns) from zero to each place (by rows)."""
-    columns = []
-    for k, place in enumerate(PLACES):
-        others = np.delete(PLACES, k)
-        columns.append(np.polynomial.Polynomial.fromroots(others).integ()(PLACES) / np.prod(place - others))
-    return np.array(columns).T
-
-
-def _hermite(derivatives: int) -> NDArray[np.float64]:
-    """Weights (2, 2 (1 + d)) of values and d derivatives at 0 and at 1 in the polynomial through them, inside a step."""
-    count = 2 * (derivatives + 1)
-    basis = [np.polynomial.Polynomial.basis(power) for power in range(count)]
-    known = [[power.deriv(order)(end) for power in basis] for order in range(derivatives + 1) for end in (0.0, 1.0)]
-    inside = np.vander(PLACES[1:-1], count, increasing=True)
-    return np.asarray(np.linalg.solve(np.array(known).T, inside.T).T)
-
-
-COLLOCATION = _integrals()
-# Inside a step states lie on polynomials of degree five between its ends, unknowns on such of degree three.
-STATES_INSIDE, UNKNOWNS_INSIDE = _hermite(2), _hermite(1)
+# Unknowns in the middle of a step that a Newton iteration corrects by more than this are solved first.
+MIDDLE = 1e-5
 
 _SMU, _RIM_SHARE = PARAMETERS.index("smu"), PARAMETERS.index("rim_share")
 _WARP = (PARAMETERS.index("warp_a"), PARAMETERS.index("warp_b"))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Nodes:
     """Places of a motion: rows (n, 9 + u) as in a step, derivatives (n, 2, 2 + w) of their slopes by state and wanted
     parameters, what the unknowns do along the motion (n, u), and what a Newton iteration corrects of them (n,)."""
@@ -74,54 +48,46 @@ def vary_phase(run_phase: RunPhase, start: Array, parameters: Array) -> Array:
     `start` (2, k): variation of its start; `parameters` (18, k): variation of the motion's PARAMETERS. The phase's
     steps keep their lengths: rates are continuous across its end, so that where it lies does not matter to first order.
 
-    The variational equation is solved by collocation at Lobatto's places of each step, to order 6.
+    The variational equation is solved by Lobatto's method of order 4 from the ends and the middles of the steps.
     """
     motion, steps = run_phase.motion, run_phase.phase.steps
     lengths = np.array([taken.h for taken in steps])
     wanted = np.flatnonzero(np.any(parameters != 0.0, axis=1))
     ends = _nodes(motion, np.array([steps[0].stages[0], *(taken.stages[-1] for taken in steps)]), wanted)
-    inside = _inside(motion, ends, lengths, wanted)
-    jacobians = np.stack([ends.jacobians[:-1], *inside, ends.jacobians[1:]])
     varied = start
-    for tangent in _step_tangents(jacobians, lengths):
+    for tangent in _step_tangents(ends.jacobians, _middles(motion, ends, lengths, wanted).jacobians, lengths):
         varied = tangent[:, :2] @ varied + tangent[:, 2:] @ parameters[wanted]
     return varied
 
 
-def _step_tangents(jacobians: Array, lengths: Array) -> Array:
-    """Derivatives (n, 2, 2 + w) of the ends of steps by start and wanted parameters, from those of slopes (4, n, ...).
+def _step_tangents(ends: Array, middles: Array, lengths: Array) -> Array:
+    """Derivatives (n, 2, 2 + w) of the ends of steps by start and wanted parameters, from those of slopes.
 
-    v_i = v_0 + h sum_j a_ij g_j(v_j) with slopes g that are linear in v, solved for v_1, v_2, v_3.
+    Of v' = g(v), linear in v: v1 = v0 + h/6 (g0 + 4 gm + g1) with vm = (v0 + v1)/2 + h/8 (g0 - g1), solved for v1
+    (Lobatto's method IIIA; Hairer & Wanner 1996, IV.5).
     """
-    h, start = lengths[:, None, None], np.eye(2, jacobians.shape[-1])
+    h, first, last = lengths[:, None, None], ends[:-1], ends[1:]
+    start = np.eye(2, ends.shape[-1])
+    own, middle = last[..., :2], middles[..., :2]
     # What of the slopes does not depend on the variation at the same place.
-    given = np.where(np.arange(jacobians.shape[-1]) < 2, 0.0, jacobians)
-    given[0] = jacobians[0]
-    known = [start + h * np.tensordot(row, given, 1) for row in COLLOCATION[1:]]
-    implicit = [
-        [(i == j) * np.eye(2) - h * COLLOCATION[i, j] * jacobians[j, ..., :2] for j in (1, 2, 3)] for i in (1, 2, 3)
-    ]
-    return np.asarray(np.linalg.solve(np.block(implicit), np.concatenate(known, axis=1))[:, 4:])
+    later, given = (np.where(np.arange(ends.shape[-1]) < 2, 0.0, slopes) for slopes in (last, middles))
+    known = start + h / 6.0 * (first + 4.0 * given + later) + h * middle @ (start / 3.0 + h / 12.0 * (first - later))
+    implicit = np.eye(2) - h / 6.0 * (own + 2.0 * middle) + h**2 / 12.0 * middle @ own
+    return np.asarray(np.linalg.solve(implicit, known))
 
 
-def _inside(motion: Motion, ends: _Nodes, lengths: Array, wanted: NDArray[np.intp]) -> Array:
-    """Derivatives (2, n, 2, 2 + w) of the slopes at the places inside steps, from their ends."""
-    h, count = lengths[:, None], len(lengths)
-    rows = np.zeros((2 * count, ends.rows.shape[1]))
-    rows[:, STATE] = _between(STATES_INSIDE, h, ends.rows[:, STATE], ends.rows[:, SLOPE], ends.bend)
-    rows[:, UNKNOWN] = _between(UNKNOWNS_INSIDE, h, ends.rows[:, UNKNOWN], ends.drift)
+def _middles(motion: Motion, ends: _Nodes, lengths: Array, wanted: NDArray[np.intp]) -> _Nodes:
+    """The middles of steps: by polynomials of degree five (states) and three (unknowns) between their ends."""
+    h, rows = lengths[:, None], (ends.rows[:-1] + ends.rows[1:]) / 2.0
+    rows[:, STATE] += h * 5.0 / 32.0 * -np.diff(ends.rows[:, SLOPE], axis=0)
+    rows[:, STATE] += h**2 / 64.0 * (ends.bend[:-1] + ends.bend[1:])
+    rows[:, UNKNOWN] += h / 8.0 * -np.diff(ends.drift, axis=0)
     nodes = _nodes(motion, rows, wanted)
-    unsolved = np.flatnonzero(~(nodes.correction <= UNSOLVED))
+    unsolved = np.flatnonzero(~(nodes.correction <= MIDDLE))
     if unsolved.size:
-        solved = np.array([_solved(motion, row) for row in rows[unsolved]])
-        nodes.jacobians[unsolved] = _nodes(motion, solved, wanted).jacobians
-    return nodes.jacobians.reshape(2, count, *nodes.jacobians.shape[1:])
-
-
-def _between(weights: Array, h: Array, *derivatives: Array) -> Array:
-    """Values (2 n, k) inside steps of lengths h (n, 1), from values and derivatives (n + 1, k) at their ends."""
-    given = [h**order * side for order, values in enumerate(derivatives) for side in (values[:-1], values[1:])]
-    return np.asarray(np.concatenate(np.tensordot(weights, given, 1)))
+        rows[unsolved] = [_solved(motion, row) for row in rows[unsolved]]
+        nodes.jacobians[unsolved] = _nodes(motion, rows[unsolved], wanted).jacobians
+    return nodes
 
 
 def _solved(motion: Motion, row: Array) -> Array:
@@ -137,17 +103,14 @@ def _nodes(motion: Motion, rows: Array, wanted: NDArray[np.intp]) -> _Nodes:
     states, unknowns = rows[:, STATE].T, rows[:, UNKNOWN].T
     pressure = _pressure(motion, wanted)
     law = (pressure, motion.piece.kind, _family(motion, wanted))
-    found = np.empty((0, len(rows)))
+    found = np.empty((2 * (2 + wanted.size) + len(unknowns) + 2, len(rows)))
     for near in (True, False):
         chosen = np.ones(len(rows), bool) if near else ~(found[-1] <= far_ratio(pressure))
         if chosen.any():
             function = variation_function(*law, near, tuple(wanted.tolist()))
-            values = np.array(function(states[:, chosen], unknowns[:, chosen], motion.parameters))
-            found = values if near else found
-            found[:, chosen] = values
-    slopes, drift = np.split(found[:-2], [2 * (2 + wanted.size)])
-    jacobians = slopes.reshape(2 + wanted.size, 2, -1).transpose(2, 1, 0)
-    drift = drift.T
+            found[:, chosen] = np.array(function(states[:, chosen], unknowns[:, chosen], motion.parameters))
+    drift = found[-2 - len(unknowns) : -2].T
+    jacobians = found[: -2 - len(unknowns)].reshape(2 + wanted.size, 2, -1).transpose(2, 1, 0)
     for index in _kinked(motion, rows):
         jacobians[index], drift[index] = _by_differences(motion, rows[index], wanted), 0.0
     return _Nodes(rows, jacobians, drift, found[-2])

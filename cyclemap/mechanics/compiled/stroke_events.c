@@ -82,85 +82,50 @@ static int node(Motion *m, const double *row, Node *at) {
     return at->is_known = 1;
 }
 
-/* A value inside a step of length h, from values and derivatives at its ends. */
-static double between(const double *weights, int derivatives, double h, const double *given) {
-    double value = 0.0, power = 1.0;
-    for (int k = 0; k < derivatives; ++k, power *= h)
-        value += power * (weights[2 * k] * given[2 * k] + weights[2 * k + 1] * given[2 * k + 1]);
-    return value;
-}
-
-/* phase_variation._inside, of one place. */
-static int inside(Run *r, Motion m, const Node *start, const Node *end, double h, int place, Node *at) {
+/* phase_variation._middles, of one. */
+static int middle(Run *r, Motion m, const Node *start, const Node *end, double h, Node *at) {
     double row[ROW], report[4];
-    const double *from = start->row, *to = end->row;
     int n = m.law->unknowns;
-    for (int c = 0; c < 2; ++c) {
-        double given[] = {from[c], to[c], from[SLOPE + c], to[SLOPE + c], start->bend[c], end->bend[c]};
-        row[c] = between(STATES_INSIDE[place], 3, h, given);
-    }
+    for (int c = 0; c < 2; ++c)
+        row[c] = (start->row[c] + end->row[c]) / 2.0 + h * 5.0 / 32.0 * (start->row[SLOPE + c] - end->row[SLOPE + c])
+                 + h * h / 64.0 * (start->bend[c] + end->bend[c]);
     for (int k = 0; k < n; ++k) {
-        double given[] = {from[UNKNOWN + k], to[UNKNOWN + k], start->drift[k], end->drift[k]};
-        m.z[k] = row[UNKNOWN + k] = between(UNKNOWNS_INSIDE[place], 2, h, given);
+        m.z[k] = (start->row[UNKNOWN + k] + end->row[UNKNOWN + k]) / 2.0 + h / 8.0 * (start->drift[k] - end->drift[k]);
+        row[UNKNOWN + k] = m.z[k];
     }
     if (!node(&m, row, at)) return 0;
     for (int k = 0; k < n; ++k)
-        if (!(fabs(m.tangent.found[n + k]) <= UNSOLVED)) return evaluate(r, &m, row, row, report) && node(&m, row, at);
+        if (!(fabs(m.tangent.found[n + k]) <= MIDDLE)) return evaluate(r, &m, row, row, report) && node(&m, row, at);
     return 1;
 }
 
-/* Solves matrix x = known; the solution takes known's place. */
-static void solve(double matrix[6][6], double *known) {
-    for (int i = 0; i < 6; ++i) {
-        int pivot = i;
-        for (int k = i + 1; k < 6; ++k)
-            if (fabs(matrix[k][i]) > fabs(matrix[pivot][i])) pivot = k;
-        for (int j = 0; j < 6; ++j) {
-            double other = matrix[i][j];
-            matrix[i][j] = matrix[pivot][j];
-            matrix[pivot][j] = other;
-        }
-        double other = known[i];
-        known[i] = known[pivot];
-        known[pivot] = other;
-        for (int k = i + 1; k < 6; ++k) {
-            double share = matrix[k][i] / matrix[i][i];
-            for (int j = i; j < 6; ++j) matrix[k][j] -= share * matrix[i][j];
-            known[k] -= share * known[i];
-        }
-    }
-    for (int i = 5; i >= 0; --i) {
-        for (int j = i + 1; j < 6; ++j) known[i] -= matrix[i][j] * known[j];
-        known[i] /= matrix[i][i];
-    }
-}
-
 /* phase_variation._step_tangents, of one variation: what it is after a step. */
-static void collocated(const Node *nodes, double h, double *varied) {
-    double matrix[6][6], known[6];
-    for (int i = 0; i < 3; ++i)
-        for (int c = 0; c < 2; ++c) {
-            double *row = matrix[2 * i + c], *rest = &known[2 * i + c];
-            const double *by = nodes[0].by;
-            *rest = varied[c] + h * COLLOCATION[i + 1][0] * (by[c] * varied[0] + by[2 + c] * varied[1]);
-            for (int j = 0; j < 4; ++j) *rest += h * COLLOCATION[i + 1][j] * nodes[j].by[4 + c] * varied[2];
-            for (int j = 0; j < 3; ++j)
-                for (int k = 0; k < 2; ++k)
-                    row[2 * j + k] = (i == j && c == k) - h * COLLOCATION[i + 1][j + 1] * nodes[j + 1].by[2 * k + c];
+static void stepped(const Node *start, const Node *mid, const Node *end, double h, double *v) {
+    double own[2][2], rest[2], at_start[2], later[2];
+    for (int c = 0; c < 2; ++c) {
+        at_start[c] = start->by[c] * v[0] + start->by[2 + c] * v[1] + start->by[4 + c] * v[2];
+        later[c] = end->by[4 + c] * v[2];
+    }
+    for (int c = 0; c < 2; ++c) {
+        rest[c] = v[c] + h / 6.0 * (at_start[c] + 4.0 * mid->by[4 + c] * v[2] + later[c]);
+        for (int k = 0; k < 2; ++k) {
+            rest[c] += h * mid->by[2 * k + c] * (v[k] / 3.0 + h / 12.0 * (at_start[k] - later[k]));
+            own[c][k] = (c == k) - h / 6.0 * (end->by[2 * k + c] + 2.0 * mid->by[2 * k + c]);
+            for (int j = 0; j < 2; ++j) own[c][k] += h * h / 12.0 * mid->by[2 * j + c] * end->by[2 * k + j];
         }
-    solve(matrix, known);
-    memcpy(varied, known + 4, 2 * sizeof(double));
+    }
+    double whole = own[0][0] * own[1][1] - own[0][1] * own[1][0];
+    v[0] = (rest[0] * own[1][1] - own[0][1] * rest[1]) / whole;
+    v[1] = (own[0][0] * rest[1] - own[1][0] * rest[0]) / whole;
 }
 
 /* phase_variation.vary_phase, of one step. */
 static int vary(Run *r, Motion *m, const Step *taken) {
-    Node nodes[4] = {m->reached};
-    if (!nodes[0].is_known && !node(m, taken->rows[0], nodes)) return 0;
+    Node start = m->reached, mid;
+    if (!start.is_known && !node(m, taken->rows[0], &start)) return 0;
     if (!node(m, taken->rows[STAGES], &m->reached)) return 0;
-    nodes[3] = m->reached;
-    for (int k = 0; k < 2; ++k)
-        if (!inside(r, *m, nodes, nodes + 3, taken->h, k, nodes + k + 1)) return 0;
-    collocated(nodes, taken->h, r->varied);
+    if (!middle(r, *m, &start, &m->reached, taken->h, &mid)) return 0;
+    stepped(&start, &mid, &m->reached, taken->h, r->varied);
     return 1;
 }
 

@@ -137,11 +137,7 @@ def _tables(stroke: StrokeKind, functions: dict[str, ca.Function]) -> str:
         ("ROUGH", runge_kutta.ROUGH),
     ):
         lines.append(f"static const double {name}[] = {_braced(values)};")
-    for name, table in (
-        ("A", runge_kutta.A),
-        ("BEND", BEND),
-        *((name, getattr(phase_variation, name)) for name in ("COLLOCATION", "STATES_INSIDE", "UNKNOWNS_INSIDE")),
-    ):
+    for name, table in (("A", runge_kutta.A), ("BEND", BEND)):
         rows = _braced(_braced(row) for row in table.tolist())
         lines.append(f"static const double {name}[{table.shape[0]}][{table.shape[1]}] = {rows};")
     return "\n".join([*lines, *_points(stroke), *_law_tables(stroke)]) + "\n"
@@ -184,7 +180,7 @@ def _constants(stroke: StrokeKind) -> dict[str, object]:
         "LEFT_OVER": motion.LEFT_OVER,
         "LEFT_AT_POINTS": motion.LEFT_AT_POINTS,
         "AGAIN": motion.AGAIN,
-        **{name: getattr(phase_variation, name) for name in ("STILL", "UNSOLVED")},
+        **{name: getattr(phase_variation, name) for name in ("STILL", "MIDDLE")},
         "FOUND": contact_solver.FOUND,
         "ACCEPTED": contact_solver.ACCEPTED,
         **{name: getattr(method, name) for name in ("ORDER", "SAFETY", "SHRINK", "GROW", "LEAST_SHARE")},
