@@ -43,6 +43,7 @@ _FILES = (
     "contact_search",
     "support_points",
     "stroke_steps",
+    "stroke_slopes",
     "stroke_events",
     "stroke_cycles",
 )
