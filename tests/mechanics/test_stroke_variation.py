@@ -19,6 +19,8 @@ from cyclemap.mechanics import (
     grid_footprint,
     load_material,
 )
+from cyclemap.mechanics.motion_functions import PARAMETERS
+from cyclemap.mechanics.phase_variation import vary_phase
 from cyclemap.mechanics.stroke_variation import STROKE_PARAMETERS, drag_jacobian, push_jacobian
 
 PLYWOOD = load_material("plywood").friction
@@ -178,3 +180,16 @@ def test_names_that_mean_nothing_here_are_zero_nan_or_refused():
         push_jacobian(model, push, ("mu_aa",))
     with pytest.raises(InvalidInput, match="theta"):
         drag_jacobian(model, model.drag(Pose(), LEGS), ("theta",))
+
+
+def test_the_variational_equation_is_solved_to_order_four():
+    """Halving the steps of a drag whose centre of rotation keeps off the rim divides the error by 2^4."""
+    model = replace(model_of(), accuracy=1e-3)
+    start, parameters = np.array([[1.0, 0.0], [0.0, 0.0]]), np.zeros((len(PARAMETERS), 2))
+    parameters[PARAMETERS.index("direction"), 1] = 1.0
+    found = []
+    for count in (4, 8, 16, 32, 256):
+        drag = model.drag(Pose(0.1, 0.05, 1.2), ((0.0, 0.0),), longest_step=0.115 / count)
+        found.append(vary_phase(drag.legs[0].phase, start, parameters)[0])
+    errors = np.abs(np.array(found[:-1]) - found[-1]).max(axis=1)
+    np.testing.assert_allclose(np.log2(errors[:-1] / errors[1:]), 4.0, atol=0.4)
