@@ -25,5 +25,9 @@ class ConvergenceError(CycleMapError, ArithmeticError):
     """A computation that could not reach its stated tolerance: the message carries the residual."""
 
 
+class TooManySteps(ConvergenceError):
+    """A motion so abrupt that its steps are too short for its way: the message says how short, and what to do."""
+
+
 class UnsupportedContact(CycleMapError):
     """A motion that leads out of what the model describes, such as a rod that touches two sides at once."""

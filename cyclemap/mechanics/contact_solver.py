@@ -74,15 +74,20 @@ class ContactSolver:
         Raises ConvergenceError if the residual stays above 1e-10.
         """
         self.arguments[:5] = theta, direction, *contact
-        return self._solve_spin(self._stick, omega, "sticking contact")
+        return self._newton_spin(self._stick, omega) or self._bracketed_spin(self._stick, omega, "sticking contact")
 
     def ring(self, theta: float, direction: float, contact: Contact, smu: float, omega: float) -> Stick:
         """Return the solution in a ring with a friction circle of signed radius `smu` (extents), from a guess of omega.
 
-        Raises ConvergenceError if the residual stays above 1e-10.
+        Where the ring's friction does not hold the object there is a spin in the sense of `smu`, since from rest to
+        the fastest spin the torque changes its sign; that one is returned. Just beyond it is the small one back that
+        goes on from there. Raises ConvergenceError if the residual stays above 1e-10.
         """
         self.arguments[:6] = theta, direction, *contact, smu
-        return self._solve_spin(self._ring, omega, "ring with friction")
+        found = self._newton_spin(self._ring, omega)
+        if found is not None and (found.omega * smu >= 0.0 or self._ring.at(0.0)[0] * smu >= 0.0):
+            return found
+        return self._bracketed_spin(self._ring, 0.0, "ring with friction")
 
     def held(self, theta: float, direction: float, contact: Contact) -> tuple[float, float, float]:
         """Return torque about the contact and forces (normal, tangential) that move the slider without turning it."""
@@ -90,7 +95,8 @@ class ContactSolver:
         torque, _, normal_force, tangential_force, _far = self._stick.at(0.0)
         return torque, normal_force, tangential_force
 
-    def _solve_spin(self, equation: "_RegimeSwitch", omega: float, what: str) -> Stick:
+    def _newton_spin(self, equation: "_RegimeSwitch", omega: float) -> Stick | None:
+        """Newton's method from a guess; None where it does not converge."""
         best = math.inf
         for _ in range(12):
             residual, step, normal_force, tangential_force, _far = equation.at(omega)
@@ -101,7 +107,7 @@ class ContactSolver:
                 break
             best = size
             omega += step
-        return self._bracketed_spin(equation, omega, what)
+        return None
 
     def slide(self, theta: float, contact: Contact, smu: float, guess: tuple[float, float]) -> Slide:
         """Return the sliding solution for a unit approach, from a guess of (omega, tau).
@@ -128,7 +134,10 @@ class ContactSolver:
         return self._slide_bracketed(nearest)
 
     def _bracketed_spin(self, equation: "_RegimeSwitch", omega: float, what: str) -> Stick:
-        """The torque about the contact grows with omega, so that a bracket always closes on the solution."""
+        """The torque about the contact grows with omega, so that a bracket always closes on the solution.
+
+        With a ring's friction it need not, but from zero on it does as a whole.
+        """
 
         def torque(spin: float) -> Values:
             return equation.at(spin)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.errors import ConvergenceError
+from cyclemap.errors import ConvergenceError, TooManySteps
 from cyclemap.mechanics.motion import STICK, Motion
 from cyclemap.mechanics.motion_functions import MARGINS
 from cyclemap.mechanics.runge_kutta import MARGIN, UNKNOWN, C, Step, next_length
@@ -63,7 +63,7 @@ def integrate(
 
     `tolerance` bounds the error estimate of each step (maximum norm). Where a margin breaks, the last step is
     shortened until it is zero to within what changes the state by less than that. Raises ConvergenceError when the
-    steps needed are too many or too short.
+    steps needed are too short, TooManySteps when they are too many.
     """
     steps: list[Step] = []
     done, h, slack = 0.0, first_h, _slack(motion, tolerance)
@@ -71,7 +71,9 @@ def integrate(
     refused = False
     motion.evaluate(state)
     while done < length:
-        if len(steps) > MOST_STEPS or h < 1e-15 * length:
+        if len(steps) > MOST_STEPS:
+            raise _too_many(h, done, length)
+        if h < 1e-15 * length:
             raise ConvergenceError(f"the motion needs steps below {h:.2e} at {done:.6g} of {length:.6g}: state {state}")
         tried = min(h, length - done, longest_h)
         taken = _attempt(motion, state, tried, tolerance, fast=tried > SHORT * length)
@@ -100,6 +102,14 @@ def integrate(
         if length - done <= 1e-14 * length:
             break
     return Phase(tuple(steps), None, h)
+
+
+def _too_many(h: float, done: float, length: float) -> TooManySteps:
+    return TooManySteps(
+        f"the motion turns so abruptly towards its steady course that it needs more than {MOST_STEPS} steps, now of "
+        f"{h:.2e} at {done:.6g} of {length:.6g} extents: ask for a shorter way or less accuracy, or take a friction "
+        "law nearer to isotropic, a footprint that leans less, or a thicker outline"
+    )
 
 
 def _attempt(motion: Motion, state: NDArray[np.float64], h: float, tolerance: float, fast: bool = False) -> Step | None:

@@ -35,6 +35,8 @@ LEFT_OVER, LEFT_AT_POINTS = 0.05, 0.1
 NEAR_LIMIT, FAR_LIMIT = 14.0 / 8.0, 5.5 / 8.0
 # ... and it is so after having been made again this often, from what it found before.
 AGAIN = 3
+# Spins in the ring (rad per extent of rod travel) against the sense of its friction that count as none.
+TURNS_BACK = 1e-3
 
 _KEPT = (math.inf,) * len(MARGINS)
 

@@ -34,34 +34,25 @@ def even_means(rim: Rim) -> Means:
     return Means(speed, rim.normal.T @ rim.length, rim.unit.T @ rim.normal)
 
 
-def linear_means(rim: Rim, constant: Expression, slope: Expression) -> Means:
-    """Return the integrals with weight constant + slope . w."""
+def linear_curvature(rim: Rim, constant: Expression, slope: Expression) -> Expression:
+    """Return the integral (2, 2) of the Hessian with weight constant + slope . w."""
     even = even_means(rim)
-    weighted_length = rim.first @ slope
-    speed = constant * even.speed + ca.dot(rim.distance, weighted_length) / 4
-    direction = constant * even.direction + rim.normal.T @ weighted_length - slope * even.speed
     second = ca.horzcat(rim.second[:, :2] @ slope, rim.second[:, 1:] @ slope)
-    curvature = constant * even.curvature + second.T @ rim.normal - even.direction @ slope.T
-    return Means(speed, direction, curvature)
+    return constant * even.curvature + second.T @ rim.normal - even.direction @ slope.T
 
 
-def quadratic_means(rim: Rim, constant: Expression, slope: Expression, bend: Expression) -> Means:
-    """Return the integrals with weight constant + slope . w + w^T bend w, `bend` (2, 2) being symmetric."""
+def quadratic_curvature(rim: Rim, constant: Expression, slope: Expression, bend: Expression) -> Expression:
+    """Return the same with weight constant + slope . w + w^T bend w, `bend` (2, 2) being symmetric."""
     even = even_means(rim)
-    first = rim.first.T @ rim.distance / 4
     outer = rim.normal.T @ rim.first - even.speed * ca.DM.eye(2)
-    # The weight along a piece, by powers of t: its linear and its quadratic part.
-    linear = rim.foot @ slope, rim.tangent @ slope
+    # The weight along a piece, by powers of t.
     bent_foot, bent_tangent = rim.foot @ bend, rim.tangent @ bend
-    bent = _rows(bent_foot, rim.foot), 2 * _rows(bent_foot, rim.tangent), _rows(bent_tangent, rim.tangent)
-    l0, l1, l2 = ca.horzsplit(rim.lengths)
-    weighted = constant * l0, linear[0] * l0 + linear[1] * l1, bent[0] * l0 + bent[1] * l1 + bent[2] * l2
-    speed = ca.dot(rim.distance, weighted[0] / 3 + weighted[1] / 4 + weighted[2] / 5)
-    whole = weighted[0] + weighted[1] + weighted[2]
-    direction = rim.normal.T @ whole - slope * even.speed - 2 * bend @ first
-    powers = constant + linear[0] + bent[0], linear[1] + bent[1], bent[2]
-    curvature = _weighted_unit(rim, powers).T @ rim.normal - even.direction @ slope.T - 2 * outer @ bend
-    return Means(speed, direction, curvature)
+    powers = (
+        constant + rim.foot @ slope + _rows(bent_foot, rim.foot),
+        rim.tangent @ slope + 2 * _rows(bent_foot, rim.tangent),
+        _rows(bent_tangent, rim.tangent),
+    )
+    return _weighted_unit(rim, powers).T @ rim.normal - even.direction @ slope.T - 2 * outer @ bend
 
 
 def _weighted_unit(rim: Rim, powers: tuple[Expression, ...]) -> Expression:

@@ -13,17 +13,18 @@ from cyclemap.mechanics.compiled.recorded_strokes import recorded_leg, recorded_
 from cyclemap.mechanics.compiled.stroke_library import StrokeKind
 from cyclemap.mechanics.contact_curve import OutlinePiece, RingPiece, contact_curve, side_coordinate
 from cyclemap.mechanics.contact_solver import ContactSolver
-from cyclemap.mechanics.event_integration import FIRST_DRAG_STEP, NO_LEG, integrate
+from cyclemap.mechanics.event_integration import NO_LEG
 from cyclemap.mechanics.first_touch import first_touch, overlaps
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.handling import DragLeg, DragResult, PushResult
 from cyclemap.mechanics.limit_surface import normalised
-from cyclemap.mechanics.motion import Motion, Rod, ring_mode
+from cyclemap.mechanics.motion import Rod
 from cyclemap.mechanics.outline import Ellipse, Outline
 from cyclemap.mechanics.protocol import Pose, SidePush, WorldPush
-from cyclemap.mechanics.push_run import PushRun, PushStart, RunPhase, run_push
+from cyclemap.mechanics.push_run import PushRun, PushStart, run_push
 from cyclemap.mechanics.pusher import Pusher
+from cyclemap.mechanics.ring_leg import has_one_spin, run_leg
 from cyclemap.mechanics.slider import Slider
 from cyclemap.mechanics.trajectory import Frame
 
@@ -139,8 +140,11 @@ class QuasiStaticModel:
         `pin_friction_radius` (m): radius rho of the friction circle of the rod in the ring. With F = dD/dv the rod's
         force, the spin omega solves dD/domega = -sign(omega) rho |F| about the ring; where even omega = 0 asks for less
         torque, the object does not turn. The left side grows with omega, and so does the difference of both sides while
-        rho is below half the ring's lever from the centre of pressure (tests/mechanics/test_ring_friction.py): then
-        there is one spin. Raises ConvergenceError where none is found.
+        rho is below half the ring's lever from the centre of pressure and the friction ellipse's centre within 60 % of
+        its smaller axis (tests/mechanics/test_ring_friction.py): then there is one spin. From the whole lever on the
+        ring always holds the object, since friction in translation acts at the centre of pressure. In between, and on
+        laws more one-sided, there is a spin wherever the ring does not hold the object, but it may end on the way, at
+        an orientation where the ring does: raises UnsupportedContact there.
         """
         radius = non_negative_number("pin friction radius", pin_friction_radius) / self.unit
         legs, now = [], pose
@@ -167,7 +171,17 @@ class QuasiStaticModel:
         piece = RingPiece((self.slider.hitch[0] / self.unit, self.slider.hitch[1] / self.unit))
         rod = Rod(0.0, friction_radius, math.atan2(dy, dx))
         given = (self.solver, piece, pose.theta, rod, length, self.step_tolerance, longest_step / self.unit)
-        return DragLeg(recorded_leg(self.stroke_kind, *given) or _run_leg(*given), Frame(self.unit, ring, self.weight))
+        leg = recorded_leg(self.stroke_kind, *given) if self.one_spin(friction_radius * self.unit) else None
+        return DragLeg(leg or run_leg(*given), Frame(self.unit, ring, self.weight))
+
+    def one_spin(self, pin_friction_radius: float) -> bool:
+        """Whether a friction circle of the ring (m) leaves no choice of spins, as `has_one_spin` tells."""
+        return has_one_spin(pin_friction_radius, self.ring_lever)
+
+    @property
+    def ring_lever(self) -> float:
+        """Distance of the ring from the centre of pressure, m."""
+        return math.dist(self.slider.hitch, self.pressure.centre)
 
     def start(self, pose: Pose, push: SidePush | WorldPush) -> tuple[PushStart, float, tuple[float, float], float]:
         """Return start state, direction (world), the rod's place at first touch (m) and the travel left (units)."""
@@ -234,13 +248,6 @@ _under = lru_cache(maxsize=256)(PatchFootprint.under)
 @lru_cache(maxsize=256)
 def _scaled(outline: Outline, factor: float) -> Outline:
     return outline.scaled(factor)
-
-
-def _run_leg(
-    solver: ContactSolver, piece: RingPiece, theta: float, rod: Rod, length: float, tolerance: float, longest: float
-) -> RunPhase:
-    motion, state = Motion(solver, piece, ring_mode(solver, theta, piece, rod), rod), np.array((theta, 0.0))
-    return RunPhase(motion, state, integrate(motion, state, length, tolerance, FIRST_DRAG_STEP, longest))
 
 
 def _pose_from_ring(ring: tuple[float, float], theta: float, hitch: tuple[float, float]) -> Pose:

@@ -10,7 +10,7 @@ import numpy as np
 # Scalars or matrices: SX for closed forms, MX for sums over many nodes.
 Expression: TypeAlias = ca.SX | ca.MX
 
-# Keeps asinh(t / |d|) finite where the centre of rotation lies on a side's line; d^2 asinh is then zero to rounding.
+# Keeps logarithms finite where the centre of rotation lies on a side; d times them is then zero to rounding.
 _TINY = 1e-60
 
 # Gauss points on each of an ellipse's two arcs, and the least half-width of the strip (rad) that they resolve.
@@ -25,7 +25,7 @@ class Rim:
 
     `normal` (k, 2): n; `distance` (k, 1): d = w . n, constant on a piece; then integrals along the piece: `length`
     (k, 1) of |w|, `unit` (k, 2) of w/|w|, `first` (k, 2) of w |w|, `second` (k, 3) of (x x, x y, y y)/|w|, w = (x, y).
-    On a piece w = foot + t tangent, (k, 2) each; `lengths` (k, 3): integrals of t^i |w|, `inverses` (k, 4): of t^i/|w|.
+    On a piece w = foot + t tangent, (k, 2) each; `inverses` (k, 4): integrals of t^i/|w|.
     A piece may also be a quadrature node, with its weight in the normal; it has no tangent.
     """
 
@@ -37,7 +37,6 @@ class Rim:
     second: Expression
     foot: Expression
     tangent: Expression
-    lengths: Expression
     inverses: Expression
 
 
@@ -53,12 +52,17 @@ def polygon_rim(x: Expression, y: Expression) -> Rim:
     start, end = x * tx + y * ty, x[following] * tx + y[following] * ty
     radius = ca.sqrt(x * x + y * y)
     s0, s1 = radius, radius[following]
-    away = 1 / ca.sqrt(d * d + _TINY)
-    angle = ca.asinh(end * away) - ca.asinh(start * away)
-    # Integrals along the side: of t^2/s, of s, of t s, with s = sqrt(d^2 + t^2).
-    ts = end * s1 - start * s0
+    total, between = s0 + s1, start + end
+    # s0 + start and s1 - end, whose sum is total - size: neither cancels where the origin is beside the side.
+    before, after = ca.fabs(start), ca.fabs(end)
+    spare = d * d * (1 / (s0 + before + _TINY) + 1 / (s1 + after + _TINY)) + (start + before) + (after - end)
+    # Integrals along the side of 1/s, t/s, s, t^2/s and t s, with s = sqrt(d^2 + t^2), that keep their digits where it
+    # is far; differences of end and start would not.
+    angle = ca.log1p(2 * size / (spare + _TINY))
+    rise = size * between / total
+    ts = (size * total + rise * between) / 2
     length, moment = (ts + d * d * angle) / 2, (ts - d * d * angle) / 2
-    rise, cube = s1 - s0, (s1**3 - s0**3) / 3
+    cube = rise * (s0 * s0 + s0 * s1 + s1 * s1) / 3
     da = d * angle
     unit = ca.horzcat(da * nx + rise * tx, da * ny + rise * ty)
     first = ca.horzcat(d * length * nx + cube * tx, d * length * ny + cube * ty)
@@ -68,31 +72,34 @@ def polygon_rim(x: Expression, y: Expression) -> Rim:
         dda * nx * ny + dr * (nx * ty + tx * ny) + moment * tx * ty,
         dda * ny * ny + 2 * dr * ny * ty + moment * ty * ty,
     )
-    # Integrals of t^2 s and t^3/s by parts.
-    lengths = ca.horzcat(length, cube, (end * s1**3 - start * s0**3 - d * d * length) / 4)
+    # The integral of t^3/s by parts.
     inverses = ca.horzcat(angle, rise, moment, cube - d * dr)
     normal, tangent = ca.horzcat(nx, ny), ca.horzcat(tx, ty)
-    return Rim(normal, d, length, unit, first, second, ca.horzcat(d * nx, d * ny), tangent, lengths, inverses)
+    return Rim(normal, d, length, unit, first, second, ca.horzcat(d * nx, d * ny), tangent, inverses)
 
 
-def ellipse_rim(
+def ellipse_nodes(
     centre: Expression, cosine: Expression, sine: Expression
-) -> tuple[Rim, tuple[tuple[Expression, Expression], ...]]:
-    """Return the rim w = centre + cosine cos(tau) + sine sin(tau), as nodes graded towards the origin.
+) -> tuple[Expression, Expression, tuple[Expression, Expression]]:
+    """Return nodes tau and weights around the rim w = centre + cosine cos(tau) + sine sin(tau), and what is frozen.
 
     |w| is singular at the two complex tau where w, as a complex number, vanishes: z = exp(i tau) solves
     p z^2 + c z + q = 0. Each half of the circle is integrated by Gauss's rule in x, tau = alpha + delta sinh(x), with
     alpha the real part of its own singularity and delta the imaginary one (the sinh transformation of Johnston &
-    Elliott 2005). The four numbers are returned as frozen symbols with their expressions.
+    Elliott 2005). The four numbers are frozen: the nodes hold a symbol for them, which is returned with its expression.
     """
     symbols = type(centre).sym("singularity", 4)
-    singularities = _ellipse_singularities(centre, cosine, sine)
     tau, weight = _graded_nodes(symbols)
+    return tau, weight, (symbols, _ellipse_singularities(centre, cosine, sine))
+
+
+def ellipse_rim(centre: Expression, cosine: Expression, sine: Expression, tau: Expression, weight: Expression) -> Rim:
+    """Return the rim w = centre + cosine cos(tau) + sine sin(tau), as nodes with their weights."""
     c, s = ca.cos(tau), ca.sin(tau)
     x, y = centre[0] + cosine[0] * c + sine[0] * s, centre[1] + cosine[1] * c + sine[1] * s
     nx, ny = weight * (sine[1] * c - cosine[1] * s), -weight * (sine[0] * c - cosine[0] * s)
     length = ca.sqrt(x * x + y * y + _TINY)
-    rim = Rim(
+    return Rim(
         ca.horzcat(nx, ny),
         x * nx + y * ny,
         length,
@@ -101,10 +108,8 @@ def ellipse_rim(
         ca.horzcat(x * x / length, x * y / length, y * y / length),
         ca.horzcat(x, y),
         type(centre)(_NODES, 2),
-        ca.horzcat(length, type(centre)(_NODES, 2)),
         ca.horzcat(1 / length, type(centre)(_NODES, 3)),
     )
-    return rim, ((symbols, singularities),)
 
 
 def _graded_nodes(singularity: Expression) -> tuple[Expression, Expression]:

@@ -15,7 +15,7 @@ from cyclemap.mechanics import (
     SidePush,
     Slider,
 )
-from cyclemap.mechanics.runge_kutta import SLOPE, STATE, UNKNOWN
+from cyclemap.mechanics.runge_kutta import MARGIN, SLOPE, STATE, UNKNOWN
 
 # Below this speed (per unit of rod travel) the twist's own direction has too few digits to be checked.
 SLOWEST = 1e-4
@@ -93,6 +93,10 @@ def _twist(model, motion, row):
     contact, metric = motion.piece.contact(float(coordinate), motion.rod.radius)
     off = motion.rod.direction - theta
     velocity = np.array((math.cos(off), math.sin(off)))
+    if motion.slides and row[MARGIN][0] < 0.0:
+        # A rod that leaves lands there to within the event's slack, on either side: its force belongs to the twist
+        # that vanishes there, from before.
+        omega, rate, velocity = -omega, -rate, -velocity
     place, travel = np.array((contact.x, contact.y)), 0.0
     if not motion.in_ring:
         n = np.array((math.cos(contact.normal), math.sin(contact.normal)))

@@ -39,17 +39,21 @@ def saddle(outline, warp):
     return Pressure(constant, (gx, gy), bend)
 
 
-def by_quadrature(footprint, law, twist, frame):
-    """D, its gradient and Hessian: even part, rim's part, lean and saddles, each over its own region."""
+def parts_of(footprint):
+    """Factor, region and pressure of the means that make up a footprint: even part and lean, rim's part and saddles."""
     outline, w, q = footprint.outline, footprint.rim_share, saddle(footprint.outline, footprint.warp)
     frame_of_share = Pressure(w + q.constant, q.gradient, q.bend)
-    parts = (
+    return (
         (1.0, outline, Pressure(1.0 - w, footprint.gradient)),
         (1.0 / (1.0 - INNER**2), outline, frame_of_share),
         (-(INNER**2) / (1.0 - INNER**2), inner_of(outline), frame_of_share),
     )
+
+
+def by_quadrature(footprint, law, twist, frame):
+    """D, its gradient and Hessian, each part over its own region."""
     terms = [
         [factor * part for part in under_pressure(region, law, twist, frame, pressure)]
-        for factor, region, pressure in parts
+        for factor, region, pressure in parts_of(footprint)
     ]
     return [sum(term[i] for term in terms) for i in range(3)]

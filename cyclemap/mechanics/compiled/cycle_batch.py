@@ -115,7 +115,7 @@ def _packed(loop: PushAndReset) -> _PackedLoop | None:
     """The loop as C reads it; None where only Python can run it."""
     model, law = loop.model, loop.model.friction
     kind, unit = model.stroke_kind, model.unit
-    if kind is None:
+    if kind is None or not model.one_spin(loop.reset.pin_friction_radius):
         return None
     start, direction, _, length = model.start(Pose(), loop.push)
     hitch = model.slider.hitch

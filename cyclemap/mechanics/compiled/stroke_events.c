@@ -202,7 +202,8 @@ static int ring_mode(const Motion *m, const double *state, double friction) {
 static int run_leg(Run *r, Motion *m, double *state, double length, double *travel, Step *last) {
     double h = FIRST_DRAG_STEP, friction = r->parameters[2];
     if (friction > 0.0) *m = motion_of(r, ring_mode(m, state, friction), 0, 0.0, 0.0);
-    return m->mode != RING_STUCK && run_phase(r, m, state, length, &h, travel, last) == NOTHING ? 0 : DECLINED;
+    if (m->mode == RING_STUCK || run_phase(r, m, state, length, &h, travel, last) != NOTHING) return DECLINED;
+    return SIGN[m->mode] * m->z[0] < -TURNS_BACK ? DECLINED : 0;
 }
 
 /* Runs `count` strokes, rows of STROKE_COLUMNS, into rows of RESULT_COLUMNS; `record` (may be null) of the last one. */

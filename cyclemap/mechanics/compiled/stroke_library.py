@@ -184,6 +184,7 @@ def _constants(stroke: StrokeKind) -> dict[str, object]:
         **{name: getattr(phase_variation, name) for name in ("STILL", "MIDDLE")},
         "FOUND": contact_solver.FOUND,
         "ACCEPTED": contact_solver.ACCEPTED,
+        "TURNS_BACK": motion.TURNS_BACK,
         **{name: getattr(method, name) for name in ("ORDER", "SAFETY", "SHRINK", "GROW", "LEAST_SHARE")},
         **{name: getattr(events, name) for name in ("SLACK_SHARE", "STRICT_SHARE", "DIP", "LEAST_ADVANCE", "STUCK")},
         **{name: getattr(events, name) for name in ("SHORT", "MOST_STEPS", "FIRST_PUSH_STEP", "FIRST_DRAG_STEP")},
