@@ -18,8 +18,9 @@ from cyclemap.mechanics import Material
 Array = NDArray[np.float64]
 
 _FRICTION = ("mu_a", "mu_b", "m0", "n0", "phi")
-# Step of the differences that give second derivatives, in offset and ellipticity: gradients are good to about 1e-8.
-STEP = 0.002
+# Step of the differences that give second derivatives, in offset and ellipticity, and the accuracy (rad) of the cycles:
+# their gradients are then good to about 1e-8.
+STEP, _ACCURACY = 0.002, 1e-10
 # The mean radius of the ellipses that are run: no turn depends on it.
 _MEAN = 0.25
 # Usual surfaces: their offset and ellipticity, and how many of them are run.
@@ -175,6 +176,7 @@ def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None =
             "orientation on any surface and has no fingerprint; leave way_points_mm out"
         )
     report: Callable[[float], Any] = progress or (lambda fraction: None)
+    loop = replace(loop, accuracy=min(loop.accuracy, _ACCURACY))
     isotropic = with_anisotropy(loop, Anisotropy.of_components(np.zeros(4))).cycle(0.0)
     gradients = _gradients(loop, np.zeros(4))
     report(0.1)
