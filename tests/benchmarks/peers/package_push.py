@@ -63,7 +63,7 @@ ENGINE = Simulator(
     cyclemap.__version__,
     EnginePush,
     # The coarsest of 1e-2, 1e-3, ... at which no corner of the object ends more than 10 µm off.
-    chosen={CORNERS: EngineSettings(1e-3), GRID: EngineSettings(1e-3)},
+    chosen={CORNERS: EngineSettings(1e-2), GRID: EngineSettings(1e-2)},
     finer=lambda settings: replace(settings, accuracy=1e-3 * settings.accuracy),
     searched={"accuracy": (1e-8, 1e-2)},
 )
