@@ -63,22 +63,16 @@ def variation_function(
 ) -> ca.Function:
     """Build (once) the derivatives of a motion's slope, its unknowns being solved for.
 
-    (state, unknowns, parameters) -> derivatives by the state and by the `wanted` ones of PARAMETERS, by columns; what
-    the unknowns do along the motion; what a Newton iteration corrects of them, the most; far.
+    (state, unknowns, parameters) -> derivatives by the state and by the `wanted` ones of PARAMETERS, by columns; what a
+    Newton iteration corrects of the unknowns, the most; far.
     """
     solver = _contact_functions(pressure, mode, near).solver
     count = solver.size1_in(0)
     s, u, q = _symbols(count)
     explicit, by_unknowns = rate_slopes(kind, mode, wanted)(s, u, q)
-    toward = _solution_slope(pressure, kind, mode, near, wanted)(s, u, q)
+    total = explicit + by_unknowns @ _solution_slope(pressure, kind, mode, near, wanted)(s, u, q)
     found = solver(u, arguments_function(kind)(s, q))
-    slope, _ = rate_function(kind, mode)(s, u, found[-3:-1], q)
-    outputs = (
-        ca.vec(explicit + by_unknowns @ toward),
-        toward[:, :2] @ slope,
-        _largest(found[count : 2 * count]),
-        found[-1],
-    )
+    outputs = (ca.vec(total), _largest(found[count : 2 * count]), found[-1])
     return _unrolled(ca.Function("variation", [s, u, q], [ca.vertcat(*outputs)]), solver)
 
 

@@ -1,6 +1,6 @@
 """How the end of a phase varies with its start and its parameters: its variational equation, step by step."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from cyclemap.mechanics.motion_functions import PARAMETERS, variation_function
 from cyclemap.mechanics.patch_integrals import far_ratio
 from cyclemap.mechanics.pressure_family import PressureFamily
 from cyclemap.mechanics.push_run import RunPhase
-from cyclemap.mechanics.runge_kutta import SLOPE, STATE, UNKNOWN
+from cyclemap.mechanics.runge_kutta import MIDDLE_STATE, MIDDLE_VALUE, SLOPE, STATE, UNKNOWN
 
 Array = NDArray[np.float64]
 
@@ -26,22 +26,6 @@ _SMU, _RIM_SHARE = PARAMETERS.index("smu"), PARAMETERS.index("rim_share")
 _WARP = (PARAMETERS.index("warp_a"), PARAMETERS.index("warp_b"))
 
 
-@dataclass(frozen=True, eq=False)
-class _Nodes:
-    """Places of a motion: rows (n, 9 + u) as in a step, derivatives (n, 2, 2 + w) of their slopes by state and wanted
-    parameters, what the unknowns do along the motion (n, u), and what a Newton iteration corrects of them (n,)."""
-
-    rows: Array
-    jacobians: Array
-    drift: Array
-    correction: Array
-
-    @property
-    def bend(self) -> Array:
-        """What the slope does along the motion, (n, 2)."""
-        return np.asarray(np.einsum("nij,nj->ni", self.jacobians[:, :, :2], self.rows[:, SLOPE]))
-
-
 def vary_phase(run_phase: RunPhase, start: Array, parameters: Array) -> Array:
     """Return the variation (2, k) of the state at the end of a phase.
 
@@ -51,13 +35,22 @@ def vary_phase(run_phase: RunPhase, start: Array, parameters: Array) -> Array:
     The variational equation is solved by Lobatto's method of order 4 from the ends and the middles of the steps.
     """
     motion, steps = run_phase.motion, run_phase.phase.steps
-    lengths = np.array([taken.h for taken in steps])
+    lengths, stages = np.array([taken.h for taken in steps]), np.array([taken.stages for taken in steps])
     wanted = np.flatnonzero(np.any(parameters != 0.0, axis=1))
-    ends = _nodes(motion, np.array([steps[0].stages[0], *(taken.stages[-1] for taken in steps)]), wanted)
+    rows = np.concatenate([stages[:1, 0], stages[:, -1], _middles(stages, lengths)])
+    jacobians = _slope_jacobians(motion, rows, wanted)
     varied = start
-    for tangent in _step_tangents(ends.jacobians, _middles(motion, ends, lengths, wanted).jacobians, lengths):
+    for tangent in _step_tangents(jacobians[: len(steps) + 1], jacobians[len(steps) + 1 :], lengths):
         varied = tangent[:, :2] @ varied + tangent[:, 2:] @ parameters[wanted]
     return varied
+
+
+def _middles(stages: Array, lengths: Array) -> Array:
+    """The middles (n, 9 + u) of steps with stages (n, 11, 9 + u), as far as they are known: states and unknowns."""
+    rows = np.zeros_like(stages[:, 0])
+    rows[:, STATE] = stages[:, 0, STATE] + lengths[:, None] * (MIDDLE_STATE @ stages[..., SLOPE])
+    rows[:, UNKNOWN] = MIDDLE_VALUE @ stages[..., UNKNOWN]
+    return rows
 
 
 def _step_tangents(ends: Array, middles: Array, lengths: Array) -> Array:
@@ -76,18 +69,14 @@ def _step_tangents(ends: Array, middles: Array, lengths: Array) -> Array:
     return np.asarray(np.linalg.solve(implicit, known))
 
 
-def _middles(motion: Motion, ends: _Nodes, lengths: Array, wanted: NDArray[np.intp]) -> _Nodes:
-    """The middles of steps: by polynomials of degree five (states) and three (unknowns) between their ends."""
-    h, rows = lengths[:, None], (ends.rows[:-1] + ends.rows[1:]) / 2.0
-    rows[:, STATE] += h * 5.0 / 32.0 * -np.diff(ends.rows[:, SLOPE], axis=0)
-    rows[:, STATE] += h**2 / 64.0 * (ends.bend[:-1] + ends.bend[1:])
-    rows[:, UNKNOWN] += h / 8.0 * -np.diff(ends.drift, axis=0)
-    nodes = _nodes(motion, rows, wanted)
-    unsolved = np.flatnonzero(~(nodes.correction <= MIDDLE))
+def _slope_jacobians(motion: Motion, rows: Array, wanted: NDArray[np.intp]) -> Array:
+    """Derivatives (n, 2, 2 + w) of the slope by state and wanted parameters; rows that are not solved are, first."""
+    jacobians, correction = _jacobians(motion, rows, wanted)
+    unsolved = np.flatnonzero(~(correction <= MIDDLE))
     if unsolved.size:
-        rows[unsolved] = [_solved(motion, row) for row in rows[unsolved]]
-        nodes.jacobians[unsolved] = _nodes(motion, rows[unsolved], wanted).jacobians
-    return nodes
+        solved = np.array([_solved(motion, row) for row in rows[unsolved]])
+        jacobians[unsolved] = _jacobians(motion, solved, wanted)[0]
+    return jacobians
 
 
 def _solved(motion: Motion, row: Array) -> Array:
@@ -98,22 +87,24 @@ def _solved(motion: Motion, row: Array) -> Array:
     return solved
 
 
-def _nodes(motion: Motion, rows: Array, wanted: NDArray[np.intp]) -> _Nodes:
-    """Places with their derivatives; where a support point hardly moves by differences, the unknowns held."""
+def _jacobians(motion: Motion, rows: Array, wanted: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Derivatives (n, 2, 2 + w) of the slope, and what a Newton iteration corrects of the unknowns (n,).
+
+    Where a support point hardly moves they come from differences.
+    """
     states, unknowns = rows[:, STATE].T, rows[:, UNKNOWN].T
+    values = np.empty((2 * (2 + wanted.size) + 2, len(rows)))
     pressure = _pressure(motion, wanted)
     law = (pressure, motion.piece.kind, _family(motion, wanted))
-    found = np.empty((2 * (2 + wanted.size) + len(unknowns) + 2, len(rows)))
     for near in (True, False):
-        chosen = np.ones(len(rows), bool) if near else ~(found[-1] <= far_ratio(pressure))
+        chosen = np.ones(len(rows), bool) if near else ~(values[-1] <= far_ratio(pressure))
         if chosen.any():
             function = variation_function(*law, near, tuple(wanted.tolist()))
-            found[:, chosen] = np.array(function(states[:, chosen], unknowns[:, chosen], motion.parameters))
-    drift = found[-2 - len(unknowns) : -2].T
-    jacobians = found[: -2 - len(unknowns)].reshape(2 + wanted.size, 2, -1).transpose(2, 1, 0)
+            values[:, chosen] = np.array(function(states[:, chosen], unknowns[:, chosen], motion.parameters))
+    jacobians = values[:-2].reshape(2 + wanted.size, 2, -1).transpose(2, 1, 0)
     for index in _kinked(motion, rows):
-        jacobians[index], drift[index] = _by_differences(motion, rows[index], wanted), 0.0
-    return _Nodes(rows, jacobians, drift, found[-2])
+        jacobians[index] = _by_differences(motion, rows[index], wanted)
+    return jacobians, values[-2]
 
 
 def _pressure(motion: Motion, wanted: NDArray[np.intp]) -> PressureFamily:

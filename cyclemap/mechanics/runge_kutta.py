@@ -63,6 +63,27 @@ def _rough() -> NDArray[np.float64]:
 ROUGH = _rough()
 LEAST_SHARE = 0.3
 
+# Weights (11,) for the middle of a step: of the slopes, for the state there off that at the start; of what depends on
+# the state, for its value there. The least that meet all conditions of order 5 (Hairer, Norsett & Wanner 1993, II.6).
+MIDDLE_STATE: NDArray[np.float64] = np.array(
+    (
+        *(0.035872124140919226, 0.0, 0.0, 0.2927778629723282, 0.15466583111049065, 0.035335738322645936),
+        *(
+            -0.022795887222108478,
+            -0.01598795836457182,
+            -0.002983084893816224,
+            -0.00813462606585775,
+            0.03124999999997027,
+        ),
+    )
+)
+MIDDLE_VALUE: NDArray[np.float64] = np.array(
+    (
+        *(-0.013511819410986205, 0.0, 0.0, 0.02972671393272141, 0.5677895152953676, 0.49678072753427055),
+        *(-0.06264859328084359, -0.09655820701226067, -0.043937232907102934, -0.06514110415106912, 0.18749999999990288),
+    )
+)
+
 # Exponent, safety and bounds of the step-size controller.
 ORDER = 7
 SAFETY, SHRINK, GROW = 0.8, 0.2, 4.0

@@ -9,7 +9,20 @@ import numpy as np
 import pytest
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.mechanics.runge_kutta import ERROR, LEAST_SHARE, ROUGH, STAGES, A, B, C, error_rate, next_length, step
+from cyclemap.mechanics.runge_kutta import (
+    ERROR,
+    LEAST_SHARE,
+    MIDDLE_STATE,
+    MIDDLE_VALUE,
+    ROUGH,
+    STAGES,
+    A,
+    B,
+    C,
+    error_rate,
+    next_length,
+    step,
+)
 
 
 def stages_of(h: float) -> np.ndarray:
@@ -74,6 +87,15 @@ def test_the_weights_meet_all_conditions_of_their_order_and_not_all_of_the_next(
     for nodes in range(1, order + 2):
         missed = [abs(weights @ stage_weights(tree, FULL) - exact / density(tree)) for tree in trees(nodes)]
         assert max(missed) < 1e-14 if nodes <= order else max(missed) > 1e-6
+
+
+def test_the_middle_of_a_step_is_known_to_order_five():
+    """Conditions on trees for the state halfway, and for a value that depends on it: a power of a half less."""
+    for nodes in range(1, 6):
+        for tree in trees(nodes):
+            weights, exact = stage_weights(tree, FULL), 0.5**nodes / density(tree)
+            assert MIDDLE_STATE @ weights == pytest.approx(exact, abs=1e-14)
+            assert MIDDLE_VALUE @ weights == pytest.approx(2.0 * nodes * exact, abs=1e-14)
 
 
 def test_places_are_sums_of_rows():

@@ -30,15 +30,13 @@ typedef struct {
    (state and unknowns); far: the regime, -1 for none yet. */
 typedef struct { int far; double place[4], toward[6], found[7]; } Tangent;
 
-/* A solved place of a motion: how its slope varies, and what slope and unknowns do along the motion. */
-typedef struct { int is_known; double row[ROW], by[6], bend[2], drift[2]; } Node;
-
 typedef struct {
     const Law *law;
     int mode, piece, regime;
     double p[PARAMETERS], z[2];
     Tangent tangent; /* the last one: a step starts where the one before it ended, as does one that was too long */
-    Node reached;    /* the end of the last step, where slopes are asked for */
+    int is_varied;   /* whether the end of a step before is known, with how its slope varies: */
+    double reached[6];
 } Motion;
 
 static const double SIGN[] = {1.0, 1.0, -1.0, 0.0, 0.0, 1.0, -1.0, 0.0};
@@ -54,7 +52,7 @@ static void call(Function *f, const double *a, const double *b, const double *c,
 
 static Motion motion_of(const Run *r, int mode, int piece, double z0, double z1) {
     const double *at = r->pieces + piece * PIECE_COLUMNS;
-    Motion m = {&LAWS[(int)at[KIND]][SLIDE_LEFT <= mode && mode <= SLIDE_FREE], mode, piece, 0, {0}, {z0, z1}, {-1}, {0}};
+    Motion m = {&LAWS[(int)at[KIND]][SLIDE_LEFT <= mode && mode <= SLIDE_FREE], mode, piece, 0, {0}, {z0, z1}, {-1}, 0, {0}};
     memcpy(m.p, r->parameters, 11 * sizeof(double));
     memcpy(m.p + 11, at + GEOMETRY, 7 * sizeof(double));
     m.p[2] *= SIGN[mode];

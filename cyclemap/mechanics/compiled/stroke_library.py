@@ -135,7 +135,7 @@ def _tables(stroke: StrokeKind, functions: dict[str, ca.Function]) -> str:
         ("STAGE_PLACES", event_integration.STAGE_PLACES),
         ("B", runge_kutta.B),
         ("ERROR", runge_kutta.ERROR),
-        ("ROUGH", runge_kutta.ROUGH),
+        *((name, getattr(runge_kutta, name)) for name in ("ROUGH", "MIDDLE_STATE", "MIDDLE_VALUE")),
     ):
         lines.append(f"static const double {name}[] = {_braced(values)};")
     for name, table in (("A", runge_kutta.A), ("BEND", BEND)):
