@@ -26,6 +26,10 @@ ACCEPTED = 1e-10
 Values = list[float]
 
 
+class NoSlip(ConvergenceError):
+    """No slip, however fast, puts the contact's force on the friction cone's edge."""
+
+
 class Stick(NamedTuple):
     """Sticking contact: spin (rad per extent of rod travel), forces per unit load, residual (relative)."""
 
@@ -163,7 +167,10 @@ class ContactSolver:
             value = _beyond_edge(stick.normal_force, stick.tangential_force, smu)
             return [value, math.nan, stick.normal_force, stick.tangential_force, state[0]]
 
-        low, high = _bracket(excess, guess[1], "slip of the sliding contact")
+        try:
+            low, high = _bracket(excess, guess[1], "slip of the sliding contact")
+        except ConvergenceError as cause:
+            raise NoSlip(str(cause)) from cause
         tau, values = _close(excess, low, high, FOUND * self._scale)
         self.arguments[:6] = theta, 0.0, x, y, normal, smu
         return Slide(values[4], tau, values[2], values[3], self._accepted(values[0], "sliding contact"))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.mechanics.contact_curve import STRAIGHT, OutlinePiece, SidePiece
-from cyclemap.mechanics.contact_solver import ContactSolver
+from cyclemap.mechanics.contact_solver import ContactSolver, NoSlip
 from cyclemap.mechanics.event_integration import FIRST_PUSH_STEP, Phase, integrate
 from cyclemap.mechanics.motion import SLIDE_FREE, SLIDE_LEFT, SLIDE_RIGHT, STICK, Motion, Rod
 from cyclemap.mechanics.motion_functions import MARGINS
@@ -62,8 +62,26 @@ def run_push(
     """Push over `length` (extents of rod travel), or until the rod leaves, with a step error of `tolerance`.
 
     Raises InvalidInput if the rod moves away from the outline at the start, UnsupportedContact where it would touch
-    two sides at once, ConvergenceError where the contact cannot be solved.
+    two sides at once, or slide without bound, ConvergenceError where the contact cannot be solved.
     """
+    try:
+        return _run(solver, pieces, start, rod, length, tolerance, longest_step)
+    except NoSlip as cause:
+        raise UnsupportedContact(
+            f"no slip of the rod, however fast, balances the surface's friction at pusher friction {rod.friction:.3g}: "
+            "the friction is too one-sided for this push; choose a lower pusher friction or a smaller offset m0, n0"
+        ) from cause
+
+
+def _run(
+    solver: ContactSolver,
+    pieces: tuple[OutlinePiece, ...],
+    start: PushStart,
+    rod: Rod,
+    length: float,
+    tolerance: float,
+    longest_step: float,
+) -> PushRun:
     index, left, h = start.piece, length, FIRST_PUSH_STEP
     state = np.array((start.theta, start.coordinate))
     motion = _first_motion(solver, pieces[index], rod, state)

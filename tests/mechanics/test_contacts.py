@@ -19,8 +19,10 @@ from cyclemap.mechanics import (
     SidePush,
     Slider,
     WorldPush,
+    grid_footprint,
     load_material,
 )
+from cyclemap.mechanics.contact_curve import Contact
 
 PLYWOOD, RECT = load_material("plywood").friction, Slider.mit("rect1")
 ISOTROPIC = EllipseFriction.isotropic(0.25)
@@ -217,3 +219,20 @@ def test_no_gap_opens_between_a_side_and_its_corner():
             start = (c * x - s * 0.2, s * x + c * 0.2)
             touched += model.push(Pose(theta=theta), WorldPush(start, theta - math.pi / 2, 0.17)).travel > 0.01
     assert touched == 120
+
+
+def test_a_push_that_no_slip_balances_is_refused():
+    """However fast this disc turns about the support point at its centre, the force stays inside the friction cone."""
+    slider = Slider(Ellipse(0.0217, 0.0217), mass=0.9)
+    law = EllipseFriction(0.2442, 0.6212, -0.0650, -0.4432, 4.1806)
+    model = QuasiStaticModel(slider, law, Pusher(0.002, 1.2), grid_footprint(slider.outline, 3))
+    with pytest.raises(UnsupportedContact, match=r"no slip of the rod.* at pusher friction 1\.2: .*choose a lower"):
+        model.push(Pose(theta=4.86), SidePush(0, 0.15385, -0.907, 0.1))
+    contact, theta = Contact(0.6547468, 0.8344499, 0.90548867), 5.58497571
+    for slip in (1e2, 1e4, 1e6):
+        along = theta + contact.normal + math.pi - math.atan(slip)
+        found = model.solver.stick(theta, along, contact, 0.9)
+        assert found.omega == pytest.approx(1.0 / math.hypot(contact.x, contact.y), abs=1.1 / slip)
+        assert math.atan2(found.tangential_force, found.normal_force) < math.atan(1.2) - 0.05
+    low = replace(model, pusher=Pusher(0.002, 1.0))
+    assert low.push(Pose(theta=4.86), SidePush(0, 0.15385, -0.907, 0.1)).travel > 0.0
