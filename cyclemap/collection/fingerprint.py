@@ -155,7 +155,7 @@ class Fingerprint:
 def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None = None) -> Fingerprint:
     """Return the fingerprint of a loop's protocol; its material's friction plays no part.
 
-    By equivariance one orientation is enough. The gradient comes from the exact sensitivities of two isotropic cycles,
+    By equivariance one orientation is enough. The gradient comes from the sensitivities of two isotropic cycles,
     the hessian from central differences of those of twelve nearly isotropic ones, the remainder from sixteen cycles on
     usual surfaces: half a second in all. `progress` is called with the fraction done.
 

@@ -36,9 +36,10 @@ def cycle_jacobian(
 ) -> Array:
     """Return d CYCLE_OUTPUTS / d names, (6, k), of a push from the ring's target and the drag back to it.
 
-    The push is a `SidePush`. Exact to the accuracy of the run, except on trajectories that touch a discontinuity; by
-    the radius of a point rod that comes to a corner it is nan, and by rim share and warp of a footprint that can have
-    none. By the friction of a ring that has none it is one-sided. Raises InvalidInput for an unknown name.
+    The push is a `SidePush`. Mostly good to a hundred times the accuracy of the run, except on trajectories that
+    touch a discontinuity; by the radius of a point rod that comes to a corner it is nan, and by rim share and warp of
+    a footprint that can have none. By the friction of a ring that has none it is one-sided. Raises InvalidInput
+    for an unknown name.
     """
     for name in names:
         if name not in PARAMETER_NAMES:

@@ -30,10 +30,10 @@ _SIGN |= {RING: 0.0, RING_LEFT: 1.0, RING_RIGHT: -1.0, RING_STUCK: 0.0}
 # A fast step counts when what Newton's last correction leaves, about its square, is off by this share of the step's
 # tolerance over its length (support points: when the correction itself is, since their friction is not smooth) ...
 LEFT_OVER, LEFT_AT_POINTS = 0.05, 0.1
-# ... its centres of rotation stay where the regime's integrals have ten digits or more of the Hessian: these shares
+# ... and its centres of rotation stay where the regime's integrals have ten digits or more of the Hessian: these shares
 # of the ratio at which one regime hands over to the other.
 NEAR_LIMIT, FAR_LIMIT = 14.0 / 8.0, 5.5 / 8.0
-# ... and it is so after having been made again this often, from what it found before.
+# A step that does not count yet is made again, this often at most, from the unknowns that it found.
 AGAIN = 3
 # Spins in the ring (rad per extent of rod travel) against the sense of its friction that count as none.
 TURNS_BACK = 1e-3

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 STILL = 1e-7
 _DIFFERENCE = 1e-6
 # Unknowns in the middle of a step that a Newton iteration corrects by more than this are solved first.
-MIDDLE = 1e-5
+UNSOLVED = 1e-5
 
 _SMU, _RIM_SHARE = PARAMETERS.index("smu"), PARAMETERS.index("rim_share")
 _WARP = (PARAMETERS.index("warp_a"), PARAMETERS.index("warp_b"))
@@ -72,7 +72,7 @@ def _step_tangents(ends: Array, middles: Array, lengths: Array) -> Array:
 def _slope_jacobians(motion: Motion, rows: Array, wanted: NDArray[np.intp]) -> Array:
     """Derivatives (n, 2, 2 + w) of the slope by state and wanted parameters; rows that are not solved are, first."""
     jacobians, correction = _jacobians(motion, rows, wanted)
-    unsolved = np.flatnonzero(~(correction <= MIDDLE))
+    unsolved = np.flatnonzero(~(correction <= UNSOLVED))
     if unsolved.size:
         solved = np.array([_solved(motion, row) for row in rows[unsolved]])
         jacobians[unsolved] = _jacobians(motion, solved, wanted)[0]

@@ -40,8 +40,8 @@ def push_jacobian(model: "QuasiStaticModel", push: PushResult, names: tuple[str,
     """Return d (x, y, theta) / d names, (3, k), of a push's end (m, rad), its start and the rod's path being fixed.
 
     By what belongs to the ring alone it is zero; by rim share and warp of a footprint that can have none it is nan.
-    Exact to the accuracy of the run, except on trajectories that touch a discontinuity. Raises InvalidInput for an
-    unknown name.
+    Mostly good to a hundred times the accuracy of the run, except on trajectories that touch a discontinuity. Raises
+    InvalidInput for an unknown name.
 
     >>> from cyclemap.mechanics import EllipseFriction, Pose, QuasiStaticModel, SidePush, Slider
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))

@@ -93,9 +93,7 @@ class KilledChain:
     def transitions(self, images: Array) -> Array:
         """(m, n): g(θ_j - F(x)) w_j, the chance of going to node j."""
         gap = self.theta - images[:, None]
-        chances = self.noise.line_density(gap) if self.lifted else self.noise.density(gap)
-        chances *= self.weight
-        return chances
+        return (self.noise.line_density(gap) if self.lifted else self.noise.density(gap)) * self.weight
 
     def transition_slopes(self, images: Array) -> Array:
         """(m, n): d/dF of ``transitions``."""

@@ -13,12 +13,12 @@ static void first_crossing(const Step *taken, const double *slack, int *index, d
     *place = INFINITY;
     for (int k = 0; k < MARGINS; ++k) {
         int after = 0;
-        double value[ORDERED], at[ORDERED];
-        for (int i = 0; i < ORDERED; ++i) {
+        double value[PLACE_COUNT], at[PLACE_COUNT];
+        for (int i = 0; i < PLACE_COUNT; ++i) {
             value[i] = taken->rows[STAGE_ORDER[i]][MARGIN + k] / slack[k];
             at[i] = STAGE_PLACES[i] * taken->h;
         }
-        if (!(value[ORDERED - 1] < -1.0)) continue;
+        if (!(value[PLACE_COUNT - 1] < -1.0)) continue;
         while (!(value[after] < -1.0)) ++after;
         if (after == 0) after = 1;
         double a = fmax(value[after - 1], 0.0), b = value[after], width = at[after] - at[after - 1];
@@ -220,7 +220,8 @@ void run_strokes(const double *pieces, long piece_count, const double *strokes, 
         Motion m = motion_of(&r, ring ? RING : STICK, piece, 0.0, 0.0);
         int ended = (ring ? run_leg : run_push)(&r, &m, state, stroke[AT_LENGTH], &travel, &last);
         const double *end = last.rows[STAGES];
-        const double values[] = {ended != DECLINED && isfinite(state[0]), state[0], state[1], m.piece, travel, ended, r.varied[0], r.varied[1],
+        int done = ended != DECLINED && isfinite(state[0]);
+        const double values[] = {done, state[0], state[1], m.piece, travel, ended, r.varied[0], r.varied[1],
                                  end[SLOPE], end[SLOPE + 1], record ? record->phases : 0};
         memcpy(result, values, sizeof values);
     }

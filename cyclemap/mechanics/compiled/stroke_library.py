@@ -128,7 +128,7 @@ def _tables(stroke: StrokeKind, functions: dict[str, ca.Function]) -> str:
     )
     lines += [f"#define {name} {value}" for name, value in _constants(stroke).items()]
     order = event_integration.STAGE_ORDER
-    lines.append(f"enum {{ ORDERED = {len(order)} }};")
+    lines.append(f"enum {{ PLACE_COUNT = {len(order)} }};")
     lines.append(f"static const int STAGE_ORDER[] = {_braced(order)}, NEAREST_STAGE[] = {_braced(NEAREST_STAGE)};")
     lines.append(f"static const int ITERATIONS[] = {_braced(ITERATIONS)};")
     for name, values in (
@@ -181,7 +181,7 @@ def _constants(stroke: StrokeKind) -> dict[str, object]:
         "LEFT_OVER": motion.LEFT_OVER,
         "LEFT_AT_POINTS": motion.LEFT_AT_POINTS,
         "AGAIN": motion.AGAIN,
-        **{name: getattr(phase_variation, name) for name in ("STILL", "MIDDLE")},
+        **{name: getattr(phase_variation, name) for name in ("STILL", "UNSOLVED")},
         "FOUND": contact_solver.FOUND,
         "ACCEPTED": contact_solver.ACCEPTED,
         "TURNS_BACK": motion.TURNS_BACK,

@@ -8,7 +8,7 @@ static int slope_jacobian(Run *r, Motion *m, double *row, double *by) {
     if (kinked(m, row)) return 0;
     const double *found = variation(m, row, row + UNKNOWN, by)->found;
     for (int k = 0; k < n; ++k) {
-        if (fabs(found[n + k]) <= MIDDLE) continue;
+        if (fabs(found[n + k]) <= UNSOLVED) continue;
         memcpy(m->z, row + UNKNOWN, n * sizeof(double));
         if (!evaluate(r, m, row, row, report) || kinked(m, row)) return 0;
         variation(m, row, row + UNKNOWN, by);
