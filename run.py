@@ -7,7 +7,8 @@
     python3 run.py docs [SPHINX ...]    build the documentation into docs/_build/html
 
 The packages go into the folder .venv beside this file. It is made on the first run, brought up to date when
-pyproject.toml or Python changes, and repaired when an earlier run was cut short.
+pyproject.toml or Python changes, and repaired when an earlier run was cut short. The compiled engine is built anew
+when its sources change.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import hashlib
 import importlib.util
 import json
 import os
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -24,6 +26,8 @@ ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 STAMP = VENV / "cyclemap-installed.json"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+ENGINE = ROOT / "cyclemap" / "mechanics" / "engine"
+BUILDING = ROOT / "building"
 OLDEST = (3, 11)
 MEND = "its words are above: mend that and run again"
 
@@ -72,6 +76,8 @@ def ensure_installed(testing: bool) -> None:
     stamp = read_stamp()
     fresh = stamp.get("key") == install_key()
     if fresh and (stamp.get("testing") or not testing) and PYTHON.exists():
+        if not (engine_is_built() or build_engine()):
+            raise InstallError(f"the engine could not be built; {MEND}")
         return
     testing = testing or bool(stamp.get("testing"))
     print(f"installing cyclemap into {VENV} ...", file=sys.stderr)
@@ -86,8 +92,9 @@ def ensure_installed(testing: bool) -> None:
 
 
 def install_key() -> str:
-    """What an installation depends on: the project's metadata, the Python, and the place."""
-    parts = ((ROOT / "pyproject.toml").read_bytes(), sys.version.encode(), os.fsencode(ROOT))
+    """What an installation depends on: the project's metadata, how it is built, the Python, and the place."""
+    files = [ROOT / "pyproject.toml", *sorted(BUILDING.glob("*.py"))]
+    parts = (*(path.read_bytes() for path in files), sys.version.encode(), os.fsencode(ROOT))
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 
@@ -125,6 +132,17 @@ def install(testing: bool, afresh: bool = False) -> bool:
     command += ["--editable", f"{ROOT}[test]" if testing else str(ROOT)]
     # Standard output belongs to the command that follows.
     return subprocess.run(command, stdout=sys.stderr, check=False).returncode == 0
+
+
+def engine_is_built() -> bool:
+    """Whether the engine's library is there and made from the sources as they are."""
+    return runpy.run_path(str(ENGINE / "sources.py"))["is_built"](ENGINE)
+
+
+def build_engine() -> bool:
+    """Build the engine's library with what .venv holds, many times faster than an installation; whether that worked."""
+    print("building the engine ...", file=sys.stderr)
+    return subprocess.run([PYTHON, BUILDING / "engine_library.py"], stdout=sys.stderr, check=False).returncode == 0
 
 
 def run_tests(arguments: list[str]) -> int:

@@ -124,7 +124,7 @@ def inverse_residual() -> sp.Expr:
 def divergence_residual(weight: sp.Expr = 1) -> sp.Expr:
     """div(p |w| w) - (3 + k) p |w| for a homogeneous polynomial p(w) of degree k.
 
-    With p = 1: int |w| = 1/3 rim |w| (w.n), and w.n = d on a side. With k = 1 and 2: leaning and warped pressure.
+    With p = 1: int |w| = 1/3 rim |w| (w.n), and w.n = d on a side. With k = 1: leaning pressure.
     """
     speed = sp.sqrt(W_X**2 + W_Y**2)
     degree = sp.Poly(weight, W_X, W_Y).total_degree()

@@ -1,4 +1,4 @@
-"""Limits of the patch's closed form: a centre of rotation on a side, far away, a frame, and a grid of points instead.
+"""Limits of the patch's closed form: a centre of rotation on a side, far away, a rim, and a grid of points instead.
 
 In the notation of `theory.patch_dissipation`. Functions named `..._residual` vanish identically.
 """
@@ -25,6 +25,8 @@ C_MM, C_MN, C_NN = sp.symbols("C_mm C_mn C_nn", real=True)
 EPSILON = sp.Symbol("epsilon", positive=True)
 #: Spacing of a grid of support points, m.
 SPACING = sp.Symbol("h", positive=True)
+#: By which a polygon is scaled.
+SCALE = sp.Symbol("lambda", positive=True)
 
 
 def touching_residual() -> sp.Expr:
@@ -117,9 +119,15 @@ def polygon_area(corners: list[Corner]) -> sp.Expr:
     return sum((d * (t_1 - t_0) / 2 for d, t_0, t_1 in sides(corners)), sp.Integer(0))
 
 
-def frame_mean(outer: list[Corner], inner: list[Corner]) -> sp.Expr:
-    """Return the mean of |w| over a frame, weight near the rim alone: what lies between two polygons."""
-    return (polygon_integral(outer) - polygon_integral(inner)) / (polygon_area(outer) - polygon_area(inner))
+def rim_mean(corners: list[Corner], centre: Corner) -> sp.Expr:
+    """Return the mean of |w| over a rim, all weight on the polygon's sides: the even form's derivative by the scale.
+
+    What a polygon scaled by 1 + epsilon about its centre has more than the polygon is a frame of no width.
+    """
+    x, y = centre
+    scaled = [(x + SCALE * (a - x), y + SCALE * (b - y)) for a, b in corners]
+    weight, area = (sp.diff(form(scaled), SCALE).subs(SCALE, 1) for form in (polygon_integral, polygon_area))
+    return weight / area
 
 
 def midpoint_residual() -> sp.Expr:

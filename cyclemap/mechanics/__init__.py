@@ -19,14 +19,13 @@ if TYPE_CHECKING:
     )
     from cyclemap.mechanics.friction import EllipseFriction
     from cyclemap.mechanics.friction_wear import worn_friction
-    from cyclemap.mechanics.handling import DragResult, PushResult
     from cyclemap.mechanics.limit_surface import LimitSurface
     from cyclemap.mechanics.material import FoundWith, Material, Wear, load_material, material_names
     from cyclemap.mechanics.material_text import material_toml
     from cyclemap.mechanics.outline import Ellipse, Polygon
     from cyclemap.mechanics.protocol import DragBack, Pose, SidePush, WorldPush
     from cyclemap.mechanics.pusher import Pusher
-    from cyclemap.mechanics.quasi_static import QuasiStaticModel
+    from cyclemap.mechanics.quasi_static import DragResult, PushResult, QuasiStaticModel
     from cyclemap.mechanics.slider import MIT_HITCH, MIT_SHAPE_NAMES, Slider
     from cyclemap.mechanics.trajectory import Trajectory
 else:

@@ -9,8 +9,6 @@ from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 
 # Gauss points a direction where the centre of rotation is far: exact to rounding there (tests/mechanics).
 FAR_ORDER = 6
-# The same where quadratic pressure is multiplied.
-WARPED_FAR_ORDER = 8
 
 
 def area_quadrature(outline: Outline, order: int = FAR_ORDER) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

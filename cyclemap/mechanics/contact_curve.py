@@ -2,18 +2,30 @@
 
 Its pieces are straight (rod on a side), arcs about corners (rod on a corner) or the parallel curve of an ellipse. Each
 has a coordinate of its own in which contact point and normal are smooth, and which has no gaps when the radius changes.
+Around a concave outline these pieces cross: only what no other side overlaps is kept, so that pieces end in wedges,
+where the rod touches two places at once, and pockets that the rod fits but cannot enter have loops of their own.
 """
 
 import math
+from bisect import insort
+from collections import defaultdict
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import ClassVar, NamedTuple
+from itertools import pairwise
+from typing import ClassVar, Literal, NamedTuple
 
-from cyclemap.errors import InvalidInput
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 
 # Sides that turn by less than this (rad) go on as one: a vertex on a straight side is no corner.
 STRAIGHT = 1e-9
+# Rounding of a distance, and the least change of the radius that clearly exceeds it, per size of outline and rod.
+_ROUNDING, _NUDGE = 4e-15, 1e-13
+# Radii tried, in nudges: a rod exactly as wide as a notch counts as too wide rather than as fitting.
+_NUDGES = (0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 5.0, -5.0, 7.0, -7.0)
 
 
 class Contact(NamedTuple):
@@ -45,10 +57,6 @@ class SidePiece:
         """Numbers that place the piece, as the motion's functions take them."""
         return (*self.start, *self.direction, self.normal)
 
-    def moved(self, geometry: tuple[float, ...]) -> "SidePiece":
-        """Return the piece with other numbers in `geometry`, padded to five."""
-        return replace(self, start=(geometry[0], geometry[1]), direction=(geometry[2], geometry[3]), normal=geometry[4])
-
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
         x, y = self.start
@@ -72,10 +80,6 @@ class CornerPiece:
     def geometry(self) -> tuple[float, ...]:
         """Numbers that place the piece, as the motion's functions take them."""
         return self.corner
-
-    def moved(self, geometry: tuple[float, ...]) -> "CornerPiece":
-        """Return the piece with other numbers in `geometry`, padded to five."""
-        return replace(self, corner=(geometry[0], geometry[1]))
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
@@ -101,10 +105,6 @@ class EllipsePiece:
         """Numbers that place the piece, as the motion's functions take them."""
         return self.semi_x, self.semi_y
 
-    def moved(self, geometry: tuple[float, ...]) -> "EllipsePiece":
-        """Return the piece with other numbers in `geometry`, padded to five."""
-        return replace(self, semi_x=geometry[0], semi_y=geometry[1])
-
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
         c, s = math.cos(coordinate), math.sin(coordinate)
@@ -118,54 +118,53 @@ class EllipsePiece:
         return self.semi_x * self.semi_y / ((self.semi_x * s) ** 2 + (self.semi_y * c) ** 2)
 
 
-@dataclass(frozen=True)
-class RingPiece:
-    """Rod in the ring: a contact that stays at one point of the slider."""
-
-    hitch: tuple[float, float]
-    low: float = -math.inf
-    high: float = math.inf
-    kind: ClassVar[str] = "ring"
-
-    @property
-    def geometry(self) -> tuple[float, ...]:
-        """Numbers that place the piece, as the motion's functions take them."""
-        return self.hitch
-
-    def moved(self, geometry: tuple[float, ...]) -> "RingPiece":
-        """Return the piece with other numbers in `geometry`, padded to five."""
-        return replace(self, hitch=(geometry[0], geometry[1]))
-
-    def normal_slope(self, coordinate: float) -> float:
-        """Return zero: the normal means nothing."""
-        return 0.0
-
-    def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
-        """Return the contact; its normal means nothing."""
-        return Contact(*self.hitch, 0.0), 1.0
-
-
 OutlinePiece = SidePiece | CornerPiece | EllipsePiece
-Piece = OutlinePiece | RingPiece
+# What joins two pieces: the normal goes on; it jumps at a convex corner (no radius); the rod touches two places.
+Junction = Literal["smooth", "corner", "wedge"]
+
+
+@dataclass(frozen=True)
+class ContactCurve:
+    """The curve of a rod of one radius around one outline: its pieces counter-clockwise, and how they follow.
+
+    `after[i]` and `before[i]` are the pieces at the high and the low end of piece i, `junctions[i]` is what joins i to
+    after[i]. Pieces form closed loops: one around the object, one for each pocket that the rod fits but cannot enter.
+
+    >>> notched = Polygon([(0, 0), (4, 0), (4, 2), (2, 1), (0, 2)])
+    >>> curve = contact_curve(notched, 0.1)
+    >>> wedge = curve.junctions.index("wedge")
+    >>> [curve.pieces[i].side for i in (wedge, curve.after[wedge])]
+    [2, 3]
+    """
+
+    radius: float
+    pieces: tuple[OutlinePiece, ...]
+    after: tuple[int, ...]
+    before: tuple[int, ...]
+    junctions: tuple[Junction, ...]
+
+    def contacts_at_end(self, piece: int) -> tuple[Contact, Contact]:
+        """Return the contacts where a piece ends and the next one begins; in a wedge the rod has both at once."""
+        ends, begins = self.pieces[piece], self.pieces[self.after[piece]]
+        return ends.contact(ends.high, self.radius)[0], begins.contact(begins.low, self.radius)[0]
 
 
 @lru_cache(maxsize=256)
-def contact_curve(outline: Outline, radius: float) -> tuple[OutlinePiece, ...]:
-    """Return the curve's pieces counter-clockwise, starting with side 0; lengths as in the outline and the radius.
+def contact_curve(outline: Outline, radius: float) -> ContactCurve:
+    """Return the curve of a rod's centre; lengths as in the outline and the radius.
 
-    In a concave corner the rod touches both sides before it reaches the vertex; the sides end there. A side too short
-    for the rod to touch has low > high.
+    Its points have the distance `radius` from the outline, to some 1e-13 of the outline's size. What cannot be decided
+    within that (a rod exactly as wide as a notch) comes out as it would for a slightly thicker or thinner rod.
     """
     if isinstance(outline, Ellipse):
-        return (EllipsePiece(outline.semi_x, outline.semi_y),)
-    sides = [_side_piece(outline, side, radius) for side in range(outline.sides)]
-    pieces: list[OutlinePiece] = []
-    for side, following in zip(sides, [*sides[1:], sides[0]], strict=True):
-        pieces.append(side)
-        turn = _turn(side, following)
-        if radius > 0.0 and turn > STRAIGHT:
-            pieces.append(CornerPiece(following.start, side.normal, side.normal + turn))
-    return tuple(pieces)
+        return ContactCurve(radius, (EllipsePiece(outline.semi_x, outline.semi_y),), (0,), (0,), ("smooth",))
+    scale = radius + float(np.abs(outline.array).max())
+    for nudge in _NUDGES:
+        tried = radius + nudge * _NUDGE * scale
+        curve = _trimmed(outline, tried, _ROUNDING * scale) if tried > 0.0 or nudge == 0.0 else None
+        if curve is not None:
+            return replace(curve, radius=radius)
+    raise ConvergenceError(f"the contact curve of a rod of radius {radius} does not close: change the radius slightly")
 
 
 def side_coordinate(
@@ -182,33 +181,185 @@ def side_coordinate(
         raise InvalidInput(f"contact fraction {fraction!r} lies outside the side: it runs from 0 to 1")
     if isinstance(outline, Ellipse):
         return 0, 2.0 * math.pi * fraction
-    index, piece = next((i, p) for i, p in enumerate(pieces) if isinstance(p, SidePiece) and p.side == side)
-    a, b = outline.array[int(side)], outline.array[(int(side) + 1) % outline.sides]
-    coordinate = fraction * math.hypot(*(b - a))
-    if not piece.low <= coordinate <= piece.high:
-        raise InvalidInput(f"the rod cannot touch side {side} at fraction {fraction}: a concave corner is in its way")
-    return index, coordinate
+    coordinate = fraction * _raw_side(outline, int(side)).high
+    for index, piece in enumerate(pieces):
+        if isinstance(piece, SidePiece) and piece.side == side and piece.low <= coordinate <= piece.high:
+            return index, coordinate
+    raise InvalidInput(f"the rod cannot touch side {side} at fraction {fraction}: a concave corner is in its way")
 
 
-def _side_piece(outline: Polygon, side: int, radius: float) -> SidePiece:
+class _Mark(NamedTuple):
+    """A place on an untrimmed piece where the curve may end or begin; both marks of a junction share its key."""
+
+    coordinate: float
+    ends: bool
+    junction: int
+
+
+def _trimmed(outline: Polygon, radius: float, rounding: float) -> ContactCurve | None:
+    """Return the curve, None where rounding leaves some end without its counterpart."""
+    raw, marks, junctions = _untrimmed(outline, radius)
+    trims = radius > 0.0 and not outline.is_convex
+    if trims:
+        for one, other in _near(raw, radius):
+            for at_one, at_other, one_ends in _crossings(raw[one], raw[other], radius, outline.sides):
+                insort(marks[one], _Mark(at_one, one_ends, len(junctions)))
+                insort(marks[other], _Mark(at_other, not one_ends, len(junctions)))
+                junctions.append("wedge")
+    pieces: list[OutlinePiece] = []
+    begun: dict[int, int] = {}
+    ended: dict[int, int] = {}
+    side = 0
+    for whole, on_it in zip(raw, marks, strict=True):
+        # A corner's piece follows that of the side before it.
+        side = whole.side if isinstance(whole, SidePiece) else side
+        spans = [(a, b) for a, b in pairwise(on_it) if b.ends and not a.ends and a.coordinate < b.coordinate]
+        if trims and spans:
+            own = [side] if isinstance(whole, SidePiece) else [side, (side + 1) % outline.sides]
+            middles = [whole.contact((a.coordinate + b.coordinate) / 2.0, radius)[0] for a, b in spans]
+            away = _clearance(outline, own, np.array([middle.rod_centre(radius) for middle in middles]))
+            spans = [span for span, gap in zip(spans, away.tolist(), strict=True) if gap >= radius - rounding]
+        for a, b in spans:
+            begun[a.junction] = ended[b.junction] = len(pieces)
+            pieces.append(replace(whole, low=a.coordinate, high=b.coordinate))
+    if not pieces or begun.keys() != ended.keys():
+        return None
+    key_at_low, key_at_high = ({piece: key for key, piece in at.items()} for at in (begun, ended))
+    order = range(len(pieces))
+    after, before = tuple(begun[key_at_high[i]] for i in order), tuple(ended[key_at_low[i]] for i in order)
+    return ContactCurve(radius, tuple(pieces), after, before, tuple(junctions[key_at_high[i]] for i in order))
+
+
+_RawPiece = SidePiece | CornerPiece
+
+
+def _untrimmed(outline: Polygon, radius: float) -> tuple[list[_RawPiece], list[list[_Mark]], list[Junction]]:
+    """Sides and convex corners in their order, with a mark at each end where the next one follows without crossing."""
+    raw: list[_RawPiece] = []
+    marks: dict[int, list[_Mark]] = defaultdict(list)
+    junctions: list[Junction] = []
+    count = outline.sides
+    sides = [_raw_side(outline, side) for side in range(count)]
+    turns = [_turn(sides[side], sides[(side + 1) % count]) for side in range(count)]
+    for side, turn in zip(sides, turns, strict=True):
+        raw.append(side)
+        if radius > 0.0 and turn > STRAIGHT:
+            raw.append(CornerPiece(sides[(side.side + 1) % count].start, side.normal, side.normal + turn))
+    for index, piece in enumerate(raw):
+        turn = turns[piece.side] if isinstance(piece, SidePiece) else 0.0
+        if radius > 0.0 and turn < -STRAIGHT:
+            continue
+        kind: Junction = "smooth"
+        if radius == 0.0 and abs(turn) > STRAIGHT:
+            kind = "corner" if turn > 0.0 else "wedge"
+        following = (index + 1) % len(raw)
+        marks[index].append(_Mark(piece.high, True, len(junctions)))
+        marks[following].insert(0, _Mark(raw[following].low, False, len(junctions)))
+        junctions.append(kind)
+    return raw, [marks[index] for index in range(len(raw))], junctions
+
+
+def _raw_side(outline: Polygon, side: int) -> SidePiece:
     a, b = outline.array[side], outline.array[(side + 1) % outline.sides]
-    edge = b - a
-    length = math.hypot(*edge)
-    before = a - outline.array[side - 1]
-    after = outline.array[(side + 2) % outline.sides] - b
-    low = radius * _concave_reach(before, edge)
-    high = length - radius * _concave_reach(edge, after)
-    normal = math.atan2(-edge[0], edge[1])
-    return SidePiece(side, (float(a[0]), float(a[1])), (edge[0] / length, edge[1] / length), normal, low, high)
-
-
-def _concave_reach(edge: tuple[float, float], following: tuple[float, float]) -> float:
-    """Tangent of half the angle by which a corner turns right; zero for a convex one."""
-    turn = math.atan2(edge[0] * following[1] - edge[1] * following[0], edge[0] * following[0] + edge[1] * following[1])
-    return math.tan(-turn / 2.0) if turn < 0.0 else 0.0
+    x, y = (b - a).tolist()
+    length = math.hypot(x, y)
+    return SidePiece(side, (float(a[0]), float(a[1])), (x / length, y / length), math.atan2(-x, y), 0.0, length)
 
 
 def _turn(side: SidePiece, following: SidePiece) -> float:
     """Angle from one side's normal to the next one's, in (-pi, pi]."""
     turn = following.normal - side.normal
     return math.pi - (math.pi - turn) % (2.0 * math.pi)
+
+
+def _near(raw: list[_RawPiece], radius: float) -> list[tuple[int, int]]:
+    """Pairs (a, b), a < b, of pieces whose boxes overlap."""
+    spans = np.array([_span(piece, radius) for piece in raw])
+    low, high = spans.min(axis=1), spans.max(axis=1)
+    near = np.all((low[:, None] <= high[None]) & (low[None] <= high[:, None]), axis=-1)
+    return [(int(a), int(b)) for a, b in zip(*np.nonzero(np.triu(near, 1)), strict=True)]
+
+
+def _span(piece: _RawPiece, radius: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    if isinstance(piece, SidePiece):
+        low, high = (piece.contact(at, radius)[0].rod_centre(radius) for at in (piece.low, piece.high))
+        return low, high
+    x, y = piece.corner
+    return (x - radius, y - radius), (x + radius, y + radius)
+
+
+def _clearance(outline: Polygon, own: list[int], places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distance of places (k, 2) from all sides but those that the piece itself belongs to."""
+    edge = np.delete(np.roll(outline.array, -1, axis=0) - outline.array, own, axis=0)
+    a = np.delete(outline.array, own, axis=0)
+    offset = places[:, None] - a
+    share = np.clip((offset * edge).sum(-1) / (edge * edge).sum(-1), 0.0, 1.0)
+    away = offset - share[..., None] * edge
+    return np.asarray(np.hypot(away[..., 0], away[..., 1]).min(axis=1))
+
+
+def _crossings(a: _RawPiece, b: _RawPiece, radius: float, count: int) -> list[tuple[float, float, bool]]:
+    """(coordinate on a, coordinate on b, whether a ends there) of the places where two untrimmed pieces cross.
+
+    With t the direction and n the normal of each, a goes on into what b keeps the rod out of where t_a . n_b < 0; that
+    is n_a x n_b < 0, so that of two pieces that cross one ends and the other begins.
+    """
+    if isinstance(a, SidePiece):
+        if isinstance(b, CornerPiece):
+            found = _side_corner(a, b, radius)
+        elif (b.side - a.side) % count in (1, count - 1):
+            before, after = (a, b) if (b.side - a.side) % count == 1 else (b, a)
+            turn = _turn(before, after)
+            reach = radius * math.tan(-turn / 2.0)
+            ends, begins = before.high - reach, reach
+            found = [(ends, begins, True) if before is a else (begins, ends, False)] if turn < -STRAIGHT else []
+        else:
+            found = _side_side(a, b, radius)
+    elif isinstance(b, SidePiece):
+        found = [(at_a, at_b, not b_ends) for at_b, at_a, b_ends in _side_corner(b, a, radius)]
+    else:
+        found = _corner_corner(a, b, radius)
+    return [one for one in found if a.low <= one[0] <= a.high and b.low <= one[1] <= b.high]
+
+
+def _side_side(a: SidePiece, b: SidePiece, radius: float) -> list[tuple[float, float, bool]]:
+    (ax, ay), (bx, by) = a.direction, b.direction
+    sine = ax * by - ay * bx
+    if abs(sine) < STRAIGHT**2:
+        return []
+    # From the first end of a's line to that of b's; a normal is (y, -x) of its direction (x, y).
+    x, y = b.start[0] - a.start[0] + radius * (by - ay), b.start[1] - a.start[1] - radius * (bx - ax)
+    at_a = (x * by - y * bx) / sine
+    # As the foot of the same point, so that both agree on it however flat the angle.
+    return [(at_a, (at_a * ax - x) * bx + (at_a * ay - y) * by, sine < 0.0)]
+
+
+def _side_corner(side: SidePiece, corner: CornerPiece, radius: float) -> list[tuple[float, float, bool]]:
+    (dx, dy), (x, y) = side.direction, (corner.corner[0] - side.start[0], corner.corner[1] - side.start[1])
+    foot, height = x * dx + y * dy, x * dy - y * dx
+    under = height * (2.0 * radius - height)
+    if under <= 0.0:
+        return []
+    found = []
+    for root in (-math.sqrt(under), math.sqrt(under)):
+        from_corner = root * dx + (radius - height) * dy, root * dy - (radius - height) * dx
+        found.append((foot + root, _angle_on(corner, *from_corner), root < 0.0))
+    return found
+
+
+def _corner_corner(a: CornerPiece, b: CornerPiece, radius: float) -> list[tuple[float, float, bool]]:
+    x, y = (b.corner[0] - a.corner[0]) / 2.0, (b.corner[1] - a.corner[1]) / 2.0
+    half = math.hypot(x, y)
+    if half >= radius:
+        return []
+    root = math.sqrt((radius - half) * (radius + half)) / half
+    found = []
+    for across in (-root, root):
+        px, py = -across * y, across * x
+        found.append((_angle_on(a, x + px, y + py), _angle_on(b, px - x, py - y), across < 0.0))
+    return found
+
+
+def _angle_on(corner: CornerPiece, x: float, y: float) -> float:
+    """Angle of (x, y), by whole turns the first one from the corner's low end on."""
+    return corner.low + (math.atan2(y, x) - corner.low) % (2.0 * math.pi)

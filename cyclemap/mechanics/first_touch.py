@@ -10,8 +10,11 @@ from cyclemap.mechanics.outline import Ellipse, Outline
 
 Touch = tuple[float, int, float]
 
-# Pieces reach this far over their ends, so that rounding leaves no gap where they meet.
-_SEAM = 1e-12
+# Pieces reach this far over their ends, so that rounding leaves no gap where they meet; by the second, per radius, as
+# well, since wedges are no sharper than a curve's rounding, and a rod that is no point keeps inside its curve there.
+_SEAM, _WEDGE_SEAM = 1e-12, 1e-8
+# Travels that differ by less are one touch, which belongs to the piece that it lies on, not over the end of.
+_SAME_TRAVEL = 1e-12
 # A rod this far inside still counts as touching.
 _OVERLAP = 1e-9
 
@@ -21,20 +24,25 @@ def first_touch(
 ) -> Touch | None:
     """Return (travel, piece, coordinate) of the first touch, None if there is none; everything in the slider's frame.
 
-    The rod must not overlap the object at its start.
+    The rod must not overlap the object at its start. Where it touches two pieces at once, in a wedge, one of them is
+    returned, at its end.
     """
     toward = np.array((math.cos(direction), math.sin(direction)))
-    touches: list[Touch] = []
+    seam = _SEAM + _WEDGE_SEAM * radius
+    touches: list[tuple[Touch, float]] = []
     for index, piece in enumerate(pieces):
         for travel, coordinate in _meetings(piece, radius, start, toward):
             contact, _ = piece.contact(coordinate, radius)
             enters = math.cos(contact.normal - direction) < 0.0
             ahead = travel >= -_OVERLAP
-            if ahead and enters and piece.low - _SEAM <= coordinate <= piece.high + _SEAM:
-                touches.append((travel, index, min(max(coordinate, piece.low), piece.high)))
+            beyond = max(piece.low - coordinate, coordinate - piece.high, 0.0)
+            if ahead and enters and beyond <= seam:
+                touches.append(((travel, index, min(max(coordinate, piece.low), piece.high)), beyond))
     if not touches:
         return None
-    travel, index, coordinate = min(touches)
+    first = min(touch[0] for touch, _ in touches)
+    same = [(beyond, touch) for touch, beyond in touches if touch[0] <= first + _SAME_TRAVEL]
+    travel, index, coordinate = min(same)[1]
     return max(travel, 0.0), index, coordinate
 
 

@@ -1,5 +1,6 @@
 """Footprints: how the slider's weight is spread over its underside."""
 
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -9,120 +10,121 @@ from numpy.typing import NDArray
 
 from cyclemap.checks import finite_array, finite_number, point, whole_number
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.mechanics.area_quadrature import FAR_ORDER, WARPED_FAR_ORDER, area_quadrature
+from cyclemap.mechanics.area_quadrature import area_quadrature
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
-from cyclemap.mechanics.warp import Saddle, least_along, saddles
 from cyclemap.text_files import read_csv_table, require_columns
 
-# The outline scaled by this about its centroid is the inner edge of the frame that carries the rim's share.
-RIM_INNER = 0.8
-# Share of the mean pressure by which the pressure of the whole outline rises for each unit of the rim's share, while
-# the inner region loses that of its own area.
-RIM_RISE = RIM_INNER**2 / (1.0 - RIM_INNER**2)
+# The outline scaled by this about its centroid carries the inner share.
+INNER = 0.55
 # Rounding may leave a pressure that vanishes this much below zero.
 _ROUNDING = 1e-12
+_MOST_ASIDE = 99
+# Thinner outlines than this share of their extent lose too many digits to be summed in closed form.
+_THINNEST = 1e-4
 
 
 @dataclass(frozen=True)
 class PatchFootprint:
-    """Pressure over the whole area of an outline, exact, without a grid: even, leaning, more at the rim, or warped.
+    """Pressure of an outline, exact, without a grid, as a sum of parts whose shares of the load add to one.
 
-    With A the outline's area, w its rim share and (a, b) its warp, the pressure per unit load is
-
-        p = (1 - w + (w + a q_a + b q_b) [outside the inner outline] / (1 - RIM_INNER^2) + gradient . x) / A,
-
-    x = r - centroid, the inner outline being the outline scaled by RIM_INNER about its centroid. The saddles q_a and
-    q_b are (x_1^2 - x_2^2)/R^2 and 2 x_1 x_2/R^2, R the outline's extent, less their projections on 1, x_1, x_2 over
-    the frame, so that a warp changes neither load nor centre of pressure: an underside that is not quite flat rests
-    more on one diagonal than on the other. A rigid object on even ground whose
-    centre of mass is not its centroid leans just so that the centre of pressure lies under it (`under`); rim share and
-    warp leave that centre where it is.
+    even, over the whole area: what is left; inner, over the outline scaled by INNER about its centroid; rim, a line
+    load along the outline (per length as far as the side is from the centroid: the derivative of the even form by the
+    scale; on an ellipse alike in the eccentric angle); corners, on the vertices of a polygon alike. Where the centre
+    of pressure is not that of the parts, the even part leans: per unit load its pressure is (share + gradient . x)/A,
+    x = r - centroid. A rigid object on even ground leans just so that the centre of pressure lies under its centre of
+    mass.
 
     Parameters
     ----------
     outline : what touches the ground.
-    gradient : 1/m; the pressure must not be negative anywhere, with rim share and warp and without (InvalidInput).
-    rim_share : share of the load on the frame alone, from -0.5625 (the frame carries nothing) to 1 (it carries all).
-    warp : (a, b), numbers; on a square, b > 0 loads the corners (+, +) and (-, -) more, up to 0.36, a > 0 the sides
-        that face along x, up to 0.72.
+    inner_share, rim_share, corner_share : numbers from 0 to 1, together at most 1 (InvalidInput).
+    centre : centre of pressure, m; None: the centroid. The pressure must not be negative anywhere (InvalidInput).
 
-    >>> PatchFootprint(Ellipse(1.0, 1.0), rim_share=0.5).inner.semi_x
-    0.8
+    >>> PatchFootprint(Ellipse(1.0, 1.0), rim_share=0.25).even_share
+    0.75
     """
 
     outline: Outline
-    gradient: tuple[float, float] = (0.0, 0.0)
+    inner_share: float = 0.0
     rim_share: float = 0.0
-    warp: tuple[float, float] = (0.0, 0.0)
+    corner_share: float = 0.0
+    centre: tuple[float, float] = None  # type: ignore[assignment]  # filled in below
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "gradient", point("pressure gradient", self.gradient))
-        share = finite_number("rim share", self.rim_share)
-        object.__setattr__(self, "rim_share", share)
-        if not -1.0 / RIM_RISE - _ROUNDING <= share <= 1.0:
-            raise InvalidInput(f"rim share {share} leaves a pressure below zero: choose one from -0.5625 to 1")
-        object.__setattr__(self, "warp", point("warp", self.warp))
-        if (share != 0.0 or self.warp != (0.0, 0.0)) and not self.can_have_rim_share:
+        for name in ("inner_share", "rim_share", "corner_share"):
+            object.__setattr__(self, name, finite_number(name.replace("_", " "), getattr(self, name)))
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise InvalidInput(f"{name.replace('_', ' ')} {getattr(self, name)} must lie from 0 to 1")
+        if self.even_share < -_ROUNDING:
             raise InvalidInput(
-                f"rim share {share}, warp {self.warp}: the outline scaled by {RIM_INNER} about its centroid does not "
-                "lie inside this concave outline, so that it has no frame; leave both at 0 or give support points"
+                f"inner share {self.inner_share}, rim share {self.rim_share} and corner share {self.corner_share} "
+                f"add to {1.0 - self.even_share:.6g}: together they may be 1 at most"
             )
-        self._refuse_lifting()
-
-    def _refuse_lifting(self) -> None:
-        rim = self.outline.points(720) - self.outline.centroid
-        lean = float((rim @ self.gradient).min())
-        inside = 1.0 - self.rim_share + RIM_INNER * lean
-        least = min(1.0 + lean, 1.0 + RIM_RISE * self.rim_share + lean, inside)
-        if least >= -_ROUNDING and self.warp != (0.0, 0.0):
-            least = min(least, self._least_on_frame(rim))
-        if least < -_ROUNDING:
+        if self.corner_share != 0.0 and isinstance(self.outline, Ellipse):
+            raise InvalidInput(f"corner share {self.corner_share}: an ellipse has no corners; choose 0")
+        if (self.inner_share != 0.0 or self.rim_share != 0.0) and not self.has_frame:
             raise InvalidInput(
-                f"the pressure gradient {self.gradient} 1/m with rim share {self.rim_share} and warp {self.warp} lifts "
-                f"the outline off the ground (least pressure {least:.3g} of the mean): bring the centre of mass nearer "
-                "to the centroid, choose a smaller warp, or give support points"
+                f"inner share {self.inner_share}, rim share {self.rim_share}: the outline scaled by {INNER} about its "
+                "centroid does not lie inside this concave outline; leave both at 0 or give support points"
+            )
+        if self._thinness < _THINNEST:
+            raise InvalidInput(
+                f"the outline is {self._thinness:.3g} times as thick as it is long: below {_THINNEST} its pressure "
+                "cannot be summed accurately; give support points along a line instead"
+            )
+        centre = self.outline.centroid if self.centre is None else point("centre of pressure", self.centre)
+        object.__setattr__(self, "centre", centre)
+        lift = self.even_share + float((self.outline.points(720) - self.outline.centroid).dot(self.gradient).min())
+        if lift < -_ROUNDING:
+            raise InvalidInput(
+                f"centre of pressure {centre} m with inner share {self.inner_share}, rim share {self.rim_share} and "
+                f"corner share {self.corner_share} lifts the outline off the ground (least pressure {lift:.3g} of the "
+                "mean): bring it nearer to the centroid, leave more of the load even, or give support points"
             )
 
-    def _least_on_frame(self, rim: NDArray[np.float64]) -> float:
-        # A constant, a lean and saddles are harmonic, so that the frame's pressure is least on one of its edges.
-        (a, b), (first, second) = np.array(self.warp) / (1.0 - RIM_INNER**2), self.saddles
-        level = 1.0 + RIM_RISE * self.rim_share + a * first.constant + b * second.constant
-        slope = np.array(self.gradient) + a * first.slope + b * second.slope
-        pressure = Saddle(level, slope, a * first.bend + b * second.bend)
-        return min(least_along(rim, pressure), least_along(RIM_INNER * rim, pressure))
-
-    @classmethod
-    def under(
-        cls,
-        outline: Outline,
-        centre_of_mass: tuple[float, float],
-        rim_share: float = 0.0,
-        warp: tuple[float, float] = (0.0, 0.0),
-    ) -> "PatchFootprint":
-        """Return the footprint whose centre of pressure is the given centre of mass (m)."""
-        lever = np.subtract(centre_of_mass, outline.centroid)
-        if np.hypot(*lever) <= 1e-12 * outline.extent:
-            return cls(outline, rim_share=rim_share, warp=warp)
-        gx, gy = np.linalg.solve(cls(outline).second_moments, lever)
-        return cls(outline, (float(gx), float(gy)), rim_share, warp)
+    @property
+    def even_share(self) -> float:
+        """Share of the load that is spread evenly over the outline."""
+        return 1.0 - self.inner_share - self.rim_share - self.corner_share
 
     @cached_property
-    def inner(self) -> Outline:
-        """The inner edge of the frame."""
-        return self.outline.shrunk(RIM_INNER)
-
-    @cached_property
-    def can_have_rim_share(self) -> bool:
-        """Whether it has a frame, whose inner edge lies inside the outline: always, if that is convex."""
+    def has_frame(self) -> bool:
+        """Whether it can have an inner and a rim share: the scaled outline lies inside; always, if it is convex."""
         if isinstance(self.outline, Ellipse) or self.outline.is_convex:
             return True
-        assert isinstance(self.inner, Polygon)
-        return self.outline.encloses(self.inner)
+        inside = self.outline.shrunk(INNER)
+        arms = side_arms(self.outline)
+        return bool(np.all(arms > 0.0)) and self.outline.encloses(inside)
 
     @cached_property
-    def saddles(self) -> tuple[Saddle, Saddle]:
-        """The saddles q_a and q_b of the lever from the centroid."""
-        return saddles(self.outline, self.inner)
+    def gradient(self) -> tuple[float, float]:
+        """How the pressure of the even part leans, 1/m."""
+        moment = np.subtract(self.centre, self.outline.centroid) - self.corner_share * self._corner_lever
+        if np.hypot(*moment) <= 1e-12 * self.extent:
+            return 0.0, 0.0
+        gx, gy = np.linalg.solve(self.second_moments, moment)
+        return float(gx), float(gy)
+
+    @cached_property
+    def balance(self) -> tuple[float, float]:
+        """Derivative of `gradient` by the corner share, 1/m."""
+        if np.hypot(*self._corner_lever) <= 1e-12 * self.extent:
+            return 0.0, 0.0
+        gx, gy = np.linalg.solve(self.second_moments, -self._corner_lever)
+        return float(gx), float(gy)
+
+    @cached_property
+    def _corner_lever(self) -> NDArray[np.float64]:
+        if isinstance(self.outline, Ellipse):
+            return np.zeros(2)
+        return np.asarray(self.outline.array.mean(axis=0) - self.outline.centroid)
+
+    @cached_property
+    def _thinness(self) -> float:
+        if isinstance(self.outline, Ellipse):
+            return min(self.outline.semi_x, self.outline.semi_y) / self.extent
+        least = np.linalg.eigvalsh(self.second_moments)[0]
+        return float(np.sqrt(12.0 * max(least, 0.0)) / self.extent)
 
     @cached_property
     def second_moments(self) -> NDArray[np.float64]:
@@ -131,53 +133,16 @@ class PatchFootprint:
         lever = points - self.outline.centroid
         return np.asarray(np.einsum("k,ki,kj->ij", weights, lever, lever))
 
-    @cached_property
-    def centre(self) -> tuple[float, float]:
-        """Centre of pressure, m."""
-        x, y = self.outline.centroid + self.second_moments @ self.gradient
-        return float(x), float(y)
-
     @property
     def extent(self) -> float:
         """Largest distance of the outline from its centroid, m."""
         return self.outline.extent
 
-    @cached_property
-    def quadrature(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Points (k, 2), m, and shares of the load (k,), exact for polynomials up to degree 10 on either region."""
-        if self.warp != (0.0, 0.0):
-            points, without, by_share, by_warp = self.warp_quadrature
-            return points, without + self.rim_share * by_share + by_warp @ self.warp
-        if self.rim_share == 0.0:
-            points, weights = area_quadrature(self.outline)
-            return points, weights * self._leaning(points)
-        points, without, by_share = self.rim_quadrature
-        return points, without + self.rim_share * by_share
 
-    @cached_property
-    def rim_quadrature(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Points (k, 2), m, their shares of the load (k,) at rim share zero, and the derivatives of these by it."""
-        points, whole, inner = self._regions(FAR_ORDER)
-        return points, whole * self._leaning(points), RIM_RISE * (whole - inner)
-
-    @cached_property
-    def warp_quadrature(self) -> tuple[NDArray[np.float64], ...]:
-        """Points (k, 2), m, shares of the load (k,) at rim share and warp zero, derivatives (k,) and (k, 2) by both."""
-        points, whole, inner = self._regions(WARPED_FAR_ORDER)
-        frame = (whole - RIM_INNER**2 * inner) / (1.0 - RIM_INNER**2)
-        lever = points - self.outline.centroid
-        saddle = np.stack([mode.at(lever) for mode in self.saddles], axis=-1)
-        return points, whole * self._leaning(points), RIM_RISE * (whole - inner), frame[:, None] * saddle
-
-    def _regions(self, order: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Points (k, 2), and their weights (k,) in the means over the whole outline and over the inner one."""
-        points, weights = area_quadrature(self.outline, order)
-        inside, inner = area_quadrature(self.inner, order)
-        whole, within = np.concatenate([weights, 0.0 * inner]), np.concatenate([0.0 * weights, inner])
-        return np.concatenate([points, inside]), whole, within
-
-    def _leaning(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.asarray(1.0 + (points - self.outline.centroid) @ np.array(self.gradient))
+def side_arms(outline: Polygon) -> NDArray[np.float64]:
+    """Distances (k,) of the sides from the centroid, times the sides' lengths, m^2."""
+    x, y = (outline.array - outline.centroid).T
+    return np.asarray(x * np.roll(y, -1) - y * np.roll(x, -1))
 
 
 @dataclass(frozen=True)
@@ -224,6 +189,10 @@ class PointFootprint:
         """Largest distance of loaded points from the centre of pressure, m."""
         return float(np.hypot(*(self.quadrature[0] - self.centre).T).max())
 
+    def scaled(self, factor: float) -> "PointFootprint":
+        """Return the footprint with every coordinate times `factor`."""
+        return PointFootprint(tuple(map(tuple, (factor * self.quadrature[0]).tolist())), self.weights)
+
 
 Footprint = PatchFootprint | PointFootprint
 
@@ -231,12 +200,13 @@ Footprint = PatchFootprint | PointFootprint
 def grid_footprint(outline: Outline, count: int) -> PointFootprint:
     """Return the paper's footprint: the centres of `count` x `count` cells of the bounding box, where inside, alike.
 
-    Ma & Rodriguez (2018) use count = 8.
+    Ma & Rodriguez (2018) use count = 8. From 2 to 99 (InvalidInput): each point weighs in every step of every push.
 
     >>> len(grid_footprint(Ellipse(1.0, 1.0), 4).positions)
     12
     """
-    count = whole_number("points a side of a grid footprint", count, least=2)
+    if whole_number("points a side of a grid footprint", count, least=2) > _MOST_ASIDE:
+        raise InvalidInput(f"a grid footprint of {count} points a side: the points a side must be below 100")
     corners = outline.points(4)
     low, high = corners.min(axis=0), corners.max(axis=0)
     share = (np.arange(count) + 0.5) / count
@@ -278,7 +248,7 @@ def parse_footprint(text: str, outline: Outline) -> Footprint:
         return PatchFootprint(outline)
     if text == "corners" and isinstance(outline, Polygon):
         return corner_footprint(outline)
-    if text.startswith("grid:") and text[5:].isdecimal():
+    if re.fullmatch(r"grid:[0-9]{1,9}", text):
         return grid_footprint(outline, int(text[5:]))
     if text.endswith(".csv"):
         return load_footprint(text)

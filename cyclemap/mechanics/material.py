@@ -1,25 +1,30 @@
 """Materials: a surface's point friction, with its name, where its numbers come from, and what was found with them."""
 
 import math
+import re
 import tomllib
+import warnings
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 
 from cyclemap.checks import finite_number, positive_number
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.friction_wear import worn_friction
+from cyclemap.plain_text import printable
 from cyclemap.suggestions import unknown_name
 from cyclemap.text_files import read_toml
 
+# Friction coefficients of dry surfaces are below the one; none is known above the other.
+_USUAL_FRICTION, _LARGEST_FRICTION = 2.0, 10.0
 FRICTION_KEYS = ("mu_a", "mu_b", "m0", "n0", "phi_deg")
 _FILE_KEYS = ("name", "provenance", "misfit", "inferred", "friction", "worn", "found_with")
 _FOUND_KEYS = {
     "pusher_mu": "pusher_friction",
+    "inner_share": "inner_share",
     "rim_share": "rim_share",
-    "warp_a": "warp_a",
-    "warp_b": "warp_b",
+    "corner_share": "corner_share",
     "hitch_scale": "hitch_scale",
     "hitch_turn_deg": "hitch_turn",
     "pin_friction_mm": "pin_friction_radius",
@@ -30,18 +35,18 @@ _FOUND_KEYS = {
 class FoundWith:
     """What was identified together with a surface's friction; None where it was not: the loop's own value holds.
 
-    pusher_friction : coefficient of rod and object. rim_share, warp_a, warp_b : how the object's weight rests on its
-    underside, which belong to that object. hitch_scale, hitch_turn : the effective hitch is the nominal one times the
-    scale, turned by the angle (rad). pin_friction_radius : m, of the rod in the ring.
+    pusher_friction : coefficient of rod and object. inner_share, rim_share, corner_share : how the object's weight
+    rests on its underside, which belong to that object. hitch_scale, hitch_turn : the effective hitch is the nominal
+    one times the scale, turned by the angle (rad). pin_friction_radius : m, of the rod in the ring.
     """
 
     pusher_friction: float | None = None
+    inner_share: float | None = None
     rim_share: float | None = None
+    corner_share: float | None = None
     hitch_scale: float | None = None
     hitch_turn: float | None = None
     pin_friction_radius: float | None = None
-    warp_a: float | None = None
-    warp_b: float | None = None
 
 
 @dataclass(frozen=True)
@@ -72,6 +77,23 @@ class Material:
     found_with: FoundWith = FoundWith()
     wear: Wear | None = None
 
+    def __post_init__(self) -> None:
+        if not re.search(r"[^\W_]", self.name) or printable(self.name) != self.name or "\n" in self.name:
+            raise InvalidInput(
+                f"a material's name is {self.name!r}: it names files and is printed, so it needs a letter or a "
+                "digit, and no control characters"
+            )
+        for friction in (self.friction, *([self.wear.friction] if self.wear else [])):
+            largest = max(friction.mu_a, friction.mu_b)
+            if largest > _LARGEST_FRICTION:
+                raise InvalidInput(f"friction of {largest:g} is that of no surface: give a coefficient, not per cent")
+            if largest > _USUAL_FRICTION:
+                warnings.warn(
+                    f"friction of {largest:g} is more than rubber's: is that the coefficient?",
+                    DoubtfulInput,
+                    stacklevel=3,
+                )
+
     def friction_after(self, cycles: float) -> EllipseFriction:
         """Return the friction after a number of cycles, 0 or more; beyond those of `wear` it stays the worn one.
 
@@ -99,8 +121,8 @@ def load_material(name: str | Path) -> Material:
 
     The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and it may hold `name`,
     `provenance`, `misfit`, `inferred` (true or false), a table [worn] with `cycles` and the friction after them, and a
-    table [found_with] of what was identified along with it: pusher_mu, rim_share, warp_a, warp_b, hitch_scale,
-    hitch_turn_deg, pin_friction_mm.
+    table [found_with] of what was identified along with it: pusher_mu, inner_share, rim_share, corner_share,
+    hitch_scale, hitch_turn_deg, pin_friction_mm.
     Raises InvalidInput for an unknown name, DataFileError for a file that is missing or is not such a table.
 
     >>> load_material("plywood").friction.mu_a
@@ -115,18 +137,18 @@ def load_material(name: str | Path) -> Material:
 
 
 def friction_from_degrees(values: dict[str, object]) -> EllipseFriction:
-    """Return the friction law of a table whose angle is `phi_deg`; mu_b, left out, equals mu_a."""
+    """Return the friction law of a table whose angle is `phi_deg`; m0, n0 and phi_deg, left out, are zero."""
     for key in values:
         if key not in FRICTION_KEYS:
             raise unknown_name("friction key", key, FRICTION_KEYS)
-    if "mu_a" not in values:
-        raise InvalidInput("a friction table needs mu_a, the friction coefficient along the material's first axis")
-    numbers = {"mu_b": values["mu_a"], **values}
-    for key, value in numbers.items():
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise InvalidInput(f"friction key {key} must be a number, not {value!r}")
-    phi = math.radians(numbers.pop("phi_deg", 0.0))  # type: ignore[arg-type]
-    return EllipseFriction(**numbers, phi=phi)  # type: ignore[arg-type]
+    for key in ("mu_a", "mu_b"):
+        if key not in values:
+            raise InvalidInput(
+                f"a friction table needs {key}: friction coefficients along the material's axes are mu_a and mu_b, the "
+                "same number twice where it is the same in every direction"
+            )
+    checked = {key: finite_number(f"friction key {key}", value) for key, value in values.items()}
+    return EllipseFriction(phi=math.radians(checked.pop("phi_deg", 0.0)), **checked)
 
 
 def _material_from_file(path: Path) -> Material:

@@ -13,9 +13,10 @@ from cyclemap.errors import InvalidInput
 
 @dataclass(frozen=True)
 class Polygon:
-    """A simple polygon, convex or not; its vertices (k, 2) in m, in either sense, are kept counter-clockwise.
+    """A simple polygon, convex or not; its vertices (k, 2) in m, counter-clockwise: side i begins at vertex i.
 
-    Raises InvalidInput for fewer than three vertices, repeated vertices, zero area or crossing sides.
+    Raises InvalidInput for fewer than three vertices, repeated vertices, zero area, crossing sides, or vertices that
+    run clockwise: turned round, their sides would bear other numbers.
 
     >>> Polygon([(0, 0), (2, 0), (2, 1), (0, 1)]).area
     2.0
@@ -29,8 +30,9 @@ class Polygon:
             raise InvalidInput(f"a polygon needs at least three vertices (k, 2), not shape {points.shape}")
         _refuse_crossing(points)
         if _signed_area(points) < 0.0:
-            # Reversed behind the first vertex, so that it stays the first.
-            points = np.roll(points[::-1], 1, axis=0)
+            raise InvalidInput(
+                "the polygon's vertices run clockwise: list them counter-clockwise, and count its sides in that order"
+            )
         object.__setattr__(self, "vertices", tuple(map(tuple, points.tolist())))
 
     @cached_property

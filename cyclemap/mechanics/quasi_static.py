@@ -1,35 +1,97 @@
 """The quasi-static model of one slider on one surface with one rod: pushes it, and drags it back in its ring."""
 
 import math
-from dataclasses import dataclass, fields
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.constants import g as GRAVITY
+from numpy.typing import NDArray
 
 from cyclemap.checks import finite_number, non_negative_number, positive_number
-from cyclemap.errors import InvalidInput, RodInsideObject, RodMissesObject, UnsupportedContact
-from cyclemap.mechanics.compiled.recorded_strokes import recorded_leg, recorded_push, stroke_kind
-from cyclemap.mechanics.compiled.stroke_library import StrokeKind
-from cyclemap.mechanics.contact_curve import OutlinePiece, RingPiece, contact_curve, side_coordinate
-from cyclemap.mechanics.contact_solver import ContactSolver
-from cyclemap.mechanics.event_integration import NO_LEG
+from cyclemap.errors import (
+    ConvergenceError,
+    InvalidInput,
+    RodInsideObject,
+    RodMissesObject,
+    TooManySteps,
+    UnsupportedContact,
+)
+from cyclemap.mechanics.contact_curve import ContactCurve, OutlinePiece, contact_curve, side_coordinate
+from cyclemap.mechanics.engine import strokes as engine
+from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table
 from cyclemap.mechanics.first_touch import first_touch, overlaps
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.handling import DragLeg, DragResult, PushResult
-from cyclemap.mechanics.limit_surface import normalised
-from cyclemap.mechanics.motion import Rod
 from cyclemap.mechanics.outline import Ellipse, Outline
-from cyclemap.mechanics.protocol import Pose, SidePush, WorldPush
-from cyclemap.mechanics.push_run import PushRun, PushStart, run_push
+from cyclemap.mechanics.pressure_tables import pressure_tables
+from cyclemap.mechanics.protocol import DragBack, Pose, SidePush, WorldPush
 from cyclemap.mechanics.pusher import Pusher
-from cyclemap.mechanics.ring_leg import has_one_spin, run_leg
 from cyclemap.mechanics.slider import Slider
-from cyclemap.mechanics.trajectory import Frame
+from cyclemap.mechanics.trajectory import Course, Trajectory
 
+Array = NDArray[np.float64]
+
+# Standard gravity, m/s^2.
+GRAVITY = 9.80665
 # What a step may be off by, as a share of the accuracy asked of the whole motion; measured in tests/mechanics.
 _STEP_SHARE = 0.05
+# Footprints smaller than this share of the outline's extent carry no object.
+_LEAST_FOOTPRINT = 1e-3
+# The reset's target, in every loop's frame.
+_TARGET = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class PushResult:
+    """A push: poses before and after, rod travel in contact (m), and why it ended: `distance`, or `left`.
+
+    A rod leaves where it no longer approaches; one that still sticks then could pull the object along by friction for
+    a while: here it leaves. `course` is what was run.
+    """
+
+    start: Pose
+    end: Pose
+    ended: str
+    travel: float
+    course: Course
+
+    @property
+    def turn(self) -> float:
+        """Turn of the object, rad."""
+        return self.end.theta - self.start.theta
+
+    @property
+    def displacement(self) -> Array:
+        """Displacement of the object's origin in its initial frame, (2,), m."""
+        return np.array(self.start.to_object(self.end.x, self.end.y))
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The course of the push in the world."""
+        return self.course.trajectory(of_push=True)
+
+
+@dataclass(frozen=True)
+class DragResult:
+    """A drag: poses before and after, and the path of the ring, m (0 where the ring was already there)."""
+
+    start: Pose
+    end: Pose
+    length: float
+    course: Course
+
+    @property
+    def turn(self) -> float:
+        """Turn of the object, rad."""
+        return self.end.theta - self.start.theta
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The course of the drag in the world."""
+        if self.length == 0.0:
+            raise InvalidInput("this drag has no length, so that it has no trajectory")
+        return self.course.trajectory(of_push=False)
 
 
 @dataclass(frozen=True)
@@ -61,9 +123,15 @@ class QuasiStaticModel:
         accuracy = positive_number("accuracy", self.accuracy)
         if not 1e-11 <= accuracy <= 1e-2:
             raise InvalidInput(f"accuracy {accuracy} is out of reach: choose one from 1e-11 to 1e-2 rad")
+        size, whole = self.pressure.extent, self.slider.outline.extent
+        if size < _LEAST_FOOTPRINT * whole:
+            raise InvalidInput(
+                f"the support points lie within {size * 1e3:.3g} mm of their centre, under an object of "
+                f"{whole * 1e3:.3g} mm: it would tip rather than slide; give points that span it"
+            )
 
     def __getstate__(self) -> dict[str, object]:
-        # What was computed from the fields stays behind: CasADi's buffers cannot be copied to another process.
+        # What was computed from the fields stays behind.
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
@@ -71,7 +139,6 @@ class QuasiStaticModel:
         """The footprint in use."""
         if self.footprint is not None:
             return self.footprint
-        assert self.slider.centre_of_mass is not None
         return _under(self.slider.outline, self.slider.centre_of_mass)
 
     @cached_property
@@ -79,15 +146,20 @@ class QuasiStaticModel:
         """Unit of length of the normalised motion: the footprint's extent, m."""
         return self.pressure.extent
 
-    @cached_property
-    def solver(self) -> ContactSolver:
-        """The contact equations, ready to be solved."""
-        return ContactSolver(normalised(self.pressure), self.friction)
+    @property
+    def scale(self) -> float:
+        """Unit of the friction coefficients of the normalised motion: their geometric mean."""
+        return math.sqrt(self.friction.mu_a) * math.sqrt(self.friction.mu_b)
 
     @cached_property
-    def pieces(self) -> tuple[OutlinePiece, ...]:
+    def curve(self) -> ContactCurve:
         """The contact curve, in units of `unit`."""
         return contact_curve(self._outline, self.radius)
+
+    @property
+    def pieces(self) -> tuple[OutlinePiece, ...]:
+        """The pieces of the contact curve."""
+        return self.curve.pieces
 
     @property
     def radius(self) -> float:
@@ -95,38 +167,40 @@ class QuasiStaticModel:
         return self.pusher.radius / self.unit
 
     @cached_property
-    def stroke_kind(self) -> StrokeKind | None:
-        """What compiled strokes have to know of the model; None where only Python can run them."""
-        return stroke_kind(normalised(self.pressure), self.pieces, self.radius)
-
-    @cached_property
     def _outline(self) -> Outline:
         return _scaled(self.slider.outline, 1.0 / self.unit)
 
     @property
-    def step_tolerance(self) -> float:
-        """Error that one step may have, rad or extents."""
-        return _STEP_SHARE * self.accuracy
-
-    @property
     def weight(self) -> float:
         """The slider's weight, N."""
-        return self.slider.mass * float(GRAVITY)
+        return self.slider.mass * GRAVITY
+
+    @cached_property
+    def _still(self) -> Strokes:
+        """What all strokes of the model share."""
+        law, unit, (x, y) = self.friction, self.unit, self.pressure.centre
+        numbers = (law.mu_a / self.scale, law.mu_b / self.scale, law.m0 / self.scale, law.n0 / self.scale, law.phi)
+        hitch = self.slider.hitch
+        return Strokes(
+            pressure_tables(self.pressure),
+            (*numbers, x / unit, y / unit),
+            self.radius,
+            _STEP_SHARE * self.accuracy,
+            piece_table(self.curve, (hitch[0] / unit, hitch[1] / unit)),
+            (),
+            rod_friction=self.pusher.friction,
+        )
 
     def push(self, pose: Pose, push: SidePush | WorldPush, longest_step: float = math.inf) -> PushResult:
         """Push the slider from a pose.
 
         `longest_step` (m) bounds the spacing of the trajectory's samples. Raises InvalidInput for a contact that does
-        not exist or a push that points away, UnsupportedContact and ConvergenceError as `run_push` tells.
+        not exist or a push that points away, UnsupportedContact where the rod would touch two sides at once or slide
+        without bound, ConvergenceError where the contact cannot be solved.
         """
-        start, direction, rod_start, length = self.start(pose, push)
-        rod = Rod(self.radius, self.pusher.friction, direction)
-        tolerance, longest = self.step_tolerance, longest_step / self.unit
-        given = (self.solver, self.pieces, start, rod, length, tolerance, longest)
-        run = recorded_push(self.stroke_kind, *given) or run_push(*given)
-        self._refuse_overlap(run)
-        frame = Frame(self.unit, rod_start, self.weight)
-        return PushResult(pose, self._end_pose(run, frame), run.ended, run, frame)
+        course = self.course(self.push_strokes(pose, push), pose, longest_step)
+        ran = run_strokes([course])
+        return self._push_result(pose, ran, 0, course)
 
     def drag(
         self,
@@ -146,60 +220,75 @@ class QuasiStaticModel:
         laws more one-sided, there is a spin wherever the ring does not hold the object, but it may end on the way, at
         an orientation where the ring does: raises UnsupportedContact there.
         """
-        radius = non_negative_number("pin friction radius", pin_friction_radius) / self.unit
-        legs, now = [], pose
-        for goal in way_points:
-            leg = self._drag_leg(now, goal, radius, longest_step)
-            if leg is None:
-                continue
-            legs.append(leg)
-            now = _pose_from_ring(goal, float(leg.phase.phase.steps[-1].end[0]), self.slider.hitch)
-        return DragResult(pose, now, tuple(legs))
+        course = self.course(self.drag_strokes(way_points, pin_friction_radius), pose, longest_step)
+        return self._drag_result(pose, run_strokes([course]), 0, course)
+
+    def cycle(
+        self, theta: float, push: SidePush, reset: DragBack, longest_step: float = math.inf
+    ) -> tuple[PushResult, DragResult]:
+        """Push the slider from orientation theta (rad), its ring at the world's origin, and drag it back there."""
+        x, y = self.ring_place(Pose(0.0, 0.0, theta))
+        pose = Pose(-x, -y, theta)
+        course = self.course(self.cycle_strokes(push, reset), pose, longest_step)
+        ran = run_strokes([course])
+        pushed = self._push_result(pose, ran, 0, course)
+        return pushed, self._drag_result(pushed.end, ran, 0, course)
+
+    def cycle_strokes(self, push: SidePush, reset: DragBack) -> Strokes:
+        """Return what the engine is asked for in a cycle. Raises InvalidInput where push and object do not fit."""
+        pushed = self.push_strokes(Pose(), push)
+        dragged = self.drag_strokes((*reset.way_points, _TARGET), reset.pin_friction_radius)
+        return replace(pushed, goals=dragged.goals, pin_friction=dragged.pin_friction, from_target=True)
 
     def ring_place(self, pose: Pose) -> tuple[float, float]:
         """Return where the ring is in the world at a pose, m."""
         return pose.to_world(*self.slider.hitch)
-
-    def _drag_leg(
-        self, pose: Pose, goal: tuple[float, float], friction_radius: float, longest_step: float
-    ) -> DragLeg | None:
-        ring = self.ring_place(pose)
-        dx, dy = finite_number("way-point x", goal[0]) - ring[0], finite_number("way-point y", goal[1]) - ring[1]
-        length = math.hypot(dx, dy) / self.unit
-        if length <= NO_LEG:
-            return None
-        piece = RingPiece((self.slider.hitch[0] / self.unit, self.slider.hitch[1] / self.unit))
-        rod = Rod(0.0, friction_radius, math.atan2(dy, dx))
-        given = (self.solver, piece, pose.theta, rod, length, self.step_tolerance, longest_step / self.unit)
-        leg = recorded_leg(self.stroke_kind, *given) if self.one_spin(friction_radius * self.unit) else None
-        return DragLeg(leg or run_leg(*given), Frame(self.unit, ring, self.weight))
-
-    def one_spin(self, pin_friction_radius: float) -> bool:
-        """Whether a friction circle of the ring (m) leaves no choice of spins, as `has_one_spin` tells."""
-        return has_one_spin(pin_friction_radius, self.ring_lever)
 
     @property
     def ring_lever(self) -> float:
         """Distance of the ring from the centre of pressure, m."""
         return math.dist(self.slider.hitch, self.pressure.centre)
 
-    def start(self, pose: Pose, push: SidePush | WorldPush) -> tuple[PushStart, float, tuple[float, float], float]:
-        """Return start state, direction (world), the rod's place at first touch (m) and the travel left (units)."""
+    def rod_place(self, pose: Pose, push: SidePush) -> tuple[float, float]:
+        """Return where the rod's centre is in the world (m) when a push starts."""
+        index, coordinate = side_coordinate(self._outline, self.pieces, push.side, push.fraction)
+        contact, _ = self.pieces[index].contact(coordinate, self.radius)
+        x, y = contact.rod_centre(self.radius)
+        return pose.to_world(self.unit * x, self.unit * y)
+
+    def push_strokes(self, pose: Pose, push: SidePush | WorldPush) -> Strokes:
+        """Return what the engine is asked for in a push from a pose; raises as `push` where they do not fit."""
+        length, by_fraction = push.distance / self.unit, 0.0
         if isinstance(push, SidePush):
             index, coordinate = side_coordinate(self._outline, self.pieces, push.side, push.fraction)
             contact, _ = self.pieces[index].contact(coordinate, self.radius)
             direction = pose.theta + contact.normal + math.pi + push.angle
-            length = push.distance / self.unit
+            by_fraction = self._side_length(push.side)
         else:
             direction = push.direction
             travel, index, coordinate = self._touch(pose, push)
-            length = push.distance / self.unit - travel
+            length -= travel
             if length <= 0.0:
                 raise RodMissesObject(
                     f"the rod stops {-length * self.unit * 1e3:.3g} mm short of the object: lengthen the push"
                 )
-        place = self.rod_place(pose, index, coordinate)
-        return PushStart(index, coordinate, pose.theta), direction, place, length
+        return replace(
+            self._still,
+            start_piece=index,
+            start_coordinate=coordinate,
+            by_fraction=by_fraction,
+            direction=direction,
+            length=length,
+        )
+
+    def drag_strokes(self, way_points: tuple[tuple[float, float], ...], pin_friction_radius: float) -> Strokes:
+        """Return what the engine is asked for in a drag through way-points (m, world frame)."""
+        radius = non_negative_number("pin friction radius", pin_friction_radius) / self.unit
+        goals = tuple(
+            (finite_number("way-point x", x) / self.unit, finite_number("way-point y", y) / self.unit)
+            for x, y in way_points
+        )
+        return replace(self._still, goals=goals, pin_friction=radius)
 
     def _touch(self, pose: Pose, push: WorldPush) -> tuple[float, int, float]:
         start = np.array(pose.to_object(*push.start)) / self.unit
@@ -213,44 +302,78 @@ class QuasiStaticModel:
             )
         return touch
 
-    def rod_place(self, pose: Pose, piece: int, coordinate: float) -> tuple[float, float]:
-        """Return where the rod's centre is in the world (m) when it touches at a place of the contact curve."""
-        contact, _ = self.pieces[piece].contact(coordinate, self.radius)
-        x, y = contact.rod_centre(self.radius)
-        return pose.to_world(self.unit * x, self.unit * y)
+    def _side_length(self, side: int) -> float:
+        """Derivative of the start's coordinate by the fraction, extents."""
+        if isinstance(self._outline, Ellipse):
+            return 2.0 * math.pi
+        corners = self._outline.array
+        return math.dist(corners[side], corners[(side + 1) % len(corners)])
 
-    def _end_pose(self, run: PushRun, frame: Frame) -> Pose:
-        last = run.phases[-1].motion
-        travel = frame.unit * run.length
-        rod_x = frame.rod_start[0] + travel * math.cos(last.rod.direction)
-        rod_y = frame.rod_start[1] + travel * math.sin(last.rod.direction)
-        theta = float(run.end[0])
-        x, y = self.rod_place(Pose(0.0, 0.0, theta), self.pieces.index(last.piece), float(run.end[1]))
-        return Pose(rod_x - x, rod_y - y, theta)
+    def course(self, strokes: Strokes, pose: Pose, longest_step: float = math.inf) -> Course:
+        """Return strokes of this model from a pose, as `run_strokes` takes them; `longest_step` in m."""
+        place = (pose.x / self.unit, pose.y / self.unit, pose.theta)
+        return Course(strokes, place, self.unit, self.weight, self.scale, longest_step / self.unit)
 
-    def _refuse_overlap(self, run: PushRun) -> None:
-        """A rod that rolls along a concave outline may run into another side."""
-        if isinstance(self._outline, Ellipse) or self._outline.is_convex:
-            return
-        for phase in run.phases:
-            for taken in phase.phase.steps:
-                contact, _ = phase.motion.piece.contact(float(taken.end[1]), self.radius)
-                if self._outline.distance(contact.rod_centre(self.radius)) < self.radius - 1e-7:
-                    raise UnsupportedContact(
-                        "the rod runs into another side of this concave outline: use a thinner rod or push less far"
-                    )
+    def _push_result(self, pose: Pose, ran: Ran, index: int, course: Course) -> PushResult:
+        x, y, theta = ran.pushed[index].tolist()
+        ended = "left" if ran.left[index] else "distance"
+        return PushResult(pose, Pose(self.unit * x, self.unit * y, theta), ended, self.unit * ran.travel[index], course)
+
+    def _drag_result(self, pose: Pose, ran: Ran, index: int, course: Course) -> DragResult:
+        x, y, theta = ran.ended[index].tolist()
+        return DragResult(pose, Pose(self.unit * x, self.unit * y, theta), self.unit * float(ran.way[index]), course)
+
+
+def run_strokes(courses: Sequence[Course], derivatives: int = 0) -> Ran:
+    """Run what courses tell of; raises what the first that fails ends with."""
+    poses = np.array([course.pose for course in courses])
+    ran = engine.run([course.strokes for course in courses], np.arange(len(courses)), poses, derivatives)
+    for course, status in zip(courses, ran.status.tolist(), strict=True):
+        if status <= 0:
+            raise refusal(status, course.strokes)
+    return ran
+
+
+def refusal(status: int, strokes: Strokes) -> BaseException:
+    """Return the error that tells why the engine stopped."""
+    friction, lever = strokes.rod_friction, math.dist(strokes.pieces[-1, 1:3], strokes.friction[5:7])
+    errors: dict[int, BaseException] = {
+        engine.MANY_STEPS: TooManySteps(
+            "the motion turns so abruptly towards its steady course that it needs more than 20000 steps: ask for a "
+            "shorter way or less accuracy, or take a friction law nearer to isotropic, a footprint that leans less, or "
+            "a thicker outline"
+        ),
+        engine.NO_SLIP: UnsupportedContact(
+            f"no slip of the rod, however fast, balances the surface's friction at pusher friction {friction:.3g}: the "
+            "friction is too one-sided for this push; choose a lower pusher friction or a smaller offset m0, n0"
+        ),
+        engine.POINTS_AWAY: InvalidInput(
+            "the push points away from the object: its direction must have a component into the side that it touches"
+        ),
+        engine.NOT_ALONE: UnsupportedContact(
+            "the rod is in a concave corner, and no motion with forces inside both friction cones goes on from there: "
+            "push less far, or elsewhere"
+        ),
+        engine.RING_STOPS: UnsupportedContact(
+            "the ring's friction stops the object on its way while it turns: its radius is "
+            f"{strokes.pin_friction / max(lever, 1e-12):.3g} times the ring's distance from the centre of pressure; "
+            "choose a smaller pin friction radius or a ring farther away"
+        ),
+        engine.CHATTERS: ConvergenceError("the contact changes its mode more than 10000 times: it chatters"),
+        engine.STOPPED: KeyboardInterrupt(),
+    }
+    unsolved = (
+        "the contact's balance of forces cannot be solved: try another accuracy, or a friction nearer to isotropic"
+    )
+    return errors.get(status, ConvergenceError(unsolved))
 
 
 # Many models are of few objects.
-_under = lru_cache(maxsize=256)(PatchFootprint.under)
+@lru_cache(maxsize=256)
+def _under(outline: Outline, centre: tuple[float, float]) -> PatchFootprint:
+    return PatchFootprint(outline, centre=centre)
 
 
 @lru_cache(maxsize=256)
 def _scaled(outline: Outline, factor: float) -> Outline:
     return outline.scaled(factor)
-
-
-def _pose_from_ring(ring: tuple[float, float], theta: float, hitch: tuple[float, float]) -> Pose:
-    """Return the pose at orientation theta whose ring is at a place."""
-    x, y = Pose(0.0, 0.0, theta).to_world(*hitch)
-    return Pose(ring[0] - x, ring[1] - y, theta)

@@ -1,15 +1,18 @@
 """Sliders: the object that is pushed, and the shapes of the MIT push dataset by name."""
 
 import math
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
 
 from cyclemap.checks import point, positive_number
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 from cyclemap.suggestions import unknown_name
 
+# A ring is on the object, or on an arm of it: not ten times as far out as the object reaches.
+_FARTHEST_RING = 10.0
 # A ring 15 mm from the centre, towards the corner between sides 0 and 1 of rect1.
 MIT_HITCH = (-0.015 / math.sqrt(2.0), 0.015 / math.sqrt(2.0))
 
@@ -54,7 +57,8 @@ class Slider:
     outline : `Polygon` or `Ellipse`, m; sides are numbered counter-clockwise from vertex 0.
     mass : kg; in quasi-static motion it scales the contact forces and nothing else.
     centre_of_mass : (x, y), m; None: the outline's centroid.
-    hitch : (x, y), m: the ring in which the rod drags it back; anywhere, also outside the outline.
+    hitch : (x, y), m: the ring in which the rod drags it back. Outside the outline it is a `DoubtfulInput` warning, and
+        more than ten times as far from the centre as any of the outline InvalidInput: lengths are in other units there.
     inertia : moment of inertia about the centre of mass, kg m^2; None: a uniform plate's is not assumed, it is unknown.
 
     >>> Slider.mit("rect1").outline.sides
@@ -63,7 +67,7 @@ class Slider:
 
     outline: Outline
     mass: float = 1.0
-    centre_of_mass: tuple[float, float] | None = None
+    centre_of_mass: tuple[float, float] = None  # type: ignore[assignment]  # filled in below
     hitch: tuple[float, float] = MIT_HITCH
     inertia: float | None = None
     name: str = "slider"
@@ -80,6 +84,17 @@ class Slider:
             raise InvalidInput(f"the centre of mass {centre} m lies outside the outline: the object would tip")
         object.__setattr__(self, "centre_of_mass", centre)
         object.__setattr__(self, "hitch", point("hitch", self.hitch))
+        self._doubt_ring()
+
+    def _doubt_ring(self) -> None:
+        away, size = math.dist(self.hitch, self.outline.centroid), self.outline.extent
+        told = f"the ring is {1e3 * away:.4g} mm from the centre of an object that reaches {1e3 * size:.4g} mm"
+        if away > _FARTHEST_RING * size:
+            raise InvalidInput(f"{told}: give both in the same unit, and the ring's place (hitch) with a new outline")
+        if not self.outline.contains(np.asarray(self.hitch)):
+            warnings.warn(
+                f"{told}: it lies outside; is the ring's place (hitch) meant for it?", DoubtfulInput, stacklevel=4
+            )
 
     @classmethod
     def mit(cls, name: str, hitch: tuple[float, float] = MIT_HITCH) -> "Slider":

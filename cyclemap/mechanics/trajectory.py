@@ -1,14 +1,14 @@
 """The whole course of a push or a drag, in the world frame, SI units."""
 
-import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.mechanics.motion import Motion
-from cyclemap.mechanics.push_run import RunPhase
-from cyclemap.mechanics.runge_kutta import STATE, UNKNOWN
+from cyclemap.mechanics.engine.strokes import KINDS, MODES, Strokes, record
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -18,68 +18,114 @@ class Trajectory:
     path : (n,) rod travel, m
     pose : (n, 3) object's x, y (m) and theta (rad)
     pusher : (n, 2) rod's centre, m
-    contact_point : (n, 2) m
-    contact_force : (n, 2) force of the rod on the object, N
-    mode : (n,) str: stick, slide_left, slide_right, slide_free; in the ring: ring, with friction ring_left, ring_right,
-        ring_stuck
-    residual : largest residual of the force balance over the samples, relative to the friction coefficients
+    contact_point : (n, 2) m; of two contacts at once, the first
+    contact_force : (n, 2) force of the rod on the object, N; of two contacts, their sum
+    mode : (n,) str: stick, slide_left, slide_right, slide_free; in a concave corner wedge_left, wedge_right,
+        wedge_stuck; in the ring: ring, with friction ring_left, ring_right, ring_stuck
+    phase : (n,) int: number of the stretch under one law to which the sample belongs
+    residual : how far forces are from what the laws ask for, at worst over the samples, relative to the friction
+        coefficients: of the balance, and of the friction cone of the contact
     """
 
-    path: NDArray[np.float64]
-    pose: NDArray[np.float64]
-    pusher: NDArray[np.float64]
-    contact_point: NDArray[np.float64]
-    contact_force: NDArray[np.float64]
+    path: Array
+    pose: Array
+    pusher: Array
+    contact_point: Array
+    contact_force: Array
     mode: NDArray[np.str_]
+    phase: NDArray[np.intp]
     residual: float
 
 
-@dataclass(frozen=True)
-class Frame:
-    """How normalised runs lie in the world: unit of length (m), rod's start (m), weight (N)."""
+@dataclass(frozen=True, eq=False)
+class Course:
+    """What the engine was asked for, so that it can be written down: strokes from a pose (extents, rad), and units.
 
+    unit : m. weight : N. scale : the mean friction coefficient. longest : bound on the spacing of samples, extents.
+    """
+
+    strokes: Strokes
+    pose: tuple[float, float, float]
     unit: float
-    rod_start: tuple[float, float]
     weight: float
+    scale: float
+    longest: float
+
+    @cached_property
+    def rows(self) -> Array:
+        """What the engine wrote down (n, 11); see `record`."""
+        return record(self.strokes, self.pose, self.longest)
+
+    def trajectory(self, of_push: bool) -> Trajectory:
+        """Return the course of the push, or of all legs of the drag."""
+        rows = self.rows[(self.rows[:, 0] == 0.0) & (self.strokes.length > 0.0) == of_push]
+        stroke, travel, theta = rows[:, 0], rows[:, 1], rows[:, 4]
+        modes = rows[:, 7].astype(int)
+        point, normal = self._contacts(rows)
+        bound = modes >= MODES.index("ring")
+        rod, radius = rows[:, 2:4], np.where(bound, 0.0, self.strokes.radius)[:, None]
+        outward = np.column_stack([np.cos(normal + theta), np.sin(normal + theta)])
+        along = np.column_stack([-outward[:, 1], outward[:, 0]])
+        force = -rows[:, 8, None] * outward + rows[:, 9, None] * along
+        # In ring and wedge the object is placed by the rod's centre; in a wedge both forces are compressions.
+        held = rod - radius * outward
+        pose = np.column_stack([self.unit * (held - _turned(theta, point)), theta])
+        touch, wedged = held.copy(), modes >= MODES.index("wedge_left")
+        if wedged.any():
+            touch[wedged], force[wedged] = self._wedged(rows[wedged], modes[wedged])
+        starts = np.flatnonzero(np.diff(stroke) != 0.0) + 1
+        before = np.zeros(len(rows))
+        for start in starts:
+            before[start:] += travel[start - 1]
+        path = travel + before
+        phase = np.cumsum(np.append(0, np.diff(path) <= 0.0))
+        return Trajectory(
+            self.unit * path,
+            pose,
+            self.unit * rod,
+            self.unit * touch,
+            self.scale * self.weight * force,
+            np.array(MODES)[modes],
+            phase,
+            float(max(rows[:, 10].max(), self._outside_cone(rows, modes).max())),
+        )
+
+    def _contacts(self, rows: Array) -> tuple[Array, Array]:
+        """Contact points (n, 2), extents in the object's frame, and angles of the normals (n,) there."""
+        point, normal = np.zeros((len(rows), 2)), np.zeros(len(rows))
+        for number in np.unique(rows[:, 6]).astype(int):
+            chosen = rows[:, 6] == number
+            kind, g, at = KINDS[int(self.strokes.pieces[number, 0])], self.strokes.pieces[number, 1:6], rows[chosen, 5]
+            if kind == "side":
+                point[chosen], normal[chosen] = g[:2] + at[:, None] * g[2:4], g[4]
+            elif kind == "ellipse":
+                point[chosen] = np.column_stack([g[0] * np.cos(at), g[1] * np.sin(at)])
+                normal[chosen] = np.arctan2(g[0] * np.sin(at), g[1] * np.cos(at))
+            else:
+                point[chosen], normal[chosen] = g[:2], at if kind == "corner" else 0.0
+        return point, normal
+
+    def _wedged(self, rows: Array, modes: NDArray[np.intp]) -> tuple[Array, Array]:
+        """First contact (n, 2), extents, and sum of both forces (n, 2) of rows in wedges, world frame."""
+        pieces = self.strokes.pieces[rows[:, 6].astype(int)]
+        sense = np.select([modes == MODES.index("wedge_left"), modes == MODES.index("wedge_right")], [1.0, -1.0], 0.0)
+        smu, total, first = self.strokes.rod_friction * sense, np.zeros((len(rows), 2)), np.zeros((len(rows), 2))
+        for angle, friction, compression in ((3, smu, rows[:, 8]), (4, smu * pieces[:, 5], rows[:, 9])):
+            c, s = np.cos(pieces[:, angle] + rows[:, 4]), np.sin(pieces[:, angle] + rows[:, 4])
+            total += compression[:, None] * np.column_stack([-c - friction * s, -s + friction * c])
+            if angle == 3:
+                first = rows[:, 2:4] - self.strokes.radius * np.column_stack([c, s])
+        return first, total
+
+    def _outside_cone(self, rows: Array, modes: NDArray[np.intp]) -> Array:
+        """How far the force of each row lies outside the friction cone, or off its edge where the rod slides."""
+        normal, tangential = rows[:, 8], rows[:, 9]
+        limit = self.strokes.rod_friction * normal
+        sign = np.select([modes == 1, modes == 2], [1.0, -1.0], 0.0)
+        off = np.where(modes == 0, np.abs(tangential) - limit, np.abs(tangential - sign * limit))
+        return np.where(modes < MODES.index("ring"), np.maximum(np.maximum(off, -normal), 0.0), 0.0)
 
 
-def trajectory_of(phases: tuple[RunPhase, ...], frame: Frame) -> Trajectory:
-    """Return the trajectory of phases that follow each other."""
-    rows, modes, residuals, travel = [], [], [], 0.0
-    for phase in phases:
-        for at, state, unknowns in _nodes(phase):
-            row, residual = _row(phase.motion, travel + at, state, unknowns, frame)
-            rows.append(row)
-            residuals.append(residual)
-            modes.append(phase.motion.mode)
-        travel += phase.phase.length
-    table = np.array(rows)
-    return Trajectory(
-        table[:, 0], table[:, 1:4], table[:, 4:6], table[:, 6:8], table[:, 8:10], np.array(modes), max(residuals)
-    )
-
-
-def _nodes(phase: RunPhase) -> list[tuple[float, NDArray[np.float64], list[float]]]:
-    """Start of the phase and ends of its steps: travel since its start, state, contact's unknowns."""
-    steps = phase.phase.steps
-    nodes = [(0.0, phase.start, steps[0].stages[0, UNKNOWN].tolist())]
-    for taken, at in zip(steps, np.cumsum([taken.h for taken in steps]).tolist(), strict=True):
-        nodes.append((at, taken.stages[-1, STATE], taken.stages[-1, UNKNOWN].tolist()))
-    return nodes
-
-
-def _row(
-    motion: Motion, travel: float, state: NDArray[np.float64], unknowns: list[float], frame: Frame
-) -> tuple[list[float], float]:
-    theta, direction = float(state[0]), motion.rod.direction
-    contact, _ = motion.piece.contact(float(state[1]), motion.rod.radius)
-    motion.unknowns = unknowns
-    compression, tangential, residual = motion.forces(state)
-    outward = np.array((math.cos(contact.normal + theta), math.sin(contact.normal + theta)))
-    along = np.array((-outward[1], outward[0]))
-    rod = np.array(frame.rod_start) + frame.unit * travel * np.array((math.cos(direction), math.sin(direction)))
-    touch = rod if motion.in_ring else rod - frame.unit * motion.rod.radius * outward
-    c, s = math.cos(theta), math.sin(theta)
-    place = touch - frame.unit * np.array((c * contact.x - s * contact.y, s * contact.x + c * contact.y))
-    force = frame.weight * (-compression * outward + tangential * along)
-    return [frame.unit * travel, *place.tolist(), theta, *rod.tolist(), *touch.tolist(), *force.tolist()], residual
+def _turned(angle: Array, vectors: Array) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.column_stack([c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]])

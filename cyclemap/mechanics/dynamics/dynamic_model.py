@@ -18,7 +18,6 @@ from cyclemap.mechanics.dynamics.stroke_integrator import LegRun, StrokeIntegrat
 from cyclemap.mechanics.dynamics.stroke_record import Units, energy_of, trajectory_of
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint, PointFootprint, grid_footprint
 from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.limit_surface import normalised
 from cyclemap.mechanics.outline import Outline
 from cyclemap.mechanics.protocol import Pose, SidePush
 from cyclemap.mechanics.pusher import Pusher
@@ -164,7 +163,7 @@ class DynamicModel:
     def _touch(self, pose: Pose, push: SidePush) -> tuple[Array, Array]:
         """Where the rod's centre first touches (world, m), and the direction in which it goes on."""
         radius, outline = self.pusher.radius, self.slider.outline
-        pieces = contact_curve(outline, radius)
+        pieces = contact_curve(outline, radius).pieces
         index, coordinate = side_coordinate(outline, pieces, push.side, push.fraction)
         contact, _ = pieces[index].contact(coordinate, radius)
         direction = pose.theta + contact.normal + math.pi + push.angle
@@ -174,8 +173,8 @@ class DynamicModel:
 
     def _integrator(self, touched: Outline | tuple[float, float], samples: int) -> StrokeIntegrator:
         count = whole_number("samples", samples, least=1)
-        points = normalised(self.points)
-        assert isinstance(points, PointFootprint)
+        assert isinstance(self.points, PointFootprint)
+        points = self.points.scaled(1.0 / self.points.extent)
         return StrokeIntegrator(points, self._scaled(self._centre), touched, self.tolerance, count)
 
     def _run(
@@ -222,7 +221,6 @@ class DynamicModel:
 
     @property
     def _centre(self) -> tuple[float, float]:
-        assert self.slider.centre_of_mass is not None
         return self.slider.centre_of_mass
 
     def _scaled(self, place: tuple[float, float]) -> tuple[float, float]:

@@ -1,0 +1,188 @@
+"""Whole cycles of many loops in one call of the engine, and derivatives of cycles, pushes and drags."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import CycleMapError
+from cyclemap.mechanics.engine import strokes as engine
+from cyclemap.mechanics.engine.strokes import PARAMETERS, Strokes
+from cyclemap.mechanics.footprint import PatchFootprint
+from cyclemap.mechanics.outline import Ellipse
+from cyclemap.mechanics.protocol import DragBack, SidePush
+from cyclemap.mechanics.quasi_static import DragResult, PushResult, QuasiStaticModel, refusal, run_strokes
+from cyclemap.suggestions import unknown_name
+
+Array = NDArray[np.float64]
+
+# What a cycle gives, and what a stroke from a given pose along a given path can be differentiated by.
+CYCLE_OUTPUTS = ("push_turn", "push_dx", "push_dy", "drag_turn", "drag_length", "theta_next")
+_OWN = ("theta", "pusher_radius", "fraction", "angle", "distance")
+STROKE_PARAMETERS = tuple(name for name in PARAMETERS if name not in _OWN)
+_FRICTION = ("mu_a", "mu_b", "m0", "n0")
+_LENGTHS = ("pusher_radius", "distance", "hitch_x", "hitch_y", "pin_friction_radius")
+
+
+class PushAndReset(Protocol):
+    """What is done over and over: a push of a model from the ring's target, and the drag back to it."""
+
+    @property
+    def model(self) -> QuasiStaticModel:
+        """The object on its surface, with the rod."""
+
+    @property
+    def push(self) -> SidePush:
+        """The push."""
+
+    @property
+    def reset(self) -> DragBack:
+        """The way back."""
+
+
+@dataclass(frozen=True, eq=False)
+class CycleBatch:
+    """Cycles in the shape (k, n): k loops, each from n orientations; SI units and radians.
+
+    push_turn, drag_turn, theta_next (lift), drag_length : (k, n). push_displacement : (k, n, 2). left : (k, n), bool.
+    jacobian : (k, n, 6, p), derivatives of CYCLE_OUTPUTS by the first p of PARAMETERS.
+    """
+
+    push_turn: Array
+    push_displacement: Array
+    drag_turn: Array
+    drag_length: Array
+    theta_next: Array
+    left: NDArray[np.bool_]
+    jacobian: Array
+
+
+def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0) -> CycleBatch:
+    """Run cycles of k loops from orientations theta (k, n), rad, on all cores; results do not depend on how many.
+
+    Raises what the first cycle that fails ends with, telling which loop and orientation.
+    """
+    strokes = [_told(number, loop) for number, loop in enumerate(loops)]
+    number = np.repeat(np.arange(len(loops)), theta.shape[1])
+    poses = np.column_stack([np.zeros((theta.size, 2)), theta.ravel()])
+    ran = engine.run(strokes, number, poses, derivatives)
+    failed = np.flatnonzero(ran.status <= 0)
+    if failed.size:
+        index = int(failed[0])
+        error = refusal(int(ran.status[index]), strokes[number[index]])
+        which = f"loop {number[index]} from " if len(loops) > 1 else ""
+        raise type(error)(f"{which}theta = {float(theta.flat[index])!r} rad: {error}") from None
+    unit = np.array([loop.model.unit for loop in loops])[number]
+    lever = np.array([loop.model.slider.hitch for loop in loops]).reshape(-1, 2)[number]
+    c, s, start = np.cos(theta.ravel()), np.sin(theta.ravel()), theta.ravel()
+    ring = np.column_stack([c * lever[:, 0] - s * lever[:, 1], s * lever[:, 0] + c * lever[:, 1]])
+    shift = unit[:, None] * ran.pushed[:, :2] + ring
+    moved = np.column_stack([c * shift[:, 0] + s * shift[:, 1], c * shift[:, 1] - s * shift[:, 0]])
+    turned, end = ran.pushed[:, 2], ran.ended[:, 2]
+    jacobian = np.zeros((theta.size, len(CYCLE_OUTPUTS), derivatives))
+    if derivatives:
+        scales = np.array([_units(loop.model, PARAMETERS[:derivatives]) for loop in loops])[number]
+        by = ran.derivatives * scales[:, None]
+        by[:, [0, 1, 3, 4, 6]] *= unit[:, None, None]
+        # Before the push the ring is at the origin.
+        by_theta, by_hitch = np.zeros(derivatives), np.zeros((2, derivatives))
+        by_theta[0] = 1.0
+        for axis, name in enumerate(("hitch_x", "hitch_y")):
+            if name in PARAMETERS[:derivatives]:
+                by_hitch[axis, PARAMETERS.index(name)] = 1.0
+        by_x = by[:, 0] - ring[:, 1, None] * by_theta + c[:, None] * by_hitch[0] - s[:, None] * by_hitch[1]
+        by_y = by[:, 1] + ring[:, 0, None] * by_theta + s[:, None] * by_hitch[0] + c[:, None] * by_hitch[1]
+        jacobian[:, 0] = by[:, 2] - by_theta
+        jacobian[:, 1] = c[:, None] * by_x + s[:, None] * by_y + moved[:, 1, None] * by_theta
+        jacobian[:, 2] = c[:, None] * by_y - s[:, None] * by_x - moved[:, 0, None] * by_theta
+        jacobian[:, 3], jacobian[:, 4], jacobian[:, 5] = by[:, 5] - by[:, 2], by[:, 6], by[:, 5]
+    shape = theta.shape
+    return CycleBatch(
+        (turned - start).reshape(shape),
+        moved.reshape(*shape, 2),
+        (end - turned).reshape(shape),
+        (unit * ran.way).reshape(shape),
+        end.reshape(shape).copy(),
+        ran.left.reshape(shape),
+        jacobian.reshape(*shape, *jacobian.shape[1:]),
+    )
+
+
+def _told(number: int, loop: PushAndReset) -> Strokes:
+    try:
+        return loop.model.cycle_strokes(loop.push, loop.reset)
+    except CycleMapError as error:
+        raise type(error)(f"loop {number}: {error}") from error
+
+
+def push_jacobian(model: QuasiStaticModel, push: PushResult, names: tuple[str, ...] = STROKE_PARAMETERS) -> Array:
+    """Return d (x, y, theta) / d names, (3, k), of a push's end (m, rad), its start and the rod's path being fixed.
+
+    By what belongs to the ring alone it is zero; by shares of the pressure that the footprint cannot have it is nan.
+    Mostly good to a hundred times the accuracy of the run, except on trajectories that touch a discontinuity. Raises
+    InvalidInput for an unknown name.
+
+    >>> from cyclemap.mechanics import EllipseFriction, Pose, Slider
+    >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
+    >>> push = model.push(Pose(), SidePush(distance=0.05))
+    >>> push_jacobian(model, push, ("pusher_friction", "hitch_x")).round(4)
+    array([[ 0.0188,  0.    ],
+           [ 0.0044,  0.    ],
+           [-0.3548,  0.    ]])
+    """
+    found: Array = stroke_jacobians(model, [push], names)[0]
+    return found
+
+
+def drag_jacobian(model: QuasiStaticModel, drag: DragResult, names: tuple[str, ...] = STROKE_PARAMETERS) -> Array:
+    """Return d (x, y, theta) / d names, (3, k), of a drag's end (m, rad), its start and its way-points being fixed.
+
+    The ring's own start moves with the hitch. By the friction of a ring that has none it is the one-sided derivative.
+    A way-point at which the ring already was counts for nothing. Otherwise as `push_jacobian`.
+    """
+    found: Array = stroke_jacobians(model, [drag], names)[0]
+    return found
+
+
+def stroke_jacobians(
+    model: QuasiStaticModel, strokes: Sequence[PushResult | DragResult], names: tuple[str, ...] = STROKE_PARAMETERS
+) -> Array:
+    """Return `push_jacobian` or `drag_jacobian` (n, 3, k) of many strokes of one model, on all cores."""
+    for name in names:
+        if name not in STROKE_PARAMETERS:
+            raise unknown_name("parameter", name, STROKE_PARAMETERS)
+    courses = []
+    for stroke in strokes:
+        # What ran was a whole cycle, or from its own pose: here the stroke alone, from where it started.
+        own = replace(stroke.course.strokes, from_target=False)
+        if isinstance(stroke, PushResult):
+            own = replace(own, goals=(), direction=own.direction + _turned_by(stroke))
+        else:
+            own = replace(own, length=0.0)
+        courses.append(model.course(own, stroke.start))
+    by = run_strokes(courses, len(PARAMETERS)).derivatives * _units(model, PARAMETERS)
+    pushed = np.array([isinstance(stroke, PushResult) for stroke in strokes])
+    outputs: Array = np.where(pushed[:, None, None], by[:, 0:3], by[:, 3:6])
+    outputs[:, :2] *= model.unit
+    return np.asarray(outputs[:, :, [PARAMETERS.index(name) for name in names]])
+
+
+def _turned_by(push: PushResult) -> float:
+    return push.start.theta if push.course.strokes.from_target else 0.0
+
+
+def _units(model: QuasiStaticModel, names: tuple[str, ...]) -> Array:
+    """What derivatives by normalised parameters are to be multiplied by; nan for shares that there cannot be."""
+    footprint, factors = model.pressure, []
+    for name in names:
+        factor = 1.0 / model.unit if name in _LENGTHS else 1.0 / model.scale if name in _FRICTION else 1.0
+        if name.endswith("_share"):
+            has = isinstance(footprint, PatchFootprint) and (
+                footprint.has_frame if name != "corner_share" else not isinstance(footprint.outline, Ellipse)
+            )
+            factor = 1.0 if has else math.nan
+        factors.append(factor)
+    return np.array(factors)

@@ -1,0 +1,1 @@
+"""The compiled engine: what it is generated from, how it is loaded."""

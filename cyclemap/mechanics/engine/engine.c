@@ -1,0 +1,42 @@
+/* Pushes, drags and whole cycles of a slider: one library for every object. It is compiled as one piece:
+
+   kernels.c   written when the package is built: CasADi's functions of equations.py, and the tables of generate.py
+   pressure.c  wrench and Hessian of friction: what one edge, line, chord or point adds, summed over a pressure
+   contact.c   a rod on a piece of its contact curve, in the ring or in a wedge; its unknowns, solved until certain
+   step.c      one step of a motion, its error, its length, and how its end varies with its start and parameters
+   phase.c     motions joined: the places where a contact changes, and whole pushes and drags
+   cycle.c     pushes and drags in the world, their derivatives, and batches of them
+
+   No function keeps anything from one call to the next: any number of threads may call at once. Lengths are in extents
+   of the footprint, forces per unit load over the mean friction coefficient. */
+
+#include <complex.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifndef M_PI
+#define M_PI 3.14159265358979323846
+#endif
+
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+/* As exact as the library's log1p for what is not negative (Kahan), at half the cost. */
+static double fast_log1p(double x) {
+    double u = 1.0 + x;
+    return x > 1.0 ? log(u) : u == 1.0 ? x : log(u) * (x / (u - 1.0));
+}
+#define log1p fast_log1p
+
+#define CASADI_SYMBOL_EXPORT static
+#include "kernels.c"
+
+#include "pressure.c"
+#include "contact.c"
+#include "step.c"
+#include "phase.c"
+#include "cycle.c"

@@ -1,0 +1,240 @@
+/* Runge-Kutta steps of a motion, and how their ends vary.
+
+   All stages of a step are solved by a Newton iteration each: from the tangent at its start and what earlier stages bend
+   off it, on support points from the nearest stage. The last corrections tell whether they converged; where they did
+   not, the step is made again from there, or stage by stage until certain. */
+
+/* A step counts when what Newton's last correction leaves, about its square, is off by this share of its tolerance over
+   its length; over support points by this share of the correction, since friction bends the more abruptly the slower one
+   of them is. It is made again this often at most. */
+static const double LEFT_OVER = 0.05, AT_POINTS = 0.3;
+enum { AGAIN = 3 };
+/* The share of the rough estimate (generate.py) that counts, and the bounds of the next step's length. */
+static const double LEAST_SHARE = 0.3, SAFETY = 0.8, SHRINK = 0.2, GROW = 4.0;
+/* Steps no longer than this are taken even where a margin is broken on them. */
+static const double LEAST_ADVANCE = 1e-9;
+/* Of states and parameters, where a support point stands still. */
+static const double DIFFERENCE = 1e-6;
+/* Unknowns in the middle of a step that a Newton iteration corrects by more than this are solved first. */
+static const double UNSOLVED_MIDDLE = 1e-5;
+
+typedef struct { double h, error, rows[STAGES + 1][ROW]; } Step;
+
+/* Derivatives by `count` parameters, by columns (2): of the state; and of the motion's own parameters VARIED and SHARES
+   (rows) by each of them (columns). */
+enum { SOURCES = VARIED + SHARES };
+struct Variation { int count; double state[2 * MOST_VARIED], source[SOURCES][MOST_VARIED]; };
+typedef struct Variation Variation;
+
+/* Derivatives of a motion's rates at a row (2, 2 + SOURCES or 3), by columns; of its unknowns by the state; returns what
+   a Newton iteration would correct of these. */
+static double slopes_at(Stroke *r, const Motion *m, const double *state, const double *z, int all, double *by,
+                        double *toward) {
+    Begun b;
+    double wrench[9], by_law[9], by_shares[9] = {0.0}, correction;
+    const Pressure *pressure = &r->object->pressure;
+    begin(r, m, state, z, &b);
+    friction_at(pressure, b.twist, b.matrix, &r->is_far, wrench);
+    friction_by_law(pressure, b.twist, b.matrix, r->is_far, !all, by_law);
+    if (all) friction_by_shares(pressure, b.twist, b.matrix, r->is_far, by_shares);
+    const double *given[] = {state, m->p, z, wrench, by_law, by_shares};
+    double *results[] = {by, toward, &correction};
+    (all ? ALL_SLOPES : SLOPES)[kind_of(r, m)][law_of(m)](given, results, 0, 0, 0);
+    return correction;
+}
+
+/* The tangent of the unknowns at the start of a step; kept, since a step that is too long starts again there. */
+static void prepare_tangent(Stroke *r, Motion *m, const double *state, const double *z) {
+    const double place[] = {state[0], state[1], z[0], slides(m) ? z[1] : 0.0};
+    double by[6];
+    if (m->has_place && memcmp(m->place, place, sizeof place) == 0) return;
+    memcpy(m->place, place, sizeof place);
+    m->has_place = 1;
+    slopes_at(r, m, state, z, 0, by, m->toward);
+}
+
+/* Where stage i of a step lies. */
+static void place_stage(const Step *taken, const double *state, double h, int i, double *at) {
+    for (int k = 0; k < 2; ++k) {
+        at[k] = state[k];
+        for (int j = 0; j < i; ++j) at[k] += h * (i < STAGES ? A[i][j] : B[j]) * taken->rows[j][SLOPE + k];
+    }
+}
+
+static void estimate_error(Step *taken, double h) {
+    taken->h = h;
+    taken->error = 0.0;
+    for (int k = 0; k < 2; ++k) {
+        double error = 0.0, rough = 0.0;
+        for (int i = 0; i <= STAGES; ++i) {
+            error += ERROR[i] * taken->rows[i][SLOPE + k];
+            rough += ROUGH[i] * taken->rows[i][SLOPE + k];
+        }
+        error = h * fabs(error);
+        rough = LEAST_SHARE * h * h * fabs(rough);
+        /* what is no number stays, whatever comes after it */
+        if (isnan(error) || isnan(rough)) taken->error = NAN;
+        if (error > taken->error) taken->error = error;
+        if (rough > taken->error) taken->error = rough;
+    }
+}
+
+/* A step with its contacts corrected once a stage; whether they count as solved. again: from the unknowns it has. */
+static int certified(Stroke *r, Motion *m, int again, const double *state, double h, Step *taken) {
+    int n = unknowns(m), points = is_points(r), smooth = !points || r->object->pressure.first_row[1] >= 32;
+    double bend[STAGES + 1][2], at[2], z[2], report[REPORT], correction = 0.0, tolerance = r->object->tolerance;
+    double allowed = (points ? AT_POINTS : 1.0) * sqrt(LEFT_OVER * tolerance / h);
+    if (!again) prepare_tangent(r, m, state, m->z);
+    for (int i = 0; i <= STAGES; ++i) {
+        double *row = taken->rows[i], tangent[2];
+        place_stage(taken, state, h, i, at);
+        if (again) memcpy(z, row + UNKNOWN, sizeof z);
+        else if (i == 0) memcpy(z, m->z, sizeof z);
+        else {
+            const double *from = taken->rows[smooth ? 0 : NEAREST_STAGE[i]];
+            for (int k = 0; k < n; ++k) {
+                tangent[k] = from[UNKNOWN + k] + m->toward[k] * (at[0] - from[0]) + m->toward[n + k] * (at[1] - from[1]);
+                z[k] = tangent[k];
+                for (int j = 1; smooth && j < i; ++j) z[k] += BEND[i][j] * bend[j][k];
+            }
+        }
+        /* the end is corrected twice: its balance is what is looked at */
+        for (int tries = i == STAGES ? 2 : 1; tries > 0; --tries) {
+            iterate(r, m, at, z, row, report);
+            memcpy(z, row + UNKNOWN, sizeof z);
+        }
+        if (!again && i > 0)
+            for (int k = 0; k < n; ++k) bend[i][k] = row[UNKNOWN + k] - tangent[k];
+        if (!isfinite(report[CORRECTION])) return 0;
+        correction = fmax(correction, report[CORRECTION]);
+    }
+    estimate_error(taken, h);
+    return isfinite(taken->error) && correction <= allowed;
+}
+
+/* A step stage by stage. */
+static int sure_step(Stroke *r, Motion *m, const double *state, double h, Step *taken) {
+    for (int i = 0; i <= STAGES; ++i) {
+        double at[2], report[REPORT];
+        place_stage(taken, state, h, i, at);
+        int found = evaluate(r, m, at, taken->rows[i], report);
+        if (found < 0) return found;
+    }
+    estimate_error(taken, h);
+    return 1;
+}
+
+/* A step of length h: 1; 0 where a shorter one is called for; or why there is none. fast: certified or not at all. */
+static int attempt(Stroke *r, Motion *m, const double *state, double h, int fast, Step *taken) {
+    double z[2] = {m->z[0], m->z[1]};
+    if (is_held(m)) return sure_step(r, m, state, h, taken);
+    for (int k = 0; k <= AGAIN; ++k)
+        if (certified(r, m, k > 0, state, h, taken)) return 1;
+    if (fast) return 0;
+    int found = sure_step(r, m, state, h, taken);
+    if (found == 1 || h <= LEAST_ADVANCE) return found;
+    memcpy(m->z, z, sizeof z);
+    return 0;
+}
+
+/* The length at which the error should just meet the tolerance; to eight binary digits, downwards: else it would follow
+   the rounding of an error that is itself a difference. */
+static double next_length(double h, double error, double tolerance) {
+    int exponent;
+    if (!isfinite(error)) return h * SHRINK;
+    double factor = SAFETY * pow(tolerance / fmax(error, 1e-300), 1.0 / ORDER);
+    double mantissa = frexp(h * fmin(GROW, fmax(SHRINK, factor)), &exponent);
+    return ldexp(floor(256.0 * mantissa), exponent - 8);
+}
+
+/* The same by differences, where a support point stands still. */
+static int slopes_by_differences(Stroke *r, const Motion *m, const double *row, int sources, double *slopes) {
+    for (int j = 0; j < 2 + (sources < VARIED ? sources : VARIED); ++j)
+        for (int side = -1; side <= 1; side += 2) {
+            Motion moved = *m;
+            double state[] = {row[0], row[1]}, found[ROW], report[REPORT];
+            memcpy(moved.z, row + UNKNOWN, sizeof moved.z);
+            *(j < 2 ? state + j : moved.p + VARIED_AT[j - 2]) += side * DIFFERENCE;
+            if (evaluate(r, &moved, state, found, report) < 0) return UNSOLVED;
+            for (int c = 0; c < 2; ++c) slopes[2 * j + c] += side * found[SLOPE + c] / (2.0 * DIFFERENCE);
+        }
+    return 1;
+}
+
+/* Derivatives of the rates at a row that a variation needs (2, 2 + count): by the state, and by its parameters. */
+static int rates_vary(Stroke *r, Motion *m, double *row, int is_middle, double *by) {
+    double slopes[2 * (2 + SOURCES)] = {0.0}, toward[4], report[REPORT];
+    const Variation *v = r->varied;
+    int all = v->count > 1, sources = all ? SOURCES : 1;
+    memset(by, 0, 2 * (2 + v->count) * sizeof(double));
+    if (is_held(m)) return 1;
+    Motion with = *m;
+    /* a ring without friction is differentiated by it in the sense in which the object turns */
+    if (all && m->mode == RING) with.mode = row[SLOPE] < 0.0 ? RING_RIGHT : RING_LEFT;
+    double correction = slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
+    if (is_kinked(r, m, row) || (is_middle && !(correction <= UNSOLVED_MIDDLE))) {
+        memcpy(m->z, row + UNKNOWN, sizeof m->z);
+        if (evaluate(r, m, row, row, report) < 0) return UNSOLVED;
+        slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
+    }
+    if (is_kinked(r, m, row)) {
+        memset(slopes, 0, sizeof slopes);
+        if (slopes_by_differences(r, m, row, sources, slopes) < 0) return UNSOLVED;
+    }
+    memcpy(by, slopes, 4 * sizeof(double));
+    for (int j = 0; j < sources; ++j) {
+        double sense = VARIED_AT[j < VARIED ? j : 0] == SMU && SIGN[with.mode] < 0.0 ? -1.0 : 1.0;
+        for (int k = 0; k < v->count; ++k)
+            for (int c = 0; c < 2; ++c) by[4 + 2 * k + c] += sense * slopes[4 + 2 * j + c] * v->source[j][k];
+    }
+    return 1;
+}
+
+/* The middle of a step, as far as its stages tell. */
+static void middle_of(const Step *taken, double *row) {
+    memset(row, 0, ROW * sizeof(double));
+    for (int c = 0; c < 2; ++c) {
+        row[c] = taken->rows[0][c];
+        for (int i = 0; i <= STAGES; ++i) {
+            row[c] += taken->h * MIDDLE_STATE[i] * taken->rows[i][SLOPE + c];
+            row[SLOPE + c] += MIDDLE_VALUE[i] * taken->rows[i][SLOPE + c];
+            row[UNKNOWN + c] += MIDDLE_VALUE[i] * taken->rows[i][UNKNOWN + c];
+        }
+    }
+}
+
+/* Carries the variation over a step: of v' = J v + g, v1 = v0 + h/6 (f0 + 4 fm + f1), vm = (v0 + v1)/2 + h/8 (f0 - f1),
+   solved for v1 (Lobatto's method IIIA of order 4; Hairer & Wanner 1996, IV.5). */
+static int vary_step(Stroke *r, Motion *m, const Step *taken) {
+    Variation *v = r->varied;
+    double row[ROW], start[2 * (2 + MOST_VARIED)], mid[2 * (2 + MOST_VARIED)], end[2 * (2 + MOST_VARIED)], h = taken->h;
+    Motion between = *m;
+    size_t size = 2 * (2 + v->count) * sizeof(double);
+    if (m->has_reached) memcpy(start, m->reached, size);
+    else if (rates_vary(r, &between, memcpy(row, taken->rows[0], sizeof row), 0, start) < 0) return UNSOLVED;
+    middle_of(taken, row);
+    if (rates_vary(r, &between, row, 1, mid) < 0) return UNSOLVED;
+    if (rates_vary(r, m, memcpy(row, taken->rows[STAGES], sizeof row), 0, end) < 0) return UNSOLVED;
+    memcpy(m->reached, end, size);
+    m->has_reached = 1;
+    double own[2][2];
+    for (int c = 0; c < 2; ++c)
+        for (int k = 0; k < 2; ++k) {
+            own[c][k] = (c == k) - h / 6.0 * (end[2 * k + c] + 2.0 * mid[2 * k + c]);
+            for (int j = 0; j < 2; ++j) own[c][k] += h * h / 12.0 * mid[2 * j + c] * end[2 * k + j];
+        }
+    double whole = own[0][0] * own[1][1] - own[0][1] * own[1][0];
+    for (int i = 0; i < v->count; ++i) {
+        double *w = v->state + 2 * i, rest[2], at_start[2];
+        const double *later = end + 4 + 2 * i, *given = mid + 4 + 2 * i;
+        for (int c = 0; c < 2; ++c) at_start[c] = start[c] * w[0] + start[2 + c] * w[1] + start[4 + 2 * i + c];
+        for (int c = 0; c < 2; ++c) {
+            rest[c] = w[c] + h / 6.0 * (at_start[c] + 4.0 * given[c] + later[c]);
+            for (int k = 0; k < 2; ++k)
+                rest[c] += h * mid[2 * k + c] * (w[k] / 3.0 + h / 12.0 * (at_start[k] - later[k]));
+        }
+        w[0] = (rest[0] * own[1][1] - own[0][1] * rest[1]) / whole;
+        w[1] = (own[0][0] * rest[1] - own[1][0] * rest[0]) / whole;
+    }
+    return 1;
+}
