@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from cyclemap.maps.families.special_points import Bifurcation
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
     from cyclemap.maps.lifts.circle_map import CircleMap
-    from cyclemap.maps.lifts.parametric_lift import ParametricLift, arnold_family, moebius_family
+    from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
     from cyclemap.maps.mixtures.fourier_law import FourierLaw
     from cyclemap.maps.mixtures.independent_sum import IndependentSum
     from cyclemap.maps.mixtures.law_evolution import law_after, stationary_fourier_law
@@ -73,6 +73,8 @@ else:
     import_on_first_use(__name__)
 
 __all__ = [
+    "ARNOLD_FAMILY",
+    "MOEBIUS_FAMILY",
     "Basin",
     "Bifurcation",
     "Branch",
@@ -119,7 +121,6 @@ __all__ = [
     "WorstStart",
     "WrappedCauchy",
     "WrappedNormal",
-    "arnold_family",
     "basins",
     "bifurcations",
     "birkhoff_average",
@@ -143,7 +144,6 @@ __all__ = [
     "mean_passage_time",
     "metastable_sets",
     "mixture_operator",
-    "moebius_family",
     "nth_iterate",
     "orbit_branches",
     "parameter_tangent",

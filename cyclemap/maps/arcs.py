@@ -9,11 +9,11 @@ import numpy.typing as npt
 
 from cyclemap.checks import finite_array, finite_number
 from cyclemap.errors import InvalidInput
+from cyclemap.maps.rounding import ANGLE
 
 Array = npt.NDArray[np.float64]
 Arc = tuple[float, float]
 TWO_PI = 2.0 * np.pi
-_ROUNDING = 1e-13  # radians beyond an arc's end that still count as its end
 
 
 def arc_ends(arc: Any, name: str, whole: bool = False) -> tuple[float, float]:
@@ -33,9 +33,9 @@ def arc_ends(arc: Any, name: str, whole: bool = False) -> tuple[float, float]:
 def into_arc(theta: float, arc: tuple[float, float]) -> float | None:
     """The representative of ``theta`` (mod 2π) inside the closed arc, or None."""
     inside = arc[0] + float(np.mod(theta - arc[0], TWO_PI))
-    if inside - TWO_PI > arc[0] - _ROUNDING:
+    if inside - TWO_PI > arc[0] - ANGLE:
         return arc[0]
-    return min(inside, arc[1]) if inside <= arc[1] + _ROUNDING else None
+    return min(inside, arc[1]) if inside <= arc[1] + ANGLE else None
 
 
 def required_inside(start: float, ends: Arc) -> float:

@@ -15,10 +15,10 @@ from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.lifts.circle_map import JUMP, SIDE_STEP, CircleMap
 from cyclemap.maps.lifts.lift_checks import base_angles
 from cyclemap.maps.orbits.scan import Cells, monotone_cells
+from cyclemap.maps.rounding import EPS
 
 RESOLUTION = 512
 TOUCH = 1e-12  # radians: a fold this near a level touches it
-_EPS = float(np.finfo(float).eps)
 _SHORTEST_PLATEAU = 1e-5  # radians: a shorter constant piece belongs to its neighbour
 _FLAT = 1e-11  # slopes below this, relative to 1 + |F|, are zero: what differences leave of a constant
 _UNKNOWN = 2
@@ -62,7 +62,7 @@ class Branch:
         if self.direction == 0:
             raise InvalidInput(f"F is {self.start_value:.9g} all along this branch: a plateau has no inverse")
         low, high = sorted((self.start_value, self.end_value))
-        slack = 8.0 * _EPS * (1.0 + max(abs(low), abs(high)))
+        slack = 8.0 * EPS * (1.0 + max(abs(low), abs(high)))
         outside = (wanted < low - slack) | (wanted > high + slack)
         if np.any(outside):
             first = float(wanted[outside][0])
@@ -121,7 +121,7 @@ def _joined(first: Array, last: Array, climb: float) -> npt.NDArray[np.bool_]:
 def _directions(cells: Cells, first: Array, last: Array, smooth: npt.NDArray[np.bool_]) -> Whole:
     """1, -1 or 0 for each cell; one too flat to tell goes with the cell it continues."""
     scale = 1.0 + np.abs(first)
-    still = np.abs(last - first) <= 64.0 * _EPS * scale
+    still = np.abs(last - first) <= 64.0 * EPS * scale
     steepest = np.maximum(np.abs(cells.slope_start), np.abs(cells.slope_end))
     constant = still & (steepest <= _FLAT * scale) & (cells.end - cells.start > _SHORTEST_PLATEAU)
     direction = np.where(still, _UNKNOWN, np.sign(last - first)).astype(np.int64)
@@ -141,9 +141,7 @@ def _branch(circle_map: CircleMap, cells: Cells, first: Array, last: Array, dire
     value = np.append(first[own], last[own[-1]]) + cells.climb * np.append(lap, lap[-1])
     sign = -1 if direction < 0 else 1
     rising = np.maximum.accumulate(sign * value)
-    table = MonotoneTable(
-        read_only(theta), read_only(sign * rising), sign, circle_map, circle_map.derivative, circle_map.scalar()
-    )
+    table = MonotoneTable(read_only(theta), read_only(sign * rising), sign, circle_map)
     return Branch(float(theta[0]), float(theta[-1]), float(value[0]), float(value[-1]), direction, table)
 
 
@@ -212,7 +210,7 @@ def _rounded(value: float, angles: Array, turns_back: bool) -> tuple[Whole, Whol
     """The least w with angle + 2πw ≥ value, the greatest with ≤, and whether one is equal within the tolerance."""
     turns = (value - angles) / TWO_PI
     nearest = np.round(turns)
-    tolerance = TOUCH if turns_back else 4.0 * _EPS * (1.0 + abs(value))
+    tolerance = TOUCH if turns_back else 4.0 * EPS * (1.0 + abs(value))
     touches = np.abs(value - angles - TWO_PI * nearest) <= tolerance
     above = np.where(touches, nearest, np.ceil(turns)).astype(np.int64)
     below = np.where(touches, nearest, np.floor(turns)).astype(np.int64)

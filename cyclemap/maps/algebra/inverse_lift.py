@@ -13,8 +13,7 @@ from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.lifts.circle_map import SIDE_STEP, SNAP, CircleMap
 from cyclemap.maps.lifts.lift_checks import Scalar, base_angles
 from cyclemap.maps.lifts.one_sided import distance_to_break
-
-_ROUNDING = 1e-14  # radians: nodes nearer than this are at one angle
+from cyclemap.maps.rounding import SAME_ANGLE
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +35,7 @@ class InverseLift:
         theta, cell = self.table.inverse(base), self.table.cell(base)
         low, high = self.table.theta[cell], self.table.theta[cell + 1]
         margin = np.minimum(SIDE_STEP, 0.25 * (high - low))
-        slope = self.table.derivative(np.clip(theta, low + margin, high - margin))
+        slope = self.table.map.derivative(np.clip(theta, low + margin, high - margin))
         with np.errstate(divide="ignore"):
             return np.where(high > low, 1.0 / slope, 0.0)
 
@@ -81,6 +80,6 @@ def _around(circle_map: CircleMap, theta: Array, value: Array) -> MonotoneTable:
     theta, value = theta[::degree], value[::degree]
     theta = np.maximum.accumulate(theta)
     # The two sides of a jump, a turn apart, are one angle however they were rounded.
-    apart = np.diff(theta, prepend=-np.inf) > _ROUNDING
+    apart = np.diff(theta, prepend=-np.inf) > SAME_ANGLE
     theta = theta[apart][np.cumsum(apart) - 1]
-    return MonotoneTable(theta, value, degree, circle_map, circle_map.derivative, circle_map.scalar())
+    return MonotoneTable(theta, value, degree, circle_map)

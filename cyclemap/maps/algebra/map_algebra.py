@@ -38,7 +38,8 @@ def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
     (2, 3.141593)
     """
     breaks = _pulled_back(inner, outer.breaks, branches(inner) if outer.breaks.size else ())
-    return _composite([inner, outer], breaks, _error_after(outer, inner.max_error))
+    made = _composite([inner, outer], breaks, _error_after(outer, inner.max_error))
+    return made.remade_by(compose, outer, inner)
 
 
 def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
@@ -56,7 +57,7 @@ def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
     parts = branches(circle_map) if breaks.size else ()
     for _ in range(count - 1):
         breaks, error = _pulled_back(circle_map, breaks, parts), _error_after(circle_map, error)
-    return _composite([circle_map] * count, breaks, error)
+    return _composite([circle_map] * count, breaks, error).remade_by(nth_iterate, circle_map, count)
 
 
 def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
@@ -73,7 +74,7 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
         cubic = circle_map.pieces.shifted(turn, turn)
         return CircleMap.from_pieces(cubic, moved, circle_map.samples, circle_map.max_error)
     back, forth = CircleMap.rigid(-turn / TWO_PI), CircleMap.rigid(turn / TWO_PI)
-    return _composite([back, circle_map, forth], moved, circle_map.max_error)
+    return _composite([back, circle_map, forth], moved, circle_map.max_error).remade_by(conjugate, circle_map, turn)
 
 
 def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
@@ -94,7 +95,7 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
         breaks=circle_map.breaks,
         degree=circle_map.degree,
         max_error=circle_map.max_error,
-    )
+    ).remade_by(shifted, circle_map, turns)
 
 
 def inverse(circle_map: CircleMap) -> CircleMap:
@@ -126,7 +127,7 @@ def inverse(circle_map: CircleMap) -> CircleMap:
         breaks=lift.breaks,
         degree=lift.degree,
         max_error=_movement(lift, circle_map.max_error),
-    )
+    ).remade_by(inverse, circle_map)
 
 
 def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> CircleMap:

@@ -10,9 +10,10 @@ import numpy.typing as npt
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.arcs import Array
-from cyclemap.maps.lifts.lift_checks import Lift, Scalar
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import Scalar
+from cyclemap.maps.rounding import EPS
 
-_EPS = float(np.finfo(float).eps)
 _PASSES = 200
 
 
@@ -28,9 +29,7 @@ class MonotoneTable:
     theta: Array
     value: Array
     sign: int
-    lift: Lift
-    derivative: Lift
-    one_float: Scalar
+    map: CircleMap
 
     def inverse(self, values: Array) -> Array:
         """The angle at which the function takes each of ``values``; values beyond the table give its ends.
@@ -61,12 +60,12 @@ class MonotoneTable:
         solved, index = x.copy(), np.arange(x.size)
         last = high - low
         for _ in range(_PASSES):
-            gap, slope = self.sign * self.lift(x) - wanted, self.derivative(x)
+            gap, slope = self.sign * self.map(x) - wanted, self.map.derivative(x)
             low, high = np.where(gap <= 0.0, x, low), np.where(gap >= 0.0, x, high)
             ahead, good = _step(x, gap, self.sign * slope, low, high, last)
             # The rounding of values, and of angles magnified by the slope: no gap below it means anything.
-            rounding = 4.0 * _EPS * (1.0 + np.abs(wanted) + np.abs(slope) * (1.0 + np.abs(x)))
-            fine = (np.abs(gap) <= rounding) | (np.abs(ahead - x) <= _EPS * (1.0 + np.abs(x)))
+            rounding = 4.0 * EPS * (1.0 + np.abs(wanted) + np.abs(slope) * (1.0 + np.abs(x)))
+            fine = (np.abs(gap) <= rounding) | (np.abs(ahead - x) <= EPS * (1.0 + np.abs(x)))
             solved[index] = np.where(good, ahead, x)
             if fine.all():
                 return solved
@@ -77,7 +76,7 @@ class MonotoneTable:
 
     def inverse_of_one_float(self) -> Scalar:
         """The same inverse for one python float: interpolation kept inside a bracket (Anderson & Björck 1973)."""
-        sign, lift = self.sign, self.one_float
+        sign, lift = self.sign, self.map.scalar()
         nodes, rising = self.theta.tolist(), (self.sign * self.value).tolist()
         bisect, final = bisect_right if sign > 0 else bisect_left, len(nodes) - 2
 
@@ -113,7 +112,7 @@ def _interpolated(gap: Scalar, low: float, high: float, below: float, above: flo
         before = x
         x = low - below * (high - low) / (above - below) if turn % 8 < 6 else 0.5 * (low + high)
         at = gap(x)
-        if at == 0.0 or abs(x - before) <= _EPS * max(abs(x), 1.0):
+        if at == 0.0 or abs(x - before) <= EPS * max(abs(x), 1.0):
             return x
         if at < 0.0:
             ratio = 1.0 - at / below

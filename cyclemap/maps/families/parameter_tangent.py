@@ -13,12 +13,12 @@ from cyclemap.checks import finite_number, positive_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.lifts.circle_map import SIDE_STEP, CircleMap
+from cyclemap.maps.rounding import LIFT
 
 Family = Callable[..., CircleMap]
 Range = tuple[float, float]
 
 _STEP = 1e-3  # of the parameter's scale: truncation and rounding of fourth-order differences balance near it
-_ROUNDING = 4.0 * np.finfo(float).eps  # of a lift's value, relative to its largest intermediate angle
 _CENTRED, _ONE_SIDED = {2: (-1, 1), 4: (-2, -1, 1, 2)}, {2: (0, 1, 2), 4: (0, 1, 2, 3, 4)}
 _CENTRED_WEIGHTS = {2: (-0.5, 0.5), 4: (1 / 12, -8 / 12, 8 / 12, -1 / 12)}
 _ONE_SIDED_WEIGHTS = {2: (-1.5, 2.0, -0.5), 4: (-25 / 12, 4.0, -3.0, 16 / 12, -0.25)}
@@ -162,9 +162,7 @@ class ParameterTangent:
         ratio = 2.0**self._order
         truncation = ratio / (ratio - 1.0) * np.abs(self._value(angles, half) - self(angles))
         size = TWO_PI + np.abs(self.member(np.mod(angles, TWO_PI)))
-        return np.asarray(
-            truncation + (_ROUNDING * size + self.member.max_error) * (half.weight + self._stencil.weight)
-        )
+        return np.asarray(truncation + (LIFT * size + self.member.max_error) * (half.weight + self._stencil.weight))
 
 
 def parameter_tangent(

@@ -11,8 +11,8 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.families.orbit_equations import OrbitEquations, OrbitState
+from cyclemap.maps.rounding import EPS
 
-_EPS = float(np.finfo(float).eps)
 _BEND = 1e-4  # radians: step of the differences of F'
 _TRANSVERSE = 1e-6  # a saddle-node's orbit moves with the parameter by more than this share of ∂F/∂p
 
@@ -83,7 +83,7 @@ def smooth_bifurcation(
             found[s] = solved
         return found[s].multiplier - target
 
-    at = found[brentq(excess, 0.0, length, xtol=_EPS * length, rtol=8.0 * _EPS)]
+    at = found[brentq(excess, 0.0, length, xtol=EPS * length, rtol=8.0 * EPS)]
     push = equations.push(at.parameter)(at.theta)
     kind = "period-doubling" if target < 0.0 else _kind_at_one(equations, at, push)
     condition = np.append(_multiplier_gradient(at), _multiplier_rate(equations, at))
@@ -146,9 +146,9 @@ def recorded(
 
 def _parameter_error(equations: OrbitEquations, at: OrbitState, extended: Array, residual: Array) -> float:
     angle = 2.0 * TWO_PI + np.abs(np.roll(at.theta, -1) + TWO_PI * equations.hops)
-    rounding = np.append(2.0 * _EPS * angle, 8.0 * _EPS * angle.size * max(1.0, abs(at.multiplier)))
+    rounding = np.append(2.0 * EPS * angle, 8.0 * EPS * angle.size * max(1.0, abs(at.multiplier)))
     try:
         row = np.abs(np.linalg.inv(extended)[-1])
     except np.linalg.LinAlgError:
         return float("inf")
-    return float(row @ (np.abs(residual) + rounding)) + 2.0 * _EPS * abs(at.parameter)
+    return float(row @ (np.abs(residual) + rounding)) + 2.0 * EPS * abs(at.parameter)

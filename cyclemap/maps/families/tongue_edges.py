@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
@@ -11,41 +11,23 @@ import numpy as np
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array
-from cyclemap.maps.families.parameter_tangent import Family, family_member, limit_at_break, parameter_tangent
+from cyclemap.maps.families.parameter_tangent import Family, Range, family_member, limit_at_break, parameter_tangent
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.cells import Turns
+from cyclemap.maps.orbits.diagonal import displacement
+from cyclemap.maps.orbits.scan import monotone_cells
 from cyclemap.maps.rotation.envelopes import lower_envelope, upper_envelope
+from cyclemap.maps.rounding import EPS, LIFT
 
-_EPS = float(np.finfo(float).eps)
-_ROUNDING = 2.0 * _EPS  # of a lift's value, relative to the largest angles it handles
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
-_WINDOWS, _POINTS = 4, 33  # maxima refined together, and the points across each
-_ZOOMS = 7  # each by 16: enough for a smooth hump; a corner or jump is decided at the map's break it comes from
 _FAR = 3.0  # radians
-_OFFSETS = np.linspace(-1.0, 1.0, _POINTS)
-
-
-def displacement(circle_map: CircleMap, theta: Array, ratio: Fraction) -> Array:
-    """F^q(θ) - θ - 2πp for ``ratio`` = p/q, radians, any shape.
-
-    The iterate is kept within half a turn of 0 and its turns are counted apart, so that rounding does not
-    grow with the angle.
-
-    >>> import numpy as np
-    >>> bool(abs(displacement(CircleMap.rigid(0.4), np.array(1.0), Fraction(2, 5))) < 1e-15)
-    True
-    """
-    return _displacement(circle_map, theta, ratio, circle_map(theta))
-
-
-def _displacement(circle_map: CircleMap, theta: Array, ratio: Fraction, image: Array) -> Array:
-    """The same from the first images F(θ), which may be one-sided limits."""
-    turns = np.full(np.shape(theta), -float(ratio.numerator))
-    for remaining in range(ratio.denominator - 1, -1, -1):
-        lap = np.rint(image / TWO_PI)
-        image, turns = image - TWO_PI * lap, turns + lap
-        if remaining:
-            image = circle_map(image)
-    return np.asarray((image - theta) + TWO_PI * turns)
+_FIRST_LOOK = 256  # cells a turn with which the search for what was missed begins
+_CELLS = 4_096  # once so many are left, those in which F^q is smooth need no cutting any more
+_MOST_CELLS = 65_536
+_SEARCHES = 4  # times that an edge is sought, a hump that was missed before among the marks
+_QUARTERS = np.linspace(0.0, 1.0, 5)
+_FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+_QUARTIC = np.linalg.solve(np.vander(_QUARTERS).T, np.vander(np.linspace(0.0, 1.0, 33), 5).T)
 
 
 @dataclass(frozen=True)
@@ -56,60 +38,63 @@ class Extremum:
     theta: float
 
 
-def extreme_displacement(circle_map: CircleMap, ratio: Fraction, resolution: int, sign: float) -> Extremum:
+def extreme_displacement(
+    circle_map: CircleMap, ratio: Fraction, resolution: int, sign: float, marks: Sequence[float] = ()
+) -> Extremum:
     """The largest (``sign`` 1) or least (-1) value of F^q - id - 2πp over the circle.
 
-    Taken from ``resolution + 8q`` angles, the greatest humps between them refined (to 1e-3 of the value, to
-    rounding where that is near 0), and from both sides of the map's own breaks: these alone when the sign
-    there is the wanted one already. Of a nondecreasing map this gives the right sign even where the extremum
-    lies at a break of the iterate: the sign is the same all along an orbit.
+    Taken from the ends of the scanner's cells, ``marks`` among them, and from both sides of the map's own breaks:
+    these alone when the sign there is the wanted one already. Of a nondecreasing map this gives the right sign even
+    where the extremum lies at a break of the iterate: the sign is the same all along an orbit.
     """
-    at_breaks = _beside_breaks(circle_map, ratio, sign)
-    if at_breaks.value >= 0.0:
-        return Extremum(sign * at_breaks.value, at_breaks.theta)
-    count = resolution + 8 * ratio.denominator
-    grid = np.linspace(-np.pi, np.pi, count, endpoint=False)
-    values = sign * displacement(circle_map, grid, ratio)
-    peaks = np.flatnonzero((values >= np.roll(values, 1)) & (values >= np.roll(values, -1)))
-    best = peaks[np.argsort(values[peaks])[-_WINDOWS:]]
-    found = _refined(circle_map, ratio, sign, grid[best], TWO_PI / count)
-    found = max(found, at_breaks, key=lambda extremum: extremum.value)
+    found = _beside_breaks(circle_map, ratio, sign)
+    if found.value < 0.0:
+        cells = monotone_cells(circle_map, ratio.denominator, 1.0, resolution, marks)
+        theta = cells.start[~cells.cut]
+        values = sign * displacement(circle_map, theta, ratio.denominator, np.asarray(ratio.numerator))[0]
+        best = int(np.argmax(np.append(values, found.value)))
+        found = Extremum(float(values[best]), float(theta[best])) if best < theta.size else found
     return Extremum(sign * found.value, found.theta)
 
 
-def _refined(circle_map: CircleMap, ratio: Fraction, sign: float, centres: Array, reach: float) -> Extremum:
-    """Zoom into every window, until the parabola through the top adds less than 1e-3 of the value or rounding."""
-    rows = np.arange(centres.size)
-    for _ in range(_ZOOMS):
-        theta = centres[:, None] + reach * _OFFSETS
-        values = sign * displacement(circle_map, theta, ratio)
-        top = np.clip(np.argmax(values, axis=1), 1, _POINTS - 2)
-        shift, gain = _vertex(*(values[rows, top + k] for k in (-1, 0, 1)))
-        reach *= 2.0 / (_POINTS - 1)
-        centres = theta[rows, top] + reach * shift
-        best = int(np.argmax(values[rows, top] + gain))
-        highest = float(np.max(values))
-        if gain[best] <= max(4.0 * _EPS, 1e-3 * abs(highest)):
-            break
-    return Extremum(highest, float(centres[best]))
-
-
-def _vertex(before: Array, here: Array, after: Array) -> tuple[Array, Array]:
-    """Where, in steps from the middle, the parabola through three values is highest, and how much higher."""
-    bend = 2.0 * here - before - after
-    lift = after - before
-    shift = np.where(bend > 0.0, lift / (2.0 * np.where(bend > 0.0, bend, 1.0)), 0.0)
-    shift = np.clip(shift, -1.0, 1.0)
-    return shift, np.maximum(0.5 * shift * (lift - bend * shift), 0.0)
-
-
 def _beside_breaks(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extremum:
-    if circle_map.breaks.size == 0:
+    breaks = circle_map.breaks
+    if breaks.size == 0:
         return Extremum(-np.inf, 0.0)
-    images = (limit_at_break(circle_map, circle_map.breaks, side) for side in (-1, 1))
-    values = np.concatenate([sign * _displacement(circle_map, circle_map.breaks, ratio, image) for image in images])
+    image = np.stack([limit_at_break(circle_map, breaks, side) for side in (-1, 1)])
+    lap = np.rint(image / TWO_PI)
+    rest = displacement(circle_map, image - TWO_PI * lap, ratio.denominator - 1, ratio.numerator - lap.astype(np.int64))
+    values = sign * (rest[0] + (image - TWO_PI * lap - breaks))
     best = int(np.argmax(values))
-    return Extremum(float(values[best]), float(np.tile(circle_map.breaks, 2)[best]))
+    return Extremum(float(values.flat[best]), float(breaks[best % breaks.size]))
+
+
+def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extremum:
+    """How far above 0 a value of ``sign``·(F^q - id - 2πp) may lie, F nondecreasing, and where; 0 where none can.
+
+    Between its values at a < b a nondecreasing F^q stays, so that F^q - id exceeds its value at b by b - a at most:
+    cells which that leaves room above 0 are cut, whatever the slopes and breaks there. Once ``_CELLS`` of them are
+    left, those whose five values a quartic meets to rounding count with its largest value: measured, not proved.
+    """
+    start, width, found = TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK, TWO_PI / _FIRST_LOOK, Extremum(0.0, 0.0)
+    smooth_ones_count = False
+    while start.size:
+        theta = start[:, None] + width * _QUARTERS
+        gap, _, rounding = displacement(circle_map, theta, ratio.denominator, np.asarray(ratio.numerator))
+        gap, noise = sign * gap, 2.0 * np.max(rounding, axis=1)
+        room = np.max(gap[:, 1:] if sign > 0.0 else gap[:, :-1], axis=1) + 0.25 * width
+        left = room > noise
+        smooth_ones_count = smooth_ones_count or bool(np.count_nonzero(left) >= _CELLS)
+        smooth = left & smooth_ones_count & (np.abs(gap @ _FOURTH_DIFFERENCE) <= 8.0 * noise)
+        height = np.where(smooth, np.max(gap @ _QUARTIC, axis=1), room) - noise
+        left &= ~smooth
+        if 4 * np.count_nonzero(left) > _MOST_CELLS or width < 1e-15:
+            smooth, left = smooth | left, np.zeros_like(left)
+        highest = int(np.argmax(np.where(smooth, height, 0.0)))
+        if smooth[highest] and height[highest] > found.value:
+            found = Extremum(float(height[highest]), float(theta[highest, int(np.argmax(gap[highest]))]))
+        start, width = (start[left, None] + width * _QUARTERS[:-1]).ravel(), 0.25 * width
+    return found
 
 
 # -- the edge ------------------------------------------------------------------------------------------------
@@ -147,6 +132,8 @@ class EdgeSearch:
     ratio: Fraction
     side: str
     resolution: int
+    within: Range
+    marks: list[float] = field(default_factory=list)
     tried: dict[float, _Trial] = field(default_factory=dict)
 
     def value(self, p: float) -> float:
@@ -167,8 +154,7 @@ class EdgeSearch:
         if member.degree != 1:
             raise InvalidInput(f"the map at {p:.9g} has degree {member.degree}: a tongue needs degree 1")
         monotone = upper_envelope(member) if self.side == "left" else lower_envelope(member)
-        sign = 1.0 if self.side == "left" else -1.0
-        found = extreme_displacement(monotone, self.ratio, self.resolution, sign)
+        found = extreme_displacement(monotone, self.ratio, self.resolution, self._sign, self.marks)
         return _Trial(member, monotone, found, np.asarray(member(_PROBES)))
 
     def _check_monotone(self, p: float) -> None:
@@ -183,22 +169,50 @@ class EdgeSearch:
                     f"{high:.9g}; tongue edges need a family that nowhere decreases (try the negative parameter)"
                 )
 
+    @property
+    def _winding(self) -> Turns:
+        return np.asarray(self.ratio.numerator)
+
+    @property
+    def _sign(self) -> float:
+        return 1.0 if self.side == "left" else -1.0
+
+    def require_inside(self) -> None:
+        """Raise InvalidInput unless the edge lies within the parameters."""
+        low, high = self.within
+        for end, beyond, where in ((low, self.value(low) >= 0.0, "below"), (high, self.value(high) < 0.0, "above")):
+            if beyond:
+                raise InvalidInput(
+                    f"the {self.side} edge of the tongue {self.ratio} lies {where} {end:.9g}, outside the parameters "
+                    f"({low:.9g}, {high:.9g}): widen them"
+                )
+
     def edge(self, low: float, high: float) -> Edge:
         """The edge inside [low, high]; the ends must lie on its two sides."""
-        below, above = bracketed_zero(self.value, low, high)
-        parameter = above if self.side == "left" else below
-        trial = self.tried[parameter]
-        error = above - below + self._rounding(parameter, trial, (low, high))
+        for _ in range(_SEARCHES):
+            below, above = bracketed_zero(self.value, low, high)
+            parameter, beyond = (above, below) if self.side == "left" else (below, above)
+            trial, outside = self.tried[parameter], self.tried[beyond].monotone
+            unseen = unseen_height(outside, self.ratio, self._sign)
+            missed = displacement(outside, np.array(unseen.theta), self.ratio.denominator, self._winding)[0]
+            if unseen.value == 0.0 or self._sign * missed <= 0.0:
+                break
+            self.marks.append(unseen.theta)
+            self.tried.clear()
+            self.require_inside()
+            low, high = self.within
+        error = above - below + self._moved_by(parameter, trial, unseen.value)
         return Edge(parameter, error, trial.found.theta % TWO_PI, trial.monotone is not trial.member)
 
-    def _rounding(self, p: float, trial: _Trial, within: tuple[float, float]) -> float:
-        """How far the lift's rounding can move the edge, to first order along the orbit of the edge."""
-        tangent = parameter_tangent(self.family, p, step=1e-6 * (within[1] - within[0]), within=within, order=2)
+    def _moved_by(self, p: float, trial: _Trial, unseen: float) -> float:
+        """How far the lift's rounding and a value ``unseen`` can move the edge, to first order along its orbit."""
+        within, step = self.within, 1e-6 * (self.within[1] - self.within[0])
+        tangent = parameter_tangent(self.family, p, step=step, within=within, order=2)
         disturbed, moved = self._gained(trial, np.ones_like), self._gained(trial, tangent)
         if moved <= 0.0:
             raise ConvergenceError(f"the orbits of rotation {self.ratio} do not move with the parameter at {p:.9g}")
         angle = 2.0 * TWO_PI + float(np.max(np.abs(trial.lift - _PROBES)))
-        return _ROUNDING * angle * disturbed / moved + 2.0 * _EPS * abs(p)
+        return (LIFT * angle * disturbed + unseen) / moved + 2.0 * EPS * abs(p)
 
     def _gained(self, trial: _Trial, push: Callable[[Array], Array]) -> float:
         """How far the extremal orbit ends from where it did when every lift moves by ``push``, to first order."""
@@ -216,7 +230,7 @@ def bracketed_zero(value: Callable[[float], float], low: float, high: float) -> 
     Dowell & Jarratt (1971); a step that does not shrink the bracket to a quarter in three is a bisection.
     """
     at_low, at_high = value(low), value(high)
-    tolerance, widths, last = 2.0 * _EPS * max(abs(low), abs(high)), [high - low], 0.0
+    tolerance, widths, last = 2.0 * EPS * max(abs(low), abs(high)), [high - low], 0.0
     while high - low > 2.0 * tolerance:
         guess = low + (high - low) * (-at_low / (at_high - at_low))
         if len(widths) > 3 and widths[-1] > 0.25 * widths[-4]:

@@ -85,15 +85,20 @@ class BranchedLift:
         return lift
 
 
-def lift_from_branches(branches: Any, degree: int) -> tuple[BranchedLift, Array]:
+def lift_from_branches(branches: list[Any], degree: int) -> tuple[BranchedLift, Array]:
     """The lift on all branches, checked, and its breaks in [0, 2π): the seams where value or slope differ."""
-    pieces = tuple(_piece(i, branch) for i, branch in enumerate(_listed(branches)))
+    pieces = tuple(_piece(i, branch) for i, branch in enumerate(branches))
     _check_cover(pieces)
     seams = base_angles(np.array([piece.start for piece in pieces]))
     return _onto_one_turn(pieces, seams, degree), seams[_differing(pieces, degree)]
 
 
-def _listed(branches: Any) -> list[Any]:
+def listed_branches(branches: Any) -> list[Any]:
+    """The branches as a list, or InvalidInput where there are none.
+
+    >>> listed_branches([(0.0, 1.0, np.sin, None)])[0][:2]
+    (0.0, 1.0)
+    """
     try:
         given = list(branches)
     except TypeError as cause:
@@ -115,7 +120,7 @@ def _piece(index: int, branch: Any) -> Piece:
         raise InvalidInput(f"branch {index} runs from {first:.12g} to {last:.12g}: its end must lie after its start")
 
     def by_differences(theta: Array) -> Array:
-        return differences_between(lift, theta, theta - first, last - theta)
+        return differences_between(lift, theta, theta - first, last - theta)[0]
 
     piece = Piece(first, last, lift, by_differences if derivative is None else derivative, derivative is not None)
     _check_ends(index, piece)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,15 +13,18 @@ from cyclemap.checks import finite_array, non_negative_number, read_only, whole_
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import Array
 from cyclemap.maps.lifts import textbook_maps
-from cyclemap.maps.lifts.branched_lift import lift_from_branches
+from cyclemap.maps.lifts.branched_lift import lift_from_branches, listed_branches
 from cyclemap.maps.lifts.lift_checks import Lift as Lift
 from cyclemap.maps.lifts.lift_checks import Scalar as Scalar
-from cyclemap.maps.lifts.lift_checks import base_angles, check_lift, check_scalar
+from cyclemap.maps.lifts.lift_checks import base_angles, check_lift, check_scalar, guarded
 from cyclemap.maps.lifts.one_sided import JUMP as JUMP
 from cyclemap.maps.lifts.one_sided import SIDE_STEP as SIDE_STEP
 from cyclemap.maps.lifts.one_sided import SNAP as SNAP
 from cyclemap.maps.lifts.one_sided import differences, one_sided_limit
 from cyclemap.maps.lifts.piecewise_cubic import PiecewiseCubic, cubic_from_samples
+from cyclemap.maps.rounding import LIFT
+
+Recipe = tuple[Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]]  # a call that makes the map again
 
 _NO_BREAKS = read_only(())
 
@@ -33,7 +38,7 @@ class CircleMap:
     lift : callable, radians to radians, F(θ + 2π) = F(θ) + 2π·degree; never wrapped. It takes float64 arrays
         of any shape and gives float64 entry by entry.
     derivative : such a callable for F', or None: then differences of fourth order that never reach across
-        a break; their error is about 1e-11 + 1e-13·|F⁽⁵⁾| in [-2π, 2π].
+        a break, about 1e-11 off in [-2π, 2π] where F is smooth; ``derivative_error`` tells.
     breaks : angles (radians, any order, any turn) where F jumps or F' does. F is taken to be continuous
         from the right there: ``F(b)`` should be the limit from above.
     degree : how often the image runs round while θ runs round once; any whole number.
@@ -62,6 +67,7 @@ class CircleMap:
     _lift: Lift
     _derivative: Lift | None
     _scalar: Scalar | None
+    _recipe: Recipe
 
     def __init__(
         self,
@@ -81,15 +87,39 @@ class CircleMap:
             max_error=non_negative_number("max_error", max_error),
             samples=0,
             pieces=None,
-            _lift=lift,
-            _derivative=derivative,
+            _lift=guarded("lift", lift, True),
+            _derivative=None if derivative is None else guarded("derivative", derivative, False),
             _scalar=None,
+            _recipe=(CircleMap, (lift, derivative, breaks, degree), {"max_error": max_error}),
         )
         check_lift(lift, derivative, self.breaks, self.degree)
 
     def _set(self, **fields: Any) -> None:
         for name, value in fields.items():
             object.__setattr__(self, name, value)
+
+    def remade_by(self, maker: Callable[..., CircleMap], *arguments: Any, **options: Any) -> CircleMap:
+        """The map itself, which pickles as this call that makes it: what its own lift is made of may not pickle.
+
+        >>> import pickle
+        >>> float(pickle.loads(pickle.dumps(CircleMap.rigid(0.25).remade_by(CircleMap.rigid, 0.25)))(0.0)) > 1.57
+        True
+        """
+        self._set(_recipe=(maker, arguments, options))
+        return self
+
+    def __reduce__(self) -> tuple[Callable[..., CircleMap], tuple[Recipe]]:
+        _, arguments, options = self._recipe
+        for part in (*arguments, *options.values()):
+            if callable(part) and not isinstance(part, CircleMap):
+                _require_picklable(part)
+        return _remade, (self._recipe,)
+
+    def __copy__(self) -> CircleMap:
+        return self
+
+    def __deepcopy__(self, _: Any) -> CircleMap:
+        return self
 
     def __repr__(self) -> str:
         return f"CircleMap(degree={self.degree}, samples={self.samples}, breaks={self.breaks.size})"
@@ -110,7 +140,14 @@ class CircleMap:
         angles = np.asarray(theta, dtype=np.float64)
         if self._derivative is not None:
             return self._derivative(angles)
-        return differences(self._lift, self.breaks, angles)
+        return differences(self._lift, self.breaks, angles)[0]
+
+    def derivative_error(self, theta: Any) -> Array:
+        """A bound on the error of ``derivative``: rounding; where none was given, the measured one of differences."""
+        angles = np.asarray(theta, dtype=np.float64)
+        if self._derivative is not None:
+            return LIFT * (1.0 + np.abs(self._derivative(angles)))
+        return differences(self._lift, self.breaks, angles)[1]
 
     def left(self, theta: Any) -> Array:
         """The limit of F from below at ``theta``: differs from F(θ) only at breaks that jump."""
@@ -153,7 +190,7 @@ class CircleMap:
         made = cls(lift, derivative, **options)
         check_scalar(scalar, lift, derivative)
         made._set(_scalar=scalar)
-        return made
+        return made.remade_by(cls.with_scalar, lift, derivative, scalar, **options)
 
     @classmethod
     def rigid(cls, turns: float) -> CircleMap:
@@ -162,7 +199,7 @@ class CircleMap:
         >>> round(float(CircleMap.rigid(0.25)(0.0)), 6)
         1.570796
         """
-        return cls.with_scalar(*textbook_maps.rigid_rotation(turns))
+        return cls.with_scalar(*textbook_maps.rigid_rotation(turns)).remade_by(cls.rigid, turns)
 
     @classmethod
     def arnold(cls, omega: float, K: float) -> CircleMap:
@@ -173,7 +210,7 @@ class CircleMap:
         >>> float(CircleMap.arnold(0.0, 0.5).derivative(0.0))
         0.5
         """
-        return cls.with_scalar(*textbook_maps.sine_map(omega, K))
+        return cls.with_scalar(*textbook_maps.sine_map(omega, K)).remade_by(cls.arnold, omega, K)
 
     @classmethod
     def moebius(cls, a: float, omega: float) -> CircleMap:
@@ -184,7 +221,7 @@ class CircleMap:
         >>> round(float(CircleMap.moebius(0.5, 0.0).derivative(0.0)), 12)
         3.0
         """
-        return cls.with_scalar(*textbook_maps.moebius_transformation(a, omega))
+        return cls.with_scalar(*textbook_maps.moebius_transformation(a, omega)).remade_by(cls.moebius, a, omega)
 
     @classmethod
     def blaschke(cls, zeros: Any, omega: float = 0.0) -> CircleMap:
@@ -198,7 +235,8 @@ class CircleMap:
         (2.5, 3)
         """
         checked = textbook_maps.blaschke_zeros(zeros)
-        return cls.with_scalar(*textbook_maps.blaschke_product(checked, omega), degree=len(checked))
+        made = cls.with_scalar(*textbook_maps.blaschke_product(checked, omega), degree=len(checked))
+        return made.remade_by(cls.blaschke, checked, omega)
 
     @classmethod
     def from_branches(cls, branches: Any, *, degree: int = 1, max_error: float = 0.0) -> CircleMap:
@@ -221,9 +259,11 @@ class CircleMap:
         ([0.0, 3.141593], 1.0)
         """
         whole = whole_number("degree", degree)
-        lift, breaks = lift_from_branches(branches, whole)
+        given = listed_branches(branches)
+        lift, breaks = lift_from_branches(given, whole)
         options = {"breaks": breaks, "degree": whole, "max_error": max_error}
-        return cls.with_scalar(lift, lift.derivative, lift.scalar(), **options)
+        made = cls.with_scalar(lift, lift.derivative, lift.scalar(), **options)
+        return made.remade_by(cls.from_branches, given, degree=whole, max_error=max_error)
 
     @classmethod
     def from_samples(
@@ -260,4 +300,19 @@ class CircleMap:
         """
         made = cls(pieces, pieces.derivative, breaks, pieces.degree, max_error=max_error)
         made._set(_scalar=pieces.scalar(), pieces=pieces, samples=samples)
-        return made
+        return made.remade_by(cls.from_pieces, pieces, breaks, samples, max_error)
+
+
+def _remade(recipe: Recipe) -> CircleMap:
+    maker, arguments, options = recipe
+    return maker(*arguments, **options)
+
+
+def _require_picklable(part: Any) -> None:
+    try:
+        pickle.dumps(part)
+    except Exception as cause:
+        raise InvalidInput(
+            f"the map cannot be pickled, as {part!r} cannot: make it of functions that are defined by def at the top "
+            "of a module (or sample it: CircleMap.from_samples)"
+        ) from cause

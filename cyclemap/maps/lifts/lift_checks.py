@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -71,11 +72,8 @@ def checked_call(name: str, function: Lift, points: Array) -> Array:
         values = function(points)
     except CycleMapError:
         raise
-    except (TypeError, ValueError, IndexError, AttributeError) as cause:
-        raise InvalidInput(
-            f"the {name} fails on an array of shape {points.shape} ({cause}): it must be vectorised; "
-            "build it of numpy functions, or wrap it in np.vectorize"
-        ) from cause
+    except Exception as cause:
+        raise InvalidInput(_failure(name, function, points, cause)) from cause
     if getattr(values, "dtype", None) != np.float64:
         kind = getattr(values, "dtype", type(values).__name__)
         raise InvalidInput(f"the {name} gives {kind} for float64 angles: it must give real float64 numbers")
@@ -87,6 +85,57 @@ def checked_call(name: str, function: Lift, points: Array) -> Array:
             f"the {name} gives {values.ravel()[worst]} at θ = {points.ravel()[worst]:.6g}: it must be finite everywhere"
         )
     return values
+
+
+def _failure(name: str, function: Lift, points: Array, cause: Exception) -> str:
+    """Name the first angle at which the callable fails by itself; if it fails at none it is not vectorised."""
+    for theta in np.ravel(points):
+        kinds = [_raised(function, one) for one in (np.asarray(theta), np.array([theta]))]
+        if all(kinds):
+            return f"the {name} fails at θ = {theta:.9g} ({kinds[0]}): it must be defined everywhere"
+    return (
+        f"the {name} fails on an array of shape {points.shape} ({cause}): it must be vectorised; "
+        "build it of numpy functions, or wrap it in np.vectorize"
+    )
+
+
+def _raised(function: Lift, theta: Array) -> str:
+    try:
+        function(theta)
+    except Exception as cause:
+        return f"{type(cause).__name__}: {cause}"
+    return ""
+
+
+def guarded(name: str, function: Lift, finite: bool) -> Lift:
+    """The callable, which says at which angle it fails or gives nan (or ±inf, where values must be ``finite``).
+
+    >>> guarded("lift", np.sqrt, True)(np.array([4.0])).tolist()
+    [2.0]
+    """
+    bad = _not_finite if finite else np.isnan
+
+    def call(theta: Array) -> Array:
+        try:
+            values = function(theta)
+        except CycleMapError:
+            raise
+        except Exception as cause:
+            raise InvalidInput(_failure(name, function, theta, cause)) from cause
+        wrong = bad(values)
+        if wrong.any():
+            place = int(np.argmax(wrong))
+            raise InvalidInput(
+                f"the {name} gives {np.ravel(values)[place]} at θ = {np.ravel(theta)[place]:.9g}: "
+                "it must be finite everywhere"
+            )
+        return values
+
+    return call
+
+
+def _not_finite(values: Array) -> Any:
+    return ~np.isfinite(values)
 
 
 def _allowance(values: Array, slopes: Array) -> float:

@@ -9,17 +9,20 @@ import numpy as np
 import numpy.typing as npt
 
 from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.rounding import EPS, STENCIL
 
 Function = Callable[[Array], Array]
 Index = npt.NDArray[np.intp]
 
-SIDE_STEP = 8.0 * float(np.finfo(float).eps) * np.pi  # how far beside a break its one-sided limits are read
+SIDE_STEP = 8.0 * EPS * np.pi  # how far beside a break its one-sided limits are read
 JUMP = 1e-10  # radians: one-sided limits that differ by more are a jump, else a kink
 SNAP = 1e-12  # radians: angles this near a break are that break
 _CENTRED, _ONE_SIDED = np.arange(-2.0, 3.0), np.arange(0.0, 5.0)
 _CENTRED_WEIGHTS = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12.0
 _ONE_SIDED_WEIGHTS = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0
 _DIFFERENCE_STEP = 1e-3
+_AGREEING = 1e-8  # of 1 + |F'|: how far two differences may lie apart
+_SHRINKINGS = 5  # of the step, each by four: rounding rules below a microradian
 
 
 def distance_to_break(breaks: Array, theta: Array) -> Array:
@@ -65,29 +68,42 @@ def one_sided_limit(function: Function, breaks: Array, theta: Any, side: int, cl
     return values
 
 
-def differences(function: Function, breaks: Array, theta: Array) -> Array:
-    """Five-point differences on the circle: centred, or leaning away from a break that is near."""
+def differences(function: Function, breaks: Array, theta: Array) -> tuple[Array, Array]:
+    """Five-point differences on the circle, centred or leaning away from a break that is near, and their errors."""
     if breaks.size == 0:
-        return _stencil(function, theta, np.full(theta.shape, _DIFFERENCE_STEP), 0)
+        far = np.full(theta.shape, np.pi)
+        return differences_between(function, theta, far, far)
     gaps = np.mod(breaks - theta[..., None], TWO_PI)
     above = np.min(np.where(gaps > 0.0, gaps, TWO_PI), axis=-1)
     below = np.min(np.mod(-gaps, TWO_PI), axis=-1)
     return differences_between(function, theta, below, above)
 
 
-def differences_between(function: Function, theta: Array, below: Array, above: Array) -> Array:
-    """Five-point differences that reach less than ``below`` under each angle and ``above`` over it."""
+def differences_between(function: Function, theta: Array, below: Array, above: Array) -> tuple[Array, Array]:
+    """Five-point differences that reach less than ``below`` under each angle and ``above`` over it, and their errors.
+
+    Where a difference of a quarter of the step differs by more than rounding, the function has features as narrow as
+    the step, and the step shrinks until the two agree. The error is what is left between them, and rounding.
+    """
     step = np.minimum(_DIFFERENCE_STEP, (above + below) / 8.1)
+    found = _five_points(function, theta, below, above, step)
+    finer = _five_points(function, theta, below, above, step / 4.0)
+    rough = np.abs(finer - found) > _AGREEING * (1.0 + np.abs(found))
+    for _ in range(_SHRINKINGS):
+        if not np.any(rough):
+            break
+        found, step = np.where(rough, finer, found), np.where(rough, step / 4.0, step)
+        finer[rough] = _five_points(function, theta[rough], below[rough], above[rough], step[rough] / 4.0)
+        rough &= np.abs(finer - found) > _AGREEING * (1.0 + np.abs(found))
+    rounding = STENCIL * (TWO_PI + np.abs(theta) * (1.0 + np.abs(found)) + np.abs(function(theta))) / step
+    return found, np.abs(finer - found) + rounding
+
+
+def _five_points(function: Function, theta: Array, below: Array, above: Array, step: Array) -> Array:
     low, high = below < 2.0 * step, above < 2.0 * step
     lean = np.where(low, 1.0, np.where(high, -1.0, 0.0))[..., None]
     offsets = np.where(lean == 0.0, _CENTRED, lean * _ONE_SIDED)
     weights = np.where(lean == 0.0, _CENTRED_WEIGHTS, lean * _ONE_SIDED_WEIGHTS)
     values = function(theta[..., None] + step[..., None] * offsets)
-    return np.asarray(np.sum(values * weights, axis=-1) / step)
-
-
-def _stencil(function: Function, theta: Array, step: Array, lean: int) -> Array:
-    offsets = _CENTRED if lean == 0 else lean * _ONE_SIDED
-    weights = _CENTRED_WEIGHTS if lean == 0 else lean * _ONE_SIDED_WEIGHTS
-    values = function(theta[..., None] + step[..., None] * offsets)
-    return np.asarray(values @ weights / step)
+    # The weights add up to zero: without their common part the values of a flat piece cancel exactly.
+    return np.asarray(np.sum((values - values[..., :1]) * weights, axis=-1) / step)

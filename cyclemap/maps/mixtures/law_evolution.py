@@ -16,6 +16,7 @@ from cyclemap.maps.mixtures.mixture_operator import MixtureOperator
 from cyclemap.maps.noise.noise_law import Noise
 from cyclemap.maps.operator.fourier_discretisation import FourierDiscretisation, needed_modes, waves
 from cyclemap.maps.operator.transfer_operator import TransferOperator
+from cyclemap.maps.rounding import EPS
 
 CycleOperator = TransferOperator | MixtureOperator
 Parts = tuple[tuple[float, FourierDiscretisation], ...]
@@ -144,7 +145,7 @@ def _sum_of_modes(noise: Noise, power: int) -> float:
 
 def _first_errors(basis: FourierDiscretisation) -> float:
     """Bound per radian on the law one cycle after an angle: the modes cut off, the map's error and rounding."""
-    rounding = 8.0 * float(np.finfo(float).eps) * float(np.sum(np.abs(basis.kappa) * (1.0 + basis.order)))
+    rounding = 8.0 * EPS * float(np.sum(np.abs(basis.kappa) * (1.0 + basis.order)))
     return (basis.noise.tail(basis.modes) + rounding) / np.pi + basis.map.max_error * largest_slope(basis.noise)
 
 

@@ -48,16 +48,17 @@ class RandomMap:
         """θ → Σ w_i F_i(θ), a lift of the same degree; its ``max_error`` is the largest of the maps'."""
         if len(self.maps) == 1:
             return self.maps[0]
-        breaks = np.concatenate([part.breaks for part in self.maps])
-        return CircleMap(
-            lambda theta: np.asarray(sum(w * part(theta) for w, part in zip(self.weights, self.maps, strict=True))),
-            lambda theta: np.asarray(
-                sum(w * part.derivative(theta) for w, part in zip(self.weights, self.maps, strict=True))
-            ),
-            breaks,
-            self.maps[0].degree,
-            max_error=max(part.max_error for part in self.maps),
-        )
+        return _mean_of(self.maps, self.weights)
+
+
+def _mean_of(maps: tuple[CircleMap, ...], weights: Array) -> CircleMap:
+    return CircleMap(
+        lambda theta: np.asarray(sum(w * part(theta) for w, part in zip(weights, maps, strict=True))),
+        lambda theta: np.asarray(sum(w * part.derivative(theta) for w, part in zip(weights, maps, strict=True))),
+        np.concatenate([part.breaks for part in maps]),
+        maps[0].degree,
+        max_error=max(part.max_error for part in maps),
+    ).remade_by(_mean_of, maps, weights)
 
 
 def checked_maps(maps: Any) -> tuple[CircleMap, ...]:

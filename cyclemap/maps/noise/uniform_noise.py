@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any, NoReturn
 
 import numpy as np
-from scipy.special import spherical_jn
 
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
@@ -45,6 +44,8 @@ class UniformNoise:
 
     def coefficient_rates(self, m: Any) -> Array:
         """dκ_m/dh = -m j₁(mh), j₁ the spherical Bessel function."""
+        from scipy.special import spherical_jn  # slow to import, and seldom asked for
+
         order = np.abs(np.asarray(m, dtype=np.float64))
         return np.asarray(-order * spherical_jn(1, order * self.halfwidth))
 

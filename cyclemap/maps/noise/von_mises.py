@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.special import i0e, ive
 
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
@@ -50,6 +49,8 @@ class VonMises:
 
     def coefficients(self, m: Any) -> Array:
         """κ_m = I_m(κ)/I₀(κ); beyond κ = 1e8 from Debye's expansion, exp(-(m²/2κ)(1 + 1/2κ) + m⁴/24κ³)."""
+        from scipy.special import i0e, ive  # slow to import for those who ask for another noise
+
         order = np.abs(np.asarray(m, dtype=np.float64))
         if self.kappa <= _CONCENTRATED:
             return np.asarray(ive(order, self.kappa) / i0e(self.kappa))
@@ -82,6 +83,8 @@ class VonMises:
 
     def density(self, x: Any) -> Array:
         """Density on the circle, per radian."""
+        from scipy.special import i0e
+
         half = np.sin(0.5 * np.asarray(x, dtype=np.float64))
         return np.asarray(np.exp(-2.0 * self.kappa * half**2) / (TWO_PI * i0e(self.kappa)))
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.special import erfc, log_ndtr
 
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
@@ -53,7 +53,7 @@ class WrappedNormal:
 
     def tail(self, m: int) -> float:
         """Sum over k > m of κ_k, bounded by the integral of exp(-x²σ²/2) from m."""
-        return float(np.sqrt(0.5 * np.pi) / self.sigma * erfc(m * self.sigma / np.sqrt(2.0)))
+        return float(np.sqrt(0.5 * np.pi) / self.sigma * math.erfc(m * self.sigma / math.sqrt(2.0)))
 
     def density(self, x: Any) -> Array:
         """Density on the circle, per radian; rounding only."""
@@ -98,6 +98,8 @@ class WrappedNormal:
 
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x)."""
+        from scipy.special import log_ndtr  # slow to import, and seldom asked for
+
         return np.asarray(np.exp(log_ndtr(-np.asarray(x, dtype=np.float64) / self.sigma)))
 
     def exceedance_rate(self, x: Any) -> Array:

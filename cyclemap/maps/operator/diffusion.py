@@ -16,6 +16,7 @@ from cyclemap.maps.operator.fourier_discretisation import FourierDiscretisation,
 from cyclemap.maps.operator.operator_bounds import BorderedSystem
 from cyclemap.maps.orbits.scan import crossings, monotone_cells
 from cyclemap.maps.quadrature import arc_rule, gauss_rule
+from cyclemap.maps.rounding import INTEGRAL
 
 _NEGLIGIBLE = 1e-19  # chance beyond which the noise is cut off
 _NOWHERE = 1e-17  # a density at half a turn below which the kicks count as smooth on the circle
@@ -24,7 +25,6 @@ _CHECK_ORDER = 36
 _PHASE = 16.0  # radians of phase that a panel carries at most
 _ENTRIES = 2_000_000
 _RESOLUTION = 512
-_ROUNDING = 16.0 * float(np.finfo(float).eps)
 
 
 def diffusion_constant(system: BorderedSystem, law: Array, order: int = _ORDER) -> float:
@@ -59,7 +59,7 @@ def diffusion_estimate(system: BorderedSystem, law: Array, finer: tuple[Bordered
     found = diffusion_constant(system, law)
     if np.isinf(found) or finer is None:
         return Estimate(found, 0.0 if np.isinf(found) else float("inf"))
-    rounding = _ROUNDING * (1.0 + system.inverse_norm) * (1.0 + abs(found))
+    rounding = INTEGRAL * (1.0 + system.inverse_norm) * (1.0 + abs(found))
     return Estimate(found, abs(diffusion_constant(*finer, _CHECK_ORDER) - found) + rounding)
 
 

@@ -11,10 +11,9 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import Array
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.operator.operator_bounds import SolutionError, density_at, map_error_of_integral, moments_against
+from cyclemap.maps.rounding import INTEGRAL
 
 Rule = tuple[Array, Array]
-
-_ROUNDING = 16.0 * float(np.finfo(float).eps)
 
 
 def expected(
@@ -30,7 +29,7 @@ def expected(
     mass = weight * density_at(basis, theta, law)
     found = float(np.dot(mass, values))
     rough = float(np.dot(coarse_weight * _values(function, coarse), density_at(basis, coarse, law)))
-    bound = abs(found - rough) + _ROUNDING * float(np.dot(np.abs(mass), np.abs(values)))
+    bound = abs(found - rough) + INTEGRAL * float(np.dot(np.abs(mass), np.abs(values)))
     bound += error.of_integral(values, theta, weight)
     if basis.map.max_error > 0.0:
         moments = moments_against(basis, theta, weight * values)

@@ -15,6 +15,7 @@ from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise_law import Noise
 from cyclemap.maps.quadrature import circle_rule
+from cyclemap.maps.rounding import MATRIX
 
 MAX_MODES = 2_000
 NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
@@ -245,7 +246,7 @@ class FourierDiscretisation:
     def left_out(self, density: Any) -> float:
         """Bound on Σ over m > modes of |E e^{imθ}| after one cycle (proved), and an allowance for rounding."""
         _, weight = self._rule
-        rounding = 4.0 * np.finfo(float).eps * float(np.linalg.norm(self.kappa))
+        rounding = MATRIX * float(np.linalg.norm(self.kappa))
         return (self.noise.tail(self.modes) + rounding) * float(np.dot(weight, np.abs(density)))
 
     # -- responses -----------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.estimate import Estimate
@@ -12,10 +13,13 @@ from cyclemap.maps.noise.noise_law import Noise
 from cyclemap.maps.operator.transfer_operator import transfer_operator
 from cyclemap.maps.quadrature import arc_rule
 from cyclemap.maps.rotation.birkhoff import orbit_angles, weighted_mean
+from cyclemap.maps.rounding import EPS
 
 ITERATES = 40_000
 MAX_PERIOD = 512
-_TRANSIENT = 2_000
+TRANSIENT = 2_000
+_STARTS = TWO_PI * np.mod(0.1 + np.sqrt(2.0) * np.arange(1.0, 6.0), 1.0)
+_SAME = 1e-6  # exponents that differ by less, their bounds apart, belong to one attractor
 _NEAR = 0.05  # radians: an orbit that comes back nearer than this may be close to a periodic one
 _NEWTON = 30
 _BATCHES = 40
@@ -23,23 +27,28 @@ _DEVIATIONS = 4.0  # standard errors that a statistical bound allows
 _DECIDED = 0.05  # a weighted mean this much sharper than a plain one shows a quasi-periodic orbit
 _FLOOR = 1e-18  # |F'| at nodes that rounding puts on a fold
 _BLUR = 50.0  # how far off ln|F'| is where F' is lost in rounding
-_EPS = float(np.finfo(float).eps)
 
 
-def lyapunov_exponent(circle_map: CircleMap, noise: Noise | None = None) -> Estimate:
+def lyapunov_exponent(
+    circle_map: CircleMap, noise: Noise | None = None, *, start: float | None = None, transient: int = TRANSIENT
+) -> Estimate:
     """The Lyapunov exponent E ln|F'(θ)|, per cycle (natural logarithm), with a bound on its error.
 
     With noise: the integral over the stationary law of ``transfer_operator``, on Gauss-Legendre panels graded towards
     the folds; the bound is that of ``TransferOperator.expectation`` (``max_error`` bounds F, not F': it counts through
-    the law only) and the rounding of F', which matters where F' has a double zero.
-    Without noise, for the orbit of θ = 0 after 2000 cycles:
+    the law only) and the error of F' (``CircleMap.derivative_error``), which matters where F' has a double zero.
+    Without noise, for the orbit of ``start`` (radians) after ``transient`` cycles:
     - where that settles on a periodic orbit of period n ≤ 512, ln|multiplier|/n of the orbit itself, solved by
       Newton's method; the bound is a measured one of rounding;
     - where it is quasi-periodic, the weighted Birkhoff average (Das, Saiki, Sander & Yorke 2017), with the estimated
       error of ``weighted_mean``;
     - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the means of 40 batches:
       a statistical bound, and it is about 1e-2.
-    -inf where F' = 0 on a set that the law or the orbit visits.
+    To each the error of F' adds; inf where F' is lost in it. -inf where F' = 0 on a set that the law or the orbit
+    visits. Without a start: the orbits from five angles that no symmetry favours, so that none lies on a repelling
+    orbit; a small basin may be missed.
+
+    Raises InvalidInput where orbits from those angles have different exponents: the map has several attractors.
 
     >>> from cyclemap.maps.noise.noise_law import WrappedNormal
     >>> round(lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi)), 9)
@@ -47,7 +56,24 @@ def lyapunov_exponent(circle_map: CircleMap, noise: Noise | None = None) -> Esti
     """
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
-    return _along_orbit(circle_map) if noise is None else _under_noise(circle_map, noise)
+    skipped = whole_number("transient", transient, least=0)
+    if noise is not None:
+        if start is not None:
+            raise InvalidInput(
+                f"start is {start!r}, but under noise the exponent is of the stationary law: leave it out"
+            )
+        return _under_noise(circle_map, noise)
+    if start is not None:
+        return _along_orbit(circle_map, finite_number("start", start), skipped)
+    found = [_along_orbit(circle_map, float(theta), skipped) for theta in _STARTS]
+    low, high = (int(pick(found)) for pick in (np.argmin, np.argmax))
+    allowed = _SAME + 4.0 * (found[low].error_bound + found[high].error_bound)
+    if found[low] != found[high] and found[high] - found[low] > allowed:
+        raise InvalidInput(
+            f"the map has several attractors: the exponent is {found[low]:.6g} from θ = {_STARTS[low]:.4f}, "
+            f"{found[high]:.6g} from {_STARTS[high]:.4f}; give the start that is meant"
+        )
+    return min(found, key=lambda one: one.error_bound)
 
 
 def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
@@ -60,27 +86,34 @@ def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
     def stretch(at: Array) -> Array:
         return np.maximum(np.abs(circle_map.derivative(at)), _FLOOR)
 
-    rounding = 4.0 * _EPS * (1.0 + float(np.max(np.abs(circle_map.derivative(theta)))))
     found = operator.expectation(lambda at: np.log(stretch(at)), folds=True)
-    blurred = operator.expectation(lambda at: np.minimum(rounding / stretch(at), _BLUR), folds=True)
+    blurred = operator.expectation(
+        lambda at: np.minimum(circle_map.derivative_error(at) / stretch(at), _BLUR), folds=True
+    )
     return Estimate(found, found.error_bound + blurred.upper)
 
 
-def _along_orbit(circle_map: CircleMap) -> Estimate:
-    visited = orbit_angles(circle_map, 0.0, _TRANSIENT + ITERATES)[_TRANSIENT:]
+def _along_orbit(circle_map: CircleMap, start: float, transient: int) -> Estimate:
+    visited = orbit_angles(circle_map, start, transient + ITERATES)[transient:]
     periodic = _on_periodic_orbit(circle_map, visited)
     if periodic is not None:
         return periodic
     stretch = np.abs(circle_map.derivative(visited))
     if np.any(stretch == 0.0):
         return Estimate(float("-inf"), 0.0)
-    values = np.log(stretch)
+    values, inexact = np.log(stretch), _from_slopes(circle_map, visited, stretch)
     smooth = weighted_mean(values)
     means = values.reshape(_BATCHES, -1).mean(axis=1)
     spread = float(np.std(means, ddof=1)) / np.sqrt(_BATCHES)
-    if smooth.error_bound <= _DECIDED * spread or spread <= _EPS * (1.0 + abs(smooth)):
-        return smooth
-    return Estimate(float(np.mean(values)), _DEVIATIONS * spread)
+    if smooth.error_bound <= _DECIDED * spread or spread <= EPS * (1.0 + abs(smooth)):
+        return Estimate(smooth, smooth.error_bound + inexact)
+    return Estimate(float(np.mean(values)), _DEVIATIONS * spread + inexact)
+
+
+def _from_slopes(circle_map: CircleMap, theta: Array, stretch: Array) -> float:
+    """What the error of F' makes of the mean of ln|F'|; inf where F' may be zero."""
+    share = circle_map.derivative_error(theta) / stretch
+    return float(-np.mean(np.log1p(-share))) if np.all(share < 1.0) else float("inf")
 
 
 # -- periodic attractors -------------------------------------------------------------------------------------
@@ -108,7 +141,7 @@ def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array
             return None
         step = gap / (1.0 - multiplier)
         theta += step
-        if abs(step) <= 4.0 * _EPS * (1.0 + abs(theta)) / (1.0 - abs(multiplier)):
+        if abs(step) <= 4.0 * EPS * (1.0 + abs(theta)) / (1.0 - abs(multiplier)):
             points, _ = _once_round(circle_map, theta, period)
             return points if abs(theta - start) < _NEAR else None
     return None
@@ -130,8 +163,9 @@ def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
         return Estimate(float("-inf"), 0.0)
     found = float(np.mean(np.log(slopes)))
     # The orbit is known to rounding over 1 - |multiplier|: what so small a shift changes is the bound.
-    shift = 16.0 * _EPS * (1.0 + np.max(np.abs(points))) / (1.0 - min(np.exp(points.size * found), 1.0 - _EPS))
+    shift = 16.0 * EPS * (1.0 + np.max(np.abs(points))) / (1.0 - min(np.exp(points.size * found), 1.0 - EPS))
     nearby = [np.abs(circle_map.derivative(points + side * 1e3 * shift)) for side in (-1.0, 1.0)]
     with np.errstate(divide="ignore"):
         changes = [np.abs(np.log(slope) - np.log(slopes)) for slope in nearby]
-    return Estimate(found, float(np.max(np.mean(changes, axis=1))) / 1e3 + 8.0 * _EPS * (1.0 + abs(found)))
+    moved = float(np.max(np.mean(changes, axis=1))) / 1e3
+    return Estimate(found, moved + _from_slopes(circle_map, points, slopes) + 8.0 * EPS * (1.0 + abs(found)))

@@ -14,8 +14,8 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.operator.discretisation import Discretisation
 from cyclemap.maps.operator.fourier_discretisation import FourierDiscretisation
+from cyclemap.maps.rounding import INTEGRAL
 
-_ROUNDING = 16.0 * float(np.finfo(float).eps)
 _NORM_SAFETY = 3.0  # LAPACK's estimate of a norm is seldom more than this below it
 _ENTRIES = 400_000  # nodes times basis functions handled at a time: few enough for the processor's cache
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
@@ -185,7 +185,7 @@ def map_error_of_density(system: BorderedSystem, law: Array) -> Array:
     where = TWO_PI * np.arange(basis.modes) / basis.modes
     theta, weight = basis.rule()
     mass = weight * np.abs(basis.on_nodes(law))
-    held = mass > _ROUNDING * np.max(mass)  # the law is not known elsewhere, and next to nothing
+    held = mass > INTEGRAL * np.max(mass)  # the law is not known elsewhere, and next to nothing
     slopes = np.abs(basis.expected_slope(system.dual(basis.evaluate(where).T, law), at=theta[held]))
     return np.asarray(epsilon * (mass[held] @ slopes))
 

@@ -19,10 +19,10 @@ from cyclemap.maps.operator.discretisation import Discretisation
 from cyclemap.maps.operator.operator_bounds import BorderedSystem, density_at
 from cyclemap.maps.operator.spectrum import Spectrum
 from cyclemap.maps.quadrature import folds_of, graded_rule
+from cyclemap.maps.rounding import EPS
 
 Function = Callable[[Array], Array]
 
-_EPS = float(np.finfo(float).eps)
 _SEPARATE = 1e-9  # moduli nearer than this are the same: which one is second is not decided
 
 
@@ -179,7 +179,7 @@ class Response:
             return Estimate(found, float("inf"))
         condition = float(self.level.spectrum.condition[1])
         size = abs(self.level.second) + float(np.max(np.abs(self.level.rate)))
-        return Estimate(found, abs(_modulus_change(self.finer) - found) + 64.0 * _EPS * condition**2 * size)
+        return Estimate(found, abs(_modulus_change(self.finer) - found) + 64.0 * EPS * condition**2 * size)
 
     @cached_property
     def spectral_gap(self) -> Estimate:
@@ -205,7 +205,7 @@ class Response:
     def _rounding(self) -> float:
         """What rounding may move one moment's derivative by."""
         size = float(np.max(np.abs(self.level.rate))) + 1.0
-        return 8.0 * _EPS * (1.0 + self.level.system.inverse_norm) * size
+        return 8.0 * EPS * (1.0 + self.level.system.inverse_norm) * size
 
     def _measured(self, number: Callable[[ResponseLevel], float], weighed: Function) -> Estimate:
         found = number(self.level)

@@ -12,12 +12,16 @@ from cyclemap.maps.arcs import Array
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.operator.discretisation import Discretisation
 from cyclemap.maps.operator.fourier_discretisation import FourierDiscretisation
+from cyclemap.maps.rounding import MATRIX
 
 Complex = npt.NDArray[np.complex128]
 
 _DENSE = 320  # below this many unknowns all eigenvalues are computed at once
 _TOO_SMALL = 1e-6  # left vectors are not smoothed where that divides by less
-_ROUNDING = 4.0 * float(np.finfo(float).eps)
+_SAME = 1e-9  # eigenvalues nearer to each other, both well conditioned, are one that is there twice
+_WELL_CONDITIONED = 1e3
+_TRUSTED = 1.0 / 16.0  # of the distance to the next: a bound to first order up to there leaves out no second order
+_SQUARINGS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +29,8 @@ class Spectrum:
     """Leading eigenvalues of a transfer operator, in falling order of modulus; the first is 1, exactly.
 
     values : (k,), complex. error_bounds : (k,), bounds on |error| to first order in the residuals of both
-        vectors, with the second-order term estimated from the distance to the next eigenvalue found; inf where the
-        basis cannot tell. That no eigenvalue was overlooked is not proved.
+        vectors; inf where that is more than a sixteenth of the distance to the next eigenvalue found, so that the
+        first order tells nothing, or where the basis cannot tell. That none was overlooked is not proved.
     condition : (k,), ‖w‖‖v‖/|wᵀv| ≥ 1, v and w the right and left vectors: how much faster than a change of the
         operator the eigenvalue moves; large near a defective one (Wilkinson 1965).
     right, left : (n, k), the vectors' coefficients, wᵀv = 1.
@@ -63,21 +67,53 @@ def leading_spectrum(basis: Discretisation, finer: Discretisation | None, law: A
         condition = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
     condition = np.where(overlap > 0.0, condition, np.inf)
     with np.errstate(all="ignore"):
-        rounding = _ROUNDING * condition * float(np.linalg.norm(basis.matrix))
+        rounding = MATRIX * condition * float(np.linalg.norm(basis.matrix))
         bounds = np.nan_to_num(_error_bounds(basis, finer, values, right, left) + rounding, nan=np.inf, posinf=np.inf)
+    bounds[bounds > _TRUSTED * _distances(values, condition)] = np.inf
     bounds[0] = 0.0
     return Spectrum(values[:count], bounds[:count], condition[:count], right[:, :count], left[:, :count])
 
 
-def second_modulus(spectrum: Spectrum) -> Estimate:
-    """|λ₂|, with the bounds of every eigenvalue that could be the second largest."""
+def _distances(values: Complex, condition: Array) -> Array:
+    """How far from each eigenvalue the nearest different one lies, 1 at most."""
+    apart = np.abs(values[:, None] - values)
+    good = condition <= _WELL_CONDITIONED
+    apart[(apart <= _SAME) & (good[:, None] & good | np.eye(values.size, dtype=bool))] = 1.0
+    return np.asarray(np.min(apart, axis=1, initial=1.0))
+
+
+def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
+    """|λ₂|, with the bounds of every eigenvalue that could be the second largest.
+
+    Where one of those is not known, as near a defective eigenvalue, no more than 0 ≤ |λ₂| ≤ ‖L₀ⁿ‖^(1/n), every n, L₀
+    the operator without its first eigenvalue.
+    """
     moduli, bounds = np.abs(spectrum.values[1:]), spectrum.error_bounds[1:]
     if moduli.size == 0:
         return Estimate(0.0, 0.0)
     close = moduli + bounds >= moduli[0] - bounds[0]
-    return Estimate(
-        float(moduli[0]), float(np.max(np.where(close, moduli + bounds - moduli[0], 0.0), initial=bounds[0]))
-    )
+    highest = float(np.max(np.where(close, moduli + bounds, 0.0)))
+    if np.isfinite(highest):
+        return Estimate(float(moduli[0]), max(highest - float(moduli[0]), float(bounds[0])))
+    largest = _root_of_powers(basis)
+    value = min(float(moduli[0]), largest)
+    return Estimate(value, max(value, largest - value))
+
+
+def _root_of_powers(basis: Discretisation) -> float:
+    """The least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., with what the matrix and its products may be off."""
+    power = _deflated(basis)
+    size = float(np.linalg.norm(power))
+    off = MATRIX * 4.0 * (1.0 + size)
+    if isinstance(basis, FourierDiscretisation):
+        off += basis.noise.tail(basis.modes) * (1.0 + size)
+    least, n = 1.0, 1
+    for _ in range(_SQUARINGS):
+        least = min(least, (size + off) ** (1.0 / n))
+        off = 2.0 * size * off + off * off + MATRIX * np.sqrt(basis.size) * size * size
+        power, n = power @ power, 2 * n
+        size = float(np.linalg.norm(power))
+    return least
 
 
 def mixing_time(second: Estimate) -> Estimate:

@@ -34,20 +34,28 @@ from cyclemap.maps.operator.response import Perturbation, Response, ResponseLeve
 from cyclemap.maps.operator.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import graded_rule
+from cyclemap.maps.rounding import INTEGRAL
 
 Function = Callable[[Array], Array]
 
 _LEADING = 5  # eigenvalues among which the second largest is told from the rest
-_ROUNDING = 16.0 * float(np.finfo(float).eps)
 
 
-def transfer_operator(circle_map: CircleMap, noise: Noise, *, modes: int | None = None) -> TransferOperator:
+def transfer_operator(
+    circle_map: CircleMap,
+    noise: Noise,
+    *,
+    modes: int | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> TransferOperator:
     """The transfer (Perron-Frobenius) operator of θ' = F(θ) + ξ: it carries the law of θ one cycle on.
 
     Noise makes every law analytic or smooth, so Fourier modes are all but exact: as many are kept as the noise lets
     through, to where the rest of its coefficients sum to less than 1e-17 (see ``FourierDiscretisation``; Galatolo,
     Monge & Nisoli 2020). ``UniformNoise`` has a basis of its own (see ``uniform_discretisation``).
 
+    progress : called with the share of the 100 panels used so far where uniform noise is resolved, which takes half a
+        minute where it is narrow; ``is_certain`` tells whether they were enough. An exception from it ends the work.
     modes : keep this many Fourier modes instead, at most 2000: fewer than needed show what the bounds are worth.
 
     Raises InvalidInput when the noise is missing or so narrow that more than 2000 modes would be needed (for
@@ -62,16 +70,18 @@ def transfer_operator(circle_map: CircleMap, noise: Noise, *, modes: int | None 
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     if not isinstance(noise, Noise):
         raise InvalidInput(f"the noise is {noise!r}: a stationary density needs some, for example WrappedNormal(0.02)")
-    return TransferOperator(circle_map, noise, _discretisation(circle_map, noise, modes))
+    return TransferOperator(circle_map, noise, _discretisation(circle_map, noise, modes, progress))
 
 
-def _discretisation(circle_map: CircleMap, noise: Noise, modes: int | None) -> Discretisation:
+def _discretisation(
+    circle_map: CircleMap, noise: Noise, modes: int | None, progress: Callable[[float], None] | None
+) -> Discretisation:
     if isinstance(noise, UniformNoise):
         if modes is not None:
             raise InvalidInput(f"modes is {modes!r}, but uniform noise is not resolved in Fourier modes: leave it out")
         from cyclemap.maps.panels.uniform_discretisation import uniform_discretisation
 
-        return uniform_discretisation(circle_map, noise)
+        return uniform_discretisation(circle_map, noise, progress=progress)
     needed = needed_modes(noise)
     kept = needed if modes is None else whole_number("modes", modes, least=1)
     return FourierDiscretisation(circle_map, noise, kept)
@@ -129,7 +139,7 @@ class TransferOperator:
         """Bound on |error| of ``moment(n)``."""
         order = whole_number("n", n)
         changed = map_error_of_moment(self._system, self._law, order)
-        return self._error.of_moment(order) + _ROUNDING + changed
+        return self._error.of_moment(order) + INTEGRAL + changed
 
     def expectation(self, function: Function, *, folds: bool = False) -> Estimate:
         """E h(θ) under the stationary law.
@@ -173,7 +183,7 @@ class TransferOperator:
         0 where the density is nowhere further from uniform than four times its error bound.
         """
         grid, values = self._grid
-        known = np.pi * (self._error.largest + float(np.mean(self._map_error))) + _ROUNDING
+        known = np.pi * (self._error.largest + float(np.mean(self._map_error))) + INTEGRAL
         farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
         if farthest <= 4.0 * self.error_bound:
             return Estimate(0.0, min(1.0, known + np.pi * farthest))
@@ -204,14 +214,14 @@ class TransferOperator:
 
     @cached_property
     def spectral_gap(self) -> Estimate:
-        """1 - |λ₂|, λ₂ the eigenvalue of second largest modulus."""
-        second = second_modulus(self._leading)
+        """1 - |λ₂|, λ₂ the eigenvalue of second largest modulus; for its bound see ``spectrum.second_modulus``."""
+        second = self._second
         return Estimate(max(0.0, 1.0 - second), second.error_bound)
 
     @cached_property
     def mixing_cycles(self) -> Estimate:
         """-1/ln|λ₂|: cycles in which the slowest departure from the law falls by e; ∞ if |λ₂| = 1."""
-        return mixing_time(second_modulus(self._leading))
+        return mixing_time(self._second)
 
     # -- responses -----------------------------------------------------------------------------------------
 
@@ -277,6 +287,10 @@ class TransferOperator:
     def _finer(self) -> TransferOperator | None:
         finer = refined(self.discretisation)
         return None if finer is None else TransferOperator(self.map, self.noise, finer)
+
+    @cached_property
+    def _second(self) -> Estimate:
+        return second_modulus(self._leading, self.discretisation)
 
     @cached_property
     def _leading(self) -> Spectrum:

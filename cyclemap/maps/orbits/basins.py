@@ -16,6 +16,7 @@ from cyclemap.maps.orbits.cells import INSET, Cells, Mask, Turns
 from cyclemap.maps.orbits.periodic_orbits import Orbit, periodic_orbits
 from cyclemap.maps.orbits.periodic_points import PeriodicPoints, periodic_points
 from cyclemap.maps.orbits.scan import monotone_cells, preimages
+from cyclemap.maps.rounding import ANGLE
 
 MAX_PERIOD = 8
 LEFT_OVER = 1e-6  # share of the circle
@@ -27,7 +28,6 @@ _LINEAR = 1e-8  # radians: this near a stable point the iterate contracts toward
 _SETTLED = 1e-14  # radians
 _ROUNDS = 200
 _BATCH, _BATCHES = 512, 2_000  # arcs pulled back together, and how often
-_ROUNDING = 1e-13  # radians: what one end of an arc may be off
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,7 @@ def _as_basins(orbits: list[Orbit], immediate: list[Array], arcs: Array, owner: 
     made = []
     for number, orbit in enumerate(orbits):
         own = arcs[owner == number]
-        rounding = _ROUNDING * own.size / TWO_PI
+        rounding = ANGLE * own.size / TWO_PI
         measure = Estimate(min(float(covered[number]), 1.0), undecided + rounding)
         rows = read_only(own[np.argsort(own[:, 0])])
         made.append(Basin(orbit, read_only(immediate[number]), rows, measure, undecided))

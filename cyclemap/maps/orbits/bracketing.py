@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from cyclemap.maps.arcs import Array
+from cyclemap.maps.rounding import EPS
 
-_CLOSE = 2.0 * np.finfo(float).eps  # share of |x| (plus a thousandth) at which a bracket is closed
+_CLOSE = 2.0 * EPS  # share of |x| (plus a thousandth) at which a bracket is closed
 _STEPS = 120
 
 

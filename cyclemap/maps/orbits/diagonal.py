@@ -10,7 +10,8 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.cells import INSET, Cells, Mask, Turns, is_continuous, is_rising, iterate
-from cyclemap.maps.orbits.scan import UNIT, monotone_cells
+from cyclemap.maps.orbits.scan import monotone_cells
+from cyclemap.maps.rounding import LIFT
 
 _IDENTITY = 1e-11  # radians: cells with |Fⁿ - id - 2πw| below this at both ends may be arcs of periodic points
 _FLAT = 1e-2  # radians: on a longer arc Fⁿ = id + 2πw to rounding is an arc of periodic points
@@ -58,14 +59,14 @@ class DiagonalScan:
 def displacement(circle_map: CircleMap, theta: Array, period: int, winding: Turns) -> tuple[Array, Array, Array]:
     """(Fⁿ(θ) - θ - 2πw, (Fⁿ)'(θ), a bound on the first one's rounding); whole turns are counted apart.
 
-    The bound adds up ``UNIT``·(2π + |F|) an iterate, and one rounding of θ itself, through the slopes.
+    The bound adds up ``rounding.LIFT``·(2π + |F|) an iterate, and one rounding of θ itself, through the slopes.
     """
     image, slope = theta, np.ones_like(theta)
     turns = np.zeros(theta.shape, dtype=np.int64)
     rounding = 0.5 * np.spacing(np.abs(theta))
     for _ in range(period):
         steepness, lifted = circle_map.derivative(image), circle_map(image)
-        rounding = np.abs(steepness) * rounding + UNIT * (TWO_PI + np.abs(lifted))
+        rounding = np.abs(steepness) * rounding + LIFT * (TWO_PI + np.abs(lifted))
         laps = np.floor(lifted / TWO_PI)
         turns = circle_map.degree * turns + laps.astype(np.int64)
         slope, image = slope * steepness, lifted - TWO_PI * laps
@@ -129,7 +130,7 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask, tangency: floa
     after, before = cells.g_start[special], np.roll(cells.g_end, 1)[special] - cells.climb * (special == 0)
     inside = cells.start[special] + INSET * cells.cut[special]
     _, _, rounding = displacement(circle_map, inside, cells.period, _whole_turns(after))
-    allowed = tangency + rounding + UNIT * np.abs(after) + np.where(joined[special], np.abs(after - before), 0.0)
+    allowed = tangency + rounding + LIFT * np.abs(after) + np.where(joined[special], np.abs(after - before), 0.0)
     gap = np.minimum(_gap(after), _gap(before))
     if cells.period > 1:
         allowed = _judged_alike(circle_map, cells, special, gap, allowed)

@@ -46,8 +46,8 @@ class Orbit:
 def fixed_points(circle_map: CircleMap, *, resolution: int = RESOLUTION, tangency: float = TANGENCY) -> list[Orbit]:
     """All θ in [0, 2π) with F(θ) = θ + 2πw for some whole w, sorted by angle.
 
-    Found and judged as in ``periodic_points`` with period 1: complete unless the turn F - id hides two extrema in
-    one of at least ``resolution`` cells; an extremum within ``tangency`` (radians) of 2πw is one fixed point of
+    Found and judged as in ``periodic_points`` with period 1: complete but for pairs of extrema that F
+    hides within half a milliradian; an extremum within ``tangency`` (radians) of 2πw is one fixed point of
     kind "saddle-node", never two and never none. A fixed point on a kink carries both one-sided multipliers.
     Jumps across the diagonal are no fixed points: see ``crossings_by_jump``.
 

@@ -87,9 +87,9 @@ def periodic_points(
 
     One turn is cut into cells (at least ``resolution`` of them; the samples of a sampled map, the breaks of Fⁿ and
     the folds of F with their preimages among their ends; no image longer than half a radian) until the cubic through
-    each cell's ends meets Fⁿ at two inner probes, and split at the extrema of Fⁿ - id. Then every sign change is
+    each cell's ends meets Fⁿ at inner probes, and split at the extrema of Fⁿ - id. Then every sign change is
     bracketed and solved to rounding (Chandrupatla 1997, and Newton's steps).
-    Complete unless Fⁿ hides two extrema from the ends and probes of one cell. Roots between which |Fⁿ - id - 2πw|
+    Complete but for pairs of extrema that F hides within half a milliradian. Roots between which |Fⁿ - id - 2πw|
     stays within ``tangency`` (radians; plus rounding) count as one: a "saddle-node" where the curve keeps its side,
     a crossing where it changes it. All points of an orbit are judged alike.
     A curve that ends within ``tangency`` of 2πw at a jump of Fⁿ gives a point of kind "border-collision".

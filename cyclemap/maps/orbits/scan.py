@@ -1,11 +1,14 @@
 """Cells: one turn of θ cut so finely that each iterate Fⁿ runs monotonely through every cell.
 
-What root finding, envelopes and orbit counts share. Complete down to the resolution: the folds of F and their
-preimages are ends of cells, and a cell is cut until the cubic through its ends' values and slopes meets the iterate
-at two probes inside; that cubic's slope then tells how often the slope of Fⁿ - shift·id changes sign.
+The one search for extrema that root finding, envelopes, tongues and orbit counts share. A cell is cut until the cubic
+through its ends' values and slopes meets the iterate at probes inside, of F itself no further apart than ``GRAIN``;
+that cubic's slope then tells how often the slope of Fⁿ - shift·id changes sign. The folds of F, the narrow cells that
+F needs, and the preimages of both are ends of cells of Fⁿ. What is narrower than ``GRAIN`` may hide between the probes.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -25,11 +28,12 @@ from cyclemap.maps.orbits.cells import (
     joined,
     taken,
 )
+from cyclemap.maps.rounding import LIFT
 
 __all__ = [
+    "GRAIN",
     "INSET",
     "MAX_CELLS",
-    "UNIT",
     "Cells",
     "crossings",
     "iterate",
@@ -41,11 +45,14 @@ __all__ = [
 ]
 
 MAX_CELLS = 2_000_000
-UNIT = 4.0 * np.finfo(float).eps  # a lift's value is taken to be good to this share of 2π + |F|
+MAX_ROUGH = 8_000  # cells of F that no cubic meets: more than a lift without structure below ``GRAIN`` has
 _LONGEST_IMAGE = 0.5  # radians: no cell's image under any iterate is longer
 _PASSES = 60
-_PROBES = (0.38, 0.71)  # of a cell's width
+GRAIN = 5e-4  # radians: what is as wide as this in F is seen
+_SKEW = 0.04  # of a cell's width: no probe in its middle, where an odd misfit is zero
+_NARROW = 0.2  # of the width that the resolution asks for: narrower cells of F are marked in its iterates
 _MISFIT = 0.02  # of the cell's steepest rise: how far the probes may lie off the cubic
+_HIDDEN_JUMP = 1e-6  # radians: a rise within 32 INSET beyond what the slopes explain
 _LEVELS_AT_ONCE = 2_048
 _NOTHING = 1e-13  # radians: smaller misfits and dips are of no account
 
@@ -53,15 +60,20 @@ _NOTHING = 1e-13  # radians: smaller misfits and dips are of no account
 # -- cells -------------------------------------------------------------------------------------------------
 
 
-def monotone_cells(circle_map: CircleMap, period: int, shift: float, resolution: int) -> Cells:
-    """Cells on each of which g = Fⁿ - shift·id is monotone, down to the resolution."""
+def monotone_cells(
+    circle_map: CircleMap, period: int, shift: float, resolution: int, marks: Sequence[float] = ()
+) -> Cells:
+    """Cells on each of which g = Fⁿ - shift·id is monotone, down to ``GRAIN``; ``marks`` are ends of cells, too."""
     breaks = iterate_breaks(circle_map, period, resolution)
-    nodes = _base_nodes(circle_map, breaks, _iterate_folds(circle_map, period, resolution), resolution)
+    features = np.append(_iterate_features(circle_map, period, resolution), np.mod(marks, TWO_PI))
+    nodes = _base_nodes(circle_map, breaks, features, resolution)
     start, end = nodes[:-1], nodes[1:]
     cut = np.isin(start, breaks)
     cut_end, done, count = np.roll(cut, -1), [], 0
     for _ in range(_PASSES):
-        cells, parts = _evaluated(circle_map, start, end, cut, cut_end, period, shift)
+        cells, parts, rough = _evaluated(circle_map, start, end, cut, cut_end, period, shift)
+        if period == 1 and np.count_nonzero(rough) > MAX_ROUGH:
+            _refuse_rough(cells, rough)
         done.append(taken(cells, parts == 1))
         owner, rank = np.repeat(np.arange(start.size), parts), _ranks(parts)
         count += int(np.count_nonzero(parts == 1))
@@ -69,14 +81,43 @@ def monotone_cells(circle_map: CircleMap, period: int, shift: float, resolution:
             break
         owner, rank = owner[parts[owner] > 1], rank[parts[owner] > 1]
         if owner.size == 0:
-            return _split_at_extrema(circle_map, joined(in_order(done)))
+            found = joined(in_order(done))
+            if period == 1:
+                _refuse_hidden_jump(found)
+            return _split_at_extrema(circle_map, found)
         share, first, last = parts[owner], rank == 0, rank + 1 == parts[owner]
         cut, cut_end = cut[owner] & first, cut_end[owner] & last
         low, step = start[owner], (end - start)[owner]
         start, end = low + step * (rank / share), np.where(last, end[owner], low + step * ((rank + 1) / share))
+    steepest = int(np.argmax(parts))
     raise ConvergenceError(
-        f"period {period} needs more than {MAX_CELLS} cells: the map is too steep; ask for a shorter period"
+        f"period {period} needs more than {MAX_CELLS} cells: the map is too steep, most of all near "
+        f"θ = {cells.start[steepest]:.6g}; ask for a shorter period, or name the break that is missing there"
     )
+
+
+def _refuse_rough(cells: Cells, rough: Mask) -> None:
+    """Say where most of the cells lie that no cubic through their ends meets."""
+    places, crowd = cells.start[rough], 1 + MAX_ROUGH // 10
+    densest = int(np.argmin(places[crowd:] - places[:-crowd]))
+    low, high = places[densest], places[densest + crowd]
+    raise ConvergenceError(
+        f"the lift is too rough to follow, most of all between θ = {low:.12g} and {high:.12g}: a break may be missing "
+        "there (give it in breaks), the derivative may be another lift's (or none given, where F' is steep), "
+        f"or the lift has structure finer than {GRAIN:g} radians"
+    )
+
+
+def _refuse_hidden_jump(cells: Cells) -> None:
+    width, rise = cells.end - cells.start, np.abs(cells.g_end - cells.g_start)
+    steepest = np.maximum(np.abs(cells.slope_start), np.abs(cells.slope_end))
+    jumps = (width < 32.0 * INSET) & (rise > 4.0 * steepest * width + _HIDDEN_JUMP)
+    if np.any(jumps):
+        place = int(np.argmax(np.where(jumps, rise, 0.0)))
+        raise ConvergenceError(
+            f"the lift jumps by {rise[place]:.6g} radians at θ = {cells.start[place]:.12g}, which is none of its "
+            "breaks: give it in breaks"
+        )
 
 
 def _ranks(count: Turns) -> Turns:
@@ -91,13 +132,13 @@ def iterate_breaks(circle_map: CircleMap, period: int, resolution: int) -> Array
     return _pulled_back(circle_map, monotone_cells(circle_map, 1, 0.0, resolution), circle_map.breaks, period)
 
 
-def _iterate_folds(circle_map: CircleMap, period: int, resolution: int) -> Array:
-    """Smooth turning points of F and their preimages up to n - 1 cycles back; none asked for where n = 1."""
+def _iterate_features(circle_map: CircleMap, period: int, resolution: int) -> Array:
+    """Smooth turning points and narrow cells of F and their preimages up to n - 1 cycles back; none where n = 1."""
     if period == 1:
         return np.zeros(0)
     once = monotone_cells(circle_map, 1, 0.0, resolution)
-    rising = is_rising(once)
-    return _pulled_back(circle_map, once, once.start[(rising != np.roll(rising, 1)) & ~once.cut], period)
+    rising, narrow = is_rising(once), once.end - once.start < _NARROW * TWO_PI / resolution
+    return _pulled_back(circle_map, once, once.start[((rising != np.roll(rising, 1)) | narrow) & ~once.cut], period)
 
 
 def _pulled_back(circle_map: CircleMap, once: Cells, marks: Array, period: int) -> Array:
@@ -137,8 +178,8 @@ def _base_nodes(circle_map: CircleMap, breaks: Array, folds: Array, resolution: 
 
 def _evaluated(
     circle_map: CircleMap, start: Array, end: Array, cut: Mask, cut_end: Mask, period: int, shift: float
-) -> tuple[Cells, Turns]:
-    """The cells with their values, and into how many parts each must still be cut."""
+) -> tuple[Cells, Turns, Mask]:
+    """The cells with their values, into how many parts each must still be cut, and which no cubic meets."""
     width, size = end - start, start.size
     here = np.concatenate([start + INSET * cut, end - INSET * cut_end])
     image, slope, longest, rounding = here, np.ones_like(here), np.zeros(size), np.ones_like(here)
@@ -154,10 +195,12 @@ def _evaluated(
     cells = Cells(start, end, *split, cut, period, shift, circle_map.degree)
     parts = np.clip(np.ceil(longest / _LONGEST_IMAGE), 1, 64).astype(np.int64)
     ready = np.flatnonzero((parts == 1) & (width >= 32.0 * INSET))
-    noise = 8.0 * UNIT * (TWO_PI + np.abs(g)) * rounding
-    parts[ready] += _unclear(circle_map, taken(cells, ready), np.maximum(noise[:size], noise[size:])[ready])
+    noise = 8.0 * LIFT * (TWO_PI + np.abs(g)) * rounding
+    rough = np.zeros(size, dtype=bool)
+    rough[ready] = _unclear(circle_map, taken(cells, ready), np.maximum(noise[:size], noise[size:])[ready])
+    parts[rough] = 2
     parts[width < 32.0 * INSET] = 1
-    return cells, parts
+    return cells, parts, rough
 
 
 def _unclear(circle_map: CircleMap, cells: Cells, noise: Array) -> Mask:
@@ -165,12 +208,15 @@ def _unclear(circle_map: CircleMap, cells: Cells, noise: Array) -> Mask:
     width, rise = cells.end - cells.start, cells.g_end - cells.g_start
     a, b = width * cells.slope_start, width * cells.slope_end
     steepest, nothing = np.maximum(np.abs(a), np.abs(b)), _NOTHING + noise
-    misfit = np.zeros_like(width)
-    for t in _PROBES:
-        theta = cells.start + t * width
-        g = iterate(circle_map, theta, cells.period) - cells.shift * theta
-        cubic = cells.g_start + t * t * (3.0 - 2.0 * t) * rise + t * (1.0 - t) * ((1.0 - t) * a - t * b)
-        misfit = np.maximum(misfit, np.abs(g - cubic))
+    probes = np.full(width.size, 2)
+    if cells.period == 1 and circle_map.pieces is None:
+        probes = np.maximum(2, np.ceil(width / GRAIN).astype(np.int64))
+    own, t = np.repeat(np.arange(width.size), probes), (_ranks(probes) + 1.0) / np.repeat(probes + 1.0, probes)
+    t += _SKEW * 3.0 / np.repeat(probes + 1.0, probes)
+    theta = cells.start[own] + t * width[own]
+    g = iterate(circle_map, theta, cells.period) - cells.shift * theta
+    cubic = cells.g_start[own] + t * t * (3.0 - 2.0 * t) * rise[own] + t * (1.0 - t) * ((1.0 - t) * a[own] - t * b[own])
+    misfit = np.maximum.reduceat(np.abs(g - cubic), np.cumsum(probes) - probes) if width.size else np.zeros(0)
     bend = 3.0 * (a + b - 2.0 * rise)  # the cubic's slope is a + 2(3 rise - 2a - b)t + bend t²
     with np.errstate(divide="ignore", invalid="ignore"):
         vertex = (2.0 * a + b - 3.0 * rise) / bend

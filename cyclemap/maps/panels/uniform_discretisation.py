@@ -19,6 +19,7 @@ from cyclemap.maps.panels.level_steps import LevelSteps, level_steps
 from cyclemap.maps.panels.panel_basis import ORDER, Panels
 from cyclemap.maps.panels.uniform_refinement import refined, resolving_cuts, with_ends
 from cyclemap.maps.panels.uniform_singularities import law_singularities
+from cyclemap.maps.rounding import EPS
 
 RESOLUTION = 512
 MAX_PANELS = 100
@@ -29,15 +30,21 @@ _BLOCK = 2_048
 
 
 def uniform_discretisation(
-    circle_map: CircleMap, noise: UniformNoise, *, max_panels: int = MAX_PANELS, resolution: int = RESOLUTION
+    circle_map: CircleMap,
+    noise: UniformNoise,
+    *,
+    max_panels: int = MAX_PANELS,
+    resolution: int = RESOLUTION,
+    progress: Callable[[float], None] | None = None,
 ) -> UniformDiscretisation:
     """Panels on which the stationary law of θ' = F(θ) + ξ, ξ uniform, and its slow departures are resolved.
 
     Panels end at F's breaks and at the points where the law kinks or has a square root, with polynomials in an angle
     beside the latter; where the law is still rough they are cut further, until its last coefficients are below
     1e-13, or there are ``max_panels`` (of 24 functions each). ``resolution``: cells a turn in which F's extrema are
-    sought. Accuracy, as ``residual`` tells it, beside a density of order 1/2h: about 1e-12 for monotone maps, with
-    jumps or without, 1e-8 with folds, down to h = 0.03 rad; worse where F has an inflection with F' = 0.
+    sought. ``progress``: called with the share of the panels there is. Accuracy, as ``residual`` tells it, beside a
+    density of order 1/2h: about 1e-12 for monotone maps, with jumps or without, 1e-8 with folds, down to h = 0.03 rad;
+    worse where F has an inflection with F' = 0.
 
     Raises InvalidInput unless the noise is ``UniformNoise`` and max_panels at least 16.
 
@@ -59,6 +66,7 @@ def uniform_discretisation(
         lambda trial: _test_functions(UniformDiscretisation(circle_map, noise, trial, cells)),
         _TOLERANCES,
         most,
+        progress=progress,
     )
     return UniformDiscretisation(circle_map, noise, panels, cells)
 
@@ -153,7 +161,7 @@ class UniformDiscretisation:
         theta = self.panels.test_points
         here = self.panels.value(law, theta)
         worst = float(np.max(np.abs(self._carried(law, theta) - here)))
-        rounding = np.finfo(float).eps * (8.0 * float(np.max(np.abs(here))) + 2.0 / self.noise.halfwidth)
+        rounding = EPS * (8.0 * float(np.max(np.abs(here))) + 2.0 / self.noise.halfwidth)
         return 2.0 * worst + rounding
 
     def _carried(self, law: Any, theta: Array) -> Any:

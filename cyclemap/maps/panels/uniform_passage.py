@@ -19,6 +19,7 @@ from cyclemap.maps.panels.panel_basis import Panels
 from cyclemap.maps.panels.uniform_reach import Intervals, Reach
 from cyclemap.maps.panels.uniform_refinement import refined, with_ends
 from cyclemap.maps.panels.uniform_singularities import Singularities
+from cyclemap.maps.rounding import EPS, SOLUTION
 
 Source = Callable[[Array], Array]
 
@@ -76,7 +77,7 @@ def uniform_passage_time(
     chain = _chain(reach, domain, [ends[0], ends[1]], np.ones_like, max_panels)
     slack = _certified(chain)
     value = chain.value(chain.law, start, np.ones_like)
-    return Estimate(value, slack / (1.0 - slack) * value)
+    return Estimate(value, (slack / (1.0 - slack) + SOLUTION) * value)
 
 
 def uniform_hitting_probability(
@@ -113,11 +114,12 @@ def uniform_hitting_probability(
         return noise.arc_probability(arc_a[0] - image, arc_a[1] - image)
 
     if domain.length == 0.0:
-        return Estimate(float(arrives(circle_map(np.array([start])))[0]), 0.0)
+        value = float(arrives(circle_map(np.array([start])))[0])
+        return Estimate(value, SOLUTION * value)
     chain = _chain(reach, domain, [*arc_a, *arc_b], arrives, max_panels)
     longest = chain.value(chain.time, start, np.ones_like) / (1.0 - _certified(chain))
     value = float(np.clip(chain.value(chain.law, start, arrives), 0.0, 1.0))
-    return Estimate(value, min(chain.residual(chain.law, arrives) * longest, 1.0))
+    return Estimate(value, min(chain.residual(chain.law, arrives) * longest + SOLUTION * value, 1.0))
 
 
 def _certified(chain: _Chain) -> float:
@@ -214,7 +216,7 @@ class _Chain:
         here = self.panels.value(law, theta)
         worst = float(np.max(np.abs(here - source(images) - self.carried(law, images))))
         largest = float(np.max(np.abs(here)))
-        rounding = 8.0 * np.finfo(float).eps * (1.0 + np.pi / self.halfwidth) * largest
+        rounding = 8.0 * EPS * (1.0 + np.pi / self.halfwidth) * largest
         moved = self.map.max_error * (largest + 1.0) / self.halfwidth
         return 2.0 * worst + rounding + moved + self.missing * largest / self.halfwidth
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.special import log_ndtr
@@ -13,9 +15,9 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise_law import Noise, WrappedNormal
 from cyclemap.maps.passages.nystrom import KilledChain, circle_exit, killed_chain, line_exits
 from cyclemap.maps.passages.passage_times import LONGEST, mean_passage_time
+from cyclemap.maps.rounding import LOG_PASSAGE
 
 _STRETCH = 1.3  # bandwidth of the second solution over that of the first
-_ROUNDING = 2e-14  # error of ln T over ln T that rounding may leave
 _ROUNDS = 5_000  # of the iteration for h
 _TURNS = TWO_PI * np.arange(-2.0, 2.0)  # images of a gap in [0, 2π) that may count
 _BLOCK = 48  # unknowns eliminated together
@@ -24,7 +26,13 @@ _ACCEPTED = 1e-6  # error bound of ln T that is accepted at all
 
 
 def log10_passage_time(
-    circle_map: CircleMap, noise: Noise, start: float, arc: Arc, *, lifted: bool = False
+    circle_map: CircleMap,
+    noise: Noise,
+    start: float,
+    arc: Arc,
+    *,
+    lifted: bool = False,
+    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """log10 of the mean passage time of ``mean_passage_time``, also where that exceeds every float.
 
@@ -38,6 +46,9 @@ def log10_passage_time(
     ``error_bound`` beyond 1e300: three times the difference from a solution on other nodes and 2e-14 of ln T for
     rounding; measured, and without the map's ``max_error``.
 
+    progress : called with the fraction done, at most, after each of up to five solutions: with the 6000 nodes that are
+        allowed they take a minute each. An exception from it ends the work.
+
     Raises InvalidInput as ``mean_passage_time``, and beyond 1e300 cycles for other noise; ConvergenceError when the
     bound of ln T exceeds 1e-6, or two parts of the arc are each left less than once in 1e300 cycles.
 
@@ -45,7 +56,9 @@ def log10_passage_time(
     >>> round(log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True), 6)
     312.235583
     """
+    tell = progress or (lambda fraction: None)
     time = mean_passage_time(circle_map, noise, start, arc, lifted=lifted)
+    tell(0.2)
     if time < LONGEST:
         return Estimate(np.log10(time), time.error_bound / time / np.log(10.0))
     if not isinstance(noise, WrappedNormal):
@@ -54,12 +67,13 @@ def log10_passage_time(
     inside = required_inside(start, ends)
     exits = line_exits(ends) if lifted else circle_exit(ends)
     for every_sample in (False, True):
-        chains = (
-            killed_chain(circle_map, noise, (ends,), exits, lifted, every_sample=every_sample, stretch=stretch)
-            for stretch in (1.0, _STRETCH)
-        )
-        value, again = (_log_time(chain, noise, inside) for chain in chains)
-        bound = 3.0 * abs(value - again) + _ROUNDING * abs(value)
+        found = []
+        for stretch in (1.0, _STRETCH):
+            chain = killed_chain(circle_map, noise, (ends,), exits, lifted, every_sample=every_sample, stretch=stretch)
+            found.append(_log_time(chain, noise, inside))
+            tell(0.2 * len(found) + (0.6 if every_sample else 0.2))
+        value, again = found
+        bound = 3.0 * abs(value - again) + LOG_PASSAGE * abs(value)
         if bound <= _ACCEPTED:
             return Estimate(again / np.log(10.0), bound / np.log(10.0))
     raise ConvergenceError(f"ln of the mean passage time came out as {again:.9g} with error bound {bound:.3g}")

@@ -13,11 +13,11 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise_law import Noise, UniformNoise
 from cyclemap.maps.passages.elimination import Elimination, eliminated
 from cyclemap.maps.quadrature import arc_rule
+from cyclemap.maps.rounding import EPS
 
 MAX_UNKNOWNS = 6_000
 NEGLECTED = 1e-6  # noise coefficients beyond the nodes' bandwidth are smaller; residuals then are rounding
 _MIN_BANDWIDTH = 4
-_EPSILON = float(np.finfo(float).eps)
 
 
 def killed_chain(
@@ -185,7 +185,7 @@ class Expectation:
         slope = np.abs(self.map_slope(images, fine, on_fine[1]))
         # The distances to the exits are rounded one by one, so that their slopes do not cancel.
         ruggedness = slope + np.abs(self.at - self.top) @ np.abs(chain.departure_slopes(images))
-        own = _widened(np.abs(residual)) + 2.0 * _EPSILON * (size + ruggedness * (1.0 + np.abs(images)))
+        own = _widened(np.abs(residual)) + 2.0 * EPS * (size + ruggedness * (1.0 + np.abs(images)))
         sources = np.stack([own, slope * chain.map.max_error], axis=1)
         with np.errstate(over="ignore", invalid="ignore"):
             bounds = sources[-1] + chain.transitions(images[-1:])[0] @ chain.elimination.solve(sources[:-1])

@@ -16,11 +16,11 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise_law import Noise
 from cyclemap.maps.passages.nystrom import Expectation, KilledChain, circle_exit, killed_chain, line_exits
 from cyclemap.maps.passages.passage_times import LONGEST
+from cyclemap.maps.rounding import ELIMINATION
 
 Tangent = Callable[[Array], Array]
 
 _STRETCH = 1.3  # bandwidth of the second solution over that of the first
-_ROUNDING = 1e-13  # relative error that an elimination may leave
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def _compared(
     (first, sizes), (second, _) = (
         _responses(make(stretch=stretch).expected(each, at), start, tangent, ends) for stretch in (1.0, _STRETCH)
     )
-    bounds = 3.0 * np.abs(first - second) + _ROUNDING * sizes
+    bounds = 3.0 * np.abs(first - second) + ELIMINATION * sizes
     return [Estimate(value, bound) for value, bound in zip(first, bounds, strict=True)]
 
 

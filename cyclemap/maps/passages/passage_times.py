@@ -14,12 +14,12 @@ from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise_law import Noise, UniformNoise
 from cyclemap.maps.passages.nystrom import KilledChain, circle_exit, killed_chain, line_exits
+from cyclemap.maps.rounding import ELIMINATION, SOLUTION
 
 LONGEST = 1e300  # cycles: a longer passage is given as inf
 _GOOD = 1e-9  # relative error bound with which few nodes will do
 _ACCEPTED = 1e-6  # relative error bound that is accepted at all
 _MORE = 1.4  # bandwidth of the second attempt over that of the first
-_ROUNDING = 1e-13  # relative error that an elimination may leave
 
 
 def mean_passage_time(circle_map: CircleMap, noise: Noise, start: float, arc: Arc, *, lifted: bool = False) -> Estimate:
@@ -95,10 +95,11 @@ def _certified(make: Callable[..., KilledChain], start: float, each: float, at: 
         if not abs(expected.top) < LONGEST:
             return Estimate(np.inf, np.inf)
         value, (own, from_map) = expected.value_at(start), expected.error_bounds(start)
+        own += SOLUTION * abs(value)
         if own <= _GOOD * abs(value):
             return Estimate(value, own + from_map)
     other = make(every_sample=True, stretch=1.0).expected(each, at).value_at(start)
-    own = min(own, 10.0 * abs(other - value) + _ROUNDING * abs(value))
+    own = min(own, 10.0 * abs(other - value) + ELIMINATION * abs(value))
     if not own <= _ACCEPTED * abs(value):
         raise ConvergenceError(
             f"the {name} came out as {value:.9g} with error bound {own:.3g}: the map is too rough for so small a "

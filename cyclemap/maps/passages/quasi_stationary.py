@@ -15,12 +15,12 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise_law import Noise
 from cyclemap.maps.passages.nystrom import KilledChain, circle_exit, killed_chain, line_exits
 from cyclemap.maps.passages.passage_times import LONGEST
+from cyclemap.maps.rounding import QUASI_STATIONARY
 
 _ROUNDS = 400  # of one power and one inverse iteration each
 _CONVERGED = 1e-13  # relative change of every entry of the law
 _SMALLEST = 1e-290  # entries of the law below this are not judged
 _ACCEPTED = 1e-6  # relative error bound that is accepted at all
-_ROUNDING = 1e-12  # relative error that rounding may leave
 _STRETCH = 1.3  # bandwidth of the second solution over that of the first
 _ENDLESS = "the path stays in the arc for more than 1e300 cycles: raise the noise"
 _BLOCK = 2_048  # angles at which the density is evaluated together
@@ -186,7 +186,7 @@ def _relative_bounds(chain: KilledChain, mass: Array) -> tuple[float, float]:
     own, from_map = expected.error_bounds(mode)
     value = expected.value_at(mode)
     # Where the arc holds several deep wells that bound drowns in rounding, while the elimination does not.
-    return min(own / value, _ROUNDING), from_map / value
+    return min(own / value, QUASI_STATIONARY), from_map / value
 
 
 def _density_at(chain: KilledChain, mass: Array, theta: Array) -> Array:

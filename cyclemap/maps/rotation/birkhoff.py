@@ -11,9 +11,9 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, Lift
+from cyclemap.maps.rounding import MEAN
 
 ITERATES = 40_000
-_ROUNDING = 2.0 * np.finfo(float).eps  # of the largest value: what summing and the window's weights may lose
 
 
 def birkhoff_average(
@@ -80,7 +80,7 @@ def weighted_mean(values: Array) -> Estimate:
     half = sequence.size // 2
     mean = _windowed(sequence)
     apart = max(abs(_windowed(part) - mean) for part in (sequence[:half], sequence[-half:]))
-    return Estimate(mean, apart + _ROUNDING * float(np.max(np.abs(sequence))))
+    return Estimate(mean, apart + MEAN * float(np.max(np.abs(sequence))))
 
 
 def _windowed(values: Array) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -13,8 +14,9 @@ import numpy.typing as npt
 from cyclemap.checks import finite_array, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array
-from cyclemap.maps.lifts.parametric_lift import ParametricLift
-from cyclemap.maps.rotation.rotation_number import ROUNDING_UNITS
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.parametric_lift import ParametricLift, parametric_form
+from cyclemap.maps.rounding import LIFT
 
 Whole = npt.NDArray[np.int64]
 
@@ -52,11 +54,12 @@ class RotationNumbers:
 
 
 def rotation_numbers(
-    family: ParametricLift, *parameters: Any, tolerance: float = 1e-3, threads: int | None = None
+    family: Callable[..., CircleMap], *parameters: Any, tolerance: float = 1e-3, threads: int | None = None
 ) -> RotationNumbers:
     """The rotation numbers of ``family`` at broadcast arrays of parameters, each to within ``tolerance``.
 
-    family : a ``ParametricLift`` whose lifts are nondecreasing at all these parameters.
+    family : a ``ParametricLift`` whose lifts are nondecreasing at all these parameters, or ``CircleMap.arnold`` or
+        ``CircleMap.moebius``, whose formulas are known.
     tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of each enclosure.
     threads : None takes one a processor; the numbers do not depend on it.
 
@@ -70,12 +73,13 @@ def rotation_numbers(
     Raises InvalidInput for parameters that are not finite or where F falls (its rotation numbers are an interval: see
     ``rotation_interval``, ``rotation_plane``), ConvergenceError when the bounds contradict each other.
 
-    >>> from cyclemap.maps.lifts.parametric_lift import arnold_family
-    >>> found = rotation_numbers(arnold_family, [0.1, 0.5, 0.6], 0.5)
+    >>> from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY
+    >>> found = rotation_numbers(ARNOLD_FAMILY, [0.1, 0.5, 0.6], 0.5)
     >>> found.period.tolist(), bool(abs(found.value[2] - 0.602894830374585) < 1e-3)
     ([0, 2, 0], True)
     """
-    if not isinstance(family, ParametricLift):
+    formula = parametric_form(family)
+    if formula is None:
         raise InvalidInput(f"family is {family!r}: give a ParametricLift; rotation_plane takes any callable")
     wanted = positive_number("tolerance", tolerance)
     if wanted > 0.1:
@@ -86,7 +90,7 @@ def rotation_numbers(
     arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
     flat = [np.ascontiguousarray(np.broadcast_to(array, shape)).ravel() for array in arrays]
-    lower, upper = _bounds(family, flat, wanted, workers)
+    lower, upper = _bounds(formula, flat, wanted, workers)
     period = _simplest_periods(lower, np.where(lower == upper, upper, -np.inf), _most_cycles(wanted))
     winding = np.where(period > 0, np.round(lower * period), 0.0).astype(np.int64)
     value = np.where(period > 0, lower, 0.5 * (lower + upper))
@@ -192,7 +196,7 @@ def _begun(family: ParametricLift, parameters: list[Array], first: int) -> _Orbi
             f"at parameters ({given}) the map is no nondecreasing lift of degree 1: a folded one has an interval of "
             "rotation numbers; ask rotation_interval(family(...)), or rotation_plane for many"
         )
-    push = _SIDES * (family.max_error + ROUNDING_UNITS * np.finfo(float).eps * (2.0 * TWO_PI + np.abs(ends[0])))
+    push = _SIDES * (family.max_error + LIFT * (2.0 * TWO_PI + np.abs(ends[0])))
     theta, turns = np.full((2, size), -np.pi), _ONE_MORE + np.zeros((2, size))
     low, high, place = np.full(size, -np.inf), np.full(size, np.inf), np.arange(first, first + size)
     return _Orbits(family, parameters, push, theta, turns, low, high, place)

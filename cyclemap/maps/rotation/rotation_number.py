@@ -15,9 +15,9 @@ from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.rotation.birkhoff import ITERATES, birkhoff_average
 from cyclemap.maps.rotation.envelopes import SLACK, largest_descent, lower_envelope, upper_envelope
+from cyclemap.maps.rounding import LIFT
 
 MAX_PERIOD = 2_000
-ROUNDING_UNITS = 4.0  # of 2π + max|F| on [0, 2π]: how far one computed image may be off
 _FIRST_LOOK = 64  # iterates after which locking is tried first; then every eight times as many
 _SETTLED = 1e-9  # radians: an orbit that comes back this near has settled
 _REACH = np.pi * 4.0 ** -np.arange(0.0, 19.0)  # radians beside an orbit where the witnesses of locking are sought
@@ -86,7 +86,7 @@ def rotation_number(
 
     Proved, given that a computed image is F at an angle a few rounding units beside the one asked for, give or take
     a few more: 4 units (8.9e-16) of 2π + max|F| in all. A lift that is computed worse must say so by
-    ``max_error``. Whether F folds is seen down to a resolution of 512 cells a turn.
+    ``max_error``. Folds of F narrower than half a milliradian may pass unseen.
 
     Where F^q - e and F^q + e leave values on both sides of 2πp (q ≤ ``max_period``), ρ = p/q is proved and ``locked``,
     with the two angles as ``proof``. At the very edge of a tongue the sides cannot be told apart: ``locked`` is
@@ -186,7 +186,7 @@ def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float | 
 def _allowance(circle_map: CircleMap) -> float:
     """How far one computed image may lie from the truth, radians; a nondecreasing F stays near F(0) on [0, 2π]."""
     size = 2.0 * TWO_PI + abs(float(circle_map(0.0)))
-    return float(circle_map.max_error + ROUNDING_UNITS * np.finfo(float).eps * size)
+    return float(circle_map.max_error + LIFT * size)
 
 
 def _looks(iterates: int) -> list[int]:

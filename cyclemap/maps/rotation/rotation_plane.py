@@ -14,7 +14,7 @@ from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import Array
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.parametric_lift import ParametricLift
+from cyclemap.maps.lifts.parametric_lift import ParametricLift, parametric_form
 from cyclemap.maps.rotation.envelopes import is_nondecreasing
 from cyclemap.maps.rotation.rotation_batch import Whole, rotation_numbers
 from cyclemap.maps.rotation.rotation_number import rotation_number
@@ -60,8 +60,9 @@ def rotation_plane(
 ) -> RotationPlane:
     """The rotation number of ``family(first, second)`` at every pair of the two axes.
 
-    family : any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift`` is done many
-        maps at once (``rotation_numbers``) where its lifts do not fold, all else map by map (``rotation_number``).
+    family : any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift``, ``CircleMap.arnold``
+        and ``CircleMap.moebius`` are done many maps at once (``rotation_numbers``) where the lifts do not fold, all
+        else map by map (``rotation_number``), hundreds of times slower: write such a family as a ``ParametricLift``.
     first_values, second_values : shape (m,) and (n,), strictly increasing or decreasing.
     tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does not fold.
     progress : called with the fraction done.
@@ -72,8 +73,7 @@ def rotation_plane(
     Raises InvalidInput for axes that are empty, not finite or not monotone, and for a map that is no CircleMap of
     degree 1.
 
-    >>> from cyclemap.maps.lifts.parametric_lift import arnold_family
-    >>> plane = rotation_plane(arnold_family, [0.0, 0.5], [0.3, 0.9])
+    >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
     >>> plane.period.tolist(), plane.locked(1, 1)
     ([[1, 1], [2, 2]], Fraction(1, 2))
     """
@@ -124,11 +124,12 @@ class _Sheet:
     def fill(self) -> None:
         """Many maps at once where that is possible, then the rest map by map."""
         singly = np.ones(self.first.size, dtype=bool)
-        if isinstance(self.family, ParametricLift):
-            singly = ~self.family.rises(self.first, self.second)
+        formula = parametric_form(self.family)
+        if formula is not None:
+            singly = ~formula.rises(self.first, self.second)
             together = np.flatnonzero(~singly)
             for at in range(0, together.size, _AT_ONCE):
-                self._fill_together(self.family, together[at : at + _AT_ONCE])
+                self._fill_together(formula, together[at : at + _AT_ONCE])
         for place in np.flatnonzero(singly).tolist():
             self._fill_one(place)
 

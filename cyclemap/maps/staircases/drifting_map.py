@@ -167,7 +167,7 @@ def _blended(before: CircleMap, after: CircleMap, share: float) -> CircleMap:
         lambda theta: rest * one(theta) + share * other(theta),
         breaks=np.union1d(before.breaks, after.breaks),
         max_error=rest * before.max_error + share * after.max_error,
-    )
+    ).remade_by(_blended, before, after, share)
 
 
 # -- the staircase of slow wear ---------------------------------------------------------------------------------

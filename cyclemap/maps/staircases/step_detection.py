@@ -13,6 +13,7 @@ import numpy.typing as npt
 from cyclemap.checks import finite_array, positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.rounding import STAIRCASE
 from cyclemap.maps.staircases.slow_zones import SlowZone
 
 Counts = npt.NDArray[np.int64]
@@ -26,7 +27,6 @@ _ALIKE = 0.03  # of windows whose contrasts differ by less, the widest is taken
 _JITTERS = 1.5  # windows narrower than this many median changes of one cycle are not tried
 _SPAN = 3.3  # standard deviations from the 5th to the 95th percentile
 _TRIM = 4.45  # dwells are trimmed to so many median deviations: three standard deviations of a normal law
-_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +180,7 @@ def _contrast(steps: Steps, path: Array) -> float:
 
 def _within(path: Array, window: float, least: int | None) -> Steps:
     """Dwells for one window."""
-    reach = _reach(path, 2.0 * window * (1.0 + _ROUNDING))
+    reach = _reach(path, 2.0 * window * (1.0 + STAIRCASE))
     length = reach - np.arange(path.size) + 1
     shortest = _shortest(reach, length) if least is None else least
     long = np.flatnonzero(length >= shortest)
@@ -233,7 +233,7 @@ def _joined(first: Counts, last: Counts, size: int) -> list[tuple[int, int]]:
 def _trimmed(path: Array, first: int, last: int, window: float) -> tuple[int, int]:
     """The run without the ends that already lead away."""
     away = np.abs(path[first : last + 1] - np.median(path[first : last + 1]))
-    kept = np.flatnonzero(away <= _TRIM * np.median(away) + _ROUNDING * window)
+    kept = np.flatnonzero(away <= _TRIM * np.median(away) + STAIRCASE * window)
     return first + int(kept[0]), first + int(kept[-1])
 
 
