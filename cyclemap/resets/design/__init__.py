@@ -1,1 +1,1 @@
-"""A reset for given demands: candidates, their survey and ranking, and the answer where none meets them."""
+"""What the robot does otherwise, what that leaves of the orientations, and the search for the best of it."""

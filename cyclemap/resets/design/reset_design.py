@@ -1,162 +1,310 @@
-"""Which reset to use: strategies scored, ranked and set against demands; the best there is where none meets them."""
+"""The design of a reset: what to do, what that leaves and what it costs, beside a few others to ask about."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.errors import InvalidInput
-from cyclemap.maps import Noise, WrappedNormal
-from cyclemap.resets.design.action_cache import MAP_TOLERANCE, ActionCache
-from cyclemap.resets.design.push_proof import PushProof, push_proof
-from cyclemap.resets.design.push_stages import widen
-from cyclemap.resets.design.reset_candidates import (
-    Effort,
-    ResetCandidate,
-    combined_candidates,
-    direction_nodes,
-    effort,
-    gripper_candidates,
-    leg_candidates,
-    push_candidates,
-    scheduled_candidates,
+from cyclemap.mechanics import Material
+from cyclemap.resets.design.action_cycles import Pace, SampledTurns, contact_lengths, room_needed, sample_turns
+from cyclemap.resets.design.material_range import MaterialRange, material_range
+from cyclemap.resets.design.orientation_law import OrientationLaw, orientation_law
+from cyclemap.resets.design.reset_ranking import (
+    AFTER,
+    AS_IT_IS,
+    CONTACT,
+    CONTACTS,
+    DRAG,
+    FIRM,
+    GIVEN,
+    OWN,
+    REACH,
+    SECONDS,
+    SIMPLEST,
+    TV,
+    Limit,
+    Pool,
+    ResetDemands,
+    any_meets,
+    gathered,
+    is_beyond,
+    least_of,
+    picked,
 )
-from cyclemap.resets.design.reset_demands import ResetDemands
-from cyclemap.resets.design.reset_ranking import DemandOutlook, ScoredReset, outlooks
-from cyclemap.resets.design.reset_survey import LeftOutStrategy, Progress, ResetSurvey
-from cyclemap.resets.design.searched_candidates import drawn_push_candidates, gripper_spread, ring_candidates
-from cyclemap.resets.parameters.pareto_front import non_dominated
-from cyclemap.resets.strategies.action_cost import Pace
-from cyclemap.resets.strategies.cycle_action import CycleAction
-from cyclemap.resets.strategies.strategy import ResetStrategy
+from cyclemap.resets.design.reset_search import MORE_SLANTS, SLANTS, gripper_turned, push_set, random_legs, searched
+from cyclemap.resets.design.strategy import IN_TURN, RANDOM, RING, SHUFFLED, ResetStrategy
+from cyclemap.resets.design.strategy_run import (
+    histogram_distances,
+    histogram_shares,
+    independent_distance,
+    sampled_orientations,
+    steered_orientations,
+)
+
+Array = NDArray[np.float64]
+
+STEERED = "steered"
+_SAMPLES, _REFINED = 48, 720
+# Fourier modes at most of the laws on materials that are not nominal.
+_ENOUGH_MODES = 96
+# Collections simulated for a histogram, and cycles of them all at most.
+_RUNS, _MOST_SIMULATED = 200, 4_000_000
+_RATIO_STEPS = (-0.2, -0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15, 0.2)
+
+
+@dataclass(frozen=True, eq=False)
+class ResetRow:
+    """A strategy with what it leaves and costs.
+
+    roles : why it is told. nominal : law on the nominal material. worst, worst_after : total variations at the worst of
+    the materials, each; worst_material : of the latter. drag, room, contact : m. seconds : of a cycle. histogram :
+    (2,), mean and standard deviation over 200 runs of the histogram distance of the pushes to be collected, nominal;
+    worst_histogram : the same at the worst material. misses : demands missed. lacking : abilities.
+    """
+
+    roles: tuple[str, ...]
+    strategy: ResetStrategy
+    nominal: OrientationLaw
+    worst: float
+    worst_after: float
+    worst_material: Material
+    drag: float
+    seconds: float
+    room: float
+    contact: float
+    histogram: tuple[float, float]
+    worst_histogram: tuple[float, float]
+    misses: tuple[str, ...]
+    lacking: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class ResetDesign:
-    """The strategies that were looked at, in order, and the one to use.
+    """The answer of `design_reset`.
 
-    ranking : as `ranked` orders them. own : the loop's own reset as it is. chosen : the first of the ranking
-    that error bounds confirm; where they confirm none, the first. met : whether it meets all demands. outlooks : what
-    can be had of each demand. left_out : what could not be looked at. cache : of the maps and costs. proof : that
-    pushes which were looked at cannot do it, by any rule; None where the demands are met, or nothing is proved.
+    rows : the chosen one first, as it is last. met : whether the chosen one meets every demand. binding : where not,
+    what the demands it misses could be at least. about : the range; tried : materials inside it that the rows were
+    tried on besides. considered, too_steep : how many mixtures were compared, and pushes left out because they jump
+    where friction is a little different. independent : mean histogram distance of independent uniform pushes.
+    orders : histogram distance of the chosen actions by order, and "steered" by the monitor.
+    ratio_errors, ratio_tv : (n,), and (2, n) or (1, n): total variation in the long run of the chosen row and of the
+    simplest where the ratio of the axes is off by so much.
+    before, after : (runs, 36), histograms of the pushes as shares, of the loop as it is and of the chosen one.
     """
 
     loop: CollectionLoop
-    noise: Noise
+    sigma: float
     demands: ResetDemands
-    keep_push: bool
-    ranking: tuple[ScoredReset, ...]
-    own: ScoredReset
-    chosen: ScoredReset
-    outlooks: tuple[DemandOutlook, ...]
-    left_out: tuple[LeftOutStrategy, ...]
-    cache: ActionCache
-    proof: PushProof | None = None
+    about: MaterialRange
+    tried: tuple[Material, ...]
+    rows: tuple[ResetRow, ...]
+    met: bool
+    binding: tuple[Limit, ...]
+    considered: int
+    too_steep: int
+    independent: float
+    orders: dict[str, float]
+    ratio_errors: Array
+    ratio_tv: Array
+    before: Array
+    after: Array
 
     @property
-    def met(self) -> bool:
-        """Whether the chosen strategy meets all demands."""
-        return self.chosen.meets
-
-    @property
-    def certified(self) -> bool:
-        """Whether error bounds confirm that it does."""
-        return self.met and self.chosen.certain
-
-    @property
-    def binding(self) -> tuple[DemandOutlook, ...]:
-        """The demands that stand in the way: each that no strategy meets; else each that alone would have to be given
-        up; else those that the chosen strategy misses. Empty where all are met."""
-        if self.met:
-            return ()
-        hopeless = tuple(one for one in self.outlooks if one.out_of_reach)
-        alone = tuple(one for one in self.outlooks if one.binds_alone)
-        missed = {miss.demand for miss in self.chosen.misses}
-        return hopeless or alone or tuple(one for one in self.outlooks if one.demand in missed)
-
-    @property
-    def front(self) -> tuple[ScoredReset, ...]:
-        """Those that the robot can do and none other betters in both bias and mean drag, by rising drag."""
-        able = [one for one in self.ranking if not one.lacking]
-        best = non_dominated([(float(one.numbers.tv), one.cost.mean_drag_length) for one in able])
-        kept = [one for one, use in zip(able, best.tolist(), strict=True) if use]
-        return tuple(sorted(kept, key=lambda one: one.cost.mean_drag_length))
-
-    @property
-    def push_floor(self) -> float:
-        """Room (m) about the target without which no push as long as the loop's can be made, wherever it begins.
-
-        A straight way as long is nowhere nearer, at both its ends, than half its length.
-        """
-        return 0.5 * self.loop.push.distance + self.loop.pusher.radius
-
-    @property
-    def seconds_floor(self) -> float:
-        """Time (s) of a push and of handling, before any drag."""
-        return (self.cache.pace or Pace()).seconds(self.loop.push.distance, CycleAction())
-
-    @property
-    def with_more(self) -> tuple[ScoredReset, ...]:
-        """Those that would meet all demands, if the robot could do what they need."""
-        return tuple(one for one in self.ranking if one.lacking and not one.misses)
+    def chosen(self) -> ResetRow:
+        """The first row."""
+        return self.rows[0]
 
 
 def design_reset(
     loop: CollectionLoop,
     demands: ResetDemands | None = None,
-    noise: Noise | None = None,
     *,
-    keep_push: bool = False,
-    thoroughness: str | Effort = "normal",
-    also: Sequence[ResetStrategy] = (),
+    sigma: float = math.radians(1.1),
+    materials: Sequence[Material] | MaterialRange | None = None,
+    given: ResetStrategy | None = None,
     pace: Pace | None = None,
-    tolerance: float = MAP_TOLERANCE,
-    progress: Progress | None = None,
+    seed: int = 0,
+    progress: Callable[[str, float], None] | None = None,
 ) -> ResetDesign:
-    """Return the strategies for the loop, ranked: first what meets the demands, by mean drag.
+    """Return the reset to use: the most uniform at the worst of a range of materials, then cheap, then simple.
 
-    demands : those of `ResetDemands()`. noise : of a cycle; a wrapped normal of 1.1 degrees where None.
-    keep_push : only the way back may change, every push is the loop's own. thoroughness : "quick", "normal" (about a
-    minute), "thorough", or an `Effort`. also : strategies of one's own. pace : of the robot. tolerance : of the
-    maps that strategies are compared by, rad. progress : called with what is being done and the fraction of it.
+    Candidates are pushes on any side at several places and slants, in every mixture of up to four; the loop's own push
+    dragged back by a leg in a random direction, or followed by a gripper's turn; the ring elsewhere, where the robot
+    can put it there. Those whose total variations differ by less than a fifth of `independent_distance` are equally
+    uniform: `demands.pushes` pushes cannot tell them apart. Of those the cheapest (time) within 5 %, of those the one
+    of the fewest actions, equal weights, and pushes most like the loop's own.
 
-    Scores are quick ones, without error bounds, but for those of the first that meet the demands. Demands that none
-    meets are no error: see `ResetDesign.binding` and `outlooks`. A strategy that leads out of the mechanics is left
-    out and named. Raises InvalidInput for bad values, and what the loop's own reset raises.
+    Parameters
+    ----------
+    sigma : noise of a cycle, rad. materials : a `MaterialRange`, or materials that are as likely as the loop's own,
+        such as draws from an identification; None: `material_range`. given : a strategy to rank with them.
+    progress : called with what is being done and the fraction of it done.
+
+    Raises what a cycle raises that leads out of the mechanics, and InvalidInput for values that make no sense.
     """
-    wanted, work, report = demands or ResetDemands(), effort(thoroughness), progress or (lambda stage, done: None)
-    if not isinstance(wanted, ResetDemands):
-        raise InvalidInput(f"the demands are {demands!r}: give ResetDemands(allow_tv=0.05, ...)")
-    cache = ActionCache(loop, noise or WrappedNormal(DEFAULT_SIGMA), tolerance, pace=pace)
-    survey = ResetSurvey(cache, wanted, keep_push, report)
-    survey.look_at_pushes(work)
-    survey.look(_candidates(survey, work, also), "scoring strategies")
-    survey.look(drawn_push_candidates(survey, work), "scoring pushes that were searched for")
-    widen(survey, work)
-    survey.look(scheduled_candidates(survey.best_drawn), "scoring schedules")
-    survey.look([*ring_candidates(survey, work), *gripper_spread(survey)], "scoring ring and gripper")
-    survey.confirm(work.certified)
-    order = survey.order
-    sure = (one for one in order if one.meets and one.certain)
-    found = outlooks(order, wanted, survey.own_drag)
-    left_out, chosen = survey.all_left_out, next(sure, order[0])
-    proof = None if chosen.meets else push_proof(cache, order, found, report)
-    return ResetDesign(loop, cache.noise, wanted, keep_push, order, survey.own, chosen, found, left_out, cache, proof)
+    wanted, report = demands or ResetDemands(), progress or (lambda stage, done: None)
+    about = materials if isinstance(materials, MaterialRange) else _range_of(loop, materials)
+    nominal = replace(loop, material=about.nominal)
+    positive_number("sigma", sigma)
+    pool, considered, too_steep = _pool(nominal, wanted, about, sigma, pace or Pace(), report)
+    for firm in FIRM:
+        found = picked(pool, wanted, firm)
+        if found.misses or _keeps(nominal, found.roles[0][1], wanted, about, sigma):
+            break
+    binding = tuple(least_of(pool, name) for name in found.misses)
+    roles: dict[ResetStrategy, list[str]] = {}
+    for role, strategy in (*found.roles, *(((GIVEN, given),) if given is not None else ()), (AS_IT_IS, OWN)):
+        roles.setdefault(strategy, []).append(role)
+    report("looking closer", 0.0)
+    rows, course = _assessed(nominal, roles, pool.limits, wanted, about, sigma, pace or Pace(), seed)
+    report("looking closer", 1.0)
+    return ResetDesign(
+        loop, sigma, wanted, about, about.inside(), rows, not found.misses and not rows[0].misses, binding, considered,
+        too_steep, independent_distance(wanted.pushes), **course,
+    )  # fmt: skip
 
 
-def _candidates(survey: ResetSurvey, work: Effort, also: Sequence[ResetStrategy]) -> list[ResetCandidate]:
-    """All that needs no search, and strategies of one's own."""
-    places, drag = survey.places(work), survey.own_drag
-    work = replace(work, nodes=direction_nodes(survey.cache.loop, work))
-    own = [ResetCandidate(name, one, work.nodes) for name, one in zip(_given_names(also), also, strict=True)]
-    drags = leg_candidates(work, drag)
-    return [*own, *push_candidates(places), *drags, *combined_candidates(places, work, drag), *gripper_candidates()]
+def _range_of(loop: CollectionLoop, materials: Sequence[Material] | None) -> MaterialRange:
+    if materials is None:
+        return material_range(loop.material)
+    return MaterialRange(replace(loop.material, wear=None), tuple(materials))
 
 
-def _given_names(also: Sequence[ResetStrategy]) -> list[str]:
-    """Names of strategies of one's own, with numbers where several are called the same."""
-    names = [one.name for one in also]
-    numbers = [f", {names[:at].count(name) + 1}" if names.count(name) > 1 else "" for at, name in enumerate(names)]
-    return [f"{name} (given{number})" for name, number in zip(names, numbers, strict=True)]
+def _pool(
+    loop: CollectionLoop,
+    demands: ResetDemands,
+    about: MaterialRange,
+    sigma: float,
+    pace: Pace,
+    report: Callable[[str, float], None],
+) -> tuple[Pool, int, int]:
+    """Every candidate, those that need what the robot cannot do included, for they are told too."""
+    parts, steep = [random_legs(loop, about, sigma, demands.within)], 0
+    parts.append(gripper_turned(loop, about, sigma, demands.within))
+    places: list[tuple[float, float] | None] = [] if demands.keep_push else [None]
+    if RING in demands.abilities and not demands.keep_push:
+        x, y = loop.slider.hitch
+        places += [(-y, x), (-x, -y), (y, -x), (2.0 * x / 3.0, 2.0 * y / 3.0)]
+    # Where pushes that keep the object for long do not do, shorter and more slanted ones may.
+    least = [demands.contact] * 2 if demands.contact else [share * loop.push.distance for share in CONTACTS]
+    for (contact, slants), hitch in product(zip(least, (SLANTS, MORE_SLANTS), strict=True), places):
+        if hitch == places[0] and any_meets(gathered(loop, demands, tuple(parts), pace), demands):
+            break
+        source = push_set(loop, about, sigma, contact, slants, hitch)
+        if source is not None:
+            steep += source.too_steep
+            parts.append(searched(source, demands.within, lambda done: report("comparing mixtures of pushes", done)))
+    count = sum(len(part.tv) for part in parts)
+    return gathered(loop, demands, tuple(parts), pace), count, steep
+
+
+def _assessed(
+    loop: CollectionLoop,
+    roles: dict[ResetStrategy, list[str]],
+    limits: dict[str, float],
+    demands: ResetDemands,
+    about: MaterialRange,
+    sigma: float,
+    pace: Pace,
+    seed: int,
+) -> tuple[tuple[ResetRow, ...], dict[str, Any]]:
+    """The rows, from twice as many samples and on materials inside the range too, and what is drawn beside them."""
+    tried = (*about.materials, *about.inside())
+    cycles = {strategy: _cycles(loop, strategy, tried) for strategy in roles}
+    runs = max(2, min(_RUNS, _MOST_SIMULATED // demands.pushes))
+
+    def shares(strategy: ResetStrategy, material: int) -> Array:
+        turn = cycles[strategy].refined(_REFINED)[material]
+        return histogram_shares(sampled_orientations(turn, strategy, demands.pushes, runs, sigma, seed))
+
+    rows = []
+    for strategy, told in roles.items():
+        turns = cycles[strategy].refined(_REFINED)
+        nominal = orientation_law(turns[0], strategy, sigma, demands.within)
+        modes = min(nominal.modes, _ENOUGH_MODES)
+        laws = [nominal, *(orientation_law(turn, strategy, sigma, demands.within, modes) for turn in turns[1:])]
+        worst = int(np.argmax([law.after + law.total_variation for law in laws]))
+        drag = float(strategy.shares @ cycles[strategy].drag_length[0])
+        seconds = sum(
+            share * pace.seconds((action.push or loop.push).distance + length, action.turn)
+            for share, action, length in zip(
+                strategy.shares.tolist(), strategy.actions, cycles[strategy].drag_length[0].tolist(), strict=True
+            )
+        )
+        prepared, actions = strategy.prepared(loop), dict.fromkeys(replace(a, turn=0.0) for a in strategy.actions)
+        room = max(room_needed(prepared, action) for action in actions)
+        contact = float(contact_lengths(prepared, list(actions)).min())
+        values = {
+            TV: max(law.total_variation for law in laws), AFTER: max(law.after for law in laws),
+            DRAG: drag, SECONDS: seconds, REACH: room, CONTACT: contact,
+        }  # fmt: skip
+        row = ResetRow(
+            tuple(told), strategy, laws[0], values[TV], values[AFTER], tried[worst], drag, seconds, room, contact,
+            _mean_and_spread(shares(strategy, 0)), _mean_and_spread(shares(strategy, worst)),
+            tuple(name for name, limit in limits.items() if is_beyond(name, values[name], limit)),
+            tuple(need for need in strategy.needs if need not in demands.abilities),
+        )  # fmt: skip
+        rows.append(row)
+    chosen, own = rows[0].strategy, rows[-1].strategy
+    compared = [chosen, *(row.strategy for row in rows[1:] if SIMPLEST in row.roles)]
+    stretched = [_stretched(about.nominal, error) for error in _RATIO_STEPS]
+    curves = [
+        [
+            orientation_law(turn, one, sigma, 1).total_variation
+            for turn in _cycles(loop, one, stretched).refined(_REFINED)
+        ]
+        for one in compared
+    ]
+    return tuple(rows), {
+        "orders": _by_order(cycles[chosen].refined(_REFINED)[0], rows[0], demands.pushes, runs, sigma, seed),
+        "ratio_errors": np.array(_RATIO_STEPS),
+        "ratio_tv": np.array(curves),
+        "before": shares(own, 0),
+        "after": shares(chosen, 0),
+    }
+
+
+def _keeps(
+    loop: CollectionLoop, strategy: ResetStrategy, demands: ResetDemands, about: MaterialRange, sigma: float
+) -> bool:
+    """Whether a strategy keeps to the total variations allowed at a closer look, on all materials."""
+    turns = _cycles(loop, strategy, (*about.materials, *about.inside())).refined(_REFINED)
+    laws = [orientation_law(turn, strategy, sigma, demands.within, _ENOUGH_MODES // 2) for turn in turns]
+    return all(law.total_variation <= demands.allow_tv and law.after <= demands.allow_after for law in laws)
+
+
+def _cycles(loop: CollectionLoop, strategy: ResetStrategy, materials: Sequence[Material]) -> SampledTurns:
+    return sample_turns(strategy.prepared(loop), strategy.actions, materials, _SAMPLES)
+
+
+def _mean_and_spread(shares: Array) -> tuple[float, float]:
+    distances = histogram_distances(shares)
+    return float(distances.mean()), float(distances.std(ddof=1))
+
+
+def _stretched(material: Material, error: float) -> Material:
+    """The material with the ratio of its axes off by a share, their geometric mean kept."""
+    root, law = math.sqrt(1.0 + error), material.friction
+    return replace(material, friction=replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root))
+
+
+def _by_order(turn: Array, row: ResetRow, pushes: int, runs: int, sigma: float, seed: int) -> dict[str, float]:
+    """The mean histogram distance of the same actions in other orders, and chosen from the orientation seen."""
+    told, strategy = {RANDOM: row.histogram[0]}, row.strategy
+    if len(strategy.actions) == 1:
+        return told
+    for order in (IN_TURN, SHUFFLED):
+        if order == SHUFFLED or strategy.weights is None:
+            other = replace(strategy, order=order)
+            theta = sampled_orientations(turn, other, pushes, runs, sigma, seed)
+            told[order] = float(histogram_distances(histogram_shares(theta)).mean())
+    theta = steered_orientations(turn, pushes, runs, sigma, seed)
+    return {**told, STEERED: float(histogram_distances(histogram_shares(theta)).mean())}

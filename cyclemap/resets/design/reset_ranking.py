@@ -1,131 +1,254 @@
-"""Strategies in order: what meets the demands by its cost, the rest by how far it misses, and what binds."""
+"""The ranking: what is demanded of a reset, which of many candidates meets it, and which of those to take."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from cyclemap.resets.design.reset_candidates import ResetCandidate
-from cyclemap.resets.design.reset_demands import AT_LEAST, DEMANDS, Miss, ResetDemands, demanded_values, is_beyond
-from cyclemap.resets.design.reset_numbers import ResetNumbers
-from cyclemap.resets.strategies.action_cost import StrategyCost
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.checks import finite_number, positive_number, whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.resets.design.action_cycles import Pace, room_needed
+from cyclemap.resets.design.reset_search import Candidates
+from cyclemap.resets.design.strategy import GRIPPER, RING, CycleAction, ResetStrategy
+from cyclemap.resets.design.strategy_run import independent_distance
+
+Array = NDArray[np.float64]
+
+ABILITIES = (GRIPPER, RING)
+# The roles of the rows, in the order in which they are told.
+CHOSEN, SIMPLEST, EVENEST, CHEAPEST = "chosen", "simplest", "evenest", "cheapest"
+WAY_BACK, WITH_GRIPPER, WITH_RING, GIVEN, AS_IT_IS = "way back", "gripper", "ring", "yours", "as it is"
+# Pushes of a collection that is simulated for its histogram.
+MOST_PUSHES = 10_000
+# The loop as it is.
+OWN = ResetStrategy((CycleAction(),))
+# Demands by name.
+TV, AFTER, DRAG, SECONDS, REACH, CONTACT = "tv", "after", "drag", "seconds", "reach", "contact"
+
+# Two resets are equally uniform where they differ by less than this share of what independent pushes miss it by.
+_TELL_APART = 0.2
+# Shares of what is allowed that the search's numbers keep to, one after the other, until a closer look agrees.
+FIRM = (0.9, 0.8, 0.7, 0.6)
+# Costs within this of each other are alike.
+_SAME_COST = 1.05
+# A reset nearly does it that leaves so many times what is allowed.
+_NEARLY = 1.5
+# Contact asked for by itself, as a share of the push; where no push holds it, the second.
+CONTACTS = (2.0 / 3.0, 1.0 / 3.0)
 
 
-@dataclass(frozen=True, eq=False)
-class ScoredReset:
-    """A strategy with its scores and its cost, set against the demands.
+@dataclass(frozen=True)
+class ResetDemands:
+    """What a reset must keep to, at the worst of the range of materials.
 
-    misses : what it misses, by the best estimates. lacking : what it needs that the robot cannot do. certain :
-    whether error bounds confirm its scores. drag_ratio : mean drag, in those of the loop's own reset. contact : m, the
-    shortest way that the rod goes in contact in any of its pushes, from any orientation.
+    Parameters
+    ----------
+    allow_tv : most total variation from uniform in the long run, in (0, 1). extra_tv : how much more, at most, after
+        `within` pushes from the worst start.
+    drag_ratio : most mean drag, in mean drags of the loop as it is.
+    seconds : most mean time of a cycle, s. reach : most distance (m) of rod or object from the target. contact : least
+        way (m) of the rod in contact, in every push. None: any; of contact two thirds of the push, or one where none
+        holds two.
+    abilities : what the robot can do besides: "gripper", "ring" (another place of it). keep_push : every push stays
+        the loop's own. pushes : how many will be collected.
+
+    Raises InvalidInput for a value out of its range.
     """
 
-    candidate: ResetCandidate
-    numbers: ResetNumbers
-    cost: StrategyCost
-    misses: tuple[Miss, ...]
-    lacking: tuple[str, ...]
-    certain: bool
-    drag_ratio: float
-    contact: float = math.inf
+    allow_tv: float = 0.10
+    extra_tv: float = 0.02
+    within: int = 50
+    drag_ratio: float = 2.0
+    seconds: float | None = None
+    reach: float | None = None
+    contact: float | None = None
+    abilities: tuple[str, ...] = ()
+    keep_push: bool = False
+    pushes: int = 500
 
-    @classmethod
-    def of(
-        cls,
-        candidate: ResetCandidate,
-        numbers: ResetNumbers,
-        cost: StrategyCost,
-        demands: ResetDemands,
-        own_drag: float,
-        contact: float = math.inf,
-    ) -> ScoredReset:
-        """Set scores and cost against the demands; own_drag : mean drag (m) of the loop's own reset."""
-        return cls(
-            candidate,
-            numbers,
-            cost,
-            demands.misses(numbers, cost, own_drag, contact),
-            demands.lacking(candidate.strategy.needs),
-            demands.are_certain(numbers),
-            cost.mean_drag_length / own_drag,
-            contact,
-        )
+    def __post_init__(self) -> None:
+        for name in ("allow_tv", "extra_tv"):
+            if not 0.0 < finite_number(name, getattr(self, name)) < 1.0:
+                raise InvalidInput(f"{name} is {getattr(self, name):g}: a total variation allowed lies between 0 and 1")
+        for name in ("within", "pushes"):
+            object.__setattr__(self, name, whole_number(name, getattr(self, name), least=1))
+            if getattr(self, name) > MOST_PUSHES:
+                raise InvalidInput(f"{name} is {getattr(self, name)}: more than {MOST_PUSHES} are not simulated")
+        for name in ("drag_ratio", "seconds", "reach", "contact"):
+            if getattr(self, name) is not None:
+                positive_number(name, getattr(self, name))
+        for ability in self.abilities:
+            if ability not in ABILITIES:
+                raise InvalidInput(f"ability {ability!r} is not known: give {' or '.join(map(repr, ABILITIES))}")
 
     @property
-    def name(self) -> str:
-        """Of the candidate."""
-        return self.candidate.name
-
-    @property
-    def meets(self) -> bool:
-        """Whether nothing is missed and nothing lacking."""
-        return not self.misses and not self.lacking
-
-    @property
-    def excess(self) -> float:
-        """By how much all demands together are missed: the sum of the logarithms of value over limit."""
-        return math.fsum(miss.excess for miss in self.misses)
-
-    @property
-    def order(self) -> tuple[bool, bool, float, float, float]:
-        """The key that ranks: the robot can do it; it misses nothing, or little; short drags; short cycles."""
-        cost = self.cost
-        return bool(self.lacking), bool(self.misses), self.excess, cost.mean_drag_length, cost.mean_seconds
-
-    def value(self, demand: str) -> float:
-        """What a demand is about: a probability, m or s."""
-        return demanded_values(self.numbers, self.cost, self.contact)[demand]
+    def allow_after(self) -> float:
+        """Most total variation after `within` pushes from the worst start."""
+        return min(1.0, self.allow_tv + self.extra_tv)
 
 
-def ranked(scored: Sequence[ScoredReset]) -> tuple[ScoredReset, ...]:
-    """Return them in order: those that meet all, by mean drag and then time; those that miss, by how far; and last,
-    in the same order, those that need what the robot cannot do."""
-    return tuple(sorted(scored, key=lambda one: one.order))
-
-
-@dataclass(frozen=True, eq=False)
-class DemandOutlook:
-    """What can be had of one demand: least value over the strategies that the robot can do; of contact the largest.
-
-    limit : what was asked. least : of all; least_by : whose it is. least_with_others : of those that meet every other
-    demand, None where there is none; with_others_by : whose. Limits and values are probabilities, m or s.
-    """
+@dataclass(frozen=True)
+class Limit:
+    """A demand that binds: the least (of contact the most) that any reset considered reaches of it, and which does."""
 
     demand: str
-    limit: float
-    least: float
-    least_by: ScoredReset
-    least_with_others: float | None
-    with_others_by: ScoredReset | None
-
-    @property
-    def binds_alone(self) -> bool:
-        """Whether giving up this demand alone would leave a strategy."""
-        found = self.least_with_others
-        return found is not None and is_beyond(self.demand, found, self.limit)
-
-    @property
-    def out_of_reach(self) -> bool:
-        """Whether no strategy meets it, whatever else is asked."""
-        return is_beyond(self.demand, self.least, self.limit)
+    value: float
+    strategy: ResetStrategy
 
 
-def outlooks(scored: Sequence[ScoredReset], demands: ResetDemands, own_drag: float) -> tuple[DemandOutlook, ...]:
-    """Return the outlook of every demand that was made, in the order of `DEMANDS`; none where nothing can be done."""
-    able = [one for one in scored if not one.lacking]
-    limits = demands.limits(own_drag)
-    return tuple(_outlook(able, name, limits[name]) for name in DEMANDS if name in limits and able)
+@dataclass(frozen=True, eq=False)
+class Pool:
+    """All candidates in one list: their sets and numbers, and every value that demands or ranks are about, (n,)."""
+
+    parts: tuple[Candidates, ...]
+    part: NDArray[np.int64]
+    number: NDArray[np.int64]
+    values: dict[str, Array]
+    actions: NDArray[np.int64]
+    untidy: Array
+    limits: dict[str, float]
+
+    def strategy(self, index: int) -> ResetStrategy:
+        """Return a candidate as a strategy."""
+        return self.parts[int(self.part[index])].strategy(int(self.number[index]))
+
+    def misses(self, index: int) -> tuple[str, ...]:
+        """Return the demands that a candidate misses."""
+        return tuple(name for name, limit in self.limits.items() if self.excess(name)[index] > 0.0)
+
+    def excess(self, name: str) -> Array:
+        """By how many e-foldings a value lies on the wrong side of its limit; negative on the right one."""
+        ratio = np.log(np.maximum(self.values[name], 1e-9) / self.limits[name])
+        return -ratio if name == CONTACT else ratio
 
 
-def _outlook(able: Sequence[ScoredReset], name: str, limit: float) -> DemandOutlook:
-    def value(one: ScoredReset) -> float:
-        return one.value(name)
+def is_beyond(demand: str, value: float, limit: float) -> bool:
+    """Return whether a value lies on the wrong side of its limit: contact is demanded at least, all else at most.
 
-    def order(one: ScoredReset) -> float:
-        return -value(one) if name == AT_LEAST else value(one)
+    >>> is_beyond(DRAG, 0.2, 0.1), is_beyond(CONTACT, 0.2, 0.1)
+    (True, False)
+    """
+    return value < limit if demand == CONTACT else value > limit
 
-    least = min(able, key=order)
-    others = [one for one in able if all(miss.demand == name for miss in one.misses)]
-    best = min(others, key=order) if others else None
-    return DemandOutlook(name, limit, value(least), least, None if best is None else value(best), best)
+
+def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidates, ...], pace: Pace) -> Pool:
+    """Return the candidates with their values; the second part starts with the loop's own drag."""
+    own_drag = float(parts[1].source.turns.drag_length[0, 0])
+    part = np.repeat(np.arange(len(parts)), [len(one.tv) for one in parts])
+    number = np.concatenate([np.arange(len(one.tv)) for one in parts])
+    drag = np.concatenate([one.drag_length for one in parts])
+    turned = [one.shares @ np.array([bool(a.turn) for a in one.source.actions], dtype=float) for one in parts]
+    seconds = (loop.push.distance + drag) / pace.speed + pace.handling + pace.gripper * np.concatenate(turned)
+    values = {
+        TV: np.concatenate([one.tv for one in parts]),
+        AFTER: np.concatenate([one.after for one in parts]),
+        DRAG: drag,
+        SECONDS: seconds,
+        CONTACT: np.concatenate([one.contact for one in parts]),
+    }
+    limits = {TV: demands.allow_tv, AFTER: demands.allow_after, DRAG: demands.drag_ratio * own_drag}
+    asked = {SECONDS: demands.seconds, REACH: demands.reach, CONTACT: demands.contact}
+    if demands.reach is not None:
+        values[REACH] = np.concatenate([_rooms(loop, one) for one in parts])
+    limits |= {name: limit for name, limit in asked.items() if limit is not None}
+    sizes = np.concatenate([one.sizes for one in parts])
+    untidy = np.concatenate([_untidiness(loop, one) for one in parts])
+    return Pool(parts, part, number, values, sizes, untidy, limits)
+
+
+def _rooms(loop: CollectionLoop, found: Candidates) -> Array:
+    """The room (m) that each mixture needs: of its actions the most."""
+    prepared = ResetStrategy((CycleAction(),), hitch=found.source.hitch).prepared(loop)
+    still = [replace(action, turn=0.0) for action in found.source.actions]
+    rooms = {action: room_needed(prepared, action) for action in dict.fromkeys(still)}
+    return np.asarray(np.where(found.shares > 0.0, [rooms[action] for action in still], 0.0).max(axis=1))
+
+
+def _untidiness(loop: CollectionLoop, found: Candidates) -> Array:
+    """How far from simple a mixture of so many actions is: unequal weights, then places not the loop's own."""
+    own = {(loop.push.fraction, loop.push.angle)}
+    places = [(a.push.fraction, a.push.angle) if a.push else next(iter(own)) for a in found.source.actions]
+    kinds = sorted(set(places) - own)
+    strange = [(found.shares[:, [place == kind for place in places]] > 0.0).any(axis=1).astype(float) for kind in kinds]
+    return np.asarray(100.0 * ~found.equal + sum(strange, start=np.zeros(len(found.shares))))
+
+
+@dataclass(frozen=True)
+class Picked:
+    """Rows to tell, by role, the chosen one first; and the demands it misses by the search's numbers."""
+
+    roles: tuple[tuple[str, ResetStrategy], ...]
+    misses: tuple[str, ...]
+
+
+def picked(pool: Pool, demands: ResetDemands, firm: float = FIRM[0]) -> Picked:
+    """The rows to tell, the chosen one first, and the demands that it misses by the search's numbers."""
+    family, able = _able(pool, demands)
+    excess, after = _excess(pool), pool.values[AFTER]
+    meets = able & (excess == 0.0)
+    simple = pool.actions + 1e-3 * pool.untidy
+    if meets.any():
+        # A closer look may find a little more: what is well within is taken where there is some.
+        sure = meets & (after <= firm * demands.allow_after) & (pool.values[TV] <= firm * demands.allow_tv)
+        best = (
+            _ranked(np.flatnonzero(sure), pool, demands) if sure.any() else int(np.argmin(np.where(meets, after, 2.0)))
+        )
+        meets = sure if sure.any() else meets
+    else:
+        best = int(min(np.flatnonzero(able), key=lambda index: (excess[index], simple[index])))
+    nearly = np.flatnonzero(able & (excess <= max(math.log(_NEARLY) * 2.0, 1.1 * excess[best])))
+    nearly = nearly[after[nearly] <= max(_NEARLY * demands.allow_after, _NEARLY * after[best])]
+    roles = [(CHOSEN, best)]
+    if nearly.size:
+        roles.append((SIMPLEST, min(nearly.tolist(), key=lambda i: (simple[i], after[i]))))
+    roles.append((EVENEST, min(np.flatnonzero(able).tolist(), key=lambda i: after[i])))
+    if meets.any():
+        seconds = pool.values[SECONDS]
+        roles.append((CHEAPEST, min(np.flatnonzero(meets).tolist(), key=lambda i: seconds[i])))
+    for role, name in ((WAY_BACK, "way back"), (WITH_GRIPPER, GRIPPER), (WITH_RING, RING)):
+        ones = np.flatnonzero(family == name)
+        if ones.size:
+            within = ones[excess[ones] == 0.0]
+            roles.append((role, min((within if within.size else ones).tolist(), key=lambda i: _told(i, within, pool))))
+    told = tuple((role, pool.strategy(index)) for role, index in roles)
+    return Picked(told, pool.misses(best))
+
+
+def any_meets(pool: Pool, demands: ResetDemands) -> bool:
+    """Return whether any candidate that the robot can do meets every demand."""
+    return bool((_able(pool, demands)[1] & (_excess(pool) == 0.0)).any())
+
+
+def _able(pool: Pool, demands: ResetDemands) -> tuple[NDArray[np.str_], NDArray[np.bool_]]:
+    family = np.array([one.source.family for one in pool.parts])[pool.part]
+    return family, np.isin(family, [GRIPPER, RING], invert=True) | np.isin(family, demands.abilities)
+
+
+def _excess(pool: Pool) -> Array:
+    return np.asarray(np.maximum(np.array([pool.excess(name) for name in pool.limits]), 0.0).sum(axis=0))
+
+
+def _told(index: int, within: NDArray[np.int64], pool: Pool) -> tuple[float, float]:
+    """Of those that meet the demands the fewest actions, else the most uniform."""
+    after = float(pool.values[AFTER][index])
+    return (float(pool.actions[index]), after) if within.size else (after, 0.0)
+
+
+def _ranked(chosen: NDArray[np.int64], pool: Pool, demands: ResetDemands) -> int:
+    """The best of those that meet the demands: evenness as far as the pushes can tell, then cost, then simplicity."""
+    after, seconds = pool.values[AFTER], pool.values[SECONDS]
+    tell = _TELL_APART * independent_distance(demands.pushes)
+    chosen = chosen[after[chosen] <= after[chosen].min() + tell]
+    chosen = chosen[seconds[chosen] <= _SAME_COST * seconds[chosen].min()]
+    return int(min(chosen.tolist(), key=lambda i: (pool.actions[i], pool.untidy[i], after[i])))
+
+
+def least_of(pool: Pool, name: str) -> Limit:
+    """Return the best that any candidate without a gripper reaches of one demand."""
+    family = np.array([one.source.family for one in pool.parts])[pool.part]
+    index = int(np.argmin(np.where(family == GRIPPER, np.inf, pool.excess(name))))
+    return Limit(name, float(pool.values[name][index]), pool.strategy(index))

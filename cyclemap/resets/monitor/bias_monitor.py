@@ -4,21 +4,98 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Literal
 
-from cyclemap.checks import finite_number, whole_number
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.resets.monitor.bias_report import Advice, Alarm, BiasReport
-from cyclemap.resets.monitor.coverage import Coverage, CoverageRule
-from cyclemap.resets.monitor.rest_direction import Rest
-from cyclemap.resets.monitor.rest_evidence import RestEvidence, RestRule
-from cyclemap.resets.monitor.visit_evidence import VisitEvidence
+from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram, angle_histogram
+from cyclemap.resets.monitor.bias_evidence import Rest, RestEvidence, RestRule, VisitEvidence
+from cyclemap.resets.monitor.coverage import Coverage, CoverageState
 
+Array = NDArray[np.float64]
+
+HISTOGRAM_BINS = 36
 ALARM_RATE = 0.01
 LEAST_GAIN = 0.1  # a push is useful while it tells a tenth of what the most telling one would
 # Radians: beyond this a float keeps less than seven digits of the fraction of a turn.
 LARGEST_ORIENTATION = 1e9
 RECENT = 50  # pushes over which the recent worth is taken
+
+AlarmKind = Literal["rest", "visits"]
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """That the data lock in.
+
+    push : at which push it was raised. kind : "rest" where θ0 comes back, push after push, to where it just was;
+    "visits" where it gathers about directions over many pushes. directions : rad in [0, 2π), towards which: where
+    the steps of the rest lead, or the direction most visited; several where θ0 goes round them in turn. began : the
+    push at which the rest began, None for "visits". Pushes are counted from 0, the first one fed.
+    """
+
+    push: int
+    kind: AlarmKind
+    directions: tuple[float, ...]
+    began: int | None
+
+    @property
+    def delay(self) -> int | None:
+        """Pushes from the first of the rest to the alarm; None for "visits"."""
+        return None if self.began is None else self.push - self.began
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What to do next.
+
+    change_reset : True where the next pushes should not be left to the reset in use. direction : rad in [0, 2π), the
+    direction of the circle that is least covered: bring the object to it.
+    """
+
+    change_reset: bool
+    direction: float
+
+
+@dataclass(frozen=True)
+class BiasReport:
+    """The state of a collection after a push.
+
+    push : number of the last push fed, from 0; -1 before any. since_change : pushes since the reset was last changed.
+    alarm : the first one since then, None where there was none.
+    rest_evidence, visit_evidence : log10 of the evidence for each kind; an alarm is raised where one of them reaches
+        ``threshold`` = log10(2 / alarm rate).
+    rest : where θ0 rests just now, if it does and has for twice the rule's window, alarm or not.
+    useful_pushes : while it rests and an alarm was raised: how many more pushes there still tell a tenth of what a push
+        in the most telling direction would. None otherwise: no end is in sight.
+    recent_worth : effective pushes gained a push over the last 50: 1 where they spread evenly, 0 where they tell
+        nothing new; above 1 while directions open up that were not known.
+    coverage, advice : see there.
+    """
+
+    push: int
+    since_change: int
+    alarm: Alarm | None
+    rest_evidence: float
+    visit_evidence: float
+    threshold: float
+    rest: Rest | None
+    useful_pushes: int | None
+    recent_worth: float
+    coverage: CoverageState
+    advice: Advice
+
+    @property
+    def alarm_p_value(self) -> float:
+        """An upper bound, at any time, on the chance that an unbiased collection shows as much evidence by now.
+
+        It counts the two kinds of evidence and uses what they are now, not the most they have been.
+        """
+        return min(1.0, 2.0 * math.pow(10.0, -max(self.rest_evidence, self.visit_evidence)))
 
 
 class BiasMonitor:
@@ -30,23 +107,22 @@ class BiasMonitor:
     - against "visits" for every reset whose turns are exchangeable, so do not depend on where the object stood,
       whatever their law: independent uniform θ0, isotropic friction with any turn and any noise, final directions drawn
       at random;
-    - against "rest" where θ0, whenever it has lingered (``RestRule``), comes back within ``half_width`` with chance ½
-      at most: independent uniform θ0, every noise that leaves no arc of 2·half_width more than half the probability
-      (normal with 17.8° or more), and steady climbs faster than ``RestRule.slowest_climb``, up to the chance that
-      noise holds them up (below 1e-15 a push for 8° a push with 1.1° of noise).
+    - against "rest" where θ0, whenever it has lingered (``RestRule``: four pushes within some 3°), comes back within
+      ``half_width`` with chance ½ at most: independent uniform θ0, turns that scatter by 3.3° or more, and steady walks
+      faster than ``RestRule.slowest_climb``, 1.2° a push: at 3 ± 1.1° a push, or 120 ± 5°, it is far below ½.
 
-    A steady climb that is slower, or that comes round to the same few directions for many pushes, does raise the alarm:
-    its law is even in the long run, but the next hundred pushes are spent on neighbours.
+    What is slower, or comes round to the very same two, three or four directions, does raise the alarm: its law may be
+    even in the long run, but its next hundred pushes repeat the last ones.
 
     The monitor changes as it is fed, for a collection has one course; each report is a value that stays. A push costs
-    some tenths of a millisecond, however many came before; the orientations are kept, for ``forecast``.
+    some tenths of a millisecond, however many came before; the orientations are kept.
     The same orientations and ``seed`` give the same reports, θ0 wrapped or not.
 
     >>> monitor = BiasMonitor()
     >>> for turn in range(20):
     ...     report = monitor.update(math.radians(85.0))
     >>> report.alarm.kind, report.alarm.push, round(math.degrees(report.alarm.directions[0]))
-    ('rest', 16, 85)
+    ('rest', 14, 85)
     >>> round(math.degrees(report.advice.direction))
     265
     """
@@ -56,7 +132,6 @@ class BiasMonitor:
         alarm_rate: float = ALARM_RATE,
         *,
         rest_rule: RestRule | None = None,
-        coverage_rule: CoverageRule | None = None,
         seed: int = 0,
     ) -> None:
         if not 0.0 < finite_number("alarm_rate", alarm_rate) < 1.0:
@@ -64,7 +139,7 @@ class BiasMonitor:
         self.alarm_rate = alarm_rate
         self.rest_rule = rest_rule or RestRule()
         self._seed = whole_number("seed", seed, least=0)
-        self._coverage = Coverage(coverage_rule)
+        self._coverage = Coverage()
         self._path: list[float] = []
         self._worth = [0.0]
         self._changed = 0
@@ -113,7 +188,7 @@ class BiasMonitor:
     def reset_changed(self) -> None:
         """Start anew, for the robot resets differently from the next push on.
 
-        Evidence, alarm and the orientations to forecast from are dropped, and the alarm rate is given out afresh: it
+        Evidence and alarm are dropped, and the alarm rate is given out afresh: it
         holds for each reset used. What has been covered stays covered.
         """
         self._changed = len(self._path)
@@ -140,7 +215,7 @@ class BiasMonitor:
     def _begin(self) -> None:
         self._rest = RestEvidence(self.rest_rule)
         # Another stream of shuffles for each reset: none is used twice.
-        self._visits = VisitEvidence(self.rest_rule.half_width, seed=self._seed + self._changed)
+        self._visits = VisitEvidence(seed=self._seed + self._changed)
         self._alarm = None
 
     def _raised(self) -> Alarm | None:
@@ -179,7 +254,71 @@ def watch(theta: Iterable[float], monitor: BiasMonitor | None = None) -> tuple[B
 
     >>> reports = watch([0.3] * 20)
     >>> [report.alarm is not None for report in reports].index(True)
-    16
+    14
     """
     watching = BiasMonitor() if monitor is None else monitor
     return tuple(watching.update(angle) for angle in theta)
+
+
+@dataclass(frozen=True, eq=False)
+class WatchedCourse:
+    """A watched collection as it stands after n pushes.
+
+    theta : (n,) rad, in [0, 2π). rest_evidence, visit_evidence : (n,) log10, after each push. effective_pushes : (n,).
+    histogram : of the directions. report : after the last push. alarm_rate : of the monitor.
+    """
+
+    theta: Array
+    rest_evidence: Array
+    visit_evidence: Array
+    effective_pushes: Array
+    histogram: AngleHistogram
+    report: BiasReport
+    alarm_rate: float
+
+    @property
+    def pushes(self) -> int:
+        """How many pushes were fed."""
+        return int(self.theta.size)
+
+
+class WatchedCollection:
+    """A monitor that remembers the course of what it told.
+
+    >>> watched = WatchedCollection()
+    >>> for turn in range(30):
+    ...     report = watched.add(0.1)
+    >>> watched.course().report.alarm.push
+    14
+    """
+
+    def __init__(self, alarm_rate: float = ALARM_RATE) -> None:
+        self.monitor = BiasMonitor(alarm_rate)
+        self._rows: list[tuple[float, float, float]] = []
+
+    @property
+    def pushes(self) -> int:
+        """How many pushes were fed."""
+        return len(self._rows)
+
+    def add(self, theta: float) -> BiasReport:
+        """Take the next θ0 (rad)."""
+        report = self.monitor.update(theta)
+        self._rows.append((report.rest_evidence, report.visit_evidence, report.coverage.effective_pushes))
+        return report
+
+    def course(self) -> WatchedCourse:
+        """The course so far; InvalidInput where nothing was fed."""
+        if not self._rows:
+            raise InvalidInput("no push was fed; give at least one θ0")
+        theta = read_only(np.mod(self.monitor.path, 2 * np.pi))
+        rest, visits, effective = (read_only(column) for column in zip(*self._rows, strict=True))
+        return WatchedCourse(
+            theta=theta,
+            rest_evidence=rest,
+            visit_evidence=visits,
+            effective_pushes=effective,
+            histogram=angle_histogram(theta, HISTOGRAM_BINS),
+            report=self.monitor.report,
+            alarm_rate=self.monitor.alarm_rate,
+        )

@@ -1,35 +1,28 @@
-"""How much of the circle has been recorded, what each push still tells, and where the next one would help most."""
+"""How much of the circle has been recorded, what each push still tells, and which action would help most next."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.checks import positive_number, whole_number
+from cyclemap.checks import finite_number, positive_number, whole_number
+from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.maps import CircleMap
 from cyclemap.maps.arcs import TWO_PI
 
 Array = NDArray[np.float64]
 
 CELLS = 720  # the circle is told in cells of half a degree
 _CENTRES = (np.arange(CELLS) + 0.5) * (TWO_PI / CELLS)
+REACH = math.radians(5.0)  # a push covers so much on either side
+HARMONICS = 6  # of the periodic law to be learned
 _COARSE = 8  # every how many cells the information is looked at: 4 degrees
-
-
-@dataclass(frozen=True)
-class CoverageRule:
-    """What covering means. reach : rad, a push covers so much on either side; harmonics : of the law to be learned."""
-
-    reach: float = math.radians(5.0)
-    harmonics: int = 6
-
-    def __post_init__(self) -> None:
-        positive_number("reach", self.reach)
-        whole_number("harmonics", self.harmonics, least=1)
 
 
 @dataclass(frozen=True)
@@ -50,39 +43,67 @@ class CoverageState:
     gain: float
 
 
+class Crowding:
+    """How crowded recorded directions are, for `runs` collections side by side.
+
+    Each direction adds the density of the wrapped Cauchy law with scale `reach` (rad): near by it counts visits, and
+    its tail finds the middle of what is empty. Cells of half a degree.
+    """
+
+    def __init__(self, runs: int = 1, reach: float = REACH) -> None:
+        decay = math.exp(-positive_number("reach", reach))
+        offsets = np.arange(CELLS) * (TWO_PI / CELLS)
+        density = (1.0 - decay**2) / (1.0 + decay**2 - 2.0 * decay * np.cos(offsets))
+        self._kernel = np.concatenate([density, density])
+        self.crowding = np.zeros((whole_number("runs", runs, least=1), CELLS))
+
+    def add(self, theta: Array) -> None:
+        """Record a direction of each collection, (runs,) rad."""
+        for row, cell in zip(self.crowding, _cell(theta).tolist(), strict=True):
+            row += self._kernel[CELLS - cell : 2 * CELLS - cell]
+
+    def at(self, theta: Array) -> Array:
+        """Return the crowding at directions (..., runs), as a share of the mean over the circle; 0 before any."""
+        mean = self.crowding.mean(axis=1)
+        found = self.crowding[np.arange(len(self.crowding)), _cell(theta)]
+        return np.asarray(found / np.where(mean > 0.0, mean, 1.0))
+
+
+def _cell(theta: Any) -> NDArray[np.int64]:
+    cells = ((np.asarray(theta, dtype=float) % TWO_PI) * (CELLS / TWO_PI)).astype(np.int64)
+    return np.minimum(cells, CELLS - 1)
+
+
 class Coverage:
     """The directions recorded, and what they fix of a periodic law of θ0.
 
-    The information is that of a Fourier series with ``harmonics`` harmonics under noise of equal size: M = Σ x xᵀ, x
+    The information is that of a Fourier series with six harmonics under noise of equal size: M = Σ x xᵀ, x
     the columns 1, √2 cos kθ, √2 sin kθ. An even spread is D-optimal for it (Hoel 1965) and makes M the number of pushes
     times the identity, so det(1 + M)^(1/p) - 1 pushes spread evenly would tell as much as those recorded; a push at θ
     tells log(1 + xᵀ(1 + M)⁻¹x) nats times ½. The least covered direction is where Σ φ(θ - θ_i) is least, φ the density
-    of the wrapped Cauchy law with scale ``reach``: near by it counts visits, and its tail finds the middle of what is
-    empty. Recording there every time is kernel herding (Chen, Welling & Smola 2010) towards the uniform law.
+    of `Crowding`. Recording there every time is kernel herding (Chen, Welling & Smola 2010) towards the uniform law.
 
     Directions are kept in cells of half a degree; a push costs a few thousand operations, however many came before.
     """
 
-    def __init__(self, rule: CoverageRule | None = None) -> None:
-        self.rule = rule or CoverageRule()
-        size = 2 * self.rule.harmonics + 1
+    def __init__(self) -> None:
+        size = 2 * HARMONICS + 1
         self._visited = np.zeros(CELLS, dtype=bool)
         self._covered = np.zeros(CELLS, dtype=bool)
-        self._crowding = np.zeros(CELLS)
+        self.crowding = Crowding()
         self._inverse = np.eye(size)
         self._log_determinant = 0.0
-        self._coarse = _columns(_CENTRES[::_COARSE], self.rule.harmonics)
+        self._coarse = _columns(_CENTRES[::_COARSE])
         self._last: Array | None = None
 
     def add(self, theta: float) -> None:
         """Record the direction ``theta`` (rad, any number of turns)."""
         place = theta % TWO_PI
         distance = np.abs((_CENTRES - place + math.pi) % TWO_PI - math.pi)
-        self._visited[min(int(place * (CELLS / TWO_PI)), CELLS - 1)] = True
-        self._covered |= distance <= self.rule.reach
-        decay = math.exp(-self.rule.reach)
-        self._crowding += (1.0 - decay**2) / (1.0 + decay**2 - 2.0 * decay * np.cos(distance))
-        column = self._last = _columns(place, self.rule.harmonics)
+        self._visited[_cell(place)] = True
+        self._covered |= distance <= REACH
+        self.crowding.add(np.array([place]))
+        column = self._last = _columns(place)
         pulled = self._inverse @ column
         gain = 1.0 + float(column @ pulled)
         self._inverse -= np.outer(pulled, pulled) / gain
@@ -102,7 +123,7 @@ class Coverage:
             covered=float(self._covered.mean()),
             largest_gap=gap,
             gap_centre=centre,
-            least_covered=float(_CENTRES[int(np.argmin(self._crowding))]),
+            least_covered=float(_CENTRES[int(np.argmin(self.crowding.crowding[0]))]),
             effective_pushes=self.effective_pushes,
             gain=min(here / best, 1.0),
         )
@@ -113,44 +134,15 @@ class Coverage:
         Recorded j times more, a direction's xᵀ(1 + M)⁻¹x = v falls to v/(1 + j·v).
         """
         best = least_gain * float(self._information(self._coarse).max())
-        now = self._information(_columns(directions, self.rule.harmonics))
+        now = self._information(_columns(directions))
         return int(np.floor(np.clip(1.0 / best - 1.0 / now, -1.0, None)).sum()) + now.size
-
-    def first_covered(self, visited: Array) -> Array:
-        """When each cell is covered, (runs, cells): 0 where it is by now, given when each cell is first visited.
-
-        visited : (runs, cells) push numbers from 1, inf for never.
-        """
-        from scipy.ndimage import minimum_filter1d
-
-        # The reach rounded to whole cells: a run of visits does not feel the difference.
-        cells = min(round(self.rule.reach * CELLS / TWO_PI), CELLS // 2 - 1)
-        reached = minimum_filter1d(visited, 2 * cells + 1, axis=1, mode="wrap")
-        return np.asarray(np.where(self._covered, 0.0, reached), dtype=np.float64)
-
-    def worth_of(self, theta: Array) -> float:
-        """The gain in effective pushes if the directions ``theta`` (n,) rad were recorded too."""
-        columns = _columns(theta, self.rule.harmonics)
-        grown = np.eye(theta.size) + columns @ self._inverse @ columns.T
-        added = float(np.linalg.slogdet(grown)[1])
-        size = self._inverse.shape[0]
-        return math.exp(self._log_determinant / size) * math.expm1(added / size)
-
-    def crowding(self, theta: Any) -> Array:
-        """How crowded recorded directions are at ``theta`` (...) rad, as a share of their mean over the circle.
-
-        Zeros before the first push.
-        """
-        cells = ((np.asarray(theta, dtype=float) % TWO_PI) * (CELLS / TWO_PI)).astype(int)
-        mean = float(self._crowding.mean())
-        return np.asarray(self._crowding[np.minimum(cells, CELLS - 1)] / (mean or 1.0), dtype=np.float64)
 
     def _information(self, columns: Array) -> Array:
         return np.asarray(np.einsum("...i,ij,...j->...", columns, self._inverse, columns), dtype=np.float64)
 
 
-def _columns(theta: Any, harmonics: int) -> Array:
-    columns = fourier_columns(theta, harmonics)
+def _columns(theta: Any) -> Array:
+    columns = fourier_columns(theta, HARMONICS)
     columns[..., 1:] *= math.sqrt(2.0)
     return columns
 
@@ -164,3 +156,44 @@ def _largest_gap(visited: NDArray[np.bool_]) -> tuple[float, float]:
     widest = int(np.argmax(gaps))
     width = float(gaps[widest]) * (TWO_PI / CELLS)
     return width, (float(_CENTRES[cells[widest]]) + 0.5 * width) % TWO_PI
+
+
+@dataclass(frozen=True)
+class NextAction:
+    """An action chosen for what the push after it will tell.
+
+    number : of the action in the strategy, from 0. lands : rad in [0, 2 pi), where its map takes the orientation.
+    crowding : of the recorded directions there, as a share of the mean over the circle: 0 where nothing is near, 1 on
+    evenly covered ground.
+    """
+
+    number: int
+    lands: float
+    crowding: float
+
+
+def next_action(maps: Sequence[CircleMap], coverage: Coverage, theta: float) -> NextAction:
+    """Return which of a strategy's actions takes orientation `theta` (rad) to where least is recorded.
+
+    maps : of its actions, as `strategy_maps` makes them. coverage : of the collection so far, `theta` fed to it. The
+    noise of a cycle is left out: it blurs all landings alike. Before anything is recorded the first action is chosen.
+
+    Chosen so in every cycle, it is the greedy step of kernel herding towards the uniform law (Chen, Welling & Smola
+    2010), among the places that the actions reach; how even that becomes is not bounded. The action then
+    depends on the orientation: record it with each push, for data that are even in orientation need not be even in
+    action.
+
+    >>> quarter, half = CircleMap.rigid(0.25), CircleMap.rigid(0.5)
+    >>> covered = Coverage()
+    >>> for recorded in (1.0, 1.0 + math.pi / 2.0):
+    ...     covered.add(recorded)
+    >>> next_action([quarter, half], covered, 1.0).number
+    1
+    """
+    if not maps:
+        raise InvalidInput("there is no action to choose from: give the map of one or more")
+    place = finite_number("theta", theta)
+    lands = np.array([[float(one(place))] for one in maps]) % TWO_PI
+    crowding = coverage.crowding.at(lands)[:, 0]
+    best = int(np.argmin(crowding))
+    return NextAction(best, float(lands[best, 0]), float(crowding[best]))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import math
+import stat
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import BinaryIO, Protocol
 
 from cyclemap.errors import DataFileError
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
@@ -18,7 +20,8 @@ from cyclemap.whole_files import UNFINISHED_SUFFIX
 
 COLUMNS = ("theta0_deg", "theta0_accum_deg")
 _LOST_FRACTION = "at such a size the fraction of a turn is lost; mend it, or give angles within a turn"
-_HEAD_BYTES = 256  # a file that begins otherwise than it did is another file
+MOST_BYTES = 64 << 20  # of new rows at one look
+_PART_BYTES = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -46,26 +49,26 @@ class Theta0CsvFeed:
     """The column theta0_deg, or theta0_accum_deg, of a CSV file, row after row; other columns are passed over.
 
     Rows are pushes in order: a file of pairs is read by its first column. A last line without a line break waits until
-    it is whole, or ``finished``. A file that became shorter, was replaced, or begins otherwise is read from its start.
+    it is whole, or ``finished``. At each look the checksum of all that was read is compared with what the file now
+    holds there: one that was rotated, cut short, rewritten or edited in place, in any row, is read from its start.
     Between two looks it may be away.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._seen = False
+        self._seen = self._dropped = False
         self._start_over()
 
     def look(self, finished: bool = False) -> NewOrientations:
         """The θ0 of the rows added since the last look.
 
-        DataFileError where the file is absent at the first look, is no UTF-8 text, its header has neither column, a row
-        has more or fewer fields than the header, or its θ0 is no finite number or over 1e9 rad: with file, line and
-        value.
+        DataFileError where the file is absent at the first look, is no regular file or no UTF-8 text, its header has
+        neither column, a row has more or fewer fields than the header, or its θ0 is no finite number or over 1e9 rad:
+        with file, line and value.
         ``finished``: also where it holds no row.
         """
         try:
-            began_anew = self._replaced()
-            fresh = self._fresh_bytes(finished)
+            lines = self._fresh_lines(finished)
         except FileNotFoundError as error:
             if self._seen and not finished:
                 return NewOrientations(())
@@ -73,40 +76,47 @@ class Theta0CsvFeed:
         except OSError as error:
             raise DataFileError(f"{self.path}: cannot be read ({error.strerror}); give a readable CSV file") from error
         self._seen = True
-        theta = tuple(angle for line in fresh for angle in self._taken(line))
+        theta = tuple(angle for line in lines for angle in self._taken(line))
         if finished and not self._rows:
             raise DataFileError(f"{self.path}: no row of θ0; it needs a header line and at least one row")
+        # What was fed stands until there is something to begin anew with.
+        began_anew = self._dropped and bool(theta)
+        self._dropped = self._dropped and not theta
         return NewOrientations(theta, began_anew)
 
     def _start_over(self) -> None:
-        self._offset, self._line, self._rows = 0, 0, 0
-        self._head = b""
-        self._inode: int | None = None
+        self._read, self._line, self._rows = 0, 0, 0
+        self._checksum = hashlib.sha256()
         self._table: CsvTable | None = None
 
-    def _replaced(self) -> bool:
-        """True, after starting over, where the file is no longer the one that was read."""
-        status = self.path.stat()
-        same = self._inode in (None, status.st_ino) and status.st_size >= self._offset
-        if same and self._head:
-            with self.path.open("rb") as file:
-                same = file.read(len(self._head)) == self._head
-        began = self._offset > 0
-        if not same:
-            self._start_over()
-        self._inode = status.st_ino
-        return began and not same
-
-    def _fresh_bytes(self, finished: bool) -> list[bytes]:
-        """The whole lines that were added; with ``finished`` the last one need not end."""
+    def _fresh_lines(self, finished: bool) -> list[bytes]:
+        """The whole lines after those that were read; with ``finished`` the last one need not end."""
+        # A pipe would wait for a writer for ever, and cannot be read twice.
+        if not stat.S_ISREG(self.path.stat().st_mode):
+            raise DataFileError(f"{self.path}: not a regular file; give a CSV file, or a folder of pushes")
         with self.path.open("rb") as file:
-            file.seek(self._offset)
-            content = file.read()
+            if not self._is_as_read(file):
+                self._dropped = self._dropped or self._rows > 0
+                self._start_over()
+                file.seek(0)
+            content = file.read(MOST_BYTES + 1)
+        if len(content) > MOST_BYTES:
+            raise DataFileError(f"{self.path}: over {MOST_BYTES >> 20} MB more at one look; give a table of θ0 alone")
         end = len(content) if finished else content.rfind(b"\n") + 1
-        if self._offset == 0:
-            self._head = content[: min(end, _HEAD_BYTES)]
-        self._offset += end
+        self._checksum.update(content[:end])
+        self._read += end
         return content[:end].split(b"\n")[: None if finished else -1]
+
+    def _is_as_read(self, file: BinaryIO) -> bool:
+        """Read the file up to where it was read to before, and tell whether that is what it was."""
+        found, left = hashlib.sha256(), self._read
+        while left:
+            part = file.read(min(left, _PART_BYTES))
+            if not part:
+                return False
+            found.update(part)
+            left -= len(part)
+        return found.digest() == self._checksum.digest()
 
     def _taken(self, line: bytes) -> list[float]:
         """The θ0 of a line, rad; nothing from the header and from blank lines."""

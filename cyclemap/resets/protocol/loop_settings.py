@@ -20,8 +20,7 @@ from cyclemap.mechanics import (
     parse_footprint,
 )
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
-from cyclemap.resets.protocol.exact_units import DEGREES, MILLIMETRES, Unit
-from cyclemap.resets.protocol.strategy_values import POINTS
+from cyclemap.resets.protocol.file_text import DEGREES, MILLIMETRES, Unit
 
 Table = dict[str, object]
 
@@ -90,7 +89,6 @@ def _shape(slider: Slider, base: Slider) -> Table:
 
 def _object(slider: Slider, start: Slider) -> Table:
     told: Table = {} if slider.mass == start.mass else {"mass_kg": slider.mass}
-    assert slider.centre_of_mass is not None and start.centre_of_mass is not None
     for key, value, before in zip(
         ("centre_x_mm", "centre_y_mm"), slider.centre_of_mass, start.centre_of_mass, strict=True
     ):
@@ -120,10 +118,15 @@ def _push(loop: CollectionLoop, start: CollectionLoop) -> Table:
 
 def _reset(loop: CollectionLoop, start: CollectionLoop) -> Table:
     reset = loop.reset
-    told: Table = {"way_points_mm": POINTS.write(reset.way_points)} if reset.way_points else {}
+    told: Table = {}
+    if reset.way_points:
+        told["way_points_mm"] = [[MILLIMETRES.written(part) for part in place] for place in reset.way_points]
     if reset.pin_friction_radius == start.reset.pin_friction_radius:
         return told
     return {**told, "pin_friction_mm": _setting(MILLIMETRES, reset.pin_friction_radius)}
+
+
+_SHARES = ("inner_share", "rim_share", "corner_share")
 
 
 def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Table:
@@ -133,7 +136,7 @@ def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Table:
     if found is None:
         return {"footprint": "exact"}
     if isinstance(found, PatchFootprint):
-        return {"footprint": "exact", "rim_share": found.rim_share, "warp_a": found.warp[0], "warp_b": found.warp[1]}
+        return {"footprint": "exact", **{name: getattr(found, name) for name in _SHARES}}
     return {"footprint": _support_name(found, loop.slider)}
 
 
@@ -152,7 +155,7 @@ def _same_footprint(one: object, other: object) -> bool:
     if isinstance(one, PointFootprint) and isinstance(other, PointFootprint):
         return _same(one.positions, other.positions) and _same(one.weights, other.weights)
     if isinstance(one, PatchFootprint) and isinstance(other, PatchFootprint):
-        alike = _same((one.rim_share, *one.warp), (other.rim_share, *other.warp))
+        alike = all(_same(getattr(one, name), getattr(other, name)) for name in _SHARES)
         return alike and bool(np.allclose(one.gradient, other.gradient, rtol=1e-9, atol=1e-9))
     return one is None and other is None
 
@@ -182,8 +185,7 @@ def _refuse_what_is_lost(loop: CollectionLoop, found: CollectionLoop) -> None:
 
 def _leaning(loop: CollectionLoop) -> object:
     """The footprint; one that is left to the centre of mass as what it comes to."""
-    assert loop.slider.centre_of_mass is not None
-    return loop.footprint or PatchFootprint.under(loop.slider.outline, loop.slider.centre_of_mass)
+    return loop.footprint or PatchFootprint(loop.slider.outline, centre=loop.slider.centre_of_mass)
 
 
 def _corners(slider: Slider) -> object:

@@ -7,18 +7,26 @@ from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from pathlib import Path
 
-from cyclemap.checks import positive_number
+from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import SETTING_KEYS
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.maps import WrappedNormal
-from cyclemap.resets.protocol.located import located
+from cyclemap.mechanics import SidePush
+from cyclemap.resets.design.strategy import IN_TURN, ORDERS, RANDOM, SHUFFLED, CycleAction, ResetStrategy
+from cyclemap.resets.protocol.file_text import (
+    DEGREES,
+    MILLIMETRES,
+    NUMBER,
+    Unit,
+    check_checksum,
+    located,
+    toml_text,
+    with_checksum,
+)
 from cyclemap.resets.protocol.loop_settings import loop_tables, plain_numbers
-from cyclemap.resets.protocol.strategy_table import strategy_from_table, strategy_table
-from cyclemap.resets.protocol.toml_text import toml_text
-from cyclemap.resets.strategies.strategy import ResetStrategy
 from cyclemap.suggestions import unknown_name
-from cyclemap.text_files import read_toml
+from cyclemap.text_files import read_text, read_toml
 from cyclemap.whole_files import write_whole
 
 NOISE_KEY = "noise_deg"
@@ -45,18 +53,19 @@ def write_protocol(
 
     The file holds the robot's side of the loop as --set keys (see `loop_tables`; the surface is named in a comment
     only), and the strategy in a table [strategy], from which `read_protocol` makes the equal one. None: no strategy.
+    Its first line is a checksum of the rest.
     noise : of one cycle: a `WrappedNormal`, or its standard deviation in rad. predicted : scores by name (numbers,
     texts, booleans, lists of them; None is left out), a table that readers pass over.
 
-    Raises InvalidInput for a strategy of the user's own or a loop that settings cannot say, OSError where the file
+    Raises InvalidInput for a loop that settings cannot say, OSError where the file
     cannot be written.
 
     >>> import tempfile
-    >>> from cyclemap.resets.strategies.drag_strategies import TrailingLeg
+    >>> coin = ResetStrategy.pushes(SidePush(), (1, 2))
     >>> with tempfile.TemporaryDirectory() as place:
-    ...     write_protocol(f"{place}/leg.toml", CollectionLoop.mit(), TrailingLeg(0.05), predicted={"tv": 0.04})
-    ...     settings, strategy = read_protocol(f"{place}/leg.toml")
-    >>> strategy == TrailingLeg(0.05), settings["push_mm"]
+    ...     write_protocol(f"{place}/coin.toml", CollectionLoop.mit(), coin, predicted={"tv": 0.04})
+    ...     settings, strategy = read_protocol(f"{place}/coin.toml")
+    >>> strategy == coin, settings["push_mm"]
     (True, 150)
     """
     write_whole(Path(path), protocol_text(loop, strategy, noise=noise, predicted=predicted).encode())
@@ -75,11 +84,11 @@ def protocol_text(
         sigma = noise.sigma if isinstance(noise, WrappedNormal) else noise
         tables["noise"] = {NOISE_KEY: math.degrees(positive_number("noise", sigma))}
     if strategy is not None:
-        tables[STRATEGY] = strategy_table(strategy)
+        tables[STRATEGY] = _strategy_table(strategy)
     if predicted is not None:
         _check_prediction(predicted)
         tables[PREDICTED] = {key: value for key, value in predicted.items() if value is not None}
-    return toml_text(tables, _comments(loop, strategy))
+    return with_checksum(toml_text(tables, _comments(loop, strategy)))
 
 
 def _comments(loop: CollectionLoop, strategy: ResetStrategy | None) -> tuple[str, ...]:
@@ -87,7 +96,7 @@ def _comments(loop: CollectionLoop, strategy: ResetStrategy | None) -> tuple[str
     told = [*_COMMENTS, f"Written for {loop.material.name}, with the ring at ({x:.4f}, {y:.4f}) mm of the object."]
     if strategy is not None:
         needs = f"; needs: {', '.join(strategy.needs)}" if strategy.needs else ""
-        told.append(f"Strategy: {strategy.name}{needs}")
+        told.append(f"{len(strategy.actions)} actions, {strategy.order}{needs}")
     return tuple(told)
 
 
@@ -97,9 +106,10 @@ def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
     Settings are the --set keys, grouped in tables of any name but [strategy] and [predicted]; `noise_deg` is among
     them where the file names one. Without a table [strategy] the strategy is None.
 
-    Raises DataFileError, naming file, key and value, where the file cannot be read, nests deeper, gives a key twice, or
-    holds what is no setting or no strategy.
+    Raises DataFileError, naming file, key and value, where the file cannot be read, nests deeper, gives a key twice,
+    holds what is no setting or no strategy, or is not what its checksum was made of.
     """
+    check_checksum(path, read_text(Path(path), "TOML"))
     # Decimals, so that no number is rounded before its unit is known.
     tables = read_toml(path, Decimal)
     settings: Settings = {}
@@ -116,7 +126,7 @@ def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
             if key not in (*SETTING_KEYS, NOISE_KEY):
                 raise unknown_name("setting", key, (*SETTING_KEYS, NOISE_KEY))
         _check_prediction(tables.get(PREDICTED, {}))
-        strategy = strategy_from_table(tables[STRATEGY]) if STRATEGY in tables else None
+        strategy = _strategy(tables[STRATEGY]) if STRATEGY in tables else None
     return settings, strategy
 
 
@@ -142,3 +152,115 @@ def _check_prediction(table: object) -> None:
         parts = value if isinstance(value, list) else [value]
         if value is not None and not all(isinstance(part, (bool, int, float, Decimal, str)) for part in parts):
             raise InvalidInput(f"[{PREDICTED}] {key} must be a number, text or list of them, not {value!r}")
+
+
+# -- the strategy -----------------------------------------------------------------------------------------------
+
+
+_PUSH_UNITS = {"fraction": NUMBER, "angle_deg": DEGREES, "push_mm": MILLIMETRES}
+ACTION_KEYS = ("weight", "side", *_PUSH_UNITS, "way_points_mm", "gripper_turn_deg")
+STRATEGY_KEYS = ("order", "block", "hitch_mm", "actions")
+
+
+def _strategy_table(strategy: ResetStrategy) -> dict[str, object]:
+    table: dict[str, object] = {"order": strategy.order}
+    if strategy.block is not None:
+        table["block"] = strategy.block
+    if strategy.hitch is not None:
+        table["hitch_mm"] = [MILLIMETRES.written(part) for part in strategy.hitch]
+    return {**table, "actions": [_action_table(strategy, number) for number in range(len(strategy.actions))]}
+
+
+def _action_table(strategy: ResetStrategy, number: int) -> dict[str, object]:
+    action, told = strategy.actions[number], dict[str, object]()
+    if strategy.weights is not None:
+        told["weight"] = NUMBER.written(strategy.weights[number])
+    if action.push is not None:
+        push = action.push
+        values = zip(_PUSH_UNITS.items(), (push.fraction, push.angle, push.distance), strict=True)
+        told |= {"side": push.side, **{key: unit.written(value) for (key, unit), value in values}}
+    if action.way_points is not None:
+        told["way_points_mm"] = [[MILLIMETRES.written(part) for part in place] for place in action.way_points]
+    if action.turn or not told:
+        told["gripper_turn_deg"] = DEGREES.written(action.turn)
+    return told
+
+
+def _strategy(table: object) -> ResetStrategy:
+    """The strategy of a table [strategy]; InvalidInput that names the place, the key and its value."""
+    with located("[strategy]"):
+        if isinstance(table, Mapping) and "kind" in table:
+            raise InvalidInput(
+                f"kind = {table['kind']!r} is how earlier versions said it: give order, one of {', '.join(ORDERS)}, "
+                "and a table [[strategy.actions]] for each push, drag or gripper's turn"
+            )
+        given = _checked(table, STRATEGY_KEYS, ("actions",))
+        rows = given["actions"]
+        if not isinstance(rows, list) or not rows:
+            raise InvalidInput("actions must be one or more tables [[strategy.actions]]")
+        order = given.get("order", RANDOM)
+        if order not in ORDERS:
+            raise InvalidInput(f"order = {order!r}: it must be one of {', '.join(ORDERS)}")
+        block = None if "block" not in given else whole_number("block", given["block"], least=1)
+        hitch = None if "hitch_mm" not in given else _point("hitch_mm", given["hitch_mm"])
+    actions, weights = [], []
+    for number, row in enumerate(rows, 1):
+        with located(f"[[strategy.actions]] {number}"):
+            action, weight = _action(row)
+            actions.append(action)
+            weights.append(weight)
+    told = [weight for weight in weights if weight is not None]
+    with located("[strategy]"):
+        if len(told) not in (0, len(weights)):
+            raise InvalidInput(f"{len(told)} of {len(weights)} actions have a weight: give all of them one, or none")
+        if told and order == IN_TURN:
+            raise InvalidInput(f"actions {IN_TURN} have no weight: leave it out, or take order {RANDOM} or {SHUFFLED}")
+        return ResetStrategy(tuple(actions), tuple(told) or None, str(order), block, hitch)
+
+
+def _action(row: object) -> tuple[CycleAction, float | None]:
+    given = _checked(row, ACTION_KEYS, ())
+    if not given or set(given) == {"weight"}:
+        raise InvalidInput("it is empty: give side, fraction and push_mm, or way_points_mm, or gripper_turn_deg")
+    push = None
+    if {"side", *_PUSH_UNITS} & set(given):
+        whole = _checked({"angle_deg": 0, **{k: v for k, v in given.items() if k in ("side", *_PUSH_UNITS)}},
+                         ("side", *_PUSH_UNITS), ("side", "fraction", "push_mm"))  # fmt: skip
+        push = SidePush(
+            whole_number("side", whole["side"], least=0), *(_number(k, whole[k], u) for k, u in _PUSH_UNITS.items())
+        )
+    points = None
+    if "way_points_mm" in given:
+        places = given["way_points_mm"]
+        if not isinstance(places, list):
+            raise InvalidInput(f"way_points_mm must be a list of points [[x, y], ...], not {places!r}")
+        points = tuple(_point("way_points_mm", place) for place in places)
+    turn = _number("gripper_turn_deg", given.get("gripper_turn_deg", 0), DEGREES)
+    weight = None
+    if "weight" in given:
+        weight = positive_number("weight", _number("weight", given["weight"], NUMBER))
+    return CycleAction(points, push, turn), weight
+
+
+def _number(key: str, value: object, unit: Unit) -> float:
+    with located(f"{key} = {value}"):
+        return unit.read(value)
+
+
+def _point(key: str, value: object) -> tuple[float, float]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise InvalidInput(f"{key} must hold [x, y], not {value!r}")
+    return _number(key, value[0], MILLIMETRES), _number(key, value[1], MILLIMETRES)
+
+
+def _checked(value: object, known: tuple[str, ...], needed: tuple[str, ...]) -> dict[str, object]:
+    """A table with none but `known` keys and all the `needed` ones."""
+    if not isinstance(value, Mapping):
+        raise InvalidInput(f"must be a table with {', '.join(known)}, not {value!r}")
+    for key in value:
+        if key not in known:
+            raise unknown_name("key", key, known)
+    for key in needed:
+        if key not in value:
+            raise InvalidInput(f"{key} is missing")
+    return dict(value)

@@ -6,22 +6,29 @@ import csv
 import io
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
 from itertools import pairwise
 from pathlib import Path
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import DataFileError
+from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.mechanics import SidePush
 from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
-from cyclemap.resets.protocol.commented_csv import CommentedTable, read_commented_csv
-from cyclemap.resets.protocol.exact_units import DEGREES, MILLIMETRES, NUMBER, Unit, decimal_text
-from cyclemap.resets.protocol.located import located
-from cyclemap.resets.strategies.cycle_action import CycleAction, Points
-from cyclemap.resets.strategies.strategy import ResetStrategy
-from cyclemap.resets.strategies.strategy_maps import checked_strategy
+from cyclemap.resets.design.strategy import CycleAction, Points, ResetStrategy
+from cyclemap.resets.protocol.file_text import (
+    DEGREES,
+    MILLIMETRES,
+    NUMBER,
+    Unit,
+    check_checksum,
+    decimal_text,
+    located,
+    with_checksum,
+)
 from cyclemap.suggestions import unknown_name
-from cyclemap.text_files import CsvRow, require_columns
+from cyclemap.text_files import CsvRow, CsvTable, check_shape, read_text, require_columns
 from cyclemap.whole_files import write_whole
 
 PUSH_COLUMNS = ("cycle", "side", "fraction", "angle_deg", "push_mm", "rod_x_mm", "rod_y_mm", "push_dx", "push_dy")
@@ -45,33 +52,34 @@ def write_schedule(path: str | Path, loop: CollectionLoop, strategy: ResetStrate
     """Write what the robot does in a run of `cycles` cycles of `strategy` on `loop`: those of `run_strategy`'s `seed`.
 
     Columns: `PUSH_COLUMNS`; for each way-point its place and the direction and length of the leg that leaves it
-    (way_point_1_x_mm, way_point_1_y_mm, leg_1_direction_deg, leg_1_mm, ...); gripper_turn_deg. Every number that
-    `read_schedule` needs has the digits that give it back exactly; the file is written whole or not at all.
+    (way_point_1_x_mm, way_point_1_y_mm, leg_1_direction_deg, leg_1_mm, ...); gripper_turn_deg. The first line is a
+    checksum of the rest. Every number that `read_schedule` needs has the digits that give it back exactly; the file is
+    written whole or not at all.
 
     Raises InvalidInput for a bad value or a push that the object does not allow, OSError where it cannot be written.
 
     >>> import tempfile
-    >>> from cyclemap.resets.strategies.drag_strategies import TrailingLeg
-    >>> loop, leg = CollectionLoop.mit(), TrailingLeg(0.05)
+    >>> loop = CollectionLoop.mit()
+    >>> coin = ResetStrategy.pushes(loop.push, (1, 2))
     >>> with tempfile.TemporaryDirectory() as place:
-    ...     write_schedule(f"{place}/run.csv", loop, leg, 3, seed=1)
+    ...     write_schedule(f"{place}/run.csv", loop, coin, 3, seed=1)
     ...     found = read_schedule(f"{place}/run.csv")
-    >>> found == tuple(action.filled(loop) for action in leg.actions(3, seed=1))
+    >>> found == tuple(action.filled(loop) for action in coin.run(3, seed=1))
     True
     """
     count, number = whole_number("cycles", cycles, least=1), whole_number("seed", seed, least=0)
-    prepared = checked_strategy(strategy).prepared(loop)
-    actions = tuple(action.filled(prepared) for action in strategy.actions(count, number))
+    prepared = strategy.prepared(loop)
+    actions = tuple(action.filled(prepared) for action in strategy.run(count, number))
     ring = ", ".join(decimal_text(MILLIMETRES.written(part)) for part in prepared.slider.hitch)
     facts = {
-        "strategy": " ".join(strategy.name.split()),
+        "strategy": f"{len(strategy.actions)} actions, {strategy.order}",
         "needs": ", ".join(strategy.needs) or "nothing else",
         "object": f"{prepared.slider.name}, its ring at ({ring}) mm of its frame",
         "surface": " ".join(prepared.material.name.split()),
         "seed": str(number),
         "cycles": str(count),
     }
-    write_whole(Path(path), _text(prepared, actions, facts).encode())
+    write_whole(Path(path), with_checksum(_text(prepared, actions, facts)).encode())
 
 
 def _text(loop: CollectionLoop, actions: Sequence[CycleAction], facts: dict[str, str]) -> str:
@@ -122,7 +130,7 @@ def rod_start(loop: CollectionLoop, push: SidePush) -> tuple[tuple[float, float]
     (-18.0, 49.75, [0.0, -1.0])
     """
     outline, radius = loop.slider.outline, loop.pusher.radius
-    pieces = contact_curve(outline, radius)
+    pieces = contact_curve(outline, radius).pieces
     index, coordinate = side_coordinate(outline, pieces, push.side, push.fraction)
     contact, _ = pieces[index].contact(coordinate, radius)
     x, y = contact.rod_centre(radius)
@@ -142,13 +150,13 @@ def _drag_fields(way_points: Points, legs: int) -> list[str]:
 def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
     """Return the actions of a file of `write_schedule`, equal to those written, with their pushes and way-points.
 
-    `ScheduledActions` makes a strategy of them. The ring's place is not among them: give the loop the one that the
-    file's comments name.
+    `ResetStrategy(actions, order="in turn")` follows them. The ring's place is not among them: give the loop the one
+    that the file's comments name.
 
-    Raises DataFileError, naming the line, where the file is cut short or damaged: a cycle missing or out of order, a
-    field that is no number, legs that do not run between the way-points beside them.
+    Raises DataFileError, naming the line, where the file is cut short, damaged or edited: a cycle missing or out of
+    order, a field that is no number, legs that do not run between the way-points beside them.
     """
-    read = read_commented_csv(path)
+    read = _read_commented(path)
     table, legs = read.table, 0
     while _leg_columns(legs + 1)[0] in table.header:
         legs += 1
@@ -167,14 +175,14 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
     return tuple(_action(read, row, legs) for row in table.rows)
 
 
-def _promised(read: CommentedTable) -> int:
+def _promised(read: _Commented) -> int:
     text = read.facts.get("cycles", "")
     if not text.isdecimal() or len(text) > _MOST_DIGITS or int(text) < 1:
         raise DataFileError(f"{read.table.path}: the comment '# cycles: N' is missing or damaged; write the file anew")
     return int(text)
 
 
-def _action(read: CommentedTable, row: CsvRow, legs: int) -> CycleAction:
+def _action(read: _Commented, row: CsvRow, legs: int) -> CycleAction:
     table = read.table
     with located(f"{table.path}, line {row.line}", DataFileError):
         side = table.text(row, "side")
@@ -190,7 +198,7 @@ def _action(read: CommentedTable, row: CsvRow, legs: int) -> CycleAction:
         return CycleAction(_way_points(read, row, legs), push, read.number(row, TURN_COLUMN, DEGREES))
 
 
-def _way_points(read: CommentedTable, row: CsvRow, legs: int) -> Points:
+def _way_points(read: _Commented, row: CsvRow, legs: int) -> Points:
     found: list[tuple[float, float]] = []
     told: list[tuple[float, float]] = []
     for leg in range(1, legs + 1):
@@ -205,7 +213,7 @@ def _way_points(read: CommentedTable, row: CsvRow, legs: int) -> Points:
     return tuple(found)
 
 
-def _check_legs(read: CommentedTable, row: CsvRow, points: Points, told: list[tuple[float, float]]) -> None:
+def _check_legs(read: _Commented, row: CsvRow, points: Points, told: list[tuple[float, float]]) -> None:
     runs = pairwise((*points, (0.0, 0.0)))
     for leg, (((x, y), (onward_x, onward_y)), (direction, length)) in enumerate(zip(runs, told, strict=True), 1):
         dx, dy = 1e3 * (onward_x - x), 1e3 * (onward_y - y)
@@ -213,3 +221,44 @@ def _check_legs(read: CommentedTable, row: CsvRow, points: Points, told: list[tu
             raise read.table.error(
                 row.line, f"leg_{leg} does not run from way_point_{leg} to the next; mend one of them"
             )
+
+
+@dataclass(frozen=True)
+class _Commented:
+    """A table, and the facts `# name: text` of the comments before it."""
+
+    table: CsvTable
+    facts: dict[str, str]
+
+    def number(self, row: CsvRow, column: str, unit: Unit) -> float:
+        """Return a field of `unit` in SI units, rounded once; DataFileError where it is no finite number."""
+        text = self.table.text(row, column)
+        try:
+            return unit.read(Decimal(text))
+        except (InvalidOperation, InvalidInput) as error:
+            raise self.table.error(row.line, f"{column} is '{text}'; it must be a finite number") from error
+
+
+def _read_commented(path: str | Path) -> _Commented:
+    """A CSV file whose header may follow comments. An unended last line, cut off in a number, still looks like one."""
+    text = read_text(Path(path), "plain CSV")
+    check_checksum(path, text)
+    lines = text.split("\n")
+    if lines.pop():
+        raise DataFileError(f"{path}, line {len(lines) + 1}: the line is cut off (it has no end); write the file anew")
+    comments = [line.lstrip("#").strip() for line in lines if line.startswith("#")]
+    rows = [_row(Path(path), n, line) for n, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
+    if len(rows) < 2:
+        raise DataFileError(f"{path}: a schedule has a header and at least one row; the file is empty or cut off")
+    table = CsvTable(Path(path), rows[0].fields, tuple(rows[1:]))
+    check_shape(table)
+    named = (comment.partition(":") for comment in comments)
+    return _Commented(table, {name.strip(): fact.strip() for name, colon, fact in named if colon})
+
+
+def _row(path: Path, number: int, line: str) -> CsvRow:
+    try:
+        (fields,) = csv.reader([line], strict=True)
+    except csv.Error as error:
+        raise DataFileError(f"{path}, line {number}: {error}; mend the quotes of this line") from error
+    return CsvRow(number, tuple(field.strip() for field in fields))

@@ -1,0 +1,204 @@
+"""Cycles of many actions on many materials: how far they turn the object over its orientation, and what they cost."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.checks import non_negative_number, positive_number, whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.many_cycles import run_cycles
+from cyclemap.maps import CircleMap
+from cyclemap.mechanics import Material, Trajectory
+from cyclemap.resets.design.strategy import CycleAction, ResetStrategy
+
+Array = NDArray[np.float64]
+
+TWO_PI = 2.0 * math.pi
+# Radians: of a single cycle. What lies between the samples is known to no better.
+_ACCURACY = 1e-5
+# Samples of a push over which the reach of the object is taken: some 8 mm of rod travel apart.
+_COURSE = 20
+
+
+@dataclass(frozen=True, eq=False)
+class SampledTurns:
+    """Turns of cycles on equal steps of the orientation.
+
+    turn : (materials, actions, samples), rad: theta_next - theta on the lift, a gripper's turn included.
+    drag_length : (materials, actions), m, mean over the samples. left : (materials, actions), bool, whether the rod
+    loses the object before the end of its push from some orientation.
+    """
+
+    turn: Array
+    drag_length: Array
+    left: NDArray[np.bool_]
+
+    @property
+    def steepest(self) -> Array:
+        """The largest slope of the turn, (actions,), over all materials, between neighbouring samples."""
+        around = np.concatenate([self.turn, self.turn[..., :1]], axis=-1)
+        steps = np.abs(np.diff(around, axis=-1)) * (self.turn.shape[-1] / TWO_PI)
+        return np.asarray(steps.max(axis=(0, 2)))
+
+    def refined(self, samples: int) -> Array:
+        """Return the turns at `samples` orientations (materials, actions, samples), by a periodic cubic spline."""
+        from scipy.interpolate import CubicSpline
+
+        around = np.concatenate([self.turn, self.turn[..., :1]], axis=-1)
+        places = np.linspace(0.0, TWO_PI, around.shape[-1])
+        at = TWO_PI * np.arange(samples) / samples
+        return np.asarray(CubicSpline(places, around, axis=-1, bc_type="periodic")(at))
+
+    def spline_error(self) -> Array:
+        """Return how far (rad) the spline of every other sample misses the others, (materials, actions), at worst.
+
+        The spline of all samples is some sixteen times nearer where the turn is smooth.
+        """
+        half = SampledTurns(self.turn[..., ::2], self.drag_length, self.left).refined(self.turn.shape[-1])
+        return np.asarray(np.abs(half - self.turn).max(axis=-1))
+
+
+def sample_turns(
+    loop: CollectionLoop, actions: Sequence[CycleAction], materials: Sequence[Material], samples: int = 36
+) -> SampledTurns:
+    """Return the turns of one cycle of every action on every material from `samples` equally spaced orientations.
+
+    loop : prepared by the strategy (its ring's place). Actions that differ in a gripper's turn alone are run once.
+    About 0.3 ms a cycle and core where compiled. Raises what a cycle raises that leads out of the mechanics.
+
+    >>> from cyclemap.mechanics import load_material
+    >>> loop = CollectionLoop.mit()
+    >>> found = sample_turns(loop, [CycleAction(), CycleAction(turn=1.0)], [load_material("plywood")], 4)
+    >>> np.degrees(found.turn[0, 0]).round(2).tolist(), (found.turn[0, 1] - found.turn[0, 0]).round(9).tolist()
+    ([9.97, -2.88, -9.77, 22.9], [1.0, 1.0, 1.0, 1.0])
+    """
+    theta = TWO_PI * np.arange(whole_number("samples", samples, least=3)) / samples
+    turns = np.array([action.turn for action in actions])
+    still = [replace(action, turn=0.0) for action in actions]
+    distinct = list(dict.fromkeys(still))
+    rough = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
+    loops = [action.on(replace(rough, material=material)) for material in materials for action in distinct]
+    run = run_cycles(loops, theta)
+    shape = (len(materials), len(distinct), len(theta))
+    places = [distinct.index(action) for action in still]
+    turn = (run.theta_next - run.theta).reshape(shape)[:, places] + turns[:, None]
+    drag, left = run.drag_length.reshape(shape).mean(axis=-1), np.any(run.left.reshape(shape), axis=-1)
+    return SampledTurns(turn, drag[:, places], left[:, places])
+
+
+def strategy_maps(
+    loop: CollectionLoop,
+    strategy: ResetStrategy,
+    *,
+    tolerance: float = 1e-4,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[CircleMap, ...]:
+    """Return the cycle map of each of a strategy's actions, its gripper's turn included, within `tolerance` (rad).
+
+    The error holds wherever a map does not jump (see `CollectionLoop.circle_map`); wear is left out.
+
+    >>> quarters = ResetStrategy((CycleAction(), CycleAction(turn=math.pi / 2.0)))
+    >>> first, second = strategy_maps(CollectionLoop.mit(), quarters, tolerance=1e-2)
+    >>> round(float(second(1.0) - first(1.0)), 9) == round(math.pi / 2.0, 9)
+    True
+    """
+    found: dict[CollectionLoop, CircleMap] = {}
+    loops, report = strategy.loops(loop), progress or (lambda fraction: None)
+    for number, one in enumerate(loops, 1):
+        if one not in found:
+            found[one] = one.circle_map(tolerance)
+        report(number / len(loops))
+    return tuple(_lifted(found[one], action.turn) for one, action in zip(loops, strategy.actions, strict=True))
+
+
+def _lifted(one: CircleMap, up: float) -> CircleMap:
+    """The map raised by the gripper's turn `up` (rad)."""
+    if up == 0.0 or one.pieces is None:
+        return one
+    return CircleMap.from_pieces(one.pieces.shifted(0.0, up), one.breaks, one.samples, one.max_error)
+
+
+def map_turns(maps: Sequence[CircleMap], samples: int = 1024) -> Array:
+    """Return the turns (maps, samples), rad, of cycle maps at equal steps of the orientation."""
+    theta = TWO_PI * np.arange(samples) / samples
+    return np.array([np.asarray(one(theta)) - theta for one in maps])
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How fast the robot works.
+
+    speed : of the rod in contact, m/s. handling : s a cycle for all else: into the ring, out of it, to the next push.
+    gripper : s more in a cycle in which a gripper turns the object.
+    """
+
+    speed: float = 0.020
+    handling: float = 10.0
+    gripper: float = 10.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "speed", positive_number("speed", self.speed))
+        for name in ("handling", "gripper"):
+            object.__setattr__(self, name, non_negative_number(f"{name} time", getattr(self, name)))
+
+    def seconds(self, travel: float, turn: float = 0.0) -> float:
+        """Return the time (s) of a cycle whose push and drag together are `travel` (m) long.
+
+        >>> Pace().seconds(0.25), Pace().seconds(0.25, turn=1.0)
+        (22.5, 32.5)
+        """
+        return travel / self.speed + self.handling + (self.gripper if turn else 0.0)
+
+
+def contact_lengths(loop: CollectionLoop, actions: Sequence[CycleAction], starts: int = 12) -> Array:
+    """Return how far (m) the rod goes in contact at least, in the push of each action, over equally spaced starts.
+
+    >>> contact_lengths(CollectionLoop.mit(), [CycleAction()]).round(3).tolist()
+    [0.132]
+    """
+    rough, found = replace(loop, accuracy=max(loop.accuracy, _ACCURACY)), {}
+    for push in {action.push or loop.push for action in actions}:
+        poses = [rough.start_pose(theta) for theta in _starts(starts)]
+        found[push] = min(rough.model.push(pose, push).travel for pose in poses)
+    return np.array([found[action.push or loop.push] for action in actions])
+
+
+def room_needed(loop: CollectionLoop, action: CycleAction, starts: int = 8) -> float:
+    """Return the largest distance (m) from the target of any point of rod and object, over equally spaced starts.
+
+    The rod goes to the end of its push, whether or not it has lost the object by then. The object's reach is that at
+    samples some 8 mm of rod travel apart.
+
+    >>> round(room_needed(CollectionLoop.mit(), CycleAction()), 3)
+    0.186
+    """
+    acted = action.on(replace(loop, accuracy=max(loop.accuracy, _ACCURACY)))
+    step, reach = acted.push.distance / _COURSE, 0.0
+    for theta in _starts(starts):
+        push, drag = acted.strokes(theta, step if not action.way_points else step / 2.0)
+        course = push.trajectory
+        way = course.pusher[-1] - course.pusher[0]
+        end = course.pusher[0] + acted.push.distance * way / math.hypot(*way)
+        courses = [course, drag.trajectory] if acted.reset.way_points else [course]
+        rod = max(math.hypot(*place) for place in (course.pusher[0], end, *acted.reset.way_points))
+        reach = max(reach, rod + loop.pusher.radius, *(_outline_reach(loop, one) for one in courses))
+    return reach
+
+
+def _starts(count: int) -> list[float]:
+    steps = whole_number("starts", count, least=1)
+    return [2.0 * math.pi * step / steps for step in range(steps)]
+
+
+def _outline_reach(loop: CollectionLoop, course: Trajectory) -> float:
+    x, y, theta = (column[:, None] for column in course.pose.T)
+    points = loop.slider.outline_points()
+    cosine, sine = np.cos(theta), np.sin(theta)
+    across = x + cosine * points[:, 0] - sine * points[:, 1]
+    along = y + sine * points[:, 0] + cosine * points[:, 1]
+    return float(np.hypot(across, along).max())

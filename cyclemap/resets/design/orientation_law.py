@@ -1,0 +1,201 @@
+"""The distribution of the orientations that a strategy leaves: in the long run, and after n pushes from any start.
+
+An orientation's probability density p(theta)/2 pi is kept as its Fourier coefficients p_m = E exp(-i m theta), m = 1 to
+M. A cycle theta -> theta + t(theta) + noise takes them to p'_m = kappa_m sum_k T_mk p_k with T_mk the k-th coefficient
+of exp(-i m (theta + t)) and kappa_m that of the noise: an affine map of (Re p, Im p), for p_0 = 1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.checks import positive_number, whole_number
+from cyclemap.errors import InvalidInput
+from cyclemap.resets.design.action_cycles import TWO_PI
+from cyclemap.resets.design.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
+
+Array = NDArray[np.float64]
+
+# Orientations at which densities are compared with uniform, and starts of which the worst is taken.
+DENSITY_SAMPLES, STARTS = 360, 72
+_MODES = (24, 48, 96, 192)
+_SAME = 5e-4
+# A block of a shuffled order may pass through so many different sets of actions.
+_MOST_SETS = 2_000
+
+
+def affine_kernels(turn: Array, modes: int, sigma: float) -> Array:
+    """Return the affine maps (..., 2M, 2M + 1) of cycles that turn by `turn` (..., n) rad at n equal steps of theta.
+
+    modes : M, below n/2. sigma : standard deviation of the noise added to a cycle, rad. The last column is
+    the constant.
+
+    >>> rigid = affine_kernels(np.full(8, 0.5), 1, 0.0)   # a rotation by half a radian
+    >>> (rigid.round(4) + 0.0).tolist()
+    [[0.8776, 0.4794, 0.0], [-0.4794, 0.8776, 0.0]]
+    """
+    count = turn.shape[-1]
+    orders = np.arange(1, modes + 1)
+    end = TWO_PI * np.arange(count) / count + turn
+    waves = np.exp(-1j * orders[:, None] * end[..., None, :]) * np.exp(-0.5 * (orders * sigma) ** 2)[:, None]
+    rows = np.fft.ifft(waves, axis=-1)  # ... the k-th entry multiplies p_k
+    up, down = rows[..., 1 : modes + 1], rows[..., : -modes - 1 : -1]
+    total, difference = up + down, up - down
+    upper = np.concatenate([total.real, -difference.imag, rows[..., :1].real], axis=-1)
+    lower = np.concatenate([total.imag, difference.real, rows[..., :1].imag], axis=-1)
+    return np.concatenate([upper, lower], axis=-2)
+
+
+def then(later: Array, earlier: Array) -> Array:
+    """Return the affine maps `later` after `earlier`."""
+    made = later[..., :-1] @ earlier
+    made[..., -1] += later[..., -1]
+    return np.asarray(made)
+
+
+def repeated(kernel: Array, times: int) -> Array:
+    """Return an affine map done `times` times."""
+    identity = np.zeros_like(kernel)
+    identity[..., :-1] = np.eye(kernel.shape[-2])
+    done, power = identity, kernel
+    while times:
+        done = then(power, done) if times & 1 else done
+        power, times = then(power, power), times >> 1
+    return done
+
+
+def long_run(kernel: Array) -> Array:
+    """Return the fixed point (..., 2M) of an affine map that forgets its start."""
+    size = kernel.shape[-2]
+    return np.asarray(np.linalg.solve(np.eye(size) - kernel[..., :-1], kernel[..., -1:])[..., 0])
+
+
+def total_variation(coefficients: Array, samples: int = DENSITY_SAMPLES) -> Array:
+    """Return the total variation (...) from uniform of densities with Fourier coefficients (..., 2M)."""
+    return np.asarray(0.5 * np.abs(coefficients @ _waves(coefficients.shape[-1] // 2, samples)).mean(axis=-1))
+
+
+def farthest(kernel: Array, starts: int = STARTS, samples: int = DENSITY_SAMPLES) -> Array:
+    """Return the largest total variation (...) from uniform that an affine map leaves of any known start."""
+    modes = kernel.shape[-2] // 2
+    theta = np.arange(1, modes + 1)[:, None] * (TWO_PI * np.arange(starts) / starts)
+    known = np.concatenate([np.cos(theta), -np.sin(theta)])
+    ends = np.swapaxes(kernel[..., :-1] @ known + kernel[..., -1:], -1, -2)
+    return np.asarray(np.minimum(total_variation(ends, samples).max(axis=-1), 1.0))
+
+
+@lru_cache(maxsize=16)
+def _waves(modes: int, samples: int) -> Array:
+    """The matrix (2M, samples) from coefficients to 2 pi times the density, less one, at equal steps."""
+    angle = np.arange(1, modes + 1)[:, None] * (TWO_PI * np.arange(samples) / samples)
+    return np.asarray(2.0 * np.concatenate([np.cos(angle), -np.sin(angle)]))
+
+
+@dataclass(frozen=True, eq=False)
+class OrientationLaw:
+    """How the orientations of a strategy are distributed.
+
+    total_variation : from uniform, in the long run, over all places of a period or block. after : the largest left of
+    any start after `pushes` pushes. modes : of Fourier. error : how far both may be off for their number, from half as
+    many; nan where that was not looked at. density : (360,) per rad, at whole degrees.
+    """
+
+    total_variation: float
+    after: float
+    pushes: int
+    modes: int
+    error: float
+    density: Array
+
+
+def orientation_law(
+    turn: Array, strategy: ResetStrategy, sigma: float, pushes: int = 50, modes: int | None = None
+) -> OrientationLaw:
+    """Return the law of a strategy whose actions turn by `turn` (actions, n) rad at n equal steps of theta.
+
+    sigma : noise of a cycle, rad, above zero. modes : of Fourier, below n/2; None: doubled until both distances change
+    by less than 5e-4, up to 192 or a quarter of n; what is left is the law's `error`.
+
+    Raises InvalidInput for a shuffled order with too many different sets of actions on the way through a block.
+
+    >>> from cyclemap.resets.design.strategy import CycleAction
+    >>> even = orientation_law(np.full((1, 256), 2.4), ResetStrategy((CycleAction(),)), 0.5)
+    >>> round(even.total_variation, 9), even.after < 0.01
+    (0.0, True)
+    """
+    positive_number("sigma", sigma)
+    count = whole_number("pushes", pushes, least=1)
+    sizes = [size for size in _MODES if size <= max(turn.shape[-1] // 4, _MODES[0])] if modes is None else [modes]
+    found: list[tuple[float, float]] = []
+    for size in sizes:
+        steps = _steps(affine_kernels(turn, size, sigma), strategy)
+        law = _mean_over_period(steps)
+        whole, rest = divmod(count, len(steps))
+        end = repeated(steps[-1], whole)
+        ended = then(steps[rest - 1], end) if rest else end
+        found.append((min(float(total_variation(law)), 1.0), float(farthest(ended))))
+        if len(found) > 1 and _change(found) <= _SAME:
+            break
+    density = (1.0 + law @ _waves(size, DENSITY_SAMPLES)) / TWO_PI
+    return OrientationLaw(*found[-1], count, size, _change(found) if len(found) > 1 else math.nan, density)
+
+
+def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float, modes: int = 96) -> float:
+    """Return |lambda|, by which the slowest departure from the long run falls a push, with so many Fourier modes.
+
+    >>> from cyclemap.resets.design.strategy import CycleAction
+    >>> round(slowest_factor(np.full((1, 256), 2.4), ResetStrategy((CycleAction(),)), 0.5), 4)
+    0.8825
+    """
+    steps = _steps(affine_kernels(turn, min(modes, turn.shape[-1] // 4), sigma), strategy)
+    return float(np.abs(np.linalg.eigvals(steps[-1][:, :-1])).max() ** (1.0 / len(steps)))
+
+
+def _change(found: list[tuple[float, float]]) -> float:
+    return max(abs(now - before) for now, before in zip(found[-1], found[-2], strict=True))
+
+
+def _mean_over_period(steps: list[Array]) -> Array:
+    start = long_run(steps[-1])
+    return np.asarray(np.mean([step[:, :-1] @ start + step[:, -1] for step in steps], axis=0))
+
+
+def _steps(kernels: Array, strategy: ResetStrategy) -> list[Array]:
+    """The affine maps from the start of a period to after each of its pushes, averaged over what is drawn."""
+    if strategy.order == RANDOM:
+        return [np.tensordot(strategy.shares, kernels, axes=1)]
+    if strategy.order == IN_TURN:
+        done = [kernels[0]]
+        for kernel in kernels[1:]:
+            done.append(then(kernel, done[-1]))
+        return done
+    assert strategy.order == SHUFFLED
+    return _shuffled(kernels, strategy.counts)
+
+
+def _shuffled(kernels: Array, counts: Sequence[int]) -> list[Array]:
+    """Averages over all orders of a block: after j pushes a set of actions is done, each order of it alike."""
+    sets = math.prod(count + 1 for count in counts)
+    if sets > _MOST_SETS:
+        raise InvalidInput(f"a block of {sum(counts)} pushes passes through {sets} sets of actions: use smaller blocks")
+    size, done = kernels.shape[-2], {(0,) * len(counts): (1.0, np.eye(kernels.shape[-2], kernels.shape[-1]))}
+    steps = []
+    for left in range(sum(counts), 0, -1):
+        following: dict[tuple[int, ...], tuple[float, Array]] = {}
+        for so_far, (chance, kernel) in done.items():
+            for number, most in enumerate(counts):
+                if so_far[number] == most:
+                    continue
+                key = (*so_far[:number], so_far[number] + 1, *so_far[number + 1 :])
+                share = chance * (most - so_far[number]) / left
+                before, summed = following.get(key, (0.0, np.zeros((size, size + 1))))
+                following[key] = (before + share, summed + share * then(kernels[number], kernel))
+        done = {key: (chance, summed / chance) for key, (chance, summed) in following.items()}
+        steps.append(np.sum([chance * kernel for chance, kernel in done.values()], axis=0))
+    return steps

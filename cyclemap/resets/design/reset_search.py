@@ -1,0 +1,274 @@
+"""The search: every subset of at most four actions with equal weights, then weights, at the worst of a range."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import reduce
+from itertools import combinations, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import CycleMapError
+from cyclemap.mechanics import Material, Polygon
+from cyclemap.resets.design.action_cycles import SampledTurns, contact_lengths, sample_turns
+from cyclemap.resets.design.material_range import MaterialRange
+from cyclemap.resets.design.orientation_law import affine_kernels, farthest, long_run, repeated, total_variation
+from cyclemap.resets.design.strategy import GRIPPER, RING, CycleAction, ResetStrategy, gripper_turns, legs
+
+Array = NDArray[np.float64]
+
+FRACTIONS = (0.15, 0.3, 0.5, 0.7, 0.85)
+# Slants (rad) of pushes that are looked at first, and where those do not do.
+SLANTS = (-math.radians(10.0), 0.0, math.radians(10.0))
+MORE_SLANTS = tuple(math.radians(10.0 * step) for step in range(-3, 4))
+# In eight equal directions a leg leaves the same whichever way the surface lies, but for its eighth harmonic.
+LEG_LENGTHS, LEG_DIRECTIONS = (0.10, 0.20), 8
+MOST_TOGETHER = 4
+# Of an object with more sides than this only straight pushes are considered, and not on every side.
+_MANY_SIDES, _MOST_SIDES = 4, 8
+SAMPLES, _REFINED = 36, 256
+# A slope of the turn above this jumps where friction is a little different: such pushes are not certain.
+STEEPEST = 2.5
+_ROUGH_MODES, _MODES, _AT_ONCE = 8, 12, 2_000
+# Starts and places at which the search compares densities of twelve harmonics with uniform.
+_STARTS, _PLACES = 24, 48
+# Subsets kept from the rough look at few materials, and those whose weights are varied.
+_KEPT, _WEIGHED = 150, 40
+_PARTS = (1, 2, 3)
+_MATERIALS_FIRST = 3
+
+
+@dataclass(frozen=True, eq=False)
+class ActionSet:
+    """Actions that can be done together, with all that the search asks of them.
+
+    family : "pushes", "way back", "gripper", "ring" or "own". hitch : m, of the ring, None: the loop's. turns : on all
+    materials of the range. contact : (k,), m, shortest. kernels : (materials, k, 2M, 2M + 1). too_steep : how many
+    actions were left out because friction of the range makes them jump."""
+
+    family: str
+    actions: tuple[CycleAction, ...]
+    hitch: tuple[float, float] | None
+    turns: SampledTurns
+    contact: Array
+    kernels: Array
+    too_steep: int = 0
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """What the robot must be able to do besides."""
+        return tuple(need for need in (GRIPPER, RING) if need == self.family)
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Mixtures of the actions of a set, n of them.
+
+    shares : (n, k), how often each action comes. tv, after : (n,), total variation from uniform at the worst of the
+    range, in the long run and after the pushes asked for from the worst start.
+    """
+
+    source: ActionSet
+    shares: Array
+    tv: Array
+    after: Array
+
+    @property
+    def sizes(self) -> NDArray[np.int64]:
+        """How many actions each mixture has, (n,)."""
+        return np.asarray((self.shares > 0.0).sum(axis=1))
+
+    @property
+    def equal(self) -> NDArray[np.bool_]:
+        """Whether all of its actions come equally often, (n,)."""
+        largest = self.shares.max(axis=1)
+        return np.asarray(np.abs(self.shares.sum(axis=1) - self.sizes * largest) < 1e-9)
+
+    @property
+    def contact(self) -> Array:
+        """The shortest contact (m) of any of its pushes, (n,)."""
+        return np.asarray(np.where(self.shares > 0.0, self.source.contact, np.inf).min(axis=1))
+
+    @property
+    def drag_length(self) -> Array:
+        """The mean drag (m), (n,), on the nominal material."""
+        return np.asarray(self.shares @ self.source.turns.drag_length[0])
+
+    def strategy(self, index: int) -> ResetStrategy:
+        """Return one of them as a strategy, actions in random order."""
+        chosen = np.flatnonzero(self.shares[index])
+        actions = tuple(self.source.actions[number] for number in chosen.tolist())
+        weights = self.shares[index][chosen] / self.shares[index][chosen].min()
+        return ResetStrategy(actions, tuple(np.round(weights).tolist()), hitch=self.source.hitch)
+
+    def joined(self, others: Candidates) -> Candidates:
+        """Return these and others of the same set."""
+        stacked = (np.concatenate([getattr(self, n), getattr(others, n)]) for n in ("shares", "tv", "after"))
+        return Candidates(self.source, *stacked)
+
+
+def own_cycle(loop: CollectionLoop, about: MaterialRange, sigma: float) -> ActionSet:
+    """Return the loop as it is."""
+    return _action_set("own", loop, (CycleAction(),), about.materials, sigma)
+
+
+def gripper_turned(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> Candidates:
+    """Return the loop's own cycle followed by a gripper's turn: of half, quarter or 10° turns."""
+    made = _action_set(GRIPPER, loop, gripper_turns(36), about.materials, sigma)
+    shares = np.array([[float(step % (36 // count) == 0) / count for step in range(36)] for count in (2, 4, 36)])
+    return scored(made, shares, within)
+
+
+def push_set(
+    loop: CollectionLoop,
+    about: MaterialRange,
+    sigma: float,
+    least_contact: float,
+    slants: tuple[float, ...] = SLANTS,
+    hitch: tuple[float, float] | None = None,
+) -> ActionSet | None:
+    """Return the pushes of the loop's length on all sides that keep the object for `least_contact` (m) and never jump.
+
+    slants : rad, beside the loop's own. hitch : the ring there, pushed with the loop's own slant. None where none does.
+    """
+    prepared = ResetStrategy((CycleAction(),), hitch=hitch).prepared(loop)
+    actions = _pushes(loop, slants, straight=hitch is not None)
+    possible = [action for action in actions if _can_be(prepared, action)]
+    held = contact_lengths(prepared, possible)
+    kept = [action for action, contact in zip(possible, held, strict=True) if contact >= least_contact]
+    if not kept:
+        return None
+    nominal = sample_turns(prepared, kept, about.materials[:1], SAMPLES)
+    calm = [action for action, slope in zip(kept, nominal.steepest, strict=True) if slope <= STEEPEST]
+    if not calm:
+        return None
+    made = _action_set("pushes" if hitch is None else RING, prepared, tuple(calm), about.materials, sigma, hitch)
+    return replace(_without_steep(made), too_steep=len(kept) - int((made.turns.steepest <= STEEPEST).sum()))
+
+
+def random_legs(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> Candidates:
+    """Return the loop's own push dragged back by legs of two lengths, each in eight directions drawn at random."""
+    actions = tuple(leg for length in LEG_LENGTHS for leg in legs(length, LEG_DIRECTIONS))
+    made = _action_set("way back", loop, actions, about.materials, sigma)
+    return scored(made, np.kron(np.eye(len(LEG_LENGTHS)), np.full((1, LEG_DIRECTIONS), 1.0 / LEG_DIRECTIONS)), within)
+
+
+def searched(source: ActionSet, within: int, progress: Callable[[float], None]) -> Candidates:
+    """Return the best mixtures of at most four actions, over the whole range.
+
+    Every subset is looked at with equal weights: roughly on the materials farthest apart, then all of one or two
+    actions and the best 150 of three and of four on all materials; then the best 40 of two or three with all weights
+    of one to three parts.
+    """
+    count, found, rough = len(source.actions), _empty(source), _rough_look(source)
+    for size in range(1, min(MOST_TOGETHER, count) + 1):
+        shares = _equal_shares(np.array(list(combinations(range(count), size))), count)
+        tv = _worst(rough, shares, None)[0]
+        found = found.joined(
+            scored(source, shares[np.argsort(tv, kind="stable")[: _KEPT if size > 2 else None]], within)
+        )
+        progress(0.8 * size / MOST_TOGETHER)
+    few = np.flatnonzero((found.sizes > 1) & (found.sizes < MOST_TOGETHER))
+    best = few[np.argsort(found.after[few], kind="stable")[:_WEIGHED]]
+    return found.joined(scored(source, _weighed(found.shares[best]), within))
+
+
+def scored(source: ActionSet, shares: Array, within: int) -> Candidates:
+    """Return mixtures with the given shares (n, k), over the whole range."""
+    return Candidates(source, shares, *_worst(source, shares, within))
+
+
+def _action_set(
+    family: str,
+    loop: CollectionLoop,
+    actions: tuple[CycleAction, ...],
+    materials: tuple[Material, ...],
+    sigma: float,
+    hitch: tuple[float, float] | None = None,
+) -> ActionSet:
+    turns = sample_turns(loop, actions, materials, SAMPLES)
+    kernels = affine_kernels(turns.refined(_REFINED), _MODES, sigma)
+    return ActionSet(family, actions, hitch, turns, contact_lengths(loop, actions), kernels)
+
+
+def _without_steep(made: ActionSet) -> ActionSet:
+    calm = np.flatnonzero(made.turns.steepest <= STEEPEST)
+    calm = calm if calm.size else np.argsort(made.turns.steepest)[:1]
+    turns = SampledTurns(made.turns.turn[:, calm], made.turns.drag_length[:, calm], made.turns.left[:, calm])
+    actions = tuple(made.actions[number] for number in calm.tolist())
+    return replace(made, actions=actions, turns=turns, contact=made.contact[calm], kernels=made.kernels[:, calm])
+
+
+def _pushes(loop: CollectionLoop, slants: tuple[float, ...], straight: bool) -> list[CycleAction]:
+    """The loop's push at several places and slants of every side; those of the loop itself among them."""
+    outline, own = loop.slider.outline, loop.push
+    many = outline.sides > _MANY_SIDES
+    sides = sorted({round(number) for number in np.linspace(0, outline.sides - 1, min(outline.sides, _MOST_SIDES))})
+    fractions = sorted({*FRACTIONS, own.fraction, 1.0 - own.fraction} if not straight else {own.fraction, 0.3, 0.7})
+    if not isinstance(outline, Polygon):
+        fractions = [step / 12.0 for step in range(12)]
+    angles = (own.angle,) if straight or many else sorted({*slants, own.angle})
+    near = np.diff(np.round(fractions, 6), prepend=-1.0) > 1e-3
+    places = product(sides, [f for f, apart in zip(fractions, near.tolist(), strict=True) if apart], angles)
+    return [CycleAction(push=replace(own, side=s, fraction=f, angle=a)) for s, f, a in places]
+
+
+def _can_be(loop: CollectionLoop, action: CycleAction) -> bool:
+    """Whether the object allows the push: not in a concave corner, nor one that runs into two sides."""
+    try:
+        action.on(loop).cycle(0.0)
+    except CycleMapError:
+        return False
+    return True
+
+
+def _empty(source: ActionSet) -> Candidates:
+    return Candidates(source, np.empty((0, len(source.actions))), np.empty(0), np.empty(0))
+
+
+def _equal_shares(subsets: NDArray[np.int64], count: int) -> Array:
+    shares = np.zeros((len(subsets), count))
+    np.put_along_axis(shares, subsets, 1.0 / subsets.shape[1], axis=1)
+    return shares
+
+
+def _weighed(shares: Array) -> Array:
+    """The mixtures with unequal weights of one to three parts for each of their actions."""
+    rows = []
+    for row in shares:
+        chosen = np.flatnonzero(row)
+        for parts in product(_PARTS, repeat=len(chosen)):
+            if reduce(math.gcd, parts) == 1 and len(set(parts)) > 1:
+                made = np.zeros_like(row)
+                made[chosen] = np.array(parts) / sum(parts)
+                rows.append(made)
+    return np.array(rows).reshape(-1, shares.shape[1])
+
+
+def _rough_look(source: ActionSet) -> ActionSet:
+    """The same actions on the nominal material and the two farthest away, with fewer harmonics."""
+    turn, chosen = source.turns.turn, [0]
+    while len(chosen) < min(_MATERIALS_FIRST, len(turn)):
+        apart = np.min([np.abs(turn - turn[place]).mean(axis=(1, 2)) for place in chosen], axis=0)
+        chosen.append(int(np.argmax(apart)))
+    kept = [*range(_ROUGH_MODES), *range(_MODES, _MODES + _ROUGH_MODES)]
+    return replace(source, kernels=source.kernels[np.ix_(chosen, range(turn.shape[1]), kept, [*kept, 2 * _MODES])])
+
+
+def _worst(source: ActionSet, shares: Array, within: int | None) -> tuple[Array, Array]:
+    """The total variations of mixtures (n, k) at the worst of the range: in the long run, and after `within` pushes.
+
+    Without `within` the latter are not looked at.
+    """
+    tv, after = np.zeros(len(shares)), np.zeros(len(shares))
+    for kernels in source.kernels:
+        for rows in np.array_split(np.arange(len(shares)), -(-len(shares) // _AT_ONCE)) if len(shares) else ():
+            mixed = np.tensordot(shares[rows], kernels, axes=1)
+            tv[rows] = np.maximum(tv[rows], np.minimum(total_variation(long_run(mixed), _PLACES), 1.0))
+            if within is not None:
+                after[rows] = np.maximum(after[rows], farthest(repeated(mixed, within), _STARTS, _PLACES))
+    return tv, after

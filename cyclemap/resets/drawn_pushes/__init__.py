@@ -1,1 +1,0 @@
-"""Which pushes to draw and how often: their library, the best weights, and a convex bound."""

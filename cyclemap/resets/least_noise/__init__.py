@@ -1,1 +1,0 @@
-"""Least noise: how little extra turning makes the orientations even, with proven bounds."""

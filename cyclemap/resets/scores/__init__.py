@@ -1,1 +1,0 @@
-"""What a reset is judged by: evenness, speed of forgetting, worth of its pushes, coverage."""
