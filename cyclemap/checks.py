@@ -19,9 +19,13 @@ def finite_number(name: str, value: object) -> float:
     """
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise InvalidInput(f"{name} must be a finite number, not {value!r}")
-    if not math.isfinite(value):
+    try:
+        number = float(value)
+    except OverflowError as cause:
+        raise InvalidInput(f"{name} must be a finite number, not so large a whole one") from cause
+    if not math.isfinite(number):
         raise InvalidInput(f"{name} must be a finite number, not {value!r}")
-    return float(value)
+    return number
 
 
 def positive_number(name: str, value: object) -> float:
@@ -44,7 +48,7 @@ def point(name: str, value: ArrayLike) -> tuple[float, float]:
     """Return `value` as a pair of finite floats, or raise InvalidInput."""
     try:
         array = np.asarray(value, dtype=float)
-    except (TypeError, ValueError) as cause:
+    except (TypeError, ValueError, OverflowError) as cause:
         raise InvalidInput(f"{name} must be two finite numbers, not {value!r}") from cause
     if array.shape != (2,) or not np.all(np.isfinite(array)):
         raise InvalidInput(f"{name} must be two finite numbers, not {value!r}")
@@ -67,7 +71,7 @@ def finite_array(name: str, value: ArrayLike, last: int | None = None, ndim: int
     """
     try:
         array = np.asarray(value, dtype=float)
-    except (TypeError, ValueError) as cause:
+    except (TypeError, ValueError, OverflowError) as cause:
         raise InvalidInput(f"{name} must hold numbers only: {cause}") from cause
     if last is not None and array.shape[-1:] != (last,):
         raise InvalidInput(f"{name} must have shape (..., {last}), not {array.shape}")

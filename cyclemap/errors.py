@@ -31,3 +31,11 @@ class TooManySteps(ConvergenceError):
 
 class UnsupportedContact(CycleMapError):
     """A motion that leads out of what the model describes, such as a rod that touches two sides at once."""
+
+
+class EngineNotBuilt(CycleMapError):
+    """The compiled engine is missing, or made from other sources than those beside it: the message says what to do."""
+
+
+class DoubtfulInput(UserWarning):
+    """A value that can be used and is likely not meant: the message names the value and what it may be."""

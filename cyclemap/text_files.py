@@ -1,8 +1,12 @@
-"""Files that people write: TOML, and CSV as tables that know their line numbers, so that a bad field can be named."""
+"""Files of people: TOML, JSON, and CSV as tables that know their line numbers, so that a bad field can be named."""
 
 import csv
 import io
+import json
 import math
+import os
+import re
+import stat
 import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,9 +15,16 @@ from pathlib import Path
 from typing import Any
 
 from cyclemap.errors import DataFileError
+from cyclemap.plain_text import json_value, plain_number
+
+# Bytes that a file, or its tables as doubles, may hold: thirty times the longest push. Lists of Python's own numbers
+# take thirty times as much memory, so that all readers stay under a gigabyte.
+LARGEST_CONTENT = 2**24
+# Of TOML, where a key of many parts takes time that grows with their square; a protocol is a few kilobytes.
+_LARGEST_TOML, _MOST_PARTS = 2**17, 100
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class CsvRow:
     """One record: its fields, stripped of blanks, and the line of the file it stands on."""
 
@@ -37,11 +48,11 @@ class CsvTable:
         """The field of `row` in `column` as a finite number; DataFileError otherwise."""
         text = self.text(row, column)
         try:
-            value = float(text)
+            value = plain_number(text)
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise self.error(row.line, f"{column} is '{text}'; it must be a finite number")
+            raise self.error(row.line, f"{column} is '{text}'; it must be a finite number in plain digits")
         return value
 
     def error(self, line: int, message: str) -> DataFileError:
@@ -76,41 +87,87 @@ def read_toml(path: str | Path, parse_float: Callable[[str], Any] = float) -> di
 
     DataFileError, naming the file and the mend, where it is absent or not TOML, or holds what cannot be read.
     """
+    text = read_text(Path(path), "TOML", _LARGEST_TOML)
+    if any(word.count(".") >= _MOST_PARTS for word in re.split(r"[\n,=\[\]{}]", text)):
+        raise DataFileError(
+            f"{path}: a key of more than {_MOST_PARTS} parts is nested too deeply; a few levels are enough"
+        )
     try:
-        return tomllib.loads(read_text(Path(path), "TOML"), parse_float=parse_float)
+        return tomllib.loads(text, parse_float=parse_float)
     except tomllib.TOMLDecodeError as error:
         raise DataFileError(f"{path}: not TOML: {error}") from error
     except (ValueError, InvalidOperation) as error:
-        if isinstance(error, DataFileError):
-            raise
         raise DataFileError(f"{path}: a number has more digits, or a larger power of ten, than can be read") from error
     except RecursionError as error:
         raise DataFileError(f"{path}: lists or tables are nested too deeply; a few levels are enough") from error
 
 
-def read_text(path: Path, kind: str) -> str:
+def read_json(path: str | Path) -> object:
+    """Read a JSON file; DataFileError where it is absent, cut short, not JSON, or names a key twice."""
+    content = read_bytes(Path(path))
+    try:
+        return json_value(content)
+    except json.JSONDecodeError as error:
+        place = f"{error.msg} at line {error.lineno}, column {error.colno}"
+        raise DataFileError(f"{path}: not JSON, or cut short: {place}") from error
+    except ValueError as error:
+        raise DataFileError(f"{path}: not JSON that can be used: {error}") from error
+
+
+def read_text(path: Path, kind: str, most: int = LARGEST_CONTENT) -> str:
     """Return the text of a UTF-8 file, line ends as "\n"; DataFileError, naming file and mend, where it has none."""
     try:
-        return path.read_text(encoding="utf-8-sig")
+        text = read_bytes(path, most).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise DataFileError(f"{path}: byte {error.start} is not UTF-8 text; save it as {kind}") from error
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def read_bytes(path: Path, most: int = LARGEST_CONTENT) -> bytes:
+    """Return the content of a regular file of at most `most` bytes; DataFileError, naming file and mend, otherwise."""
+    try:
+        with open(path, "rb", opener=_open_at_once) as file:
+            is_regular = stat.S_ISREG(os.fstat(file.fileno()).st_mode)
+            content = file.read(most + 1) if is_regular else b""
     except FileNotFoundError as error:
         raise DataFileError(f"{path}: there is no such file; check the path") from error
-    except OSError as error:
-        raise DataFileError(f"{path}: cannot be read ({error.strerror}); give a readable {kind} file") from error
+    except (OSError, ValueError) as error:
+        cause = getattr(error, "strerror", error)
+        raise DataFileError(f"{path}: cannot be read ({cause}); give a readable file") from error
+    if not is_regular:
+        raise DataFileError(f"{path}: is a pipe or a device; give a regular file")
+    if len(content) > most:
+        raise DataFileError(f"{path}: holds more than {most / 1e6:.1f} MB; split it, or leave out what is not needed")
+    return content
+
+
+def _open_at_once(path: str, flags: int) -> int:
+    # Without this a pipe is opened only when somebody writes to it.
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def _records(path: Path, text: str) -> list[CsvRow]:
     reader = csv.reader(io.StringIO(text), strict=True)
+    rows, room = [], LARGEST_CONTENT // 8
     try:
-        stripped = [(reader.line_num, tuple(field.strip() for field in fields)) for fields in reader]
+        for fields in reader:
+            stripped = tuple(field.strip() for field in fields)
+            room -= len(stripped)
+            if room < 0:
+                raise DataFileError(f"{path}: holds more than {LARGEST_CONTENT // 8} fields; split it")
+            if any(stripped):
+                rows.append(CsvRow(reader.line_num, stripped))
     except csv.Error as error:
         raise DataFileError(f"{path}, line {reader.line_num}: {error}; mend the quotes of this line") from error
-    return [CsvRow(line, fields) for line, fields in stripped if any(fields)]
+    return rows
 
 
 def check_shape(table: CsvTable) -> None:
-    """Raise DataFileError where `table` has no rows, or a row that is not as long as its header."""
+    """Raise DataFileError where a column is there twice, `table` has no rows, or one not as long as its header."""
+    names = [name for name in table.header if name]
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise table.error(1, f"the column {twice} is there twice; keep one")
     if not table.rows:
         raise table.error(1, "a header but no rows; the file is empty or cut off")
     for row in table.rows:

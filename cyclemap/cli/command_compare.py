@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from cyclemap.cli.number_types import Whole
 from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
 
 Decorator = Callable[[Any], Any]
@@ -18,7 +19,7 @@ class CompareRequest:
 
     data: Path
     first: int
-    adapt: bool
+    select: tuple[str, ...]
     runs: int
     seed: int
     out: Path
@@ -32,17 +33,15 @@ def _compare_options(command: Callable[..., None]) -> Callable[..., None]:
 def _data_options() -> list[Decorator]:
     """What is compared, and how."""
     tables = "Measured pushes: a CSV table of θ0 or of poses, or a file or folder of the MIT layout."
-    early, changed = (
-        "Leave out pushes before this one.",
-        "Change side, place, angle and object of the push to the data's.",
-    )
-    runs: dict[str, Any] = {"type": click.IntRange(min=19), "default": 199, "help": "Simulated collections."}
+    early = "Leave out pushes before this one."
+    kept = "Compare pushes with surface, object, speed_mm_s, side, fraction or angle_deg of this value; repeatable."
+    runs: dict[str, Any] = {"type": Whole(min=19), "default": 199, "help": "Simulated collections."}
     return [
         click.option("--data", metavar="DATA", required=True, type=click.Path(path_type=Path), help=tables),
-        click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help=early),
-        click.option("--adapt", is_flag=True, help=changed),
+        click.option("--first", type=Whole(min=0), default=0, show_default=True, help=early),
+        click.option("--select", metavar="KEY=VALUE", multiple=True, help=kept),
         click.option("--runs", show_default=True, **runs),
-        click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of their noise."),
+        click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of their noise."),
     ]
 
 

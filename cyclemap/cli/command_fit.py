@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from cyclemap.cli.number_types import Whole
 from cyclemap.cli.options import decorated, result_options
 
 MOST_HARMONICS = 50
@@ -23,11 +24,9 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
     multiple=True,
     help="Keep pushes with surface, object, speed_mm_s, side, fraction or angle_deg of this value; repeatable.",
 )
-@click.option(
-    "--harmonics", type=click.IntRange(0, MOST_HARMONICS), help="Order of every law. [default: by cross-validation]"
-)
+@click.option("--harmonics", type=Whole(0, MOST_HARMONICS), help="Order of every law. [default: by cross-validation]")
 @click.option("--wear/--no-wear", default=True, show_default=True, help="Let the cycle map drift in time.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of folds and paths.")
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of folds and paths.")
 @_results
 def fit_command(data: Path, json_target: str | None, **request: Any) -> None:
     """Fit laws to measured pushes: Δθ, Δx, Δy over θ0, their histogram, and the cycle map with its wear.

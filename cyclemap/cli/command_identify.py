@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from cyclemap.cli.number_types import Real, Whole
 from cyclemap.cli.options import decorated, result_options
 
 Decorator = Callable[[Any], Any]
@@ -49,14 +50,14 @@ def _data_options() -> list[Decorator]:
         ),
         click.option(
             "--first",
-            type=click.IntRange(min=0),
+            type=Whole(min=0),
             default=0,
             show_default=True,
             help="Leave out cycles before this one.",
         ),
         click.option(
             "--most",
-            type=click.IntRange(min=2),
+            type=Whole(min=2),
             default=200,
             show_default=True,
             help="Pushes or drags of a file, at most.",
@@ -79,7 +80,7 @@ def _model_options() -> list[Decorator]:
 
 def _method_options() -> list[Decorator]:
     """How."""
-    whole = click.IntRange(min=0)
+    whole = Whole(min=0)
     return [
         click.option(
             "--intervals",
@@ -91,10 +92,10 @@ def _method_options() -> list[Decorator]:
         click.option("--folds", type=whole, help="Parts for cross-validation; 0: none. [default: 5]"),
         click.option(
             "--student",
-            type=click.FloatRange(min=1.0, min_open=True),
+            type=Real(min=1.0, min_open=True),
             help="Freedom of Student noise: outliers count less.",
         ),
-        click.option("--starts", type=click.IntRange(min=1), default=3, show_default=True, help="Searches."),
+        click.option("--starts", type=Whole(min=1), default=3, show_default=True, help="Searches."),
         click.option("--seed", type=whole, default=0, show_default=True, help="Seed of starts, folds and draws."),
     ]
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from cyclemap.cli.number_types import Real
 from cyclemap.cli.options import decorated, result_options
 
 
@@ -24,7 +25,7 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 )
 @click.option(
     "--pusher-friction",
-    type=click.FloatRange(min=0.0),
+    type=Real(min=0.0),
     default=0.25,
     show_default=True,
     help="Friction coefficient between rod and object.",

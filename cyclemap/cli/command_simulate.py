@@ -5,9 +5,10 @@ from typing import Any
 
 import click
 
+from cyclemap.cli.number_types import MOST_CYCLES, Real, Whole
 from cyclemap.cli.options import LoopOptions, loop_options
 
-_NOT_NEGATIVE = click.FloatRange(min=0.0)
+_NOT_NEGATIVE = Real(min=0.0)
 
 
 @click.command("simulate")
@@ -15,9 +16,9 @@ _NOT_NEGATIVE = click.FloatRange(min=0.0)
 @click.option(
     "--out", "folder", metavar="DIR", type=click.Path(path_type=Path), required=True, help="Folder of the collection."
 )
-@click.option("--cycles", type=click.IntRange(min=1), default=2000, show_default=True, help="How many pushes.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of all noise.")
-@click.option("--start-deg", type=float, default=0.0, show_default=True, help="θ0 of the first push.")
+@click.option("--cycles", type=Whole(1, MOST_CYCLES), default=2000, show_default=True, help="How many pushes.")
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of all noise.")
+@click.option("--start-deg", type=Real(), default=0.0, show_default=True, help="θ0 of the first push.")
 @click.option("--noise-deg", type=_NOT_NEGATIVE, help="Scatter of θ0 from cycle to cycle. [default: 1.1]")
 @click.option(
     "--pose-noise-mm", type=_NOT_NEGATIVE, default=0.0, show_default=True, help="Error of recorded positions."
@@ -25,9 +26,7 @@ _NOT_NEGATIVE = click.FloatRange(min=0.0)
 @click.option("--pose-noise-deg", type=_NOT_NEGATIVE, default=0.0, show_default=True, help="Error of recorded angles.")
 @click.option("--force-noise-n", type=_NOT_NEGATIVE, default=0.0, show_default=True, help="Error of recorded forces.")
 @click.option("--wear-to", metavar="MATERIAL", help="The surface at the last push: a name or a TOML file.")
-@click.option(
-    "--speed-mm-s", type=click.FloatRange(min=0.0, min_open=True), default=20.0, show_default=True, help="Of the rod."
-)
+@click.option("--speed-mm-s", type=Real(min=0.0, min_open=True), default=20.0, show_default=True, help="Of the rod.")
 @click.option("--scans", is_flag=True, help="Friction scans of the fresh surface, too.")
 @click.option(
     "--format", "suffix", type=click.Choice(["h5", "json"]), default="h5", show_default=True, help="Kind of the files."

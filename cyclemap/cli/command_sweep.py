@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from cyclemap.cli.number_types import Real, Whole
 from cyclemap.cli.options import LoopOptions, decorated, protocol_options, result_options
 
 _GROUPS = "rotation, fixed_points, turns, stationary, staircase, or all"
@@ -22,8 +23,8 @@ def _options_of_points() -> list[Callable[[Any], Any]]:
     sequences: dict[str, Any] = {"type": click.Choice(["sobol", "uniform"]), "default": "sobol", "show_default": True}
     return [
         click.option("--over", metavar="KEY=VALUES", multiple=True, required=True, help=over),
-        click.option("--sample", metavar="N", type=click.IntRange(min=1), help="N points of the ranges, not a grid."),
-        click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the sample."),
+        click.option("--sample", metavar="N", type=Whole(min=1), help="N points of the ranges, not a grid."),
+        click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of the sample."),
         click.option("--sequence", help="How the sample is spread.", **sequences),
     ]
 
@@ -35,14 +36,14 @@ def _options_of_numbers() -> list[Callable[[Any], Any]]:
     pace = "Turns a cycle to which rotation numbers need be known; 0 is a portrait's effort, far more."
     return [
         click.option("--quantities", help=groups, **chosen),
-        click.option("--tolerance-deg", type=float, help=tolerance),
-        click.option("--rotation-tolerance", type=float, default=1e-4, show_default=True, help=pace),
+        click.option("--tolerance-deg", type=Real(), help=tolerance),
+        click.option("--rotation-tolerance", type=Real(), default=1e-4, show_default=True, help=pace),
     ]
 
 
 def _options_of_work() -> list[Callable[[Any], Any]]:
     return [
-        click.option("--workers", type=click.IntRange(min=1), help="Processes. [default: one a core]"),
+        click.option("--workers", type=Whole(min=1), help="Processes. [default: one a core]"),
         click.option("--export", metavar="LIST", default="", help="Also write csv, netcdf, or both, by commas."),
         click.option("--draw", metavar="LIST", default="", help="Quantities to draw, by commas."),
         click.option("--status", is_flag=True, help="Tell how far the sweep is, and compute nothing."),

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from cyclemap.cli.number_types import Real
 from cyclemap.cli.options import decorated, result_options
 
 SHORTEST_WAIT, LONGEST_WAIT = 0.01, 86400.0
@@ -28,16 +29,16 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option(
     "--alarm-rate",
-    type=click.FloatRange(min=0.0, max=1.0, min_open=True, max_open=True),
+    type=Real(min=0.0, max=1.0, min_open=True, max_open=True),
     default=0.01,
     show_default=True,
-    help="Chance of ever raising an alarm on a collection without bias.",
+    help="Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger.",
 )
 @click.option("--follow", is_flag=True, help="Wait for new rows, and tell what changes, until interrupted (Ctrl-C).")
 @click.option(
     "--every",
     metavar="SECONDS",
-    type=float,
+    type=Real(),
     callback=_wait,
     default=1.0,
     show_default=True,

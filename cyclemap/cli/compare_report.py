@@ -50,10 +50,8 @@ def _pushes(found: PushAgreement) -> Json:
         "side": number(facts["side"]),
         "fraction": number(facts["fraction"]),
         "angle_deg": number(_DEGREE * facts["angle"]),
-        "adapted": found.adapted,
+        "push_mm": number(_METRE * found.length),
         "pushes": found.count,
-        "interpolation_error_deg": number(_DEGREE * found.turn_error),
-        "interpolation_error_mm": number(_METRE * found.length_error),
         **{scales[one.name][0]: _quantity(one, scales[one.name][1]) for one in found.quantities},
     }
 

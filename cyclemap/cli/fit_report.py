@@ -8,11 +8,12 @@ from cyclemap.cli.json_numbers import degrees, number, numbers
 from cyclemap.cli.json_report import Json
 from cyclemap.evidence import PushTable
 from cyclemap.evidence.tables.law_table import MotionLaw
-from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, WornForecast
+from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPlace, WornForecast
 from cyclemap.evidence.tables.push_statistics import MotionStatistics, PushStatistics
 from cyclemap.evidence.tables.set_fit import SetFit
 from cyclemap.evidence.tables.turn_histogram import TurnHistogram
 from cyclemap.evidence.tables.turn_pace import TurnPace
+from cyclemap.evidence.theta0.covered_arcs import covered_arcs
 from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram
 
 UNITS = {"dtheta": ("deg", math.degrees(1.0)), "dx": ("mm", 1000.0), "dy": ("mm", 1000.0)}
@@ -46,6 +47,7 @@ def set_report(fit: SetFit) -> Json:
         **_facts(fit),
         "contacts": pushes.contacts,
         "pushes": pushes.count,
+        "covered_deg": [[degrees(edge) for edge in arc] for arc in covered_arcs(pushes.theta)] if pushes.count else [],
         "statistics": _statistics(fit.statistics),
         "laws": {law.quantity: _law(law) for law in fit.laws.laws},
         "dtheta_histogram": None if fit.histogram is None else _turn_histogram(fit.histogram),
@@ -148,12 +150,15 @@ def _state(state: MapState) -> Json:
             {"theta_deg": degrees(orbit.points[0]), "multiplier": number(orbit.multiplier), "kind": orbit.kind}
             for orbit in state.fixed_points
         ],
-        "bottlenecks": [
-            {"theta_deg": degrees(p.theta), "least_turn_deg": degrees(p.gap), "cycles": number(p.passage_cycles)}
-            for p in state.passages
-        ],
-        "slowest": _place(state.slowest, "turn_deg"),
+        "bottlenecks": [{**_turn_place(p), "cycles": number(p.cycles or math.nan)} for p in state.passages],
+        "undecided": [_turn_place(p) for p in state.undecided],
+        "slowest": _turn_place(state.slowest),
     }
+
+
+def _turn_place(place: TurnPlace) -> Json:
+    edges = [degrees(place.lower), degrees(place.upper)]
+    return {"theta_deg": degrees(place.theta), "turn_deg": degrees(place.turn), "turn_95_deg": edges}
 
 
 def _forecast(found: WornForecast) -> Json:

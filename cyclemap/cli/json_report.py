@@ -54,6 +54,8 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
         "stationary": _stationary(portrait),
         "staircase": _staircase(portrait.prediction),
     }
+    if portrait.worn is not None:
+        report["worn"] = _worn(portrait.worn)
     return report if measured is None else {**report, "data": _data(measured)}
 
 
@@ -69,7 +71,7 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
         "run": {"seed": forecast.run.seed, **steps_report(forecast.steps)},
     }
     if forecast.worn is not None:
-        report["worn"] = {**_staircase(forecast.worn), "zones": [_zone(zone) for zone in forecast.worn.zones]}
+        report["worn"] = _worn(forecast.worn)
     return report if measured is None else {**report, "data": measured_report(measured)}
 
 
@@ -120,6 +122,11 @@ def _staircase(prediction: StaircaseSummary) -> Json:
         "mean_residence_cycles": number(prediction.mean_residence_cycles),
         "step_deg": degrees(prediction.step),
     }
+
+
+def _worn(worn: StaircaseSummary) -> Json:
+    """What runs on the surface of the last cycle are like."""
+    return {**_staircase(worn), "zones": [_zone(zone) for zone in worn.zones]}
 
 
 def _zone(zone: SlowZone) -> Json:

@@ -8,6 +8,7 @@ import gc
 import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NoReturn
 
 import click
@@ -26,8 +27,11 @@ from cyclemap.cli.command_simulate import simulate_command
 from cyclemap.cli.command_sweep import sweep_command
 from cyclemap.cli.command_watch import watch_command
 from cyclemap.cli.commands import cycle_command, portrait_command, staircase_command
+from cyclemap.cli.complaints import one_line, told_warnings
 from cyclemap.errors import CycleMapError, InvalidInput
 
+# Pictures go to files: no screen that the user's own drawing wants, be it there or not.
+os.environ["MPLBACKEND"] = "agg"
 # One thread does small linear algebra fastest; two that share a busy core take several times as long.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -62,6 +66,10 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
 
 def run(arguments: Sequence[str]) -> int:
     """Run the command line and return the exit code; every failure is one line on stderr."""
+    if sys.stderr is None:
+        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
+    if sys.stdout is None:
+        return _complain("standard output is closed; send it to a file, or to /dev/null", FAILED)
     try:
         _invoke(arguments)
         sys.stdout.flush()
@@ -87,12 +95,12 @@ def _invoke(arguments: Sequence[str]) -> None:
     # A terminal that cannot show θ gets a replacement sign, not a traceback.
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="replace")
-    with cli.make_context("cyclemap", list(arguments)) as context:
+    with told_warnings(), cli.make_context("cyclemap", list(arguments)) as context:
         cli.invoke(context)
 
 
 def _complain(message: str, code: int) -> int:
-    click.echo(f"error: {' '.join(message.split())}", err=True)
+    click.echo(f"error: {one_line(message)}", err=True)
     return code
 
 

@@ -8,6 +8,8 @@ from typing import Any
 
 import click
 
+from cyclemap.cli.number_types import MOST_CYCLES, Whole
+
 
 @dataclass(frozen=True)
 class LoopOptions:
@@ -89,9 +91,9 @@ def run_options(command: Callable[..., None]) -> Callable[..., None]:
     decorators: list[Callable[[Any], Any]] = [
         click.option("--data", metavar="CSV", type=click.Path(path_type=Path), help="Measured θ0 to set beside it."),
         click.option(
-            "--cycles", type=click.IntRange(min=1), help="Length of the staircase. [default: 2000, or the data's]"
+            "--cycles", type=Whole(1, MOST_CYCLES), help="Length of the staircase. [default: 2000, or the data's]"
         ),
-        click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of its noise."),
+        click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of its noise."),
         *result_options("COMMAND_MATERIAL.png and .json"),
     ]
     return decorated(command, decorators)

@@ -1,7 +1,7 @@
 """Where results go: files that appear whole or not at all, the terminal, and a bar for slow work."""
 
-import re
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -9,30 +9,31 @@ from pathlib import Path
 
 import click
 
+from cyclemap.cli.complaints import warnings_so_far
 from cyclemap.cli.json_report import Json, json_text
+from cyclemap.plain_text import printable
+from cyclemap.whole_files import file_stem as file_stem
 from cyclemap.whole_files import write_whole
 
-PATIENCE_SECONDS = 2.0
+PATIENCE_SECONDS, LINE_SECONDS = 2.0, 10.0
 
 
 def write_json(path: Path, report: Json) -> None:
     """Write `report` as JSON to the file `path`."""
-    write_whole(path, json_text(report).encode())
+    # A path need not be text; JSON has a way to write what is none.
+    write_whole(path, json_text(_with_doubts(report)).encode(errors="backslashreplace"))
 
 
-def file_stem(name: str) -> str:
-    """A material's name as part of a file name.
-
-    >>> file_stem("worn plywood (side B)")
-    'worn_plywood_side_B'
-    """
-    return re.sub(r"[^\w.-]+", "_", name).strip("_.") or "material"
+def _with_doubts(report: Json) -> Json:
+    """The report, and what was doubted of the input, if anything was."""
+    doubts = warnings_so_far()
+    return {**report, "warnings": doubts} if doubts else report
 
 
 def publish_json(report: Json, target: str | None) -> bool:
     """Send `report` where --json says; True where it took the terminal, which then shows nothing else."""
     if target == "-":
-        click.echo(json_text(report), nl=False)
+        click.echo(json_text(_with_doubts(report)), nl=False)
         return True
     if target is not None:
         write_json(Path(target), report)
@@ -41,23 +42,34 @@ def publish_json(report: Json, target: str | None) -> bool:
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
-    """A function to report the fraction done to; a terminal gets a bar once work takes over two seconds."""
-    if not sys.stderr.isatty():
-        yield lambda fraction: None
-        return
+    """A function to report the fraction done to; work that takes long shows on stderr that it goes on.
+
+    A terminal gets a bar once it takes over two seconds, anything else a line every ten seconds.
+    """
     from rich.console import Console
     from rich.progress import Progress
 
     bar = Progress(console=Console(stderr=True), transient=True)
-    task = bar.add_task(label, total=1.0)
-    due = time.monotonic() + PATIENCE_SECONDS
+    task, ended, begun = bar.add_task(printable(label), total=None), threading.Event(), time.monotonic()
 
     def report(fraction: float) -> None:
-        if time.monotonic() > due:
-            bar.start()
-        bar.update(task, completed=fraction)
+        bar.update(task, completed=fraction, total=1.0)
 
+    def show() -> None:
+        if sys.stderr.isatty():
+            if not ended.wait(PATIENCE_SECONDS):
+                bar.start()
+            return
+        while not ended.wait(LINE_SECONDS):
+            done = f"{100.0 * bar.tasks[0].completed:.0f} % done, " if bar.tasks[0].total else ""
+            click.echo(f"{printable(label)}: {done}{time.monotonic() - begun:.0f} s", err=True)
+
+    shown = threading.Thread(target=show, daemon=True)
+    shown.start()
     try:
         yield report
     finally:
-        bar.stop()
+        ended.set()
+        shown.join()
+        if bar.live.is_started:
+            bar.stop()

@@ -9,8 +9,10 @@ from cyclemap.cli.command_compare import CompareRequest
 from cyclemap.cli.compare_report import compare_report
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
-from cyclemap.cli.settings import chosen_loop
+from cyclemap.cli.run_fit import selected_values
+from cyclemap.cli.settings import chosen_loop, protocol_of, set_settings
 from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison.compare import Comparison, compare
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement
@@ -34,7 +36,8 @@ def run_compare(options: LoopOptions, request: CompareRequest, json_target: str 
             request.data,
             noise=None if sigma is None else WrappedNormal(sigma),
             first=request.first,
-            adapt=request.adapt,
+            select=selected_values(request.select),
+            push_length=_push_length(options, loop),
             runs=request.runs,
             seed=request.seed,
             progress=report,
@@ -47,6 +50,12 @@ def run_compare(options: LoopOptions, request: CompareRequest, json_target: str 
     write_whole(picture, render(page, request.picture_format))
     if not publish_json(told, json_target):
         _print_for_people(name, found, picture)
+
+
+def _push_length(options: LoopOptions, loop: CollectionLoop) -> float | None:
+    """How far the rod moves, m, where the options say so: MIT's own 150 mm are no answer for data that do not tell."""
+    said = {**protocol_of(options)[0], **set_settings(options.settings)}
+    return loop.push.distance if "push_mm" in said else None
 
 
 def _print_for_people(name: str, found: Comparison, picture: Path) -> None:
@@ -72,7 +81,9 @@ def _push_table(whose: str, quantities: tuple[QuantityAgreement, ...]) -> Table:
         scale = math.degrees(1.0) if one.name == "dtheta" else 1000.0
         lengths = (one.measured_mean, one.measured_std, one.predicted_mean, one.bias, one.spread, one.rmse)
         values = [f"{scale * value:.2f}" for value in lengths]
-        table.add_row(SYMBOLS[one.name], *values, f"{one.percent:.1f}", f"{one.std_percent:.1f}")
+        # Of a mean that is nothing beside the spread a percentage says nothing.
+        shares = (f"{share:.1f}" if one.std_percent < 100.0 else "–" for share in (one.percent, one.std_percent))
+        table.add_row(SYMBOLS[one.name], *values, *shares)
     return table
 
 

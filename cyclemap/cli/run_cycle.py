@@ -13,6 +13,7 @@ from cyclemap.cli.settings import chosen_collection
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import Cycle
 from cyclemap.errors import InvalidInput
+from cyclemap.plain_text import plain_number
 
 TITLE = "One push and drag back on"
 COLUMNS = ("θ0 (°)", "push turn (°)", "dx (mm)", "dy (mm)", "drag turn (°)", "drag (mm)", "next θ0 (°)")
@@ -30,7 +31,7 @@ def run_cycle(options: LoopOptions, theta0_deg: str, out: Path | None, json_targ
         cycles = [chosen.loop.cycle(math.radians(start)) for start in starts]
         report, tables = cycles_report(starts, cycles), [cycle_table(f"{TITLE} {name}", cycles)]
     else:
-        from cyclemap.cli.strategy_cycles import strategy_cycles
+        from cyclemap.cli.run_strategy import strategy_cycles
 
         report, tables = strategy_cycles(chosen.loop, chosen.strategy, starts)
     if out is not None:
@@ -51,7 +52,7 @@ def parse_angles(text: str) -> list[float]:
 
 def _finite(text: str) -> float:
     try:
-        value = float(text)
+        value = plain_number(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

@@ -1,8 +1,9 @@
-"""`cyclemap doctor`: what is installed, what runs compiled, and whether the numbers are right."""
+"""`cyclemap doctor`: what is installed, and whether the engine comes to the right numbers."""
 
 import math
 import platform
 from importlib.metadata import version
+from pathlib import Path
 
 import click
 from rich.table import Table
@@ -10,10 +11,10 @@ from rich.table import Table
 from cyclemap.cli.json_report import Json
 from cyclemap.cli.output import publish_json
 from cyclemap.cli.terminal import PeopleConsole
-from cyclemap.collection.kernel_check import KernelCheck, check_kernels
-from cyclemap.errors import InvalidInput
+from cyclemap.collection.self_check import REFERENCE_ERROR, reference_error
+from cyclemap.errors import EngineNotBuilt, InvalidInput
 from cyclemap.figures.measured_folder import MeasuredFolder
-from cyclemap.mechanics.compiled.library_cache import cache_folder
+from cyclemap.mechanics.engine import library, sources
 
 PACKAGES = ("cyclemap", "numpy", "scipy", "casadi", "matplotlib")
 UNHEALTHY = 1
@@ -21,62 +22,59 @@ UNHEALTHY = 1
 
 def run_doctor(json_target: str | None) -> None:
     """Look, tell, and end with exit code 1 where something that should work does not."""
-    check = check_kernels()
-    data, trouble = _data_folder()
-    problems = [*check.problems, *trouble]
+    problems: list[str] = []
+    data = _data_folder(problems)
+    engine, error = _engine(problems)
     report: Json = {
         "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
         "machine": f"{platform.system()} {platform.machine()}",
-        "kernels": _kernels(check),
+        "engine": str(sources.library_path(Path(library.__file__).parent)),
+        "engine_version": engine,
+        "self_check_error_deg": None if error is None else math.degrees(error),
         "data_folder": data,
         "problems": problems,
         "healthy": not problems,
     }
     if not publish_json(report, json_target):
-        _tell(report, check)
+        _tell(report, problems)
     if problems:
         raise click.exceptions.Exit(UNHEALTHY)
 
 
-def _data_folder() -> tuple[str | None, list[str]]:
+def _data_folder(problems: list[str]) -> str | None:
     try:
         path = MeasuredFolder.found().path
     except InvalidInput as error:
-        return None, [str(error)]
-    return (None if path is None else str(path)), []
+        problems.append(str(error))
+        return None
+    return None if path is None else str(path)
 
 
-def _kernels(check: KernelCheck) -> Json:
-    return {
-        "compiler": check.compiler,
-        "cache_folder": str(cache_folder()),
-        "compiled": not check.refusal,
-        "why_not": check.refusal or None,
-        "interpreted_ms": 1e3 * check.interpreted_seconds,
-        "compiled_ms": None if check.compiled_seconds is None else 1e3 * check.compiled_seconds,
-        "difference_rad": check.difference,
-        "self_check_error_deg": math.degrees(check.error),
-    }
+def _engine(problems: list[str]) -> tuple[str | None, float | None]:
+    """The engine's version and its largest difference from the independent solver, rad; None without an engine."""
+    try:
+        told = library.load().cm_version().decode()
+    except EngineNotBuilt as missing:
+        problems.append(str(missing))
+        return None, None
+    error = reference_error()
+    if not error <= REFERENCE_ERROR:
+        problems.append(f"turns in MIT's loop are {math.degrees(error):.1e}° off those of an independent solver")
+    return told, error
 
 
-def _tell(report: Json, check: KernelCheck) -> None:
+def _tell(report: Json, problems: list[str]) -> None:
     table = Table(title="cyclemap on this machine", title_justify="left", show_header=False)
-    versions = report["versions"]
+    versions, error = report["versions"], report["self_check_error_deg"]
     assert isinstance(versions, dict)
     table.add_row("versions", ", ".join(f"{name} {number}" for name, number in versions.items()))
     table.add_row("machine", str(report["machine"]))
-    table.add_row("compiler", check.compiler or "none")
-    table.add_row(
-        "kernels", f"interpreted: {check.refusal}" if check.refusal else f"compiled, kept in {cache_folder()}"
-    )
+    table.add_row("engine", f"{report['engine']}, {report['engine_version'] or 'not to be used'}")
+    if isinstance(error, float):
+        table.add_row("self-check", f"4 cycles within {error:.1e}° of an independent solver's")
     table.add_row("measured data", str(report["data_folder"] or "not found: set CYCLEMAP_DATA where it is needed"))
-    table.add_row("self-check", f"push and drag from θ0 = 0 are {math.degrees(check.error):.1e}° off their reference")
-    compiled, slow = check.compiled_seconds, f"{1e3 * check.interpreted_seconds:.3g} ms interpreted"
-    table.add_row("one cycle at 1e-8 rad", slow if compiled is None else f"{1e3 * compiled:.3g} ms compiled, {slow}")
     console = PeopleConsole()
     console.print_table(table)
-    problems = report["problems"]
-    assert isinstance(problems, list)
     for problem in problems:
         console.print(f"PROBLEM: {problem}")
     console.print("healthy" if report["healthy"] else "not healthy")

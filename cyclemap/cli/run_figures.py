@@ -2,21 +2,18 @@
 
 import csv
 import io
-import json
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from cyclemap.cli.json_report import Json
-from cyclemap.cli.output import publish_json, write_json
+from cyclemap.cli.output import progress_bar, publish_json, write_json
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.errors import CycleMapError, DataFileError
 from cyclemap.figures.catalogue import Entry, entries, load_exhibit
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
-from cyclemap.whole_files import write_whole
+from cyclemap.text_files import read_json
+from cyclemap.whole_files import only_writer, write_whole
 
 INDEX_FILE = "figures.json"
 _KEYS = ("name", "title", "source", "caption", "file", "measured")
@@ -71,11 +68,19 @@ def run_figures(names: tuple[str, ...], data: Path | None, out: Path, picture_fo
     Raises InvalidInput for an unknown name, a folder that is none and an index that cannot be read, before any work;
     CycleMapError at the end where something failed.
     """
-    chosen, folder, index = entries(names), MeasuredFolder.found(data), _read_index(out / INDEX_FILE)
+    chosen, folder = entries(names), MeasuredFolder.found(data)
+    with only_writer(out):
+        _make_all(chosen, folder, out, picture_format, target)
+
+
+def _make_all(
+    chosen: tuple[Entry, ...], folder: MeasuredFolder, out: Path, picture_format: str, target: str | None
+) -> None:
+    index = _read_index(out / INDEX_FILE)
     console, made, failed = PeopleConsole(), list[Made](), list[Json]()
     for number, entry in enumerate(chosen, 1):
         try:
-            with _at_work(f"{entry.name} ({number} of {len(chosen)})"):
+            with progress_bar(f"{entry.name} ({number} of {len(chosen)})"):
                 one = _make(entry, folder, out, picture_format)
         except CycleMapError as error:
             failed.append({"name": entry.name, "error": str(error)})
@@ -148,26 +153,12 @@ def _print_table(header: tuple[str, ...], rows: tuple[tuple[str, ...], ...]) -> 
     PeopleConsole().print_table(table)
 
 
-@contextmanager
-def _at_work(label: str) -> Iterator[None]:
-    """A sign of life on a terminal for as long as the block lasts."""
-    if not sys.stderr.isatty():
-        yield
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status(label):
-        yield
-
-
 def _read_index(path: Path) -> dict[str, Any]:
     """The lines of an index by name, in order; none where there is no file; DataFileError where it is no index."""
     try:
-        lines = json.loads(path.read_text(encoding="utf-8"))["figures"]
+        lines = read_json(path)["figures"] if path.exists() else []  # type: ignore[index]
         return {line["name"]: {key: line[key] for key in _KEYS} for line in lines}
-    except FileNotFoundError:
-        return {}
-    except (ValueError, KeyError, TypeError, IsADirectoryError) as error:
+    except (DataFileError, KeyError, TypeError) as error:
         raise DataFileError(f"{path}: not an index of figures; remove it or choose another --out") from error
 
 

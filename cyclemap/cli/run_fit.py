@@ -12,6 +12,7 @@ from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence import PushTable, load_pushes
 from cyclemap.evidence.tables.push_sets import PushSet, push_sets
 from cyclemap.evidence.tables.set_fit import SetFit, fit_set
+from cyclemap.plain_text import plain_number
 from cyclemap.suggestions import unknown_name
 from cyclemap.views.fit_page import fit_page
 from cyclemap.views.fit_sentences import set_sentences
@@ -74,7 +75,7 @@ def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
 
 def _finite(key: str, text: str) -> float:
     try:
-        value = float(text)
+        value = plain_number(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

@@ -32,6 +32,7 @@ from cyclemap.evidence.identified.identified_curves import identified_curves
 from cyclemap.evidence.identified.identified_material import identified_material
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material_text import material_toml
+from cyclemap.plain_text import plain_number
 from cyclemap.views import identify_sentences as sentences
 from cyclemap.views.identify_page import identify_page
 from cyclemap.views.style import render
@@ -96,7 +97,7 @@ def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
     for pair in pairs:
         name, _, text = (part.strip() for part in pair.partition("="))
         try:
-            values[name] = float(text)
+            values[name] = plain_number(text)
         except ValueError as cause:
             raise InvalidInput(f"--fix {pair!r} is not of the form name=number") from cause
     return values
@@ -166,7 +167,7 @@ def _files(outcome: Outcome, request: IdentifyRequest, report: bytes) -> dict[Pa
     """Every file with its content, all of it made before the first is written."""
     stem = file_stem(outcome.material.name)
     curves = identified_curves(outcome.found, outcome.data.scans, request.seed)
-    words = sentences.page_sentences(outcome.found, outcome.derived, outcome.comparison)
+    words = sentences.page_sentences(outcome.found, outcome.comparison)
     page = identify_page(sentences.headline(outcome.material.name, outcome.derived), outcome.found, curves, words)
     return {
         request.out / f"{stem}.toml": material_toml(outcome.material).encode(),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -33,7 +34,7 @@ def run_portrait(options: LoopOptions, request: RunRequest, json_target: str | N
     if chosen.strategy is None:
         _run_loop(loop, sigma, request, pairs, json_target)
         return
-    from cyclemap.cli.run_strategy_portrait import run_strategy_portrait
+    from cyclemap.cli.run_strategy import run_strategy_portrait
 
     run_strategy_portrait(loop, chosen.strategy, sigma, request, pairs, json_target)
 
@@ -77,9 +78,16 @@ def _measured_pairs(path: Path) -> Theta0Pairs:
 
 
 def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
+    """The pairs beside the map; where it wears and their cycles are known, each beside the map of its own cycle."""
     from cyclemap.evidence import measured_overlay
+    from cyclemap.evidence.comparison.cycle_agreement import cycle_agreement
+    from cyclemap.evidence.comparison.prediction import Prediction
 
-    return measured_overlay(pairs, drawn.map.turn)
+    overlay = measured_overlay(pairs, drawn.map.turn)
+    if drawn.drifting is None or pairs.cycle is None:
+        return overlay
+    prediction = Prediction(drawn.drifting, drawn.noise, "loop", drawn.loop)
+    return replace(overlay, agreement=cycle_agreement(prediction, pairs, pairs.cycle).agreement)
 
 
 def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture: Path) -> None:

@@ -1,60 +1,39 @@
-"""`cyclemap reset`: a reset designed for a material, as a ranked table, JSON, a picture, a protocol and a schedule."""
+"""`cyclemap reset`: three lines and a few rows, as JSON, a picture, a protocol and a schedule."""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rich.table import Table
 
+from cyclemap.cli.json_numbers import degrees, number
 from cyclemap.cli.json_report import Json
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
-from cyclemap.cli.reset_report import predicted_scores, reset_report
-from cyclemap.cli.reset_robust import (
-    BeyondRequest,
-    RobustAnswer,
-    WearAnswer,
-    followed_under_wear,
-    made_robust,
-    material_range,
-    wearing_loop,
-)
-from cyclemap.cli.settings import ChosenCollection, chosen_collection
+from cyclemap.cli.settings import chosen_collection
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.maps import WrappedNormal
-from cyclemap.resets.design.reset_curves import reset_curves
-from cyclemap.resets.design.reset_demands import ResetDemands
-from cyclemap.resets.design.reset_design import ResetDesign, design_reset
-from cyclemap.resets.design.reset_ranking import ScoredReset
-from cyclemap.resets.design.reset_trial import ResetTrial, reset_trial
-from cyclemap.resets.protocol.protocol_file import write_protocol
-from cyclemap.resets.protocol.schedule_file import write_schedule
+from cyclemap.mechanics import load_material
+from cyclemap.resets import (
+    CycleAction,
+    MaterialRange,
+    ResetDemands,
+    ResetDesign,
+    ResetRow,
+    ResetStrategy,
+    design_reset,
+    material_range,
+    write_protocol,
+    write_schedule,
+)
 from cyclemap.views import reset_sentences as sentences
-from cyclemap.views.reset_page import reset_page
-from cyclemap.views.robust_page import robust_page, wear_page
+from cyclemap.views.reset_page import COLUMNS, reset_page, row_cells
 from cyclemap.views.sentences import material_line
 from cyclemap.views.style import render
 from cyclemap.whole_files import write_whole
-
-COLUMNS = (
-    "",
-    "strategy",
-    "TV",
-    "after",
-    "reached",
-    "worth",
-    "drag (mm)",
-    "× own",
-    "s",
-    "room (mm)",
-    "contact (mm)",
-    "",
-)
 
 
 @dataclass(frozen=True)
@@ -70,193 +49,164 @@ class ResetRequest:
     least_push_mm: float | None
     abilities: tuple[str, ...]
     keep_push: bool
-    thoroughness: str | None
+    axes_percent: float
+    offsets_percent: float
+    likely: tuple[str, ...]
     pushes: int
     cycles: int
     seed: int
     out: Path
     picture_format: str
-    beyond: BeyondRequest
 
     @property
     def demands(self) -> ResetDemands:
         """The demands in SI units."""
-        reach = None if self.reach_mm is None else 1e-3 * self.reach_mm
-        contact = None if self.least_push_mm is None else 1e-3 * self.least_push_mm
+        reach, contact = (None if value is None else 1e-3 * value for value in (self.reach_mm, self.least_push_mm))
         kept = (self.allow_tv, self.extra_tv, self.within, self.drag_ratio)
-        return ResetDemands(*kept, reach, self.seconds, self.abilities, contact)
-
-
-@dataclass(frozen=True)
-class ResetFiles:
-    """Where the results are."""
-
-    picture: Path
-    protocol: Path
-    schedule: Path
-    json: Path
-    robust: Path
-    wear: Path
-
-    @classmethod
-    def of(cls, request: ResetRequest, material: str) -> ResetFiles:
-        """Of a material's name, in the folder asked for."""
-        stem = f"reset_{file_stem(material)}"
-        shown = request.picture_format
-        endings = (f".{shown}", ".toml", ".csv", ".json", f"_robust.{shown}", f"_wear.{shown}")
-        return cls(*(request.out / f"{stem}{ending}" for ending in endings))
-
-
-@dataclass(frozen=True, eq=False)
-class ResetAnswers:
-    """All that was found; None where it was not asked for."""
-
-    design: ResetDesign
-    robust: RobustAnswer | None
-    wear: WearAnswer | None
-    trial: ResetTrial | None
-
-    def report(self, files: ResetFiles) -> Json:
-        """As JSON."""
-        told = reset_report(self.design, self.trial, files.protocol, files.schedule)
-        beyond = {"robust": self.robust, "wear": self.wear}
-        return {**told, **{name: one.report() for name, one in beyond.items() if one is not None}}
+        return ResetDemands(*kept, self.seconds, reach, contact, self.abilities, self.keep_push, self.pushes)
 
 
 def run_reset(options: LoopOptions, request: ResetRequest, json_target: str | None) -> None:
-    """Design the reset, try it, write picture, protocol, schedule and JSON, and print for people or as JSON."""
-    demands = request.demands
-    asked = chosen_collection(options)
-    about = material_range(asked.loop, request.beyond, request.keep_push)
-    wearing = wearing_loop(asked.loop, request.beyond, request.cycles)
-    noise = WrappedNormal(DEFAULT_SIGMA if asked.sigma is None else asked.sigma)
-    design, robust = _designed(asked, demands, noise, request), None
-    if about is not None:
-        with _Stages() as report:
-            design, robust = made_robust(design, about, request.beyond, request.seed, report)
-    worn = None if wearing is None else followed_under_wear(design, wearing, request.cycles)
-    found = ResetAnswers(design, robust, worn, _tried(design, request))
-    files = ResetFiles.of(request, design.loop.material.name)
-    told = found.report(files)
-    _write_files(found, noise, request, files)
-    write_json(files.json, told)
+    """Design the reset, write picture, protocol, schedule and JSON, and print for people or as JSON."""
+    asked, demands = chosen_collection(options), request.demands
+    about = material_range(asked.loop.material, 0.01 * request.axes_percent, 0.01 * request.offsets_percent)
+    if request.likely:
+        about = MaterialRange(about.nominal, tuple(map(load_material, request.likely)), ", ".join(request.likely))
+    sigma = DEFAULT_SIGMA if asked.sigma is None else asked.sigma
+    with ExitStack() as bars:
+        shown: dict[str, Callable[[float], None]] = {}
+
+        def report(stage: str, done: float) -> None:
+            if stage not in shown:
+                bars.close()
+                shown[stage] = bars.enter_context(progress_bar(stage))
+            shown[stage](done)
+
+        design = design_reset(
+            asked.loop, demands, sigma=sigma, materials=about, given=asked.strategy, seed=request.seed, progress=report
+        )
+    stem = request.out / f"reset_{file_stem(asked.loop.material.name)}"
+    picture, protocol, schedule = (
+        stem.with_name(f"{stem.name}.{end}") for end in (request.picture_format, "toml", "csv")
+    )
+    told = reset_report(design, protocol, schedule)
+    write_protocol(protocol, design.loop, design.chosen.strategy, noise=sigma, predicted=_predicted(design.chosen))
+    write_schedule(schedule, design.loop, design.chosen.strategy, request.cycles, request.seed)
+    write_whole(picture, render(reset_page(design), request.picture_format))
+    write_json(stem.with_name(f"{stem.name}.json"), told)
     if not publish_json(told, json_target):
-        _print_for_people(found, files)
+        _print_for_people(design, (picture, protocol, schedule))
 
 
-def _designed(
-    asked: ChosenCollection, demands: ResetDemands, noise: WrappedNormal, request: ResetRequest
-) -> ResetDesign:
-    """The design; a strategy that the protocol names is ranked with the others."""
-    options: dict[str, Any] = {"keep_push": request.keep_push, "thoroughness": request.thoroughness or "normal"}
-    given = () if asked.strategy is None else (asked.strategy,)
-    with _Stages() as report:
-        return design_reset(asked.loop, demands, noise, also=given, progress=report, **options)
+def reset_report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
+    """The report as JSON: mm, degrees and seconds, every number finite or null; the chosen row is the first."""
+    demands = design.demands
+    return {
+        "material": design.loop.material.name,
+        "noise_deg": degrees(design.sigma),
+        "demands": {
+            "allow_tv": demands.allow_tv,
+            "extra_tv": demands.extra_tv,
+            "within": demands.within,
+            "drag_ratio": demands.drag_ratio,
+            "seconds": demands.seconds,
+            "reach_mm": None if demands.reach is None else 1e3 * demands.reach,
+            "least_push_mm": None if demands.contact is None else 1e3 * demands.contact,
+            "abilities": list(demands.abilities),
+            "keep_push": demands.keep_push,
+            "pushes": demands.pushes,
+        },
+        "range": {
+            "told": design.about.told,
+            "materials": [one.name for one in (*design.about.materials, *design.tried)],
+        },
+        "met": design.met,
+        "reasons": list(sentences.miss_sentences(design)),
+        "considered": design.considered,
+        "left_out_too_steep": design.too_steep,
+        "independent_histogram_distance": design.independent,
+        "histogram_distance_by_order": design.orders,
+        "friction_error": {"ratio": design.ratio_errors.tolist(), "tv": design.ratio_tv.tolist()},
+        "rows": [_row(design, row) for row in design.rows],
+        "protocol": str(protocol),
+        "schedule": str(schedule),
+    }
 
 
-def _tried(design: ResetDesign, request: ResetRequest) -> ResetTrial | None:
-    if not request.pushes:
-        return None
-    with progress_bar(f"{request.pushes} pushes by the full mechanics") as report:
-        return reset_trial(design.cache, design.chosen.candidate, request.pushes, seed=request.seed, progress=report)
+def _predicted(row: ResetRow) -> dict[str, float]:
+    """What a protocol file carries along."""
+    return {
+        "tv": row.nominal.total_variation,
+        "tv_after": row.nominal.after,
+        "within": row.nominal.pushes,
+        "worst_tv": row.worst,
+        "worst_tv_after": row.worst_after,
+        "histogram_distance": row.histogram[0],
+        "mean_drag_mm": 1e3 * row.drag,
+    }
 
 
-def _write_files(found: ResetAnswers, noise: WrappedNormal, request: ResetRequest, files: ResetFiles) -> None:
-    design = found.design
-    strategy = design.chosen.candidate.strategy
-    predicted = {**predicted_scores(design.chosen), **(found.robust.predicted() if found.robust else {})}
-    write_protocol(files.protocol, design.loop, strategy, noise=noise, predicted=predicted)
-    write_schedule(files.schedule, design.loop, strategy, request.cycles, request.seed)
-    pages = {files.picture: reset_page(design, reset_curves(design, seed=request.seed), found.trial)}
-    if found.robust is not None:
-        pages[files.robust] = robust_page(found.robust.robust, found.robust.other)
-    if found.wear is not None and found.wear.course is not None:
-        pages[files.wear] = wear_page(found.wear.course, found.wear.allow_tv, found.wear.name)
-    for path, page in pages.items():
-        write_whole(path, render(page, request.picture_format))
+def _row(design: ResetDesign, row: ResetRow) -> Json:
+    strategy = row.strategy
+    return {
+        "roles": list(row.roles),
+        "recipe": sentences.recipe(strategy),
+        "order": strategy.order,
+        "actions": actions_report(strategy, design),
+        "hitch_mm": None if strategy.hitch is None else [1e3 * part for part in strategy.hitch],
+        **_predicted(row),
+        "tv_error": number(row.nominal.error),
+        "worst_material": row.worst_material.name,
+        "histogram_spread": row.histogram[1],
+        "worst_histogram_distance": row.worst_histogram[0],
+        "seconds": row.seconds,
+        "reach_mm": 1e3 * row.room,
+        "shortest_contact_mm": 1e3 * row.contact,
+        "misses": list(row.misses),
+        "lacking": list(row.lacking),
+    }
 
 
-class _Stages:
-    """A bar for each stage of the work, one after the other, with its name."""
-
-    def __init__(self) -> None:
-        self._stack, self._stage = ExitStack(), ""
-
-    def __enter__(self) -> _Stages:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stack.close()
-
-    def __call__(self, stage: str, done: float) -> None:
-        if stage != self._stage:
-            self._stack.close()
-            self._stage, self._report = stage, self._stack.enter_context(progress_bar(stage))
-        self._report(done)
+def actions_report(strategy: ResetStrategy, design: ResetDesign) -> list[Json]:
+    """The strategy's actions, filled in by their loop, with their shares."""
+    prepared = strategy.prepared(design.loop)
+    shares = zip(strategy.actions, strategy.shares.tolist(), strict=True)
+    return [action_report(action.filled(prepared), action, share) for action, share in shares]
 
 
-def _print_for_people(found: ResetAnswers, files: ResetFiles) -> None:
-    console, design = PeopleConsole(), found.design
-    console.print_table(ranking_table(design))
-    for number, sentence in enumerate(sentences.reset_sentences(design)):
-        console.print(sentence, style=None if number else "bold" if design.met else "bold red")
-    if found.robust is not None:
-        for number, sentence in enumerate(found.robust.told()):
-            console.print(sentence, style=None if number else "bold" if found.robust.robust.holds else "bold red")
-    if found.wear is not None:
-        console.print(found.wear.told())
-    if found.trial is not None:
-        console.print(sentences.trial_sentence(found.trial))
+def action_report(filled: CycleAction, action: CycleAction, share: float) -> Json:
+    """An action, filled in by its loop, with its share of the cycles."""
+    assert filled.push is not None and filled.way_points is not None
+    return {
+        "name": sentences.action_words(action),
+        "weight": number(share),
+        "side": filled.push.side,
+        "fraction": number(filled.push.fraction),
+        "angle_deg": degrees(filled.push.angle),
+        "push_mm": number(1e3 * filled.push.distance),
+        "way_points_mm": [[number(1e3 * x), number(1e3 * y)] for x, y in filled.way_points],
+        "gripper_turn_deg": degrees(filled.turn),
+    }
+
+
+def _print_for_people(design: ResetDesign, files: tuple[Path, ...]) -> None:
+    console = PeopleConsole()
+    for sentence in sentences.miss_sentences(design):
+        console.print(sentence, style="bold red")
+    for place, sentence in enumerate(sentences.design_sentences(design)):
+        console.print(sentence, style=None if place else "bold")
+    console.print_table(rows_table(design))
     if told := material_line(design.loop.material):
         console.print(told)
-    for name, path in _written(found, files):
+    for name, path in zip(("picture", "protocol", "schedule"), files, strict=True):
         console.print(f"{name}: {path}")
 
 
-def _written(found: ResetAnswers, files: ResetFiles) -> list[tuple[str, Path]]:
-    """What people are told of the files."""
-    named = [("picture", files.picture), ("protocol", files.protocol), ("schedule", files.schedule)]
-    if found.robust is not None:
-        named.insert(1, ("over the range", files.robust))
-    if found.wear is not None and found.wear.course is not None:
-        named.insert(-2, ("under wear", files.wear))
-    return named
-
-
-def ranking_table(design: ResetDesign) -> Table:
-    """The ranking: what meets the demands first, then what misses them, then what needs more."""
-    within, near = design.demands.within, design.demands.near_tv
-    table = Table(
-        title=f"Resets for {design.loop.material.name}",
-        title_justify="left",
-        caption=(
-            f"TV: total variation of θ0's law from uniform; after: {within} pushes after the worst start; reached: "
-            f"pushes until {near:g} from any start; worth: of 100 pushes; "
-            "contact: the shortest of its pushes"
-        ),
-        caption_justify="left",
-    )
-    for number, column in enumerate(COLUMNS):
-        table.add_column(column, justify="left" if number in (1, len(COLUMNS) - 1) else "right", no_wrap=True)
-    for number, one in enumerate(design.ranking, 1):
-        table.add_row(*_row(number, one), style="bold" if one is design.chosen else None)
+def rows_table(design: ResetDesign) -> Table:
+    """The rows beside the chosen one: what one would ask about."""
+    table = Table(title="Beside it", title_justify="left")
+    for place, column in enumerate(COLUMNS):
+        table.add_column(column, justify="left" if place < 2 else "right", no_wrap=place > 1)
+    for row in design.rows[1:]:
+        table.add_row(*row_cells(design, row))
     return table
-
-
-def _row(number: int, one: ScoredReset) -> tuple[str, ...]:
-    found, cost = one.numbers, one.cost
-    worth = found.effective_per_100
-    return (
-        str(number),
-        one.name,
-        f"{found.tv:.4f}",
-        f"{found.tv_after:.4f}",
-        found.reach_words,
-        "–" if not math.isfinite(worth) else f"{worth:.1f}" if worth < 999 else "> 999",
-        f"{1000 * cost.mean_drag_length:.1f}",
-        f"{one.drag_ratio:.2f}",
-        f"{cost.mean_seconds:.1f}",
-        f"{1000 * cost.reach:.0f}",
-        f"{1000 * one.contact:.0f}",
-        sentences.standing(one),
-    )

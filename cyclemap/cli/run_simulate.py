@@ -67,7 +67,7 @@ def _prepared(chosen: ChosenCollection, request: SimulationRequest) -> tuple[Col
     if strategy is None:
         return loop, {}
     loop = strategy.prepared(loop)
-    actions = strategy.actions(request.cycles, request.seed)
+    actions = strategy.run(request.cycles, request.seed)
     turns = tuple(action.turn for action in actions)
     return loop, {"cycle_loops": tuple(action.on(loop) for action in actions), "gripper_turns": turns}
 

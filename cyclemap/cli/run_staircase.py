@@ -25,7 +25,7 @@ def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | 
     if chosen.strategy is None:
         _run_loop(loop, sigma, request, measured, json_target)
         return
-    from cyclemap.cli.run_strategy_staircase import run_strategy_staircase
+    from cyclemap.cli.run_strategy import run_strategy_staircase
 
     run_strategy_staircase(loop, chosen.strategy, sigma, request, measured, json_target)
 

@@ -73,9 +73,11 @@ def run_sweep_command(options: LoopOptions, request: SweepRequest, json_target: 
 
 
 def sweep_plan(options: LoopOptions, request: SweepRequest) -> SweepPlan:
-    """The plan that the options ask for."""
+    """The plan that the options ask for: what is swept overrules the protocol file, as --set does."""
     over = tuple(parse_over(text) for text in request.over)
-    settings = {**_protocol_settings(options), **set_settings(options.settings)}
+    swept = {one.key for one in over}
+    protocol = {key: value for key, value in _protocol_settings(options).items() if key not in swept}
+    settings = {**protocol, **set_settings(options.settings)}
     tolerance = {} if request.tolerance_deg is None else {"tolerance": math.radians(request.tolerance_deg)}
     numbers = PortraitNumbers(_words(request.quantities), rotation_tolerance=request.rotation_tolerance, **tolerance)
     return SweepPlan(_points(over, request), options.material, settings, numbers)

@@ -5,7 +5,6 @@ What is said later wins: MIT's defaults, then the material, then the protocol fi
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from cyclemap.cli.options import LoopOptions
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import SETTING_KEYS
 from cyclemap.errors import InvalidInput
+from cyclemap.plain_text import json_value, plain_number
 from cyclemap.suggestions import unknown_name
 
 if TYPE_CHECKING:
@@ -40,9 +40,9 @@ class ChosenCollection:
         """The same, a strategy that does the same in every cycle made part of the loop."""
         if self.strategy is None:
             return self
-        from cyclemap.resets.protocol.fixed_loop import fixed_loop
+        from cyclemap.resets.design.strategy import one_loop
 
-        fixed = fixed_loop(self.loop, self.strategy)
+        fixed = one_loop(self.loop, self.strategy)
         return self if fixed is None else ChosenCollection(fixed, self.sigma, None)
 
 
@@ -53,11 +53,10 @@ def chosen_loop(options: LoopOptions) -> tuple[CollectionLoop, float | None]:
     """
     chosen = chosen_collection(options).simplified()
     if chosen.strategy is not None:
-        from cyclemap.resets.protocol.fixed_loop import why_not_fixed
-
+        why = "turns the object by a gripper" if len(chosen.strategy.actions) == 1 else "differs from cycle to cycle"
         raise InvalidInput(
-            f"{options.protocol}: {why_not_fixed(chosen.strategy)}, and this command is about one loop: give the "
-            "protocol to cyclemap cycle, portrait, staircase or simulate, or take [strategy] out of it"
+            f"{options.protocol}: its strategy {why}, and this command is about one loop: give the protocol to "
+            "cyclemap cycle, portrait, staircase or simulate, or take [strategy] out of it"
         )
     return chosen.loop, chosen.sigma
 
@@ -75,7 +74,7 @@ def chosen_collection(options: LoopOptions) -> ChosenCollection:
     base = CollectionLoop.mit(material=options.material or "isotropic")
     loop = CollectionLoop.from_settings(settings, base)
     if strategy is not None:
-        _refuse_overruled(loop, strategy, own)
+        _refuse_overruled(strategy, own)
     return ChosenCollection(loop, sigma, strategy)
 
 
@@ -83,20 +82,19 @@ def protocol_of(options: LoopOptions) -> tuple[dict[str, object], ResetStrategy 
     """The settings and the strategy of the protocol file; none where `options` name no file."""
     if options.protocol is None:
         return {}, None
-    # Strategies take a second to load, and only a protocol can name one.
+    # Strategies take a while to load, and only a protocol can name one.
     from cyclemap.resets.protocol.protocol_file import read_protocol
 
     return read_protocol(options.protocol)
 
 
-def _refuse_overruled(loop: CollectionLoop, strategy: ResetStrategy, own: Iterable[str]) -> None:
-    from cyclemap.resets.protocol.fixed_loop import overruled_settings
+def _refuse_overruled(strategy: ResetStrategy, own: Iterable[str]) -> None:
+    from cyclemap.resets.design.strategy import overruled_settings
 
-    lost = [key for key in own if key in overruled_settings(loop, strategy)]
+    lost = [key for key in own if key in overruled_settings(strategy)]
     if lost:
         raise InvalidInput(
-            f"--set {lost[0]}: the protocol's strategy ({strategy.name}) sets that in every cycle; change it in its "
-            "table [strategy]"
+            f"--set {lost[0]}: the protocol's strategy sets that in every cycle; change it in its table [strategy]"
         )
 
 
@@ -116,7 +114,7 @@ def set_settings(pairs: Iterable[str]) -> dict[str, object]:
 
 
 def _value(text: str) -> object:
-    for read in (float, json.loads):
+    for read in (plain_number, json_value):
         try:
             return read(text)
         except ValueError:

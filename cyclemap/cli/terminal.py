@@ -1,10 +1,13 @@
 """The terminal that people read: rich output, plain where it must be."""
 
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from rich.console import Console
 from rich.measure import Measurement
 from rich.table import Table
+from rich.text import Text
+
+from cyclemap.plain_text import printable
 
 # More letters than any table has in a row.
 _WIDEST = 10_000
@@ -19,6 +22,10 @@ class PeopleConsole(Console):
     def on_broken_pipe(self) -> NoReturn:
         """Raise what plain output would raise, so that the command line answers both alike."""
         raise BrokenPipeError
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Return a text, or a field of a table, as it is shown: names and paths hold what their givers like."""
+        return super().render_str(printable(text), **options)
 
     def print_table(self, table: Table) -> None:
         """Print a table at its own width: squeezed into a narrow terminal it would lose its numbers."""

@@ -1,6 +1,6 @@
 """One push and reset told by its two strokes, whoever ran them, and many of them as arrays."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.mechanics import Pose
-from cyclemap.mechanics.compiled.cycle_batch import CycleBatch
+from cyclemap.mechanics.cycle_batch import CycleBatch
 
 
 class PushStroke(Protocol):
@@ -120,14 +120,7 @@ class Cycles:
         )
 
     @classmethod
-    def of_batch(
-        cls, theta: NDArray[np.float64], batch: CycleBatch, run: Callable[[int], StrokePair[Any, Any]]
-    ) -> "Cycles":
-        """Return cycles from the orientations theta (...), in its order; `run` runs those that were not done."""
-        shape, undone = theta.shape, np.flatnonzero(~batch.done.ravel()).tolist()
+    def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> "Cycles":
+        """Return what the engine ran from the orientations theta (...), in its order."""
         columns = [getattr(batch, field.name) for field in fields(cls)[1:]]
-        if undone:
-            rest = cls.gathered(theta.ravel()[undone], [run(index) for index in undone])
-            for column, field in zip(columns, fields(cls)[1:], strict=True):
-                column.reshape(theta.size, -1)[undone] = getattr(rest, field.name).reshape(len(undone), -1)
-        return cls(theta, *(column.reshape((*shape, *column.shape[2:])) for column in columns))
+        return cls(theta, *(column.reshape((*theta.shape, *column.shape[2:])) for column in columns))

@@ -20,11 +20,10 @@ def with_found(loop: "CollectionLoop", found: FoundWith) -> "CollectionLoop":
         loop = replace(loop, pusher=replace(loop.pusher, friction=found.pusher_friction))
     if found.hitch_scale is not None or found.hitch_turn is not None:
         loop = replace(loop, slider=_with_lever(loop.slider, found.hitch_scale, found.hitch_turn or 0.0))
-    pressure = found.rim_share, found.warp_a, found.warp_b
-    if any(value is not None for value in pressure):
-        share, *warp = (0.0 if value is None else value for value in pressure)
-        assert loop.slider.centre_of_mass is not None
-        footprint = PatchFootprint.under(loop.slider.outline, loop.slider.centre_of_mass, share, (warp[0], warp[1]))
+    shares = {name: getattr(found, name) for name in ("inner_share", "rim_share", "corner_share")}
+    if any(value is not None for value in shares.values()):
+        given = {name: value or 0.0 for name, value in shares.items()}
+        footprint = PatchFootprint(loop.slider.outline, **given, centre=loop.slider.centre_of_mass)
         loop = replace(loop, footprint=footprint)
     if found.pin_friction_radius is not None:
         loop = replace(loop, reset=replace(loop.reset, pin_friction_radius=found.pin_friction_radius))

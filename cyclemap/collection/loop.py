@@ -1,6 +1,7 @@
 """The data-collection loop: one push and one drag back, as a map of the object's orientation."""
 
 import math
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -15,7 +16,7 @@ from cyclemap.collection.adaptive_map import sample_circle_map
 from cyclemap.collection.cycle import Cycles, StrokePair
 from cyclemap.collection.found_with import with_found
 from cyclemap.collection.settings import apply_settings
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import (
     DragBack,
@@ -31,13 +32,14 @@ from cyclemap.mechanics import (
     Trajectory,
     load_material,
 )
-from cyclemap.mechanics.compiled.cycle_batch import cycle_batch, expect_cycles
-from cyclemap.mechanics.cycle_variation import CYCLE_OUTPUTS, PARAMETER_NAMES, cycle_jacobian
+from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, run_batch
+from cyclemap.mechanics.engine.strokes import PARAMETERS
+from cyclemap.suggestions import unknown_name
 
+# What a map's error can be brought below, rad.
+_LEAST_TOLERANCE = 1e-9
 # Samples of a drawn push, and of each leg of a drawn drag.
 _DRAWN = 60
-# Samples that a map takes, roughly.
-_MAP_SAMPLES = 300
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,10 @@ class Cycle(StrokePair[PushResult, DragResult]):
 
     loop: "CollectionLoop"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A copy is run anew: the strokes hold CasADi's buffers, which cannot leave their process.
+        return self.loop.cycle, (self.theta,)
+
     @cached_property
     def trajectory(self) -> CycleTrajectory:
         """The course of the cycle, run once more with steps short enough to be drawn."""
@@ -78,7 +84,7 @@ class CycleSensitivity:
     theta: float
     theta_next: float
     jacobian: NDArray[np.float64]
-    parameters: tuple[str, ...] = PARAMETER_NAMES
+    parameters: tuple[str, ...] = PARAMETERS
     outputs: tuple[str, ...] = CYCLE_OUTPUTS
 
     @property
@@ -116,7 +122,7 @@ class CollectionLoop:
     accuracy: float = 1e-8
 
     def __getstate__(self) -> dict[str, object]:
-        # What was computed from the fields stays behind: CasADi's buffers cannot be copied to another process.
+        # What was computed from the fields stays behind.
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @classmethod
@@ -124,7 +130,7 @@ class CollectionLoop:
         """Return the MIT repeated-push experiment (Yu et al. 2016; Ma & Rodriguez 2018), with fields replaced.
 
         `material`: a built-in name, a TOML file or a `Material`, which brings what was found with it (pusher friction,
-        rim share, warp, lever and friction of the ring); `changes`: any field of the loop, which overrule it.
+        shares of the weight, lever and friction of the ring); `changes`: any field of the loop, which overrule it.
         """
         surface = material if isinstance(material, Material) else load_material(material)
         slider = changes.pop("slider", None) or Slider.mit("rect1")
@@ -146,8 +152,14 @@ class CollectionLoop:
         return Pose(-x, -y, theta)
 
     def cycle(self, theta: float) -> Cycle:
-        """Run one push and reset from orientation `theta` (rad, any number of turns)."""
+        """Run one push and reset from orientation `theta` (rad, any number of turns).
+
+        Whole numbers beyond a turn bring the warning `DoubtfulInput`: they are likely degrees.
+        """
         theta = finite_number("theta", theta)
+        if abs(theta) > 2.0 * math.pi and theta.is_integer():
+            told = f"theta is {theta:g} rad, more than a turn: degrees are given as math.radians({theta:g})"
+            warnings.warn(told, DoubtfulInput, stacklevel=2)
         return Cycle(theta, *self.strokes(theta), self)
 
     def cycles(self, theta: ArrayLike) -> Cycles:
@@ -158,25 +170,28 @@ class CollectionLoop:
         array([73.653, 73.927])
         """
         values = finite_array("theta", theta)
-        batch = cycle_batch((self,), values.reshape(1, -1), slopes=False)
-        return Cycles.of_batch(values, batch, lambda index: self.cycle(float(values.flat[index])))
+        return Cycles.of_batch(values, run_batch((self,), values.reshape(1, -1)))
 
     def next_theta(self, theta: ArrayLike) -> NDArray[np.float64]:
         """Return theta_next (...), rad on the lift, at orientations (...)."""
         return self.cycles(theta).theta_next
 
-    def sensitivity(self, theta: float, parameters: tuple[str, ...] = PARAMETER_NAMES) -> CycleSensitivity:
+    def sensitivity(self, theta: float, parameters: tuple[str, ...] = PARAMETERS) -> CycleSensitivity:
         """Run one cycle and differentiate it by theta and by every parameter of material, pusher and protocol.
-
-        `parameters`: leave some out to save time.
 
         The derivatives solve the cycle's variational equation, by CasADi tangents at three places of each of its steps.
         At accuracy 1e-8 those by theta are off by 3e-7 in the median and by 1e-5 at worst, at 1e-10 by 2e-8 and 6e-7
-        (MIT's loop on plywood, delrin and pu, 1,200 cycles).
+        (MIT's loop on plywood, delrin and pu, 1,200 cycles). By the radius of a point rod that comes to a corner, and
+        by shares of the pressure that a footprint cannot have, they are nan; by the friction of a ring that has none
+        one-sided. Raises InvalidInput for an unknown name.
         """
-        cycle = self.cycle(theta)
-        jacobian = cycle_jacobian(self.model, cycle.push, cycle.drag, parameters)
-        return CycleSensitivity(cycle.theta, cycle.theta_next, jacobian, parameters)
+        for name in parameters:
+            if name not in PARAMETERS:
+                raise unknown_name("parameter", name, PARAMETERS)
+        theta = finite_number("theta", theta)
+        batch = run_batch((self,), np.array([[theta]]), len(PARAMETERS))
+        columns = [PARAMETERS.index(name) for name in parameters]
+        return CycleSensitivity(theta, float(batch.theta_next[0, 0]), batch.jacobian[0, 0][:, columns], parameters)
 
     def circle_map(self, tolerance: float = 1e-6, progress: Callable[[float], None] | None = None) -> CircleMap:
         """Return the cycle map theta -> theta_next, its error within `tolerance` (rad) wherever it is not a jump.
@@ -184,9 +199,13 @@ class CollectionLoop:
         `progress` is called with the fraction done. See `sample_circle_map` for how samples are placed and jumps kept.
         """
 
-        sample_error = max(0.1 * positive_number("tolerance", tolerance), 1e-10)
+        if positive_number("tolerance", tolerance) < _LEAST_TOLERANCE:
+            raise InvalidInput(
+                f"tolerance {tolerance} rad is out of reach: samples are good to 1e-10 rad, so ask for "
+                f"{_LEAST_TOLERANCE} or more"
+            )
+        sample_error = max(0.1 * tolerance, 1e-10)
         fine = replace(self, accuracy=min(sample_error, 1e-6))
-        expect_cycles(fine.model, _MAP_SAMPLES)
 
         def value(theta: float) -> float:
             return fine.cycle(theta).theta_next
@@ -201,15 +220,9 @@ class CollectionLoop:
 
     def _values_and_slopes(self, theta: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return theta_next and its derivative by theta at orientations (n,)."""
-        batch = cycle_batch((self,), theta[None], slopes=True)
-        values, slopes = batch.theta_next[0], batch.by_theta[0]
-        for index in np.flatnonzero(~batch.done[0]).tolist():
-            found = self.sensitivity(float(theta[index]), ("theta",))
-            values[index], slopes[index] = found.theta_next, found.by_theta
-        return values, slopes
+        batch = run_batch((self,), theta[None], 1)
+        return batch.theta_next[0], batch.jacobian[0, :, -1, 0]
 
     def strokes(self, theta: float, longest_step: float = math.inf) -> tuple[PushResult, DragResult]:
         """Run the push and the drag of a cycle, their steps no longer than `longest_step` (m)."""
-        push = self.model.push(self.start_pose(theta), self.push, longest_step)
-        way_points = (*self.reset.way_points, (0.0, 0.0))
-        return push, self.model.drag(push.end, way_points, longest_step, self.reset.pin_friction_radius)
+        return self.model.cycle(theta, self.push, self.reset, longest_step)

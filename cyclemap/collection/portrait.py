@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.collection.wearing_loop import drift_of
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import (
     CircleMap,
+    DriftingMap,
     JumpCrossing,
     Orbit,
     RotationNumber,
@@ -26,6 +28,7 @@ from cyclemap.maps import (
     sample_staircase,
     transfer_operator,
 )
+from cyclemap.maps.arcs import shorter_way
 from cyclemap.maps.quadrature import circle_rule, gauss_rule
 
 Array = NDArray[np.float64]
@@ -36,6 +39,8 @@ DEFAULT_SIGMA = float(np.deg2rad(1.1))
 FULL_TURN = 2 * np.pi
 
 DEFAULT_CYCLES = 2000
+# Radians: a zone's centre is the stable point itself.
+_SAME_PLACE = 1e-6
 
 # Fourier modes that the statistics' quadrature resolves; its nodes are then less than a quarter of a degree apart.
 _BANDWIDTH = 2048
@@ -63,6 +68,8 @@ class Portrait:
     jump_crossings : the jumps that carry the turn across zero; the attracting ones gather orbits too.
     noise, operator : the noise added to every cycle, and the transfer operator of map plus noise.
     staircase : one noisy run. prediction : what such a run looks like on average.
+    drifting, worn : where the surface wears, its map over the cycles of the run, which then follows it, and what runs
+        on the surface of the last cycle are like; all else is of the fresh surface. None where it does not.
     cycle : one noiseless cycle, started at the most visited stable point, or at 0 where there is none.
     """
 
@@ -77,6 +84,8 @@ class Portrait:
     staircase: Staircase
     prediction: StaircaseSummary
     cycle: Cycle
+    drifting: DriftingMap | None = None
+    worn: StaircaseSummary | None = None
 
     @cached_property
     def stable_points(self) -> tuple[Orbit, ...]:
@@ -101,6 +110,11 @@ class Portrait:
     def tv_from_uniform(self) -> float | None:
         """Total variation distance of the stationary law from uniform; None where the law is not determined."""
         return self.operator.tv_from_uniform if self.operator.is_certain else None
+
+    def stay(self, orbit: Orbit) -> float | None:
+        """Mean cycles from a stable point until noise has carried θ0 off it; None where that is not known."""
+        near = [zone for zone in self.prediction.zones if abs(shorter_way(zone.centre - orbit.points[0])) < _SAME_PLACE]
+        return float(near[0].residence_cycles) if near else None
 
     @property
     def gathering_jumps(self) -> tuple[float, ...]:
@@ -129,8 +143,10 @@ def portrait(
     if cycles < 1:
         raise InvalidInput(f"cycles is {cycles}; a staircase needs at least one cycle")
     report = progress or _silent
-    # The map is nearly all of the work; what follows it takes a fixed, small part.
-    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(0.8 * fraction))
+    # The maps are nearly all of the work; what follows them takes a fixed, small part.
+    share = 0.8 if loop.material.wear is None else 0.2
+    cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(share * fraction))
+    drifting = drift_of(loop, cycles, lambda fraction: report(share + (0.8 - share) * fraction))
     points = tuple(fixed_points(cycle_map))
     operator = transfer_operator(cycle_map, noise)
     report(0.9)
@@ -143,9 +159,11 @@ def portrait(
         rotation=rotation_number(cycle_map),
         noise=noise,
         operator=operator,
-        staircase=sample_staircase(cycle_map, noise, cycles, start, seed),
+        staircase=sample_staircase(drifting or cycle_map, noise, cycles, start, seed),
         prediction=predict_staircase(cycle_map, noise, operator),
         cycle=loop.cycle(_drawn_start(points, operator)),
+        drifting=drifting,
+        worn=None if drifting is None else predict_staircase(drifting.maps[-1], noise),
     )
     report(1.0)
     return result

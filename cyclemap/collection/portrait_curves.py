@@ -7,11 +7,13 @@ from numpy.typing import NDArray
 
 from cyclemap.collection.cycle_scene import CycleScene, cycle_scene
 from cyclemap.collection.portrait import FULL_TURN, Portrait
-from cyclemap.maps import CircleMap
+from cyclemap.maps import CircleMap, transfer_operator
 
 Array = NDArray[np.float64]
 
 CURVE_SAMPLES = 1440
+# Surfaces, from fresh to worn, whose densities are averaged.
+WORN_SURFACES = 8
 COBWEB_CYCLES = 400
 COBWEB_REVERSALS = 12
 SETTLED = np.deg2rad(0.02)
@@ -50,7 +52,11 @@ class Cobweb:
 
 @dataclass(frozen=True, eq=False)
 class PortraitCurves:
-    """All that is drawn of a portrait. density_theta, density : (n,) rad and (n,) per rad."""
+    """All that is drawn of a portrait.
+
+    density_theta, density : (n,) rad and (n,) per rad; where the surface wears, the mean over the run of the densities
+    that the surface of each of some cycles would lead to.
+    """
 
     turn: TurnCurve
     cobweb: Cobweb
@@ -66,9 +72,18 @@ def portrait_curves(portrait: Portrait) -> PortraitCurves:
         turn=turn_curve(portrait.map),
         cobweb=cobweb(portrait),
         density_theta=theta,
-        density=portrait.operator.density(theta),
+        density=_density(portrait, theta),
         scene=cycle_scene(portrait.loop, portrait.cycle),
     )
+
+
+def _density(portrait: Portrait, theta: Array) -> Array:
+    drifting = portrait.drifting
+    if drifting is None:
+        return portrait.operator.density(theta)
+    shares = (np.arange(WORN_SURFACES) + 0.5) / WORN_SURFACES
+    maps = (drifting.at(portrait.staircase.cycles * share) for share in shares.tolist())
+    return np.asarray(np.mean([transfer_operator(one, portrait.noise).density(theta) for one in maps], axis=0))
 
 
 def turn_curve(cycle_map: CircleMap) -> TurnCurve:

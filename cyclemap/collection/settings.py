@@ -33,8 +33,9 @@ _PUSH = {"side": "side", "fraction": "fraction", "angle_deg": "angle", "push_mm"
 _OUTLINE = ("shape", "vertices_mm", "semi_x_mm", "semi_y_mm")
 _OTHER = ("hitch_x_mm", "hitch_y_mm", "centre_x_mm", "centre_y_mm", "mass_kg")
 _RESET = ("way_points_mm", "pin_friction_mm")
-_FRAME = ("rim_share", "warp_a", "warp_b")
-_PRESSURE = ("footprint", *_FRAME)
+_SHARES = ("inner_share", "rim_share", "corner_share")
+_PRESSURE = ("footprint", *_SHARES)
+
 
 SETTING_KEYS = (*_FRICTION, *_PUSHER, *_PUSH, *_OUTLINE, *_OTHER, *_RESET, *_PRESSURE)
 
@@ -77,17 +78,14 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
     if "footprint" in settings:
         word = str(settings["footprint"])
         found = None if word == "exact" else parse_footprint(word, slider.outline)
-    given = [key for key in _FRAME if key in settings]
+    given = [key for key in _SHARES if key in settings]
     if not given:
         return found
     if isinstance(found, PointFootprint):
         raise InvalidInput(f"{given[0]} belongs to the exact footprint: set footprint=exact, or leave {given[0]} out")
-    before = (0.0, 0.0, 0.0) if found is None else (found.rim_share, *found.warp)
-    share, a, b = (_number(settings, key, value) for key, value in zip(_FRAME, before, strict=True))
-    if found is not None and slider.centre_of_mass == loop.slider.centre_of_mass:
-        return replace(found, rim_share=share, warp=(a, b))
-    assert slider.centre_of_mass is not None
-    return PatchFootprint.under(slider.outline, slider.centre_of_mass, share, (a, b))
+    before = PatchFootprint(slider.outline, centre=slider.centre_of_mass) if found is None else found
+    shares = {key: _number(settings, key, getattr(before, key)) for key in _SHARES}
+    return replace(before, **shares, centre=slider.centre_of_mass)  # type: ignore[arg-type]
 
 
 def _slider(slider: Slider, settings: Settings) -> Slider:
@@ -100,7 +98,6 @@ def _slider(slider: Slider, settings: Settings) -> Slider:
         slider = Slider.mit(str(settings["shape"]))
     elif outline is not None:
         slider = Slider(outline, slider.mass, name="own outline")
-    assert slider.centre_of_mass is not None
     centre = (
         _number(settings, "centre_x_mm", slider.centre_of_mass[0]),
         _number(settings, "centre_y_mm", slider.centre_of_mass[1]),

@@ -8,7 +8,7 @@ import numpy as np
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
-from cyclemap.collection.wearing_loop import drifting_map
+from cyclemap.collection.wearing_loop import drift_of
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import (
     CircleMap,
@@ -75,7 +75,7 @@ def staircase_forecast(
     share = 0.7 if loop.material.wear is None else 0.2
     cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(share * fraction))
     prediction = predict_staircase(cycle_map, noise)
-    drifting = _drifting(loop, cycles, report)
+    drifting = drift_of(loop, cycles, lambda done: report(0.2 + 0.6 * done))
     report(0.8)
     run = sample_staircase(drifting or cycle_map, noise, cycles, start, seed)
     worn = None if drifting is None else predict_staircase(drifting.maps[-1], noise)
@@ -86,14 +86,6 @@ def staircase_forecast(
     return StaircaseForecast(
         loop, cycle_map, noise, prediction, residences, run, steps, comparison, drifting=drifting, worn=worn
     )
-
-
-def _drifting(loop: CollectionLoop, cycles: int, report: Callable[[float], None]) -> DriftingMap | None:
-    """The map as the surface wears; None where it does not."""
-    if loop.material.wear is None:
-        return None
-    # How many maps are needed is not known before; this many are usual.
-    return drifting_map(loop, cycles, progress=lambda done: report(min(0.8, 0.2 + 0.05 * done)))
 
 
 def _log10_residence(cycle_map: CircleMap, noise: WrappedNormal, zone: SlowZone) -> Estimate | None:

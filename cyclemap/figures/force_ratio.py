@@ -26,7 +26,6 @@ from cyclemap.mechanics import (
     Slider,
     Trajectory,
 )
-from cyclemap.views.panel_parts import say
 from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
 
 Array = NDArray[np.float64]
@@ -150,16 +149,18 @@ def _travel(record: PushRecord) -> Array:
 
 
 def draw(result: ForceRatio) -> Figure:
-    """Draw the predicted ratio on the left, the recorded one on the right, on one scale."""
+    """Draw the predicted ratio, and the recorded one, where there is one, to the right of it, on one scale."""
     shown = [np.abs(result.predicted.ratio)] + ([np.abs(result.recorded.ratio)] if result.recorded else [])
     half = 1.4 * max(float(ratio.max()) for ratio in shown)
     with picture_style():
-        figure = new_figure(11.0, 4.3)
-        grid = GridSpec(1, 2, figure, left=0.075, right=0.985, bottom=0.13, top=0.85, wspace=0.17)
-        left, right = (figure.add_subplot(grid[number]) for number in range(2))
+        count = 1 if result.recorded is None else 2
+        figure = new_figure(5.5 * count, 4.3)
+        grid = GridSpec(1, count, figure, left=0.15 / count, right=0.985, bottom=0.13, top=0.85, wspace=0.17)
+        left, *right = (figure.add_subplot(grid[number]) for number in range(count))
         _draw_predicted(left, result.predicted)
-        _draw_recorded(right, result)
-        for axes in (left, right):
+        if result.recorded is not None:
+            _draw_recorded(right[0], result.recorded)
+        for axes in (left, *right):
             axes.set(ylim=(-half, half), xlabel="travel of the rod (mm)")
         left.set_ylabel("tangential / normal force (1)")
     return figure
@@ -180,14 +181,8 @@ def _bounds(axes: Axes, friction: float) -> None:
         axes.axhline(sign * friction, color=QUIET, linewidth=1.0, linestyle=(0, (5, 4)), label=label, zorder=1)
 
 
-def _draw_recorded(axes: Axes, result: ForceRatio) -> None:
-    recorded = result.recorded
-    axes.set_title("Recorded" if recorded is None else f"Recorded, {recorded.name}")
-    if recorded is None:
-        say(axes, f"{NO_DATA}:\nno recorded push that sticks and slides")
-        _bounds(axes, result.predicted.friction)
-        axes.set_xlim(0.0, MM * float(result.predicted.travel[-1]))
-        return
+def _draw_recorded(axes: Axes, recorded: RecordedRatio) -> None:
+    axes.set_title(f"Recorded, {recorded.name}")
     _bounds(axes, recorded.friction)
     unclear = ~(recorded.sliding | recorded.sticking)
     kinds: tuple[tuple[str, Chosen, dict[str, Any]], ...] = (
@@ -206,7 +201,7 @@ def caption(result: ForceRatio) -> str:
     stuck = predicted.travel[~predicted.sliding]
     words = (
         "Ratio of tangential to normal force of the rod on the object over one push; the tangent is a quarter turn "
-        "counter-clockwise from the normal into the object. Left: the push from θ0 = 0 on plywood, predicted: "
+        "counter-clockwise from the normal into the object. The push from θ0 = 0 on plywood, predicted: "
         f"±{predicted.friction:.2f} where the rod slides (thin), between where it sticks (thick, from "
         f"{MM * stuck[0]:.0f} to {MM * stuck[-1]:.0f} mm)."
     )
@@ -215,7 +210,7 @@ def caption(result: ForceRatio) -> str:
     over = float(np.mean(np.abs(recorded.ratio[recorded.sticking]) < recorded.friction))
     damaged = f" ({recorded.unreadable} more could not be read)" if recorded.unreadable else ""
     return (
-        f"{words} Right: of {recorded.files} recorded pushes{damaged} the one that both sticks and slides most, "
+        f"{words} On the right, of {recorded.files} recorded pushes{damaged} the one that both sticks and slides most, "
         f"{recorded.name}. Whether the rod slides is read off the motion, not off the forces. While it slides the "
         f"ratio is {recorded.friction:.3f} (median of {len(recorded.forces.ratio)} pieces; the paper's push has "
         f"0.15); while it sticks {100 * over:.0f} % of the samples lie below that."

@@ -138,9 +138,7 @@ def _draw_surface(axes: Axes, result: LimitEllipseAndPatch) -> None:
     )
     axes.plot(*_turned(np.array([law.m0, law.n0]), law.phi), "o", color=PREDICTED, markersize=4)
     axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
-    if result.scans is None or result.fitted is None:
-        axes.text(0.0, -0.09, f"{NO_DATA}:\nno friction scans", ha="center", va="center", color=QUIET, fontsize=8)
-    else:
+    if result.scans is not None and result.fitted is not None:
         look: dict[str, Any] = {"color": MEASURED, "markeredgecolor": MEASURED_EDGE, "markersize": 4.0}
         axes.plot(*result.scans.traction.T, "o", label="friction scans", zorder=2, **look)
         axes.plot(*limit_curve(result.fitted).T, color=MEASURED_EDGE, linewidth=1.5, linestyle="--", label="fitted")

@@ -136,7 +136,7 @@ def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
     axes.legend(loc="lower right")
 
 
-_INDEX = ("k", "k+1")
+_INDEX, _RAISED = ("k", "k+1"), ("ᵏ", "ᵏ⁺¹")
 
 
 def _frame(axes: Axes, result: SetupAndCycles) -> None:
@@ -174,7 +174,7 @@ def _start_arrow(axes: Axes, loop: CollectionLoop, cycle: Cycle, scene: CycleSce
     tail = tip - _ARROW * way
     arrow = {"arrowstyle": "-|>", "color": FORCE, "linewidth": 2.2, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=arrow, zorder=8)
-    words = f"$\\theta_0^{{{_INDEX[number]}}}$ = {math.degrees(cycle.theta):.0f}°"
+    words = f"θ₀{_RAISED[number]} = {math.degrees(cycle.theta):.0f}°"
     (x, y), lean = (tail - 4.0 * way).tolist(), "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center"
     axes.text(x, y, words, color=FORCE, fontsize=10, ha=lean, va="center", zorder=8)
 

@@ -141,8 +141,6 @@ def _draw_push(axes: Axes, result: SimulatedAgainstMeasured) -> None:
     if result.recorded is not None:
         pushes = result.recorded.pushes
         _dots(axes, pushes.theta, pushes.dtheta, "recorded pushes")
-    else:
-        _absent(axes, "recorded pushes")
     for simulated, look in zip(result.simulated, _LOOKS, strict=True):
         _curve(axes, simulated.push_at(_CURVE), simulated.name, look)
     axes.set_ylabel("Δθ, turn of the push (°)")
@@ -161,16 +159,10 @@ def _draw_cycle(axes: Axes, result: SimulatedAgainstMeasured) -> None:
             "linestyle": "none",
         }
         axes.plot(*np.degrees([bins.centre, bins.median]), "s", label="their medians in 5°", zorder=6, **look)
-    else:
-        _absent(axes, "measured θ0")
     for simulated, look in zip(result.simulated, _LOOKS, strict=True):
         _curve(axes, simulated.cycle_at(_CURVE), simulated.name, look)
     axes.set_ylabel("turn of push and drag (°)")
     axes.set_title("Whole cycle", pad=34.0)
-
-
-def _absent(axes: Axes, what: str) -> None:
-    axes.text(0.98, 0.07, f"{NO_DATA}: no {what}", transform=axes.transAxes, ha="right", color=QUIET, fontsize=8)
 
 
 def _dots(axes: Axes, theta: Array, turn: Array, label: str) -> None:

@@ -33,7 +33,6 @@ from cyclemap.maps import (
     slow_passages,
     transfer_operator,
 )
-from cyclemap.views.panel_parts import say
 from cyclemap.views.style import (
     INK,
     MEASURED,
@@ -142,18 +141,25 @@ def bottleneck(
 
 
 def draw(result: StaircaseBottleneck) -> Figure:
-    """A row for the computed bottleneck and one for the measured: map, directions, staircase, lengths of visits."""
+    """A row for the computed bottleneck and one for the measured, where there is one.
+
+    Each shows map, directions, staircase, lengths of visits.
+    """
     with picture_style():
-        figure = new_figure(12.6, 6.6)
-        grid = GridSpec(2, 4, figure, left=0.05, right=0.99, bottom=0.085, top=0.875, wspace=0.27, hspace=0.62)
-        for row, one in enumerate((result.computed, result.measured)):
+        shown = [one for one in (result.computed, result.measured) if one is not None]
+        tall = len(shown) > 1
+        figure = new_figure(12.6, 6.6 if tall else 3.6)
+        ends = {"bottom": 0.085, "top": 0.875} if tall else {"bottom": 0.15, "top": 0.78}
+        grid = GridSpec(len(shown), 4, figure, left=0.05, right=0.99, wspace=0.27, hspace=0.62, **ends)
+        for row, one in enumerate(shown):
             panels = [figure.add_subplot(grid[row, column]) for column in range(4)]
-            if one is None:
-                for axes in panels:
-                    axes.set_axis_off()
-                say(figure.add_subplot(grid[row, :], frameon=False, xticks=[], yticks=[]), NO_DATA)
-                continue
-            figure.text(0.008, panels[0].get_position().y1 + 0.055, one.title.capitalize(), fontsize=12, weight="bold")
+            figure.text(
+                0.008,
+                panels[0].get_position().y1 + (0.055 if tall else 0.1),
+                one.title.capitalize(),
+                fontsize=12,
+                weight="bold",
+            )
             for axes, panel in zip(panels, (_draw_turn, _draw_directions, _draw_path, _draw_lengths), strict=True):
                 panel(axes, one)
                 if panel is not _draw_lengths:

@@ -19,7 +19,7 @@ from cyclemap.figures.exhibit import BEYOND, PaperFigure
 from cyclemap.figures.loop_family import LoopFamily, loop_family
 from cyclemap.figures.measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
 from cyclemap.maps import WrappedNormal, transfer_operator
-from cyclemap.views.panel_parts import legend_above, say
+from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import (
     MEASURED,
     MEASURED_EDGE,
@@ -143,14 +143,13 @@ def draw(result: WearDrift) -> Figure:
     with picture_style():
         figure = new_figure(10.5, 6.6)
         grid = GridSpec(2, 2, figure, left=0.065, right=0.985, bottom=0.08, top=0.9, wspace=0.2, hspace=0.55)
-        computed, seen, least, pace = (figure.add_subplot(grid[k // 2, k % 2]) for k in range(4))
+        computed = figure.add_subplot(grid[0, :] if result.measured_turns is None else grid[0, 0])
+        least, pace = (figure.add_subplot(grid[1, k]) for k in range(2))
         _draw_turns(computed, result.turns, _LOOKS)
         computed.set_title("Computed: turn of a cycle", pad=22)
-        seen.sharey(computed)
-        seen.set_title("Measured: turn of a cycle, fitted", pad=22)
-        if result.measured_turns is None:
-            say(seen, NO_DATA)
-        else:
+        if result.measured_turns is not None:
+            seen = figure.add_subplot(grid[0, 1], sharey=computed)
+            seen.set_title("Measured: turn of a cycle, fitted", pad=22)
             _draw_turns(seen, result.measured_turns, _MEASURED_LOOKS)
         _draw_least(least, result)
         _draw_pace(pace, result)

@@ -5,20 +5,19 @@ import os
 import signal
 import threading
 import time
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from cyclemap.errors import CycleMapError
-from cyclemap.mechanics.compiled.threads import THREADS_VARIABLE
+from cyclemap.errors import CycleMapError, DoubtfulInput
+from cyclemap.mechanics.engine.strokes import THREADS_VARIABLE
 from cyclemap.sweeps.portrait_numbers import PointNumbers, PointOutcome, SweptPoint
 
 # Processes share the cores: each does linear algebra, and runs strokes, in one thread.
 _THREADS = ("OPENBLAS_NUM_THREADS", THREADS_VARIABLE)
-# Mechanics write into buffers that they keep: threads of one process take turns.
-_ONE_AT_A_TIME = threading.Lock()
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,15 +34,17 @@ def find_chunk(numbers: PointNumbers, points: tuple[SweptPoint, ...]) -> FoundCh
 
     What a point refuses is in its outcome; any other failure is a CycleMapError that names the point.
     """
-    with _ONE_AT_A_TIME:
-        begun = time.perf_counter()
-        found = tuple((point, _find(numbers, point)) for point in points)
-        return FoundChunk(found, numbers.version, time.perf_counter() - begun)
+    begun = time.perf_counter()
+    found = tuple((point, _find(numbers, point)) for point in points)
+    return FoundChunk(found, numbers.version, time.perf_counter() - begun)
 
 
 def _find(numbers: PointNumbers, point: SweptPoint) -> PointOutcome:
     try:
-        return numbers(point)
+        with warnings.catch_warnings():
+            # A sweep goes where it is sent: what is doubtful of its ends was said when it was planned.
+            warnings.simplefilter("ignore", DoubtfulInput)
+            return numbers(point)
     except Exception as error:
         told = f"point {point.number} ({_described(point.settings)})"
         raise CycleMapError(

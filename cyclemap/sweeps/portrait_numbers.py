@@ -1,7 +1,6 @@
 """The numbers of a point: the loop that its settings make, and what the portrait of that loop tells."""
 
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Protocol
@@ -25,8 +24,6 @@ from cyclemap.maps import (
 )
 from cyclemap.maps.operator.spectrum import mixing_time
 from cyclemap.mechanics import Material
-from cyclemap.mechanics.compiled.cycle_batch import expect_cycles
-from cyclemap.mechanics.compiled.stroke_runner import WORTHWHILE
 from cyclemap.sweeps.code_version import code_version
 from cyclemap.sweeps.quantities import CHEAP_GROUPS, Quantity, chosen_groups, quantities_of
 from cyclemap.sweeps.swept_keys import NOISE_KEY
@@ -70,9 +67,6 @@ class PointNumbers(Protocol):
     def described(self) -> dict[str, object]:
         """What else the numbers depend on, as JSON takes it."""
 
-    def prepare(self, point: SweptPoint) -> None:
-        """Have at hand what points like this one share and processes would each make anew; refuses nothing."""
-
     def __call__(self, point: SweptPoint) -> PointOutcome:
         """Find the numbers of a point."""
 
@@ -115,11 +109,6 @@ class PortraitNumbers:
             "tolerance": self.tolerance,
             "rotation_tolerance": self.rotation_tolerance,
         }
-
-    def prepare(self, point: SweptPoint) -> None:
-        """Compile the kernels of the point's loop and keep them, where there is a compiler."""
-        with suppress(CycleMapError):
-            expect_cycles(self._loop_and_sigma(point)[0].model, WORTHWHILE)
 
     def __call__(self, point: SweptPoint) -> PointOutcome:
         """Find the numbers; what the loop or a group refuses is told in the outcome."""

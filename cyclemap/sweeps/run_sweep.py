@@ -64,8 +64,6 @@ def run_sweep(
         report(status)
         if status.complete:
             return status
-        if executor is None:
-            plan.numbers.prepare(plan.point(0))
         with own_executor(many) if executor is None else nullcontext(executor) as pool:
             _Run(plan, store, pool, many, report, status).go()
         store.finish()

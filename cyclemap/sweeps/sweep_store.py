@@ -11,7 +11,7 @@ import json
 import math
 import sqlite3
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -22,7 +22,7 @@ from cyclemap.sweeps.sweep_plan import SweepPlan
 
 # "cysw": tells a sweep's store from any other SQLite file.
 _APPLICATION = 0x63797377
-_FORMAT = 1
+_FORMAT = 2
 _PATIENCE_SECONDS = 60.0
 _WRITE_FAULTS = (
     sqlite3.SQLITE_FULL,
@@ -106,8 +106,6 @@ class SweepStore:
         names = ["digest", "number", *keys, *scalars, *lists, "refusal", "seal"]
         with self._faults_told():
             for row in self.connection.execute(f"SELECT {_quoted(names)} FROM points ORDER BY number"):
-                if _seal(row[:-1]) != row[-1]:
-                    raise self._damaged(f"the row of point {row[1]} is not as it was written")
                 found = dict(zip(names, row, strict=True))
                 found.update({name: tuple(json.loads(found[name])) for name in lists if found[name] is not None})
                 yield found
@@ -151,37 +149,54 @@ class SweepStore:
         application = run("PRAGMA application_id").fetchone()[0]
         tables = run("SELECT count(*) FROM sqlite_master").fetchone()[0]
         if application == 0 and tables == 0 and plan is not None:
-            return self._created(plan)
+            self._create(plan)
+            application = run("PRAGMA application_id").fetchone()[0]
         if application != _APPLICATION or run("PRAGMA user_version").fetchone()[0] != _FORMAT:
             raise DataFileError(
                 f"{self.path}: not a store of this version's sweeps; choose another folder or remove it"
             )
         run("PRAGMA synchronous = FULL")
-        found = [row[0] for row in run("PRAGMA quick_check")]
+        found = [row[0] for row in run("PRAGMA integrity_check")]
         if found != ["ok"]:
             raise self._damaged(str(found[0]))
+        # Damage that leaves SQLite's own structure whole shows in the seals.
+        for table in ("sweep", "points"):
+            for row in run(f"SELECT * FROM {table}"):
+                if _seal(row[:-1]) != row[-1]:
+                    raise self._damaged(f"a row of its table {table} is not as it was written")
         description: dict[str, object] = json.loads(run("SELECT description FROM sweep").fetchone()[0])
         if plan is not None:
             self._check_same(description, _description(plan))
+        self.description = description
+        if run("SELECT sql FROM sqlite_master WHERE name = 'points'").fetchone() != (self._points_table(),):
+            raise self._damaged("its columns are not as they were made")
         return description
 
-    def _created(self, plan: SweepPlan) -> dict[str, object]:
-        description = _description(plan)
-        self.description = description
+    def _points_table(self) -> str:
+        """The statement that makes the table of the points."""
         keys, scalars, lists = self._columns()
-        run = self.connection.execute
-        run("PRAGMA journal_mode = WAL")
-        run("PRAGMA synchronous = FULL")
         columns = ["digest TEXT PRIMARY KEY", "number INTEGER NOT NULL UNIQUE", *(f'"{key}"' for key in keys)]
         columns += [f'"{name}" REAL' for name in scalars] + [f'"{name}" TEXT' for name in lists]
         columns += ["refusal TEXT NOT NULL", "seal TEXT NOT NULL"]
+        return f"CREATE TABLE points ({', '.join(columns)}) WITHOUT ROWID"
+
+    def _create(self, plan: SweepPlan) -> None:
+        """Make the tables, unless another process that began at the same time has made them."""
+        self.description = _description(plan)
+        run = self.connection.execute
+        run("PRAGMA synchronous = FULL")
         with self._transaction():
-            run("CREATE TABLE sweep (description TEXT NOT NULL)")
-            run("INSERT INTO sweep VALUES (?)", (json.dumps(description),))
-            run(f"CREATE TABLE points ({', '.join(columns)}) WITHOUT ROWID")
+            if run("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+                return
+            told = (json.dumps(self.description),)
+            run("CREATE TABLE sweep (description TEXT NOT NULL, seal TEXT NOT NULL)")
+            run("INSERT INTO sweep VALUES (?, ?)", (*told, _seal(told)))
+            run(self._points_table())
             run(f"PRAGMA user_version = {_FORMAT}")
             run(f"PRAGMA application_id = {_APPLICATION}")
-        return description
+        # Only one of several connections can change the journal; any one will do, and rollback is as safe.
+        with suppress(sqlite3.OperationalError):
+            run("PRAGMA journal_mode = WAL")
 
     def _check_same(self, stored: dict[str, object], wanted: dict[str, object]) -> None:
         other = [name for name in wanted["plan"] if stored["plan"].get(name) != wanted["plan"][name]]  # type: ignore[attr-defined, index]
@@ -225,6 +240,8 @@ class SweepStore:
                     f"{self.path} cannot be written ({error}): the disk is full or refuses; what was stored is kept: "
                     "make room, then run the same sweep again"
                 ) from error
+            raise self._damaged(str(error)) from error
+        except UnicodeDecodeError as error:
             raise self._damaged(str(error)) from error
         except OSError as error:
             raise StoreWriteError(f"{self.path} cannot be written ({error.strerror}): choose another folder") from error

@@ -11,6 +11,7 @@ from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.settings import SETTING_KEYS
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Slider, load_material
+from cyclemap.plain_text import json_value, plain_number, plain_whole
 from cyclemap.suggestions import unknown_name
 
 MATERIAL_KEY, NOISE_KEY, FOOTPRINT_KEY = "material", "noise_deg", "footprint"
@@ -104,8 +105,8 @@ def parse_over(text: str) -> SweptKey:
 
 def _stretch(key: str, text: str, parts: list[str]) -> SweptKey:
     try:
-        numbers = [float(part) for part in parts[:2]]
-        count = int(parts[2]) if len(parts) == 3 else 0
+        numbers = [plain_number(part) for part in parts[:2]]
+        count = plain_whole(parts[2]) if len(parts) == 3 else 0
     except ValueError:
         numbers = []
     if len(numbers) != 2 or len(parts) > 3 or not all(map(math.isfinite, numbers)):
@@ -122,7 +123,7 @@ def _listed(key: str, text: str) -> tuple[object, ...]:
     if key in TEXT_KEYS:
         return words
     try:
-        return tuple(json.loads(f"[{text}]")) if key in _POINT_KEYS else tuple(map(float, words))
+        return tuple(json_value(f"[{text}]")) if key in _POINT_KEYS else tuple(map(plain_number, words))  # type: ignore[arg-type]
     except ValueError as cause:
         form = "[[x, y], ...],[[x, y], ...]" if key in _POINT_KEYS else "numbers, by commas"
         raise InvalidInput(f"--over {key}={text}: give {form}") from cause

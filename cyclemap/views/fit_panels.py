@@ -1,5 +1,6 @@
 """Panels of what was fitted to measured pushes: laws with bands, histograms, the worn cycle map, its turns."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from cyclemap.evidence.tables.law_table import MotionLaw
 from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, WornForecast
 from cyclemap.evidence.tables.turn_histogram import TurnHistogram
 from cyclemap.evidence.tables.turn_pace import TurnPace
+from cyclemap.evidence.theta0.covered_arcs import is_covered
 from cyclemap.views.panel_parts import legend_above, orbit_marker, say, stability
 from cyclemap.views.record_panels import PER_DEGREE, draw_measured_histogram, draw_staircase
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, degree_axis
@@ -35,7 +37,7 @@ def draw_law(axes: Axes, law: MotionLaw) -> None:
     if law.law is None:
         say(axes, "no law")
     else:
-        band = law.law.band(CIRCLE)
+        band = _where_measured(law.law.band(CIRCLE), law.theta)
         _draw_band(axes, band, scale, PREDICTED_FILL, "95 % of pushes")
         _draw_mean(axes, band, scale, PREDICTED, "law, 95 % band of its mean", "-")
         _keep_to(axes, [scale * band.lower, scale * band.upper, _bulk(scale * law.value)])
@@ -51,7 +53,7 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
     _draw_dots(axes, found.pairs.theta, turns)
     edges = [_bulk(turns)]
     for state, fill, line, dash in _states(found):
-        band = _map_band(found, state)
+        band = _where_measured(_map_band(found, state), found.pairs.theta)
         name = f"push {state.cycle:.0f}" if found.wears else "fitted map"
         _draw_band(axes, band, SCALES["dtheta"], fill, None if found.wears else "95 % of pushes")
         _draw_mean(axes, band, SCALES["dtheta"], line, name, dash)
@@ -131,6 +133,12 @@ def _map_band(found: MeasuredCycleMap, state: MapState) -> LawBand:
     return (found.fitted.law if worn is None else worn.at(state.cycle)).band(CIRCLE)
 
 
+def _where_measured(band: LawBand, theta: Array) -> LawBand:
+    """The band with gaps where no orientation was measured."""
+    hidden = np.where(is_covered(theta, CIRCLE), 0.0, np.nan)
+    return replace(band, centre=band.centre + hidden)
+
+
 def _draw_dots(axes: Axes, theta: Array, value: Array) -> None:
     look: dict[str, Any] = {"color": MEASURED, "markersize": 3, "markeredgewidth": 0, "alpha": 0.45}
     axes.plot(np.degrees(np.mod(theta, 2 * np.pi)), value, "o", label="measured", zorder=2, **look)
@@ -163,7 +171,7 @@ def _bulk(value: Array) -> Array:
 
 def _keep_to(axes: Axes, shown: list[Array]) -> None:
     values = np.concatenate(shown)
-    low, high = float(np.min(values)), float(np.max(values))
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
     margin = 0.06 * (high - low) or 1.0
     axes.set_ylim(low - margin, high + margin)
 

@@ -3,14 +3,23 @@
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cyclemap.evidence.tables.law_table import MotionLaw
-from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, WornForecast
+from cyclemap.evidence.tables.measured_cycle_map import (
+    FEWEST_FOR_WEAR,
+    MapState,
+    MeasuredCycleMap,
+    TurnPlace,
+    WornForecast,
+)
 from cyclemap.evidence.tables.set_fit import SetFit
 from cyclemap.evidence.tables.turn_histogram import TurnHistogram
+from cyclemap.evidence.theta0.covered_arcs import covered_arcs
 from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram
 from cyclemap.views.sentences import angle, number
 
+Array = NDArray[np.float64]
 SIGNS = {"dtheta": "Δθ", "dx": "Δx", "dy": "Δy"}
 # Residuals more alike than this make bands and spreads visibly too narrow.
 ALIKE = 0.15
@@ -35,7 +44,17 @@ def count_sentence(fit: SetFit) -> str:
     pooled = f" at {contacts} contacts, pooled: none was repeated often" if contacts > 1 else ""
     known = "" if pushes.has_motion else " of which θ0 alone is known"
     dropped = "" if pushes.pairs is None or not pushes.pairs.dropped_count else f" ({_dropped(fit)})"
-    return f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}."
+    return f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.{_cover(pushes.theta)}"
+
+
+def _cover(theta: Array) -> str:
+    """Which orientations were measured, where these are not all."""
+    arcs = covered_arcs(theta)
+    if arcs == ((0.0, 2 * np.pi),):
+        return ""
+    size = angle(sum(high - low for low, high in arcs), 0)
+    told = [f"{angle(low, 0)} to {angle(high % (2 * np.pi), 0)}" for low, high in arcs]
+    return f" θ0 covers {size} of the circle ({_listed(told)}); nothing is said of the rest."
 
 
 def law_sentence(law: MotionLaw) -> str:
@@ -71,8 +90,10 @@ def histogram_sentence(histogram: TurnHistogram) -> str:
 def map_sentences(found: MeasuredCycleMap) -> list[str]:
     """The cycle map: its law, where it holds or is slow, and what it foretells."""
     said = [order_sentence(found), place_sentence(found)]
-    if found.forecast is None:
+    if found.forecast is None and (found.pairs.path is None or found.pairs.cycle is None):
         return [*said, "The order of the pushes is unknown: no wear, no staircase."]
+    if found.forecast is None:
+        return [*said, "Its paths leave the orientations that were measured: no staircase is foretold."]
     said += [turns_sentence(found.forecast), pace_sentence(found.forecast), peak_sentence(found.forecast)]
     return said
 
@@ -80,7 +101,10 @@ def map_sentences(found: MeasuredCycleMap) -> list[str]:
 def order_sentence(found: MeasuredCycleMap) -> str:
     """The order, wear and scatter of the cycle map."""
     law = found.fitted.law if found.fitted.wear is None else found.fitted.wear.whole
-    wear = f", wearing with degree {found.fitted.wear.degree}" if found.fitted.wear and found.wears else ", no wear"
+    worn, few = found.fitted.wear, f"{FEWEST_FOR_WEAR} cycles or more would tell"
+    wear = "" if worn is None else f", wearing with degree {worn.degree}" if found.wears else ", no wear seen"
+    if worn is not None and found.pairs.theta.size < FEWEST_FOR_WEAR:
+        wear = f", wear unknown ({few})"
     quiet, loud = (f"{angle(size, 2)} at {angle(place, 0)}" for place, size in (found.quietest, found.loudest))
     scatter = f"scatter {angle(law.sigma, 2)}" + ("" if law.log_variance.size == 1 else f", from {quiet} to {loud}")
     alike = f"; neighbouring residuals correlate ({law.lag_correlation:.2f}), so bands and ranges are too narrow"
@@ -92,9 +116,10 @@ def order_sentence(found: MeasuredCycleMap) -> str:
 def place_sentence(found: MeasuredCycleMap) -> str:
     """Where the map holds or is slow, early and late."""
     if not found.wears:
-        return f"It has {_places(found.late)}."
+        told = _places(found.late)
+        return f"{told[0].upper()}{told[1:]}."
     early, late = (f"push {state.cycle:.0f}" for state in (found.early, found.late))
-    return f"At {early} it has {_places(found.early)}; at {late} {_places(found.late)}."
+    return f"At {early} {_places(found.early)}. At {late} {_places(found.late)}."
 
 
 def turns_sentence(forecast: WornForecast) -> str:
@@ -137,15 +162,28 @@ def _peak(histogram: AngleHistogram) -> str:
 
 def _places(state: MapState) -> str:
     kinds = [f"{orbit.kind} {angle(orbit.points[0])}" for orbit in state.fixed_points]
-    passages = [
-        f"{angle(p.theta)} ({number(p.passage_cycles)} pushes, least turn {angle(p.gap, 2)})" for p in state.passages
+    has = [f"fixed points: {_listed(kinds)}"] if kinds else []
+    slow = [
+        f"{angle(p.theta)} ({number(p.cycles or math.nan)} pushes; least turn {_interval(p)})" for p in state.passages
     ]
-    told = [f"fixed points: {', '.join(kinds)}"] if kinds else []
-    told += (
-        [f"{'bottlenecks' if len(passages) > 1 else 'a bottleneck'} at {' and '.join(passages)}"] if passages else []
-    )
-    place, turn = state.slowest
-    return " and ".join(told) or f"no slow zone: at the slowest, {angle(place)}, a cycle turns by {angle(turn)}"
+    has += [f"{'bottlenecks' if len(slow) > 1 else 'a bottleneck'} at {_listed(slow)}"] if slow else []
+    open_ = [f"{angle(one.theta)}, where a cycle turns by {_interval(one)}" for one in state.undecided]
+    told = [f"it has {_listed(has)}"] if has else []
+    told += [f"it cannot be told whether θ0 rests or passes at {_listed(open_)}"] if open_ else []
+    slowest = f"{angle(state.slowest.theta)}, a cycle turns by {_interval(state.slowest)}"
+    return "; ".join(told) or f"it has no slow zone among the measured θ0: at the slowest, {slowest}"
+
+
+def _interval(place: TurnPlace) -> str:
+    """A turn with its interval, in the decimals that the interval allows."""
+    width = math.degrees(place.upper - place.lower)
+    decimals = 2 if width < 1.0 else 1 if width < 10.0 else 0
+    low, high = angle(place.lower, decimals), angle(place.upper, decimals)
+    return f"{angle(place.turn, decimals)} ({low} to {high})"
+
+
+def _listed(parts: list[str]) -> str:
+    return " and ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
 
 
 def _at_limit(found: MeasuredCycleMap) -> bool:

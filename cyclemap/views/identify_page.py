@@ -74,7 +74,7 @@ def _draw_intervals(figure: Figure, grid: GridSpec, found: Identification) -> No
 
 def _write_words(figure: Figure, title: str, words: Sequence[str], undrawn: int) -> float:
     """Write title, sentences and foot; returns where the sentences end, as a share of the page's height."""
-    figure.text(0.012, 0.968, title, fontsize=16, fontweight="bold", va="center")
+    figure.text(0.012, 0.968, title, fontsize=13, fontweight="bold", va="center")
     told = fill(" ".join(words), LINE_LETTERS)
     figure.text(0.012, 0.947, told, fontsize=9.5, va="top", linespacing=1.3)
     more = f"; {undrawn} panels more are not drawn" if undrawn > 0 else ""

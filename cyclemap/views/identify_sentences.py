@@ -10,16 +10,17 @@ from cyclemap.views.sentences import angle
 
 
 def headline(name: str, derived: Sequence[Derived]) -> str:
-    """The shape of the friction ellipse, as far as it is known."""
+    """The friction ellipse as far as it is known: intervals, for no value is surer than its own."""
     known = {one.name: one for one in derived}
     told = []
     if "axis_ratio" in known:
-        told.append(f"axes {known['axis_ratio'].value:.2f} : 1{_along(known.get('axis_direction'))}")
+        longer = _way(known, "axis_direction", " (longer along {})")
+        told.append(f"axes {_range(known['axis_ratio'], 1.0, 2)} : 1{longer}")
     if "offset_size" in known:
-        size, way = known["offset_size"], known.get("offset_direction")
-        told.append(f"{100.0 * size.value:.1f} % off centre{_towards(way)}")
+        towards = _way(known, "offset_direction", " towards {}")
+        told.append(f"centre {_range(known['offset_size'], 100.0, 1)} % off{towards}")
     if "mean_friction" in known:
-        told.append(f"mean friction {known['mean_friction'].value:.3f}")
+        told.append(f"mean friction {_range(known['mean_friction'], 1.0, 3)}")
     return f"{name}: friction ellipse with {', '.join(told)}" if told else f"{name}: friction taken as isotropic"
 
 
@@ -31,18 +32,6 @@ def error_sentence(found: Identification) -> str:
 def note_sentences(found: Identification) -> list[str]:
     """What qualifies the result."""
     return [f"note: {note}" for note in found.notes]
-
-
-def interval_sentences(derived: Sequence[Derived]) -> list[str]:
-    """Intervals of the ellipse's ratio and offset."""
-    told = []
-    for one in derived:
-        if one.name == "axis_ratio":
-            told.append(f"The axes' ratio lies between {one.lower:.2f} and {one.upper:.2f}{_way(derived, 'axis')}.")
-        if one.name == "offset_size":
-            ends = f"{100.0 * one.lower:.1f} and {100.0 * one.upper:.1f} %"
-            told.append(f"The centre is between {ends} of the mean radius off{_way(derived, 'offset')}.")
-    return told
 
 
 def comparison_sentences(comparison: ExplanationComparison) -> list[str]:
@@ -61,11 +50,9 @@ def comparison_sentences(comparison: ExplanationComparison) -> list[str]:
     return said
 
 
-def page_sentences(
-    found: Identification, derived: Sequence[Derived], comparison: ExplanationComparison | None
-) -> list[str]:
+def page_sentences(found: Identification, comparison: ExplanationComparison | None) -> list[str]:
     """What is written on the page."""
-    said = [*interval_sentences(derived), error_sentence(found)]
+    said = [f"Ranges are intervals of {100.0 * found.level:g} %.", error_sentence(found)]
     return said + ([] if comparison is None else comparison_sentences(comparison))
 
 
@@ -73,20 +60,19 @@ def _named(one: Explanation) -> str:
     return f"“{one.name}”"
 
 
-def _way(derived: Sequence[Derived], part: str) -> str:
-    for one in derived:
-        if one.name == f"{part}_direction":
-            return (
-                f", its direction between {angle(one.lower)} and {angle(one.upper)}"
-                if one.known
-                else ", its direction open"
-            )
-    return ""
+def _range(one: Derived, factor: float, decimals: int) -> str:
+    return _between(f"{factor * one.lower:.{decimals}f}", f"{factor * one.upper:.{decimals}f}")
 
 
-def _along(way: Derived | None) -> str:
-    return f" (longer along {angle(way.value)})" if way is not None and way.known else ""
+def _between(low: str, high: str) -> str:
+    return low if low == high else f"{low} to {high}"
 
 
-def _towards(way: Derived | None) -> str:
-    return f" towards {angle(way.value)}" if way is not None and way.known else ""
+def _way(known: dict[str, Derived], name: str, words: str) -> str:
+    """The interval of a direction in these words; that it may be any; nothing where it was not asked for."""
+    if name not in known:
+        return ""
+    way = known[name]
+    if not way.known:
+        return ", in any direction"
+    return words.format(_between(angle(way.lower, 0), angle(way.upper, 0)))

@@ -60,7 +60,7 @@ def _draw_turn_panel(axes: Axes, portrait: Portrait, curves: PortraitCurves, mea
     draw_turn(axes, curves.turn, portrait.fixed_points)
     if measured is not None:
         draw_measured_turns(axes, measured.pairs, measured.bins)
-    axes.set_title("Turn of one cycle", y=_TITLE_PLACE)
+    axes.set_title("Turn of one cycle" + (", fresh" if portrait.worn is not None else ""), y=_TITLE_PLACE)
     _legend_above(axes)
 
 

@@ -1,103 +1,161 @@
-"""A designed reset on one landscape page: before and after, bias against drag, and the ranking."""
+"""A designed reset on one landscape page: where to push, what is recorded before and after, and how sure that is."""
 
 from __future__ import annotations
 
 import math
-from textwrap import fill, shorten
-from typing import Any
+from textwrap import fill
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
+from matplotlib.ticker import PercentFormatter
+from scipy.stats import binom
 
-from cyclemap.resets.design.reset_curves import ResetCurves
-from cyclemap.resets.design.reset_design import ResetDesign
-from cyclemap.resets.design.reset_ranking import ScoredReset
-from cyclemap.resets.design.reset_trial import ResetTrial
-from cyclemap.views.reset_panels import draw_cycles, draw_laws, draw_maps, draw_runs, draw_trade_off
-from cyclemap.views.reset_sentences import reset_sentences, trial_sentence
-from cyclemap.views.style import FORCE, INK, QUIET, new_figure, picture_style
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.mechanics import Polygon, SidePush
+from cyclemap.resets import ResetDesign, ResetRow, ResetStrategy
+from cyclemap.resets.protocol.schedule_file import rod_start
+from cyclemap.views.panel_parts import legend_above, name_tag
+from cyclemap.views.reset_sentences import miss_sentences, recipe
+from cyclemap.views.style import (
+    FORCE,
+    INK,
+    MEASURED,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    degree_axis,
+    new_figure,
+    picture_style,
+)
 
-PAGE_INCHES = (13.333, 8.4)
-LINE_LETTERS = 200
-_MOST_LINES = 6
-_MOST_ROWS = 22
-_NAME_LETTERS = 40
-# Columns of the ranking: their heads, and their right edges as shares of the width of the panel.
-_COLUMNS = (("TV", 0.66), ("after", 0.76), ("drag (mm)", 0.89), ("× own", 0.99))
+PAGE_INCHES = (13.333, 7.5)
+ROLES = {
+    "chosen": "chosen", "simplest": "simplest", "evenest": "most uniform", "cheapest": "cheapest",
+    "way back": "way back only", "gripper": "with a gripper", "ring": "ring elsewhere", "yours": "yours",
+    "as it is": "as it is",
+}  # fmt: skip
+COLUMNS = ("", "what to do", "long run", "at worst", "after, worst", "histogram", "drag", "cycle", "contact")
+_PLACES = (0.0, 0.105, 0.535, 0.6, 0.665, 0.745, 0.82, 0.885, 0.95)
+_ARROW, _NAMED = 0.45, 8
 
 
-def reset_page(design: ResetDesign, curves: ResetCurves, trial: ResetTrial | None = None) -> Figure:
-    """Draw a design with its curves, and what a run by the full mechanics found."""
+def reset_page(design: ResetDesign) -> Figure:
+    """Draw `design`."""
     with picture_style():
         figure = new_figure(*PAGE_INCHES)
-        top = GridSpec(1, 4, figure, left=0.05, right=0.985, bottom=0.535, top=0.76, wspace=0.32)
-        for column, draw in enumerate((draw_laws, draw_runs, draw_maps)):
-            draw(figure.add_subplot(top[0, column]), curves)
-        draw_trade_off(figure.add_subplot(top[0, 3]), design)
-        foot = GridSpec(
-            1, 3, figure, width_ratios=(1.0, 1.0, 1.55), left=0.05, right=0.985, bottom=0.095, top=0.435, wspace=0.16
+        grid = GridSpec(
+            1, 3, figure, width_ratios=(1.0, 1.55, 1.15), left=0.03, right=0.985, bottom=0.43, top=0.84, wspace=0.25
         )
-        window = 1.04 * max(curves.before.reach, curves.after.reach)
-        for column, (curve, name) in enumerate(((curves.before, "as it is"), (curves.after, "chosen"))):
-            axes = figure.add_subplot(foot[0, column])
-            draw_cycles(axes, curve, window)
-            axes.set_title(f"Cycles, {name}")
-        figure.axes[-2].set_ylabel("y (mm)")
-        _draw_ranking(figure.add_subplot(foot[0, 2]), design)
-        _write_words(figure, design, trial)
+        draw_pushes(figure.add_subplot(grid[0, 0]), design.loop, design.chosen.strategy)
+        _draw_histograms(figure.add_subplot(grid[0, 1]), design)
+        _draw_errors(figure.add_subplot(grid[0, 2]), design)
+        _write_rows(figure, design)
+        title = f"Reset for {design.loop.material.name}: {recipe(design.chosen.strategy)}"
+        figure.text(0.015, 0.955, fill(title, 118), fontsize=15, fontweight="bold", va="center", linespacing=1.25)
+        if not design.met:
+            figure.text(0.015, 0.905, fill(miss_sentences(design)[0], 180), fontsize=10, color=FORCE, va="center")
     return figure
 
 
-def _draw_ranking(axes: Axes, design: ResetDesign) -> None:
-    """The ranking as a list; bold: the chosen one and the loop's own."""
+def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> None:
+    """The object with its sides numbered and its ring, and the rod's way in each push, with its share."""
+    prepared, outline = strategy.prepared(loop), loop.slider.outline
+    points = 1e3 * loop.slider.outline_points()
+    size = float(np.ptp(points, axis=0).max())
+    axes.fill(*points.T, facecolor=PREDICTED_FILL, edgecolor=QUIET, linewidth=1.0, zorder=1)
+    ring = (1e3 * prepared.slider.hitch[0], 1e3 * prepared.slider.hitch[1])
+    axes.plot(*ring, "o", markersize=6, markerfacecolor="white", color=INK, zorder=2)
+    name_tag(axes, ring[0], ring[1], "ring", xytext=(9, 7), textcoords="offset points")
+    if isinstance(outline, Polygon):
+        corners = 1e3 * np.array(outline.vertices)
+        middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
+        inward = 0.07 * size * (corners.mean(axis=0) - middles) / np.hypot(*(corners.mean(axis=0) - middles).T)[:, None]
+        for side, place in enumerate((middles + inward).tolist()):
+            axes.text(
+                place[0], place[1], str(side), fontsize=12, fontweight="bold", color=PREDICTED, ha="center", va="center"
+            )
+    shares: dict[SidePush, float] = {}
+    for action, share in zip(strategy.actions, strategy.shares.tolist(), strict=True):
+        push = action.push or prepared.push
+        shares[push] = shares.get(push, 0.0) + share
+    for push, share in shares.items():
+        (x, y), (dx, dy) = rod_start(prepared, push)
+        tip, way = np.array([x, y]) * 1e3, np.array([dx, dy])
+        tail = tip - _ARROW * size * way
+        look = {"arrowstyle": "-|>", "color": FORCE, "linewidth": 1.0 + 2.2 * share, "mutation_scale": 16}
+        axes.annotate("", tuple(tip), tuple(tail), arrowprops={**look, "shrinkA": 0, "shrinkB": 0}, zorder=3)
+        beyond = tail - 0.09 * size * way
+        axes.plot([tip[0], beyond[0]], [tip[1], beyond[1]], linestyle="none")
+        if len(shares) <= _NAMED:
+            name_tag(axes, beyond[0], beyond[1], f"{share:.0%}", fontsize=10)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.1)
     axes.set_axis_off()
-    axes.set_title("Ranking")
-    shown = design.ranking[:_MOST_ROWS]
-    step = 1.0 / (max(len(shown), 12) + 1.5)
-    for head, edge in _COLUMNS:
-        axes.text(edge, 1.0, head, ha="right", va="top", fontsize=7.5, color=QUIET, transform=axes.transAxes)
-    for number, one in enumerate(shown, 1):
-        _write_row(axes, number, one, 1.0 - (number + 0.3) * step, one in (design.chosen, design.own))
-    rest = len(design.ranking) - len(shown)
-    if rest:
-        axes.text(0.0, 0.0, f"and {rest} more", fontsize=7.5, color=QUIET, transform=axes.transAxes)
+    axes.set_title("Where to push, object's frame")
 
 
-def _write_row(axes: Axes, number: int, one: ScoredReset, height: float, bold: bool) -> None:
-    look: dict[str, Any] = {
-        "fontsize": 7.5,
-        "fontweight": "bold" if bold else "normal",
-        "color": INK if one.meets else QUIET,
-        "va": "center",
-        "transform": axes.transAxes,
-    }
-    mark = "✓" if one.meets else "△" if one.lacking else "✗"
-    axes.text(0.0, height, f"{number}", ha="left", **look)
-    axes.text(0.045, height, mark, ha="left", **{**look, "color": look["color"] if one.meets else FORCE})
-    axes.text(0.08, height, shorten(one.name, _NAME_LETTERS, placeholder=" …"), ha="left", **look)
-    cells = (
-        f"{one.numbers.tv:.3f}",
-        f"{one.numbers.tv_after:.3f}",
-        f"{1000 * one.cost.mean_drag_length:.0f}",
-        f"{one.drag_ratio:.2f}",
+def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
+    bins, pushes = design.after.shape[1], design.demands.pushes
+    edges = np.linspace(0.0, 360.0, bins + 1)
+    low, high = binom.ppf([0.025, 0.975], pushes, 1.0 / bins) / pushes
+    axes.axhspan(low, high, color=PREDICTED_FILL, label="95 % if uniform", zorder=0)
+    axes.stairs(design.before[0], edges, color=MEASURED, linewidth=1.4, label="as it is", zorder=2)
+    axes.stairs(design.after[0], edges, color=PREDICTED, linewidth=1.8, label="with the reset", zorder=3)
+    axes.axhline(1.0 / bins, color=INK, linewidth=0.9, linestyle="--", zorder=1)
+    axes.set_ylim(0.0, max(2.2 * high, 1.25 * float(design.after[0].max())))
+    if design.before[0].max() > axes.get_ylim()[1]:
+        peak = int(np.argmax(design.before[0]))
+        name_tag(axes, edges[peak] + 5.0, 0.93 * axes.get_ylim()[1], f"{design.before[0][peak]:.0%}", color=MEASURED)
+    degree_axis(axes, "θ0, orientation before the push (°)")
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    axes.set_ylabel("share of pushes")
+    axes.set_title(f"{pushes} pushes")
+    legend_above(axes)
+
+
+def _draw_errors(axes: Axes, design: ResetDesign) -> None:
+    errors = 100.0 * design.ratio_errors
+    looks = (("chosen", PREDICTED, "-"), ("simplest", MEASURED, "--"))
+    for values, (name, colour, line) in zip(design.ratio_tv, looks, strict=False):
+        axes.plot(errors, values, line, color=colour, linewidth=1.8, label=name)
+    axes.axhline(design.demands.allow_tv, color=FORCE, linewidth=1.1, linestyle=":", label="allowed")
+    axes.set(xlabel="error in the ratio of the friction's axes (%)", ylabel="total variation, long run")
+    axes.set(
+        xlim=(errors[0], errors[-1]), ylim=(0.0, 1.25 * max(float(design.ratio_tv.max()), design.demands.allow_tv))
     )
-    for (_, edge), cell in zip(_COLUMNS, cells, strict=True):
-        axes.text(edge, height, cell, ha="right", **look)
+    axes.set_title("Friction in error")
+    axes.legend(loc="upper center", ncols=3)
 
 
-def _write_words(figure: Figure, design: ResetDesign, trial: ResetTrial | None) -> None:
-    name = design.loop.material.name
-    figure.text(0.015, 0.962, f"A reset for {name}", fontsize=18, fontweight="bold", va="center")
-    told = [*reset_sentences(design), *([] if trial is None else [trial_sentence(trial)])]
-    lines = fill(" ".join(told), LINE_LETTERS, max_lines=_MOST_LINES, placeholder=" …")
-    figure.text(0.015, 0.94, lines, fontsize=9.0, va="top", linespacing=1.25)
-    sigma = getattr(design.noise, "sigma", math.nan)
-    noise = f"noise {math.degrees(sigma):.2g}° a cycle; " if math.isfinite(sigma) else ""
-    after = design.demands.within
+def row_cells(design: ResetDesign, row: ResetRow) -> tuple[str, ...]:
+    """A row as words, in the order of `COLUMNS`; a row that misses a demand says so."""
+    told = ", ".join(ROLES[role] for role in row.roles) + (" (misses)" if row.misses else "")
+    return (
+        told, recipe(row.strategy), f"{row.nominal.total_variation:.3f}", f"{row.worst:.3f}", f"{row.worst_after:.3f}",
+        f"{row.histogram[0]:.3f}", f"{1e3 * row.drag:.0f} mm", f"{row.seconds:.1f} s", f"{1e3 * row.contact:.0f} mm",
+    )  # fmt: skip
+
+
+def _write_rows(figure: Figure, design: ResetDesign) -> None:
+    top, width = 0.325, 0.97
+    for place, name in zip(_PLACES, COLUMNS, strict=True):
+        figure.text(0.015 + width * place, top, name, fontsize=8.5, color=QUIET, va="bottom")
+    y = top - 0.012
+    for number, row in enumerate(design.rows):
+        cells = [
+            fill(cell, (96 if number else 82) if place == 1 else 24)
+            for place, cell in enumerate(row_cells(design, row))
+        ]
+        weight = "bold" if number == 0 else "normal"
+        for place, cell in zip(_PLACES, cells, strict=True):
+            figure.text(0.015 + width * place, y, cell, fontsize=8, fontweight=weight, va="top", linespacing=1.15)
+        y -= 0.0185 * max(cell.count("\n") + 1 for cell in cells) + 0.006
+    within = design.demands.within
     foot = (
-        f"{noise}“after”: total variation {after} pushes after the worst start  ·  ✓ meets all demands, ✗ misses some, "
-        "△ needs what the robot cannot do\ncycles: dotted: way of the rod in the push; thick: way of the ring back; "
-        "dash-dotted: room needed"
+        f"total variation from uniform; after: {within} pushes from the worst start; histogram: mean distance of "
+        f"{design.demands.pushes} pushes in 36 bins, independent uniform ones {design.independent:.3f}; "
+        f"noise {math.degrees(design.sigma):.2g}° a cycle"
     )
-    figure.text(0.015, 0.01, foot, fontsize=7.5, color=QUIET, linespacing=1.3)
+    figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)

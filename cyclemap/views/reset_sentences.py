@@ -1,246 +1,176 @@
-"""A designed reset in sentences: which one, what it leaves, what it costs, and why where none meets the demands."""
+"""A reset in sentences: what to do, what it leaves, what it costs."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 
 from cyclemap.mechanics import SidePush
-from cyclemap.resets.design.reset_demands import CONTACT, DRAG, LENGTHS, REACH, SECONDS, TV, TV_AFTER, Miss
-from cyclemap.resets.design.reset_design import ResetDesign
-from cyclemap.resets.design.reset_ranking import DemandOutlook, ScoredReset
-from cyclemap.resets.design.reset_trial import ResetTrial, SampledStatistic
-from cyclemap.resets.drawn_pushes.push_library import LEAST_SHARE
-from cyclemap.resets.strategies.combined import Combined
-from cyclemap.resets.strategies.push_strategies import PushChoice
-from cyclemap.resets.strategies.schedules import INDEPENDENT
-from cyclemap.resets.strategies.strategy import ResetStrategy
-from cyclemap.views.sentences import number
+from cyclemap.resets import CycleAction, Limit, ResetDesign, ResetRow, ResetStrategy
+from cyclemap.views.sentences import angle
 
-_MOST_PUSHES = 8
-# Metres: a push whose contact ends this shortly before its end keeps the object.
-_LOST = 1e-4
-
-
-def reset_sentences(design: ResetDesign) -> tuple[str, ...]:
-    """The whole answer; the first sentence is the verdict."""
-    told = [verdict_sentence(design), what_to_do(design.chosen.candidate.strategy, design.cache.contact)]
-    told += [brief_sentence(design), own_sentence(design)]
-    return tuple(filter(None, (*told, *reason_sentences(design), left_out_sentence(design))))
-
-
-def reason_sentences(design: ResetDesign) -> tuple[str, ...]:
-    """Why no strategy meets the demands, and what would; none where one does."""
-    if design.met:
-        return ()
-    told = [binding_sentence(design), *(outlook_sentence(design, one) for one in design.binding)]
-    return tuple(filter(None, (*told, proof_sentence(design), more_sentence(design))))
-
-
-def verdict_sentence(design: ResetDesign) -> str:
-    """Whether the demands are met, and by what."""
-    chosen, name = design.chosen, design.loop.material.name
-    scores = f"{scores_words(chosen)}; {cost_words(chosen)}"
-    if not design.met:
-        missed = " and ".join(miss_words(miss) for miss in chosen.misses) or f"needs {', '.join(chosen.lacking)}"
-        return f"NO RESET MEETS ALL DEMANDS on {name}. The nearest, “{chosen.name}”, misses {missed}: {scores}."
-    sure = "" if design.certified else " (error bounds do not confirm it)"
-    return f"{name}: “{chosen.name}” meets all demands{sure}: {scores}."
-
-
-def scores_words(one: ScoredReset) -> str:
-    """Bias, speed and worth of a strategy."""
-    found = one.numbers
-    bound = f" ± {found.tv.error_bound:.1g}" if found.bounded and found.tv.error_bound < 1.0 else ""
-    late = f"{found.tv_after:.3f} after {found.within} pushes from the worst start"
-    return f"total variation from uniform {found.tv:.3f}{bound} in the long run, {late}"
-
-
-def cost_words(one: ScoredReset) -> str:
-    """Drag, time and room of a strategy."""
-    cost = one.cost
-    drag = f"mean drag {1000 * cost.mean_drag_length:.0f} mm ({one.drag_ratio:.2f} of the loop's own)"
-    return f"{drag}, {cost.mean_seconds:.1f} s a cycle, room {1000 * cost.reach:.0f} mm about the target"
-
-
-def own_sentence(design: ResetDesign) -> str:
-    """What the loop's own reset does, unless it is the chosen one."""
-    own = design.own
-    if own is design.chosen:
-        return ""
-    worth = own.numbers.effective_per_100
-    return (
-        f"As it is: total variation {own.numbers.tv:.3f}, 100 pushes are worth {number(worth)}, "
-        f"mean drag {1000 * own.cost.mean_drag_length:.0f} mm."
-    )
-
-
-def what_to_do(strategy: ResetStrategy, contact: Callable[[SidePush], float]) -> str:
-    """The pushes of a strategy and how often each comes; empty where it has no pushes of its own.
-
-    contact : gives the shortest way (m) of the rod in contact in a push; told where the object is lost before its end.
-    """
-    parts = strategy.parts if isinstance(strategy, Combined) else (strategy,)
-    choices = [part for part in parts if isinstance(part, PushChoice)]
-    if not choices or len(choices[0].pushes) > _MOST_PUSHES:
-        return ""
-    pushes, chances = choices[0].pushes, choices[0].chances.tolist()
-    listed = ", ".join(
-        f"{push_words(push)} ({chance:.1%}{_lost_words(push, contact(push))})"
-        for push, chance in zip(pushes, chances, strict=True)
-    )
-    return f"{_order_words(choices[0])}: {listed}."
-
-
-def _order_words(choice: PushChoice) -> str:
-    if choice.name == "alternating pushes":
-        return "In turn"
-    schedule = choice.schedule
-    orders = {"GoldenAngle": "by golden angle ", "LatinBlocks": "in Latin blocks "}
-    order = "" if schedule.kind == INDEPENDENT else orders.get(type(schedule).__name__, f"by {schedule} ")
-    return f"Draw {order}before every push"
-
-
-def _lost_words(push: SidePush, contact: float) -> str:
-    lost = contact < push.distance - _LOST
-    return f", the object lost after {1000 * contact:.0f} mm" if lost else ""
-
-
-def brief_sentence(design: ResetDesign) -> str:
-    """That the chosen pushes lose the object before half their way, and how to forbid it; empty where they do not."""
-    distance, contact = design.loop.push.distance, design.chosen.contact
-    if contact >= LEAST_SHARE * distance:
-        return ""
-    return (
-        f"Its pushes lose the object early: from some orientation after {1000 * contact:.0f} mm of "
-        f"{1000 * distance:.0f} mm, so that they record less; --least-push-mm forbids it."
-    )
-
-
-def push_words(push: SidePush) -> str:
-    """Where a push is made.
-
-    >>> push_words(SidePush(2, 0.7)), push_words(SidePush(0, 0.3, 0.5))
-    ('side 2 at 0.70', 'side 0 at 0.30, +29°')
-    """
-    slanted = f", {math.degrees(push.angle):+.0f}°" if push.angle else ""
-    return f"side {push.side} at {push.fraction:.2f}{slanted}"
-
-
-def miss_words(miss: Miss) -> str:
-    """A demand that is missed, with its numbers."""
-    value, limit = amount(miss.demand, miss.value), amount(miss.demand, miss.limit)
-    asked = "is asked for" if miss.demand == CONTACT else "is allowed"
-    return f"{DEMAND_WORDS[miss.demand]} ({value} where {limit} {asked})"
-
-
-def binding_sentence(design: ResetDesign) -> str:
-    """Which demands stand in the way."""
-    names = " and ".join(DEMAND_WORDS[one.demand] for one in design.binding)
-    if any(one.out_of_reach for one in design.binding):
-        return f"No strategy that was looked at meets the demand on {names}, whatever else is given up."
-    if any(one.binds_alone for one in design.binding):
-        return f"What binds: {names}; the other demands can be met together."
-    return f"Every demand can be met, but not together: {names} stand against each other."
-
-
-def outlook_sentence(design: ResetDesign, one: DemandOutlook) -> str:
-    """What can be had of a demand."""
-
-    def say(value: float) -> str:
-        return amount(one.demand, value)
-
-    asked = "is asked for" if one.demand == CONTACT else "is allowed"
-    told = f"{DEMAND_WORDS[one.demand].capitalize()}: {say(one.limit)} {asked}"
-    told += (
-        f"; the {'longest' if one.demand == CONTACT else 'least'} of any is {say(one.least)} (“{one.least_by.name}”)"
-    )
-    if one.least_with_others is not None and one.with_others_by is not None and one.with_others_by is not one.least_by:
-        told += f", {say(one.least_with_others)} with all other demands met (“{one.with_others_by.name}”)"
-    if one.demand == REACH:
-        told += f". A push of {1000 * design.loop.push.distance:.0f} mm alone takes {1000 * design.push_floor:.0f} mm"
-    if one.demand == SECONDS:
-        told += f". Push and handling alone take {design.seconds_floor:.1f} s"
-    return f"{told}."
-
-
-def proof_sentence(design: ResetDesign) -> str:
-    """What no rule can do with the best of the pushes; empty where nothing is proved."""
-    proof = design.proof
-    if proof is None:
-        return ""
-    pushes, lower = ", ".join(push_words(push) for push in proof.pushes), amount(proof.demand, proof.lower)
-    if proof.demand == TV:
-        what = f"total variation {lower} in the long run with a mean drag of at most {amount(DRAG, proof.beside)}"
-    else:
-        what = f"a mean drag of {lower} with a total variation of at most {amount(TV, proof.beside)}"
-    return f"Proved: no rule with the pushes {pushes}, even one that looks at the orientation, gets below {what}."
-
-
-def more_sentence(design: ResetDesign) -> str:
-    """What the robot could do if it could do more; empty where it already does, or that would not help."""
-    if design.met or not design.with_more:
-        return ""
-    first = design.with_more[0]
-    needs = " and ".join(first.lacking)
-    return f"With more ({needs}) “{first.name}” would meet all demands: {scores_words(first)}."
-
-
-def left_out_sentence(design: ResetDesign) -> str:
-    """What could not be looked at; empty where that is nothing."""
-    if not design.left_out:
-        return ""
-    return "Left out: " + "; ".join(f"{one.name} ({one.reason.split(':')[0]})" for one in design.left_out) + "."
-
-
-def trial_sentence(trial: ResetTrial) -> str:
-    """How a run by the full mechanics compares with the prediction."""
-    verdict, size = ("agree with", "nothing") if trial.agrees else ("DISAGREE with", "something")
-    return (
-        f"{trial.pushes} pushes by the full mechanics {verdict} the prediction ({size} is larger than in 99 of 100 "
-        f"predicted runs): total variation from uniform in {trial.bins} bins {_range(trial.total_variation)}, Kuiper's "
-        f"distance {_range(trial.kuiper)}, distance from the predicted law {_range(trial.misfit, 'nearer')}."
-    )
-
-
-def _range(found: SampledStatistic, small: str = "more even") -> str:
-    below = f", below them: {small} than predicted" if found.value < found.low else ""
-    return f"{found.value:.3f} (95 % of predicted runs {found.low:.3f} to {found.high:.3f}{below})"
-
-
-DEMAND_WORDS = {
-    TV: "total variation from uniform",
-    TV_AFTER: "total variation from the worst start",
-    DRAG: "mean drag",
-    REACH: "room about the target",
-    SECONDS: "time of a cycle",
-    CONTACT: "contact in a push",
+# More actions or way-points than this are counted, not told one by one.
+_MOST_TOLD = 6
+_DRAWS = {2: "toss a coin", 4: "toss two coins", 6: "throw a die"}
+_UNITS = {"drag": (1e3, " mm"), "reach": (1e3, " mm"), "contact": (1e3, " mm"), "seconds": (1.0, " s")}
+DEMANDS = {
+    "tv": "total variation in the long run",
+    "after": "total variation after the pushes allowed",
+    "drag": "mean drag",
+    "seconds": "time of a cycle",
+    "reach": "room about the target",
+    "contact": "shortest contact",
 }
 
 
-def amount(demand: str, value: float) -> str:
-    """A value that a demand is about, with its unit.
+def action_words(action: CycleAction) -> str:
+    """The push, the drag and the gripper's turn of a cycle; what the loop does of itself is left out.
 
-    >>> amount("tv", 0.0481), amount("drag", 0.0726), amount("seconds", 21.0)
-    ('0.048', '73 mm', '21.0 s')
+    >>> action_words(CycleAction(((0.05, 0.0),), SidePush(side=1, distance=0.08), math.pi / 6))
+    'push 80 mm on side 1 at 0.7, drag by 50 mm at 0.0°, gripper 30.0°'
+    >>> action_words(CycleAction()), action_words(CycleAction(()))
+    ('as the loop does', 'straight drag')
     """
-    if demand in LENGTHS:
-        return f"{1000 * value:.0f} mm"
-    if demand == SECONDS:
-        return f"{value:.1f} s"
-    return f"{value:.3f}" if value >= 0.001 else f"{value:.1g}"
+    push, told = action.push, []
+    if push is not None:
+        told.append(f"push {1e3 * push.distance:.4g} mm on side {push.side}{_place(push)}")
+    if action.way_points is not None:
+        places = [f"{1e3 * math.hypot(x, y):.4g} mm at {angle(math.atan2(y, x))}" for x, y in action.way_points]
+        more = f", and {len(places) - _MOST_TOLD} places more" if len(places) > _MOST_TOLD else ""
+        told.append(f"drag by {', then '.join(places[:_MOST_TOLD])}{more}" if places else "straight drag")
+    if action.turn:
+        told.append(f"gripper {angle(action.turn)}")
+    return ", ".join(told) or "as the loop does"
 
 
-def standing(one: ScoredReset) -> str:
-    """In a word or two: that it meets the demands, or why not."""
-    missed = ", ".join(SHORT_WORDS[miss.demand] for miss in one.misses)
-    if one.lacking:
-        return f"would need {' and '.join(one.lacking)}" + (f"; misses {missed}" if missed else "")
-    if missed:
-        return f"misses {missed}"
-    if one.certain:
-        return "meets all"
-    return "meets all, within error" if one.numbers.bounded else "meets all, no bounds taken"
+def _place(push: SidePush) -> str:
+    slant = f", {angle(push.angle, 0)} off its normal" if push.angle else ""
+    return f" at {push.fraction:.4g}{slant}"
 
 
-SHORT_WORDS = {TV: "TV", TV_AFTER: "TV after", DRAG: "drag", REACH: "room", SECONDS: "time", CONTACT: "contact"}
+def recipe(strategy: ResetStrategy) -> str:
+    """What a robot program has to do, in one sentence.
+
+    >>> recipe(ResetStrategy.pushes(SidePush(), (1, 2)))
+    'before every push toss a coin: heads push side 1, tails push side 2, each at 0.7'
+    """
+    ring = ""
+    if strategy.hitch is not None:
+        ring = f"put the ring at ({1e3 * strategy.hitch[0]:.1f}, {1e3 * strategy.hitch[1]:.1f}) mm of the object; "
+    actions = strategy.actions
+    if len(actions) == 1:
+        return ring + ("leave everything as it is" if actions[0] == CycleAction() else f"always {_one(actions[0])}")
+    if strategy.weights is None and strategy.order == "random":
+        if (turns := _equal_turns(actions)) is not None:
+            return f"{ring}after every drag let a gripper turn the object by {turns}, drawn at random"
+        if (length := _leg_length(actions)) is not None:
+            ways = f"one of {len(actions)} equal directions, drawn at random"
+            return f"{ring}drag back by a place {1e3 * length:.4g} mm off the target, in {ways}"
+    if len(actions) > _MOST_TOLD:
+        return f"{ring}take one of {len(actions)} actions, {_ordered(strategy)} (see the protocol file)"
+    return ring + _listed(strategy)
+
+
+def _ordered(strategy: ResetStrategy) -> str:
+    return {"random": "drawn before every push", "in turn": "in turn"}.get(
+        strategy.order, f"in shuffled blocks of {sum(strategy.counts)}"
+    )
+
+
+def _listed(strategy: ResetStrategy) -> str:
+    actions, common = strategy.actions, ""
+    pushes = [action.push for action in actions if action.push is not None]
+    plain = len(pushes) == len(actions) and all(action == CycleAction(push=action.push) for action in actions)
+    plain = plain and len({push.distance for push in pushes}) == 1
+    if plain and len({(push.fraction, push.angle) for push in pushes}) == 1:
+        common, words = f", each{_place(pushes[0])}", [f"push side {push.side}" for push in pushes]
+    else:
+        words = [_one(action) if plain else action_words(action) for action in actions]
+    if strategy.order != "random":
+        return f"{_ordered(strategy)}: {', '.join(words)}{common}"
+    parts = (1.0,) * len(words) if strategy.weights is None else strategy.weights
+    whole = [round(part) for part in parts]
+    if any(abs(part - near) > 1e-9 for part, near in zip(parts, whole, strict=True)):
+        shares = ", ".join(f"{share:.1%} {word}" for share, word in zip(strategy.shares.tolist(), words, strict=True))
+        return f"before every push draw: {shares}{common}"
+    if whole == [1, 1]:
+        return f"before every push toss a coin: heads {words[0]}, tails {words[1]}{common}"
+    lots = ", ".join(f"{count} of {sum(whole)} {word}" for count, word in zip(whole, words, strict=True))
+    return f"before every push {_DRAWS.get(sum(whole), f'draw one of {sum(whole)} lots')}: {lots}{common}"
+
+
+def _one(action: CycleAction) -> str:
+    if action.push is not None and action == CycleAction(push=action.push):
+        return f"push side {action.push.side}{_place(action.push)}"
+    return action_words(action)
+
+
+def _equal_turns(actions: Sequence[CycleAction]) -> str | None:
+    step = 2.0 * math.pi / len(actions)
+    alone = all(action.push is None and action.way_points is None for action in actions)
+    if not alone or any(abs(action.turn - step * number) > 1e-9 for number, action in enumerate(actions)):
+        return None
+    return {2: "a half turn or not", 4: "0, 90, 180 or 270°"}.get(len(actions), f"a multiple of {angle(step, 0)}")
+
+
+def _leg_length(actions: Sequence[CycleAction]) -> float | None:
+    points = [action.way_points for action in actions if action.way_points and action.push is None and not action.turn]
+    lengths = {round(math.hypot(*point[0]), 9) for point in points if len(point) == 1}
+    return lengths.pop() if len(points) == len(actions) and len(lengths) == 1 else None
+
+
+def design_sentences(design: ResetDesign) -> tuple[str, str, str]:
+    """What to do, what that leaves, what it costs."""
+    row = design.chosen
+    left = f"What it leaves: {_left(design, row)}; {_histogram(design, row)}"
+    own = design.rows[-1].drag
+    cost = (
+        f"What it costs: {1e3 * row.drag:.0f} mm of drag ({row.drag / own:.2f} of now), {row.seconds:.1f} s a cycle, "
+        f"{1e3 * row.room:.0f} mm of room about the target, shortest contact {1e3 * row.contact:.0f} mm."
+    )
+    return f"What to do: {recipe(row.strategy)}.", left, cost
+
+
+def _left(design: ResetDesign, row: ResetRow) -> str:
+    within = design.demands.within
+    return (
+        f"{row.nominal.total_variation:.3f} of total variation from uniform in the long run, {row.nominal.after:.3f} "
+        f"after {within} pushes from the worst start; at the worst of {range_words(design)} {row.worst:.3f} and "
+        f"{row.worst_after:.3f}"
+    )
+
+
+def _histogram(design: ResetDesign, row: ResetRow) -> str:
+    own, steered = design.rows[-1], design.orders.get("steered")
+    seeing = "" if steered is None else f"; chosen from what is seen (cyclemap watch --protocol) {steered:.3f}"
+    return (
+        f"a histogram of {design.demands.pushes} pushes in 36 bins lies {row.histogram[0]:.3f} ± "
+        f"{row.histogram[1]:.3f} from uniform, {row.worst_histogram[0]:.3f} at worst, that of independent uniform ones "
+        f"{design.independent:.3f}, of the loop as it is {own.histogram[0]:.3f}{seeing}."
+    )
+
+
+def range_words(design: ResetDesign) -> str:
+    """The materials that were looked at."""
+    about = design.about
+    count = len(about.materials) + len(design.tried)
+    told = f", {about.told}" if about.told else ""
+    return f"{count} materials{told}" if about.others else "that material alone"
+
+
+def miss_sentences(design: ResetDesign) -> tuple[str, ...]:
+    """Where nothing meets the demands: what the nearest misses, and what any reset considered reaches of it."""
+    if design.met:
+        return ()
+    missed = ", ".join(DEMANDS[name] for name in design.chosen.misses) or "none by itself"
+    told = [f"Nothing that was considered meets all demands. The nearest is told; it misses: {missed}."]
+    return (*told, *(limit_sentence(limit) for limit in design.binding))
+
+
+def limit_sentence(limit: Limit) -> str:
+    """The best that any reset considered reaches of one demand."""
+    scale, unit = _UNITS.get(limit.demand, (1.0, ""))
+    best = "most" if limit.demand == "contact" else "least"
+    return (
+        f"The {best} {DEMANDS[limit.demand]} considered is {scale * limit.value:.3g}{unit}: {recipe(limit.strategy)}."
+    )

@@ -7,7 +7,7 @@ from decimal import Decimal
 from typing import TYPE_CHECKING
 
 from cyclemap.collection.portrait import Portrait
-from cyclemap.maps import Orbit
+from cyclemap.maps import Orbit, StaircaseSummary
 from cyclemap.mechanics import Material
 
 if TYPE_CHECKING:
@@ -20,12 +20,39 @@ MOST_PEAKS = 3
 
 
 def headline(portrait: Portrait) -> str:
-    """The answer in a line: where this material locks in."""
-    name = portrait.loop.material.name
+    """The answer in a line: where this material locks in, or rests until noise or wear carries it on."""
+    told = f"{portrait.loop.material.name} {_resting(portrait)}"
+    if portrait.worn is None:
+        return told
+    worn = [angle(zone.centre) for zone in portrait.worn.zones]
+    return f"{told} when fresh, {f'near {_listed(worn)}' if worn else 'nowhere'} when worn"
+
+
+def _resting(portrait: Portrait) -> str:
+    """Locked is what neither noise nor wear carries off within the run."""
+    run, wears = portrait.staircase.cycles, portrait.worn is not None
+    stays = [(angle(orbit.points[0]), portrait.stay(orbit)) for orbit in portrait.stable_points]
+    locked = [place for place, stay in stays if stay is not None and stay >= run and not wears]
+    rests = [
+        place if stay is None or stay >= run else f"{place} for {cycles(stay)} at a time"
+        for place, stay in stays
+        if place not in locked
+    ]
+    told = [f"locks into {_listed(locked)}"] if locked else []
+    told += [f"rests at {_listed(rests)}"] if rests else []
     jumps = [angle(theta) for theta in portrait.gathering_jumps]
-    if portrait.stable_points:
-        return f"{name} locks into {_listed([angle(orbit.points[0]) for orbit in portrait.stable_points])}"
-    return f"{name} gathers about {_listed(jumps)}" if jumps else f"{name} locks into no direction"
+    return " and ".join(told) or (f"gathers about {_listed(jumps)}" if jumps else "locks into no direction")
+
+
+def worn_rests(worn: StaircaseSummary) -> str:
+    """Where θ0 rests on the surface of the last cycle, and how long."""
+    if not worn.zones:
+        return "nowhere"
+    return f"near {_listed([f'{angle(zone.centre)} for {_stay(zone.residence_cycles)}' for zone in worn.zones])}"
+
+
+def _stay(residence: float) -> str:
+    return cycles(residence) if residence <= LONGEST_STAY else "longer than any collection"
 
 
 def lock_sentence(portrait: Portrait) -> str:
@@ -35,7 +62,7 @@ def lock_sentence(portrait: Portrait) -> str:
     if jumps:
         sentences.append(f"Orbits gather about the jump at {_listed(jumps)}.")
     if sentences:
-        return " ".join(sentences)
+        return " ".join(sentences if portrait.worn is None else ["Fresh:", *sentences])
     turns = portrait.turns
     value = portrait.rotation.value
     pace = f"a full turn takes {cycles(1 / abs(value))}" if value else "over many cycles it gets nowhere"
@@ -46,7 +73,8 @@ def lock_sentence(portrait: Portrait) -> str:
 
 def noise_sentence(portrait: Portrait) -> str:
     """What noise makes of it: the recorded directions and how soon the start is forgotten."""
-    operator, noise = portrait.operator, f"With {angle(portrait.noise.sigma)} of noise a cycle"
+    fresh = "" if portrait.worn is None else " on the fresh surface"
+    operator, noise = portrait.operator, f"With {angle(portrait.noise.sigma)} of noise a cycle{fresh}"
     forgotten = cycles(operator.mixing_cycles)
     away = portrait.tv_from_uniform
     if away is None or (len(portrait.stable_points) > 1 and operator.mixing_cycles > LONGEST_STAY):
@@ -64,6 +92,11 @@ def staircase_sentence(portrait: Portrait) -> str:
     """What the staircase of θ0 over the cycles looks like."""
     expected = portrait.prediction
     pace = f"on average θ0 moves {angle(expected.mean_turn, 2)} a cycle"
+    if portrait.worn is not None:
+        path = portrait.staircase.theta
+        run = f"one run of {portrait.staircase.cycles} cycles (seed {portrait.staircase.seed})"
+        climbed = f"{(path[-1] - path[0]) / (2 * math.pi):.1f}".replace("-", "−")
+        return f"As the surface wears, {run} makes {climbed} turns; by then θ0 rests {worn_rests(portrait.worn)}."
     if expected.step is None or expected.mean_residence_cycles is None:
         return f"The staircase has no flat steps: {pace}."
     stay = cycles(expected.mean_residence_cycles)
@@ -93,7 +126,7 @@ def material_line(material: Material) -> str:
     """That a material was inferred and how far it misses its data, and that it wears; empty where there is neither."""
     said = [f"{material.name} was inferred, not measured: {material.misfit}"] if material.inferred else []
     if material.wear is not None:
-        said.append(f"it wears over {material.wear.cycles:g} cycles; this is the fresh surface")
+        said.append(f"it wears over {material.wear.cycles:g} cycles")
     return "; ".join(said)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from cyclemap.collection.staircase_forecast import StaircaseForecast
 from cyclemap.evidence import MeasuredStaircase
 from cyclemap.maps import Estimate, SlowZone, StaircaseSummary, Steps
-from cyclemap.views.sentences import LONGEST_STAY, angle, cycles, number
+from cyclemap.views.sentences import LONGEST_STAY, angle, cycles, number, worn_rests
 
 
 def forecast_sentence(forecast: StaircaseForecast) -> str:
@@ -29,8 +29,7 @@ def worn_sentence(forecast: StaircaseForecast) -> str:
         return ""
     if not worn.zones or worn.step is None:
         return f"The surface wears: by the last cycle θ0 rests nowhere and moves {angle(worn.mean_turn, 2)} a cycle."
-    places = " and ".join(f"{angle(zone.centre)} for {_stay(zone.residence_cycles)}" for zone in worn.zones)
-    return f"The surface wears: by the last cycle θ0 rests near {places}, {_pace_clause(worn)}."
+    return f"The surface wears: by the last cycle θ0 rests {worn_rests(worn)}, {_pace_clause(worn)}."
 
 
 def run_sentence(forecast: StaircaseForecast) -> str:
@@ -69,10 +68,6 @@ def _zone_clause(zone: SlowZone, log10: Estimate | None) -> str:
     if log10 > math.log10(LONGEST_STAY):
         return f"{place} for 10^{math.floor(log10)} cycles"
     return f"{place} for {cycles(zone.residence_cycles)}"
-
-
-def _stay(residence: float) -> str:
-    return cycles(residence) if residence <= LONGEST_STAY else "longer than any collection"
 
 
 def _pace_clause(prediction: StaircaseSummary) -> str:

@@ -1,5 +1,6 @@
 """One look for every picture: colours that differ in lightness too, so that a grey print still reads."""
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BytesIO
@@ -9,8 +10,10 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from cyclemap.errors import InvalidInput
+from cyclemap.plain_text import printable
 
 INK = "#222222"
 QUIET = "#666666"
@@ -83,6 +86,9 @@ def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes
     """The bytes of `figure` as "png", "pdf" or "svg"; InvalidInput for any other format."""
     if picture_format not in PICTURE_FORMATS:
         raise InvalidInput(f"picture format {picture_format!r} is unknown; use one of {', '.join(PICTURE_FORMATS)}")
+    for text in figure.findobj(Text):
+        # A dollar sign in a name begins no formula; one that is escaped already stays so.
+        text.set_text(re.sub(r"(?<!\\)\$", r"\$", printable(text.get_text())))
     buffer = BytesIO()
     with picture_style():
         figure.savefig(buffer, format=picture_format, dpi=dpi, **_SAVED[picture_format])

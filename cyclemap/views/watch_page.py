@@ -9,7 +9,7 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 from numpy.typing import NDArray
 
-from cyclemap.resets.monitor.watched_collection import WatchedCourse
+from cyclemap.resets.monitor.bias_monitor import WatchedCourse
 from cyclemap.views.sentences import angle
 from cyclemap.views.style import (
     FORCE,
@@ -154,5 +154,7 @@ def _write_words(figure: Figure, course: WatchedCourse, name: str) -> None:
     figure.text(0.015, 0.955, f"{name}: {title}", fontsize=18, fontweight="bold", va="center")
     told = fill(" ".join(watch_sentences(course)), LINE_LETTERS)
     figure.text(0.015, 0.928, told, fontsize=10, va="top", linespacing=1.35)
-    foot = f"chance of an alarm on a collection without bias, however long: {course.alarm_rate:g} at most"
+    foot = (
+        f"chance of an alarm, however long the collection, where no orientation lingers: {course.alarm_rate:g} at most"
+    )
     figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)

@@ -1,27 +1,22 @@
 """A watched collection in sentences: whether it locks in, towards where, what is covered, and what to do."""
 
-import math
 from collections.abc import Sequence
 
-from cyclemap.resets.monitor.bias_report import Alarm, BiasReport
-from cyclemap.resets.monitor.coverage import CoverageState
-from cyclemap.resets.monitor.forecast import Forecast
-from cyclemap.resets.monitor.next_action import NextAction
-from cyclemap.resets.monitor.watched_collection import WatchedCourse
+from cyclemap.resets import Alarm, BiasReport, CoverageState, CycleAction, NextAction
+from cyclemap.resets.monitor.bias_monitor import WatchedCourse
+from cyclemap.views.reset_sentences import action_words
 from cyclemap.views.sentences import angle
-from cyclemap.views.strategy_words import action_words
 
 FEW = 10  # below this many pushes a decimal counts
 
 
 def watch_sentences(course: WatchedCourse) -> tuple[str, ...]:
-    """The whole report: alarm, present rest, coverage, forecast, advice."""
+    """The whole report: alarm, present rest, coverage, advice."""
     report = course.report
     told = (
         verdict_sentence(course),
         rest_sentence(report),
         coverage_sentence(report),
-        forecast_sentence(course.forecast),
         advice_sentence(report),
     )
     return tuple(filter(None, told))
@@ -72,21 +67,6 @@ def covered(state: CoverageState) -> str:
     return f"{state.covered:.0%} of the circle is covered, {gap}"
 
 
-def forecast_sentence(forecast: Forecast | None) -> str:
-    """What the fitted map expects of the next pushes; empty without one."""
-    if forecast is None:
-        return ""
-    pushes = "the next push" if forecast.ahead == 1 else f"each of the next {forecast.ahead} pushes"
-    told = [f"{pushes} would be worth {forecast.worth:.2f}"]
-    if forecast.pushes_to_leave is not None:
-        told.append(f"the rest would last {_number(forecast.pushes_to_leave, forecast.ahead)}")
-    if forecast.pushes_to_cover > 0:
-        told.append(
-            f"{forecast.cover_target:.0%} would be covered after {_number(forecast.pushes_to_cover, forecast.ahead)}"
-        )
-    return f"If nothing is changed (map fitted to the data), {', '.join(told)}."
-
-
 def advice_sentence(report: BiasReport) -> str:
     """What to do next."""
     aim = f"{angle(report.advice.direction, 0)}, the direction least covered"
@@ -97,19 +77,15 @@ def advice_sentence(report: BiasReport) -> str:
     )
 
 
-def next_action_sentence(chosen: NextAction) -> str:
+def next_action_sentence(action: CycleAction, chosen: NextAction) -> str:
     """Which action of the strategy to take next, and where it leads."""
     where = f"brings θ0 to {angle(chosen.lands, 0)}, where {chosen.crowding:.0%} of the mean are recorded"
-    return f"Next: {action_words(chosen.action)}; it {where}."
+    return f"Next: {action_words(action)}; it {where}."
 
 
 def directions(angles: Sequence[float]) -> str:
     """Directions (rad) in degrees, one after the other."""
     return ", ".join(angle(theta) for theta in angles)
-
-
-def _number(pushes: float, ahead: int) -> str:
-    return f"about {_pushes(round(pushes))}" if math.isfinite(pushes) else f"over {_pushes(ahead)}"
 
 
 def _pushes(count: int) -> str:

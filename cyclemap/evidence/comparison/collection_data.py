@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.checks import whole_number
+from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
-from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.errors import InvalidInput
 from cyclemap.evidence.orientations.circular_law import Array
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, load_pushes
+from cyclemap.evidence.tables.push_sets import selected_pushes
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
+from cyclemap.mechanics import SidePush, material_names
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.text_files import read_csv_table
 
@@ -27,8 +30,13 @@ if TYPE_CHECKING:
 SET_COLUMNS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
 # File names give fractions and angles to three decimals.
 _ROUNDED = 6e-4
-_NO_POSES, _EARLY, _PROTOCOL, _OTHER_SET = "no end pose", "among the first", "another protocol", "cycle of another set"
-_CANNOT = "no loop can be made for it"
+# A cycle map is compared with a set of cycles of at least so many: two or three tell nothing of a map.
+FEWEST_CYCLES = 4
+# Rods that go this much further or less far, m, make the same push.
+_SAME_LENGTH = 0.5e-3
+_NO_POSES, _EARLY, _OTHER_SET = "no end pose", "among the first", "cycle of another set"
+_NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, or set push_mm"
+_NO_OUTLINE = "its object is no MIT shape"
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,17 +44,17 @@ class PushSet:
     """Pushes of one set that a loop predicts.
 
     facts : what the files say of the set: surface and object (None where unknown), acceleration (m/s²), speed (m/s),
-        side, fraction, angle (rad), NaN where unknown. loop : the mechanics of these pushes.
-    theta, dtheta : (n,) rad. displacement : (n, 2) m, in the initial object frame. adapted : whether the loop is not
-        the one that was given.
+        side, fraction, angle (rad), NaN where unknown. loop : the mechanics of its object. push : (n,) of that object:
+        the data's place, direction and length.
+    theta, dtheta : (n,) rad. displacement : (n, 2) m, in the initial object frame.
     """
 
     facts: Mapping[str, Any]
     loop: CollectionLoop
+    push: tuple[SidePush, ...]
     theta: Array
     dtheta: Array
     displacement: Array
-    adapted: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +62,8 @@ class CollectionData:
     """What a comparison takes from the data.
 
     pushes : the sets with end poses. pairs : the cycles of the set that has most, and the push that each begins with
-    (``cycle``, whole numbers); None without any. path : (m,) rad, unwrapped, θ0 of push ``path_first`` and those that
+    (``cycle``, whole numbers); None without any. loop : that makes these cycles: the one given, brought to what the
+    data tell of push and object. path : (m,) rad, unwrapped, θ0 of push ``path_first`` and those that
     follow it without a gap, flagged ones too; None where their order is unknown. left_out : pushes, by reason.
     unreadable : files.
     """
@@ -65,6 +74,7 @@ class CollectionData:
     path: Array | None
     path_first: int
     left_out: Mapping[str, int]
+    loop: Any = None
     unreadable: int = 0
 
 
@@ -73,22 +83,26 @@ def collection_data(
     loop: CollectionLoop | None,
     *,
     first: int = 0,
-    adapt: bool = False,
+    select: Mapping[str, str | float] | None = None,
+    push_length: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> CollectionData:
     """Bring a ``PushTable``, ``Theta0Pairs`` or a path to one form.
 
     loop : the mechanics that predict, or None. first : pushes numbered below it are left out; the number is the
-    repetition, or where that is unknown the place in the data. adapt : see ``compare``.
+    repetition, or where that is unknown the place in the data. select, push_length : see ``compare``.
 
     Raises InvalidInput where the data are something else or leave nothing to compare, DataFileError for a bad file.
     """
     start = whole_number("first", first, least=0)
+    length = math.nan if push_length is None else positive_number("push_length", push_length)
     given = _read(Path(data), progress) if isinstance(data, str | Path) else data
     if isinstance(given, Theta0Pairs):
-        return _of_pairs(given, start)
+        if select:
+            raise InvalidInput(f"the data are orientations alone and tell no {next(iter(select))}: select nothing")
+        return _of_pairs(given, loop, start)
     if isinstance(given, PushTable):
-        return _of_table(given, loop, start, adapt)
+        return _of_table(replace(given, table=selected_pushes(given.table, select or {})), loop, start, length)
     raise InvalidInput(f"data is {type(given).__name__}: give a PushTable (load_pushes), Theta0Pairs, or a path")
 
 
@@ -110,7 +124,7 @@ def _has_poses(header: tuple[str, ...]) -> bool:
 # -- pairs of θ0 ---------------------------------------------------------------------------------------------------
 
 
-def _of_pairs(pairs: Theta0Pairs, first: int) -> CollectionData:
+def _of_pairs(pairs: Theta0Pairs, loop: CollectionLoop | None, first: int) -> CollectionData:
     cycle = np.arange(pairs.theta.size, dtype=float) if pairs.path is None else _places(pairs, pairs.path)
     kept = cycle >= first
     path = None if pairs.path is None or pairs.path.size - first < 2 else pairs.path[first:]
@@ -118,7 +132,7 @@ def _of_pairs(pairs: Theta0Pairs, first: int) -> CollectionData:
     if not kept.any():
         raise InvalidInput(f"first is {first}: no cycle is left of {pairs.theta.size}; leave out fewer pushes")
     rest = Theta0Pairs(pairs.theta[kept], pairs.theta_next[kept], path)
-    return CollectionData((), rest, cycle[kept], path, first, MappingProxyType(dict(left_out)))
+    return CollectionData((), rest, cycle[kept], path, first, dict(left_out), loop)
 
 
 def _places(pairs: Theta0Pairs, path: Array) -> Array:
@@ -136,18 +150,19 @@ def _places(pairs: Theta0Pairs, path: Array) -> Array:
 # -- tables of pushes ----------------------------------------------------------------------------------------------
 
 
-def _of_table(given: PushTable, loop: CollectionLoop | None, first: int, adapt: bool) -> CollectionData:
+def _of_table(given: PushTable, loop: CollectionLoop | None, first: int, length: float) -> CollectionData:
     table, left_out = given.table, Counter[str]()
     number = np.where(np.isnan(table["repetition"]), np.arange(len(table)), table["repetition"])
     left_out[_EARLY] = int(np.sum(number < first))
     sets = [_Rows(table, number, rows) for rows in _set_rows(table, number >= first)]
-    pushes = [] if loop is None else [_push_set(one, loop, adapt, left_out) for one in sets]
-    pairs, cycle, path, begin = _cycles(sets, loop, left_out)
-    made = tuple(one for one in pushes if one is not None)
-    if not made and pairs is None:
+    if loop is not None:
+        sets = _fitting(sets, loop, left_out)
+    pushes = [] if loop is None else _push_sets(sets, loop, length, left_out)
+    pairs, cycle, path, begin, own = _cycles(sets, loop, length, left_out)
+    if not pushes and pairs is None:
         raise InvalidInput(f"nothing is left of {len(table)} pushes to compare with ({_listed(left_out)})")
-    counts = MappingProxyType({reason: count for reason, count in left_out.items() if count})
-    return CollectionData(made, pairs, cycle, path, begin, counts, len(given.unreadable))
+    counts = {reason: count for reason, count in left_out.items() if count}
+    return CollectionData(tuple(pushes), pairs, cycle, path, begin, counts, own, len(given.unreadable))
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +175,11 @@ class _Rows:
 
     def __getitem__(self, column: str) -> Array:
         return np.asarray(self.table[column].to_numpy()[self.rows], dtype=float)
+
+    def lengths(self, length: float) -> Array:
+        """How far the rod went in each push, m; `length` where that is unknown."""
+        found = self["length"]
+        return np.where(np.isnan(found), length, found)
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -178,63 +198,93 @@ def _set_rows(table: pandas.DataFrame, kept: NDArray[np.bool_]) -> list[NDArray[
     return [np.array(rows, dtype=np.int64) for rows in sets.values()]
 
 
-def _push_set(rows: _Rows, loop: CollectionLoop, adapt: bool, left_out: Counter[str]) -> PushSet | None:
-    posed = np.isfinite(rows["dtheta"]) & np.isfinite(rows["dx"])
-    left_out[_NO_POSES] += int(np.sum(~posed))
-    count = int(np.sum(posed))
-    if not count:
-        return None
-    facts, own = rows.facts, loop
-    adapted = not _same_protocol(facts, loop)
-    if adapted and not adapt:
-        left_out[_PROTOCOL] += count
-        return None
-    if adapted:
-        try:
-            own = CollectionLoop.from_settings(_settings(facts, loop), loop)
-        except CycleMapError:
-            left_out[_CANNOT] += count
-            return None
-    displacement = np.stack([rows["dx"][posed], rows["dy"][posed]], axis=-1)
-    return PushSet(facts, own, rows["theta0"][posed], rows["dtheta"][posed], displacement, adapted)
+def _fitting(sets: list[_Rows], loop: CollectionLoop, left_out: Counter[str]) -> list[_Rows]:
+    """The sets of the loop's surface and of objects whose outline is known; the others are counted by name."""
+    told = {one.facts["surface"] for one in sets} - {None}
+    words = {loop.material.name, re.split(r"[-_ ]", loop.material.name)[0]}
+    own = words & (told | {*material_names()} - {"isotropic"})
+    if len(told) > 1 and not own:
+        listed = ", ".join(sorted(told))
+        raise InvalidInput(
+            f"the data are of several surfaces ({listed}), and the material {loop.material.name!r} names none of them: "
+            "select one, surface=NAME"
+        )
+    fitting = []
+    for one in sets:
+        surface, shape = one.facts["surface"], one.facts["object"]
+        if own and surface is not None and surface not in own:
+            left_out[f"on {surface}, not {min(own, key=len)}"] += one.rows.size
+        elif shape not in (None, loop.slider.name, *MIT_SHAPE_NAMES):
+            left_out[_NO_OUTLINE] += one.rows.size
+        else:
+            fitting.append(one)
+    return fitting
 
 
-def _same_protocol(facts: Mapping[str, Any], loop: CollectionLoop) -> bool:
-    """Whether what is known of a set is what the loop does; what is unknown is taken to be."""
-    push, name = loop.push, facts["object"]
-    numbers = {"side": push.side, "fraction": push.fraction, "angle": push.angle}
-    near = all(not abs(facts[key] - own) > _ROUNDED for key, own in numbers.items())
-    return near and (name is None or name == loop.slider.name)
+def _push_sets(sets: list[_Rows], loop: CollectionLoop, length: float, left_out: Counter[str]) -> list[PushSet]:
+    """The sets with end poses whose pushes are as long as is known, each with the pushes that the data tell."""
+    loops, made = {None: loop, loop.slider.name: loop}, []
+    for rows in sets:
+        posed = np.isfinite(rows["dtheta"]) & np.isfinite(rows["dx"])
+        far = rows.lengths(length)
+        kept = posed & np.isfinite(far)
+        left_out[_NO_POSES] += int(np.sum(~posed))
+        left_out[_NO_LENGTH] += int(np.sum(posed & ~kept))
+        if not kept.any():
+            continue
+        facts = rows.facts
+        if facts["object"] not in loops:
+            loops[facts["object"]] = _with_object(loop, facts)
+        push = tuple(_told_push(loop.push, facts, one) for one in far[kept].tolist())
+        displacement = np.stack([rows["dx"][kept], rows["dy"][kept]], axis=-1)
+        loop_of_set = loops[facts["object"]]
+        made.append(PushSet(facts, loop_of_set, push, rows["theta0"][kept], rows["dtheta"][kept], displacement))
+    return made
 
 
-def _settings(facts: Mapping[str, Any], loop: CollectionLoop) -> dict[str, object]:
-    """The settings that make the loop do what is known of a set."""
-    settings: dict[str, object] = {key: facts[key] for key in ("side", "fraction") if not np.isnan(facts[key])}
-    if not np.isnan(facts["angle"]):
-        settings["angle_deg"] = float(np.degrees(facts["angle"]))
-    if facts["object"] is not None and facts["object"] != loop.slider.name:
-        if facts["object"] not in MIT_SHAPE_NAMES:
-            raise InvalidInput(f"object {facts['object']!r} is no MIT shape")
-        settings["shape"] = facts["object"]
-    return settings
+def _with_object(loop: CollectionLoop, facts: Mapping[str, Any]) -> CollectionLoop:
+    if facts["object"] in (None, loop.slider.name):
+        return loop
+    return CollectionLoop.from_settings({"shape": facts["object"]}, loop)
+
+
+def _told_push(push: SidePush, facts: Mapping[str, Any], length: float) -> SidePush:
+    """The push as the data tell it; what they do not tell stays as it is."""
+    told = {"side": facts["side"], "fraction": facts["fraction"], "angle": facts["angle"], "distance": length}
+    return replace(push, **{name: value for name, value in told.items() if not np.isnan(value)})
 
 
 def _cycles(
-    sets: list[_Rows], loop: CollectionLoop | None, left_out: Counter[str]
-) -> tuple[Theta0Pairs | None, Array, Array | None, int]:
-    """The pairs of the set that has most cycles of the loop's protocol, their pushes, and the path through them."""
-    own = [one for one in sets if loop is None or _same_protocol(one.facts, loop)]
-    counts = [int(np.sum(np.isfinite(one["theta_next"]))) for one in own]
-    if not any(counts):
-        return None, np.empty(0), None, 0
-    most = int(np.argmax(counts))
-    left_out[_OTHER_SET] += sum(counts) - counts[most]
-    rows = own[most]
+    sets: list[_Rows], loop: CollectionLoop | None, length: float, left_out: Counter[str]
+) -> tuple[Theta0Pairs | None, Array, Array | None, int, CollectionLoop | None]:
+    """The pairs of the set that has most cycles, their pushes, the path through them, and the loop that makes them."""
+    counts = [int(np.sum(np.isfinite(one["theta_next"]))) for one in sets]
+    most = max(counts, default=0)
+    if most < FEWEST_CYCLES:
+        left_out[f"cycles, fewer than {FEWEST_CYCLES} of one set"] += sum(counts)
+        return None, np.empty(0), None, 0, loop
+    left_out[_OTHER_SET] += sum(counts) - most
+    rows = sets[counts.index(most)]
+    if loop is not None:
+        far = float(np.median(rows.lengths(length)))
+        if np.isnan(far) and not np.isnan(rows["dtheta"]).all():
+            left_out[f"cycles: {_NO_LENGTH}"] += most
+            return None, np.empty(0), None, 0, loop
+        push = _told_push(loop.push, rows.facts, loop.push.distance if np.isnan(far) else far)
+        loop = _with_object(loop, rows.facts)
+        if not _same_push(push, loop.push):
+            loop = replace(loop, push=push)
     order = np.argsort(rows.number[rows.rows], kind="stable")
     theta, ahead, number = rows["theta0"][order], rows["theta_next"][order], rows.number[rows.rows][order]
     known = np.isfinite(ahead)
     path, begin = _longest_path(theta, ahead, number)
-    return Theta0Pairs(theta[known], ahead[known], path), number[known], path, begin
+    return Theta0Pairs(theta[known], ahead[known], path), number[known], path, begin, loop
+
+
+def _same_push(one: SidePush, other: SidePush) -> bool:
+    """Whether two pushes are one, but for the three decimals of a file's name and the robot's own errors."""
+    near = max(abs(one.fraction - other.fraction), abs(one.angle - other.angle)) <= _ROUNDED
+    return one.side == other.side and near and abs(one.distance - other.distance) <= _SAME_LENGTH
 
 
 def _longest_path(theta: Array, ahead: Array, number: Array) -> tuple[Array | None, int]:
@@ -250,4 +300,4 @@ def _longest_path(theta: Array, ahead: Array, number: Array) -> tuple[Array | No
 
 
 def _listed(left_out: Mapping[str, int]) -> str:
-    return ", ".join(f"{count} {reason}" for reason, count in left_out.items() if count) or "it holds none"
+    return "; ".join(f"{count}: {reason}" for reason, count in left_out.items() if count) or "it holds none"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -97,7 +97,8 @@ def compare(
     *,
     noise: Noise | None = None,
     first: int = 0,
-    adapt: bool = False,
+    select: Mapping[str, str | float] | None = None,
+    push_length: float | None = None,
     runs: int = 199,
     seed: int = 0,
     tolerance: float = 1e-5,
@@ -112,12 +113,16 @@ def compare(
     data : a ``PushTable``, ``Theta0Pairs``, or the path of a file or folder of either.
     noise : of one cycle; None takes a fit's own scatter, for a loop 1.1 degrees.
     first : pushes numbered below it are left out (500 leaves out the bedding-in of a fresh surface).
-    adapt : pushes whose known side, fraction, angle or object differ from the loop's are left out and counted; with
-        True the loop is changed to them, its push length kept. The cycle map is compared for the loop's own only.
+    select : the surface, object, speed, side, fraction or angle (SI units, rad) of the pushes that are compared.
+    push_length : how far the rod moved, m, where the data do not tell; None leaves such pushes out.
     runs : simulated collections of the null; the smallest p-value is 1/(runs + 1), 1/100 for directions, steps and
         residences. seed : of all of them.
-    tolerance : of the loop's cycle map (rad) and push laws, see ``push_laws``.
-    progress : called with the fraction done, in [0, 1].
+    tolerance : of the loop's cycle map, rad. progress : called with the fraction done, in [0, 1].
+
+    A loop predicts what was done: object, side, place, direction and length of every push are the data's, and of the
+    protocol where they do not tell. Pushes on a surface that the data name and that is not the material's are left out
+    by name; a material whose name tells no surface, such as ``mine`` or ``isotropic``, is set beside one surface at a
+    time. Of orientations alone nothing of that is known: the protocol is taken to have made them.
 
     P-values come from simulated collections, as long as the measured one and from the same start, under the predicted
     map and noise: autocorrelation and wear are in them. Where the prediction was fitted to these very pairs - told by
@@ -136,24 +141,24 @@ def compare(
     """
     report, count = progress or (lambda fraction: None), whole_number("runs", runs, least=1)
     loop = prediction if callable(getattr(prediction, "circle_map", None)) else None
-    collection = collection_data(data, loop, first=first, adapt=adapt, progress=lambda done: report(0.1 * done))
+    collection = collection_data(
+        data, loop, first=first, select=select, push_length=push_length, progress=lambda done: report(0.1 * done)
+    )
     last = int(collection.cycle.max()) + 1 if collection.cycle.size else 1
     wanted = max(last, collection.path_first + (0 if collection.path is None else collection.path.size))
-    chosen = as_prediction(
-        prediction, noise, wanted, tolerance=tolerance, progress=lambda done: report(0.1 + 0.3 * done)
-    )
-    pushes = _pushes(collection, tolerance, lambda done: report(0.4 + 0.3 * done))
+    given = prediction if loop is None else collection.loop
+    chosen = as_prediction(given, noise, wanted, tolerance=tolerance, progress=lambda done: report(0.1 + 0.3 * done))
+    pushes = _pushes(collection, lambda done: report(0.4 + 0.3 * done))
     rest = _cycles_asked(chosen, collection, count, seed, lambda done: report(0.7 + 0.3 * done))
     report(1.0)
     return replace(rest, pushes=pushes)
 
 
-def _pushes(data: CollectionData, tolerance: float, report: Progress) -> tuple[PushAgreement, ...]:
-    found, many = [], len(data.pushes)
-    for done, pushes in enumerate(data.pushes):
-        share = lambda part, done=done: report((done + part) / many)  # noqa: E731
-        found.append(push_agreement(pushes, tolerance=tolerance, progress=share))
-        report((done + 1) / many)
+def _pushes(data: CollectionData, report: Progress) -> tuple[PushAgreement, ...]:
+    found = []
+    for done, pushes in enumerate(data.pushes, 1):
+        found.append(push_agreement(pushes))
+        report(done / len(data.pushes))
     return tuple(sorted(found, key=lambda one: -one.count))
 
 

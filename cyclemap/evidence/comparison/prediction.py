@@ -36,7 +36,7 @@ class Prediction:
     """A prediction in one form.
 
     map : of the cycle; cycle n of a drifting one is push n of the data, those dropped counted.
-    noise : of one cycle. given : what was handed in. loop : the mechanics, where there are any.
+    noise : of one cycle. given : what was handed in.
     kind : "loop", "map", "drifting map", "fitted map" or "worn fitted map".
     """
 
@@ -44,7 +44,6 @@ class Prediction:
     noise: Noise
     kind: str
     given: Any
-    loop: CollectionLoop | None = None
 
     @property
     def is_drifting(self) -> bool:
@@ -104,7 +103,7 @@ def as_prediction(
     # A loop is told by what it can do, so that a loop whose map is known may stand in for it.
     if callable(getattr(given, "circle_map", None)) and callable(getattr(given, "cycle", None)):
         chosen = _map_of_loop(given, last, tolerance, progress)
-        return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, given)
+        return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given)
     raise InvalidInput(f"the prediction is {given!r}: give {PREDICTIONS}")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from cyclemap.checks import read_only
 from cyclemap.evidence.comparison.collection_data import PushSet
-from cyclemap.evidence.comparison.push_laws import predicted_pushes
 from cyclemap.evidence.laws.linear_fit import fit_linear
 from cyclemap.evidence.orientations.circular_law import Array
 
@@ -67,19 +66,16 @@ class QuantityAgreement:
 class PushAgreement:
     """The pushes of one set beside the loop's.
 
-    facts : of the set. adapted : whether the loop was changed to its protocol. theta : (n,) rad.
+    facts : of the set. length : of its pushes, their median, m. theta : (n,) rad.
     measured, predicted : (n, 3), dtheta (rad), dx, dy (m). quantities : dtheta, dx, dy.
-    turn_error, length_error : bounds on the interpolation of the predictions, rad and m, as far as checked.
     """
 
     facts: Mapping[str, Any]
-    adapted: bool
+    length: float
     theta: Array
     measured: Array
     predicted: Array
     quantities: tuple[QuantityAgreement, ...]
-    turn_error: float
-    length_error: float
 
     @property
     def count(self) -> int:
@@ -93,16 +89,21 @@ class PushAgreement:
         return f" of {' on '.join(known)}" if known else ""
 
 
-def push_agreement(
-    pushes: PushSet, *, tolerance: float = 1e-5, progress: Callable[[float], None] | None = None
-) -> PushAgreement:
-    """Set the pushes of one set beside those of their loop, each at its own θ0. tolerance : see ``push_laws``."""
-    predicted, errors = predicted_pushes(pushes.loop, pushes.theta, tolerance=tolerance, progress=progress)
+def push_agreement(pushes: PushSet) -> PushAgreement:
+    """Set the pushes of one set beside those of their loop, each at its own θ0, as long as it was.
+
+    Raises UnsupportedContact where the mechanics cannot follow a push.
+    """
+    loop, starts = pushes.loop, zip(pushes.theta.tolist(), pushes.push, strict=True)
+    runs = [loop.model.push(loop.start_pose(theta), push) for theta, push in starts]
+    predicted = np.array([[run.turn, *run.displacement] for run in runs])
     measured = np.column_stack([pushes.dtheta, pushes.displacement])
     pairs = zip(QUANTITIES, measured.T, predicted.T, strict=True)
     quantities = tuple(quantity_agreement(*one) for one in pairs)
-    shown = read_only(pushes.theta), read_only(measured), read_only(predicted)
-    return PushAgreement(pushes.facts, pushes.adapted, *shown, quantities, *errors)
+    length = float(np.median([push.distance for push in pushes.push]))
+    return PushAgreement(
+        pushes.facts, length, read_only(pushes.theta), read_only(measured), read_only(predicted), quantities
+    )
 
 
 def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement, ...]:

@@ -85,7 +85,7 @@ def collected_blocks(
     built, surfaces = Built(), set[str]()
     for number, file in enumerate(files):
         surfaces |= _add(built, file, selection, choices, part_of(progress, number, len(files)))
-    _check(paths, built, unused, surfaces, loop.slider)
+    _check(paths, built, unused, surfaces, loop.slider, selection.chosen)
     notes = (*built.notes, *(f"{file.path}: not used: {file.reason}" for file in unused))
     scans = ScanForces.joined(built.scans) if built.scans else None
     return CollectedBlocks(_named_apart(built.blocks), notes, next(iter(surfaces), None), loop, scans, built.last_cycle)
@@ -153,7 +153,12 @@ def _add(
 
 
 def _check(
-    paths: Sequence[str | Path], built: Built, unused: Sequence[UnusedFile], surfaces: set[str], slider: Slider
+    paths: Sequence[str | Path],
+    built: Built,
+    unused: Sequence[UnusedFile],
+    surfaces: set[str],
+    slider: Slider,
+    chosen: Mapping[str, str | float],
 ) -> None:
     if len(surfaces) > 1:
         raise InvalidInput(f"the data are of several surfaces: {', '.join(sorted(surfaces))}; select one, surface=NAME")
@@ -162,6 +167,9 @@ def _check(
     if not built.blocks:
         reasons = [*built.notes, *(f"{file.path}: {file.reason}" for file in unused)]
         listed = "; ".join(reasons) or ", ".join(str(path) for path in paths)
+        facts = ", ".join(f"{name}: {value}" for name, value in chosen.items() if name != "object")
+        if facts and not unused:
+            raise InvalidInput(f"no such {facts}; {listed}")
         raise InvalidInput(f"no data of {slider.name} recognised: {listed}. Give {LAYOUTS}")
 
 

@@ -14,21 +14,24 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.collection.found_with import with_found
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.fourier_interpolation import interpolation
-from cyclemap.evidence.data_blocks.underside import warp_of
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, kept_rows
 from cyclemap.evidence.identification.parameter_space import Parameter
-from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
+from cyclemap.evidence.identification.surface_parameters import (
+    FRICTION_NAMES,
+    HITCH_NAMES,
+    SURFACE,
+    SurfaceParameters,
+    share_names,
+)
 from cyclemap.mechanics import FoundWith, Material, Slider
+from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
+from cyclemap.mechanics.engine.strokes import PARAMETERS
 
 Array = NDArray[np.float64]
 Rows = tuple[Array, Array]
 
 SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
 CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", "rim_share", "hitch_scale", "hitch_turn", "pin_friction_radius")
-_MECHANICS = (
-    *("mu_a", "mu_b", "m0", "n0", "phi", "pusher_friction"),
-    *("rim_share", "hitch_x", "hitch_y", "pin_friction_radius"),
-)
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
 NODES = 48
 ACCURACY = 1e-6
@@ -125,13 +128,22 @@ class CyclePairBlock:
     def _predicted(self, values: Mapping[str, float]) -> Rows:
         """Turns (n,) on one surface and their derivatives by CYCLE_UNKNOWNS."""
         surface = SurfaceParameters.from_values(values)
-        loop = loop_on(surface, self.loop)
         count = self._interpolation.shape[1]
-        found = [loop.sensitivity(2.0 * np.pi * k / count, _MECHANICS) for k in range(count)]
-        turns = np.array([one.theta_next - one.theta for one in found])
-        by_mechanics = np.array([one.jacobian[one.outputs.index("theta_next")] for one in found])
-        by_unknowns = surface.chain(by_mechanics, _MECHANICS, CYCLE_UNKNOWNS, hitch=self.loop.slider.hitch)
-        return self._interpolation @ turns, self._interpolation @ by_unknowns
+        theta = 2.0 * np.pi * np.arange(count) / count
+        runs, by_unknowns = cycles_by_unknowns(surface, self.loop, theta)
+        by_next = by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
+        return self._interpolation @ (runs.theta_next[0] - theta), self._interpolation @ by_next
+
+
+def cycles_by_unknowns(surface: SurfaceParameters, loop: CollectionLoop, theta: Array) -> tuple[CycleBatch, Array]:
+    """Run cycles of the loop on an identified surface from theta (n,), rad; with d CYCLE_OUTPUTS / d CYCLE_UNKNOWNS.
+
+    The batch has the shape (1, n), the derivatives (n, 6, k).
+    """
+    names = (*FRICTION_NAMES, "pusher_friction", *share_names(loop.slider.outline), *HITCH_NAMES, "pin_friction_radius")
+    runs = run_batch((loop_on(surface, loop),), theta[None], len(PARAMETERS))
+    by_mechanics = runs.jacobian[0][:, :, [PARAMETERS.index(name) for name in names]]
+    return runs, surface.chain(by_mechanics, names, CYCLE_UNKNOWNS, hitch=loop.slider.hitch)
 
 
 def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
@@ -142,12 +154,9 @@ def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
 
 def found_with(surface: SurfaceParameters, slider: Slider) -> FoundWith:
     """Return what a surface says of rod, ring and the underside of a slider."""
-    warp = warp_of(surface, slider)
     return FoundWith(
         pusher_friction=surface.pusher_friction,
-        rim_share=surface.rim_share,
-        warp_a=warp[0],
-        warp_b=warp[1],
+        **{name: share for name, share in surface.shares.items() if name in share_names(slider.outline)},
         hitch_scale=surface.hitch_scale,
         hitch_turn=surface.hitch_turn,
         pin_friction_radius=surface.pin_friction_radius,

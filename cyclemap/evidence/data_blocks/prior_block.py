@@ -47,7 +47,7 @@ USUAL = MappingProxyType(
         "offset_x": (0.0, 0.15),
         "offset_y": (0.0, 0.15),
         "pusher_friction": (0.15, 0.03),
-        "rim_share": (0.4, 0.4),
+        "rim_share": (0.3, 0.3),
         "hitch_scale": (1.0, 0.15),
         "pin_friction_radius": (1.5e-3, 1e-3),
     }

@@ -54,7 +54,8 @@ class RowSelection:
         for name, wanted in self.chosen.items():
             value = facts.get(name)
             if name != "object" and _known(value) and not _equal(value, wanted):
-                return f"of another {name} than selected"
+                told = value if isinstance(value, str) else f"{value:g}"
+                return f"of {name} {told}, not {wanted}"
         return ""
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.identification.data_block import FunctionBlock, Values, checked_labels
+from cyclemap.evidence.identification.surface_parameters import SurfaceParameters, share_names
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint
 from cyclemap.mechanics.outline import Outline
 from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
@@ -19,13 +20,14 @@ from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_column
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
-PARAMETERS = ("friction_scale", "rim_share")
 FORCE_KIND, TORQUE_KIND = "wrench force (N)", "wrench torque over radius (N)"
 WRENCH_COLUMNS = ("fx", "fy", "m_over_rho")
 TWIST_COLUMNS = ("vx", "vy", "w_times_rho")
 # Pieces of the outline that count as one place of contact each: 9 mm on a square of 90 mm.
 CONTACT_PIECES = 40
 _POINTS = 720
+# Of the weight, that its parts are computed with: the rest may have to lean under it.
+_SHARE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,13 +107,13 @@ def _refuse_none(table: CsvTable, rows: list[CsvRow], column: str, wanted: str) 
 def wrench_twist_block(
     data: WrenchTwists, outline: Outline, weight: float, groups: Labels | None = None, name: str = "wrenches"
 ) -> FunctionBlock:
-    """Return pairs of wrench and twist as a block of data that depends on `friction_scale` and `rim_share`.
+    """Return pairs of wrench and twist as a block of data that depends on `friction_scale` and shares of the weight.
 
     outline : of the object, in the frame of the data. weight : N. groups : (n,) whole numbers, pairs that share their
     errors; None: pairs of one place of contact (`WrenchTwists.contact_pieces`), which do not need their order.
 
     The wrench is the weight times grad D of the footprint at the twist (Goyal, Ruina & Papadopoulos 1991), and D is
-    linear in the rim share. The torque is divided by the outline's extent, so that all rows are in N.
+    linear in the shares. The torque is divided by the outline's extent, so that all rows are in N.
 
     The object's orientation in the world is not in such data: friction is taken as isotropic. Over orientations all
     around, offset and ellipticity leave the mean wrench as it is to first order: the plywood of Ma & Rodriguez (2018)
@@ -129,24 +131,28 @@ def wrench_twist_block(
     """
     load, length = positive_number("weight", weight), outline.extent
     scale = np.array([1.0, 1.0, 1.0 / length])
-    even, by_share = (load * part * scale for part in _wrench_parts(outline, data.twist))
-    measured = (data.wrench * scale).ravel()
+    names = share_names(outline)
+    even, *by_shares = (load * part * scale for part in _wrench_parts(outline, data.twist, names))
+    measured, parameters = (data.wrench * scale).ravel(), ("friction_scale", *names)
 
     def function(values: Values) -> tuple[Array, Array]:
-        mean = math.exp(values["friction_scale"])
-        force = mean * (even + values["rim_share"] * by_share).ravel()
-        return force - measured, np.stack([force, mean * by_share.ravel()], axis=-1)
+        mean, surface = math.exp(values["friction_scale"]), SurfaceParameters.from_values(values)
+        shares = [surface.shares[name] for name in names]
+        force = mean * (even + sum(share * part for share, part in zip(shares, by_shares, strict=True))).ravel()
+        by_mechanics = np.column_stack([force, *(mean * part.ravel() for part in by_shares)])
+        return force - measured, surface.chain(by_mechanics, parameters, parameters)
 
     labels = data.contact_pieces(outline) if groups is None else checked_labels(name, groups, len(data.twist))
     kinds = np.tile([FORCE_KIND, FORCE_KIND, TORQUE_KIND], len(data.twist))
-    return FunctionBlock(name, PARAMETERS, function, np.repeat(labels, 3), kinds)
+    return FunctionBlock(name, parameters, function, np.repeat(labels, 3), kinds)
 
 
-def _wrench_parts(outline: Outline, twist: Array) -> tuple[Array, Array]:
-    """Wrenches (n, 3) per unit load and friction under even pressure, and their change by the rim share."""
+def _wrench_parts(outline: Outline, twist: Array, names: tuple[str, ...]) -> list[Array]:
+    """Wrenches (n, 3) per unit load and friction under even pressure, then their change by each share."""
     law = EllipseFriction.isotropic(1.0)
-    even, rim = (LimitSurface(PatchFootprint(outline, rim_share=w), law).wrench(twist) for w in (0.0, 1.0))
-    return even, rim - even
+    even = LimitSurface(PatchFootprint(outline), law).wrench(twist)
+    parts = [replace(PatchFootprint(outline), **{name: _SHARE}) for name in names]  # type: ignore[arg-type]
+    return [even, *((LimitSurface(part, law).wrench(twist) - even) / _SHARE for part in parts)]
 
 
 def _entry(rim: Array, place: Array, fx: float, fy: float, torque: float) -> float:

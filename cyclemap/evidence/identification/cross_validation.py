@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.identification.data_block import PLANE_KINDS
 from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, minimise
 from cyclemap.evidence.identification.noise_scales import NoiseLaw
@@ -38,7 +39,8 @@ class CrossValidation:
 class KindErrors:
     """Sizes of the errors of one kind in one block, in its own unit: in the sample, and of rows left out (nan: none).
 
-    mean, median : of the absolute error. rms : root mean square.
+    rows : how many errors; of a place or a force one each, the length of the vector by which it is off.
+    mean, median : of the size. rms : root mean square.
     """
 
     block: str
@@ -139,14 +141,19 @@ def kind_errors(problem: JointProblem, fit: Fit, validation: CrossValidation | N
     for number, block in enumerate(problem.blocks):
         for kind in np.unique(np.asarray(block.kinds)).tolist():
             rows = (problem.block_index == number) & (problem.kinds == kind)
-            sizes = (*_sizes(fit.residuals[rows]), *_sizes(left_out[rows]))
-            found.append(KindErrors(block.name, kind, int(np.count_nonzero(rows)), *sizes))
+            sample, unseen = (_lengths(errors[rows], kind) for errors in (fit.residuals, left_out))
+            found.append(KindErrors(block.name, kind, sample.size, *_sizes(sample), *_sizes(unseen)))
     return tuple(found)
 
 
+def _lengths(errors: Array, kind: str) -> Array:
+    """Sizes of errors (n,), nan kept; of components, the lengths (n / 2,) of their vectors."""
+    return np.hypot(errors[::2], errors[1::2]) if kind in PLANE_KINDS else np.abs(errors)
+
+
 def _sizes(errors: Array) -> tuple[float, float, float]:
-    """Mean, median and root mean square of what is known; nan for nothing."""
-    size = np.abs(errors[np.isfinite(errors)])
+    """Mean, median and root mean square of the sizes that are known; nan for none."""
+    size = errors[np.isfinite(errors)]
     if size.size == 0:
         return np.nan, np.nan, np.nan
     return float(np.mean(size)), float(np.median(size)), float(np.sqrt(np.mean(size**2)))

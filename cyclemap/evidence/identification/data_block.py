@@ -17,6 +17,9 @@ Labels = NDArray[np.int64]
 Kinds = NDArray[np.str_]
 Values = Mapping[str, float]
 
+# Kinds whose rows are the two components of a vector, one behind the other.
+PLANE_KINDS = ("push place (m)", "scan force (N)", "wrench force (N)")
+
 
 class DataBlock(Protocol):
     """Data of one sort, set against a prediction that depends on named parameters.

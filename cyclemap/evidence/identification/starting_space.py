@@ -7,9 +7,10 @@ from dataclasses import fields, replace
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
-from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
+from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters, share_unknowns
 from cyclemap.mechanics import Material, PatchFootprint, PointFootprint
 
+SHARES = ("inner_share", "rim_share", "corner_share")
 # A start on a bound goes inside by this share of the way to the other one.
 _INSIDE = 0.01
 
@@ -30,18 +31,22 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
     friction = SurfaceParameters.from_friction(start.friction).values()
     values |= {name: friction[name] for name in SURFACE.names[:5]}
     found = {field.name: getattr(start.found_with, field.name) for field in fields(start.found_with)}
-    values |= {name: value for name, value in found.items() if value is not None and name in SURFACE.names}
+    told = {name: value for name, value in found.items() if value is not None}
+    shares = {name: told.pop(name) for name in SHARES if name in told}
+    if shares:
+        values |= share_unknowns(PatchFootprint(loop.slider.outline, **shares))
+    values |= {name: value for name, value in told.items() if name in SURFACE.names}
     return ParameterSpace(tuple(_from(one, values[one.name]) for one in SURFACE.parameters))
 
 
 def _loop_values(loop: CollectionLoop) -> dict[str, float]:
     if isinstance(loop.footprint, PointFootprint):
         raise InvalidInput("identification takes the exact footprint: leave footprint=grid out")
-    share = loop.footprint.rim_share if isinstance(loop.footprint, PatchFootprint) else 0.0
+    footprint = loop.footprint or PatchFootprint(loop.slider.outline)
     surface = SurfaceParameters.from_friction(
         loop.material.friction,
         pusher_friction=loop.pusher.friction,
-        rim_share=share,
+        **share_unknowns(footprint),
         pin_friction_radius=loop.reset.pin_friction_radius,
     )
     return surface.values()

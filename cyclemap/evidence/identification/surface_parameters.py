@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
-from cyclemap.mechanics import EllipseFriction, Pusher
+from cyclemap.mechanics import Ellipse, EllipseFriction, PatchFootprint, Pusher
+from cyclemap.mechanics.outline import Outline
 from cyclemap.suggestions import unknown_name
 
 Array = NDArray[np.float64]
@@ -50,9 +51,9 @@ SURFACE = ParameterSpace(
         ),
         Parameter("hitch_turn", "angle from the ring's nominal lever to the effective one", "rad", -1.0, 1.0, 0.0, 0.1),
         Parameter(
-            "saddle_a", "saddle of the pressure along the object's axes, share of the largest", "1", -1, 1, 0, 0.2
+            "corner_share", "share on the corners of what the rim leaves of the weight", "1", 0.0, 1.0, 0.2, 0.2, 0.0
         ),
-        Parameter("saddle_b", "saddle of the pressure along its diagonals, share of the largest", "1", -1, 1, 0, 0.2),
+        Parameter("inner_share", "share on the inner part of what rim and corners leave", "1", 0.0, 1.0, 0.2, 0.2, 0.0),
     )
 )
 
@@ -63,8 +64,9 @@ class SurfaceParameters:
 
     friction_scale : log sqrt(mu_a mu_b). ellipticity_x, ellipticity_y : log(mu_a/mu_b) (cos 2 phi, sin 2 phi).
     offset_x, offset_y : R(phi)(m0, n0) / sqrt(mu_a mu_b), world frame. pusher_friction : coefficient of rod on object.
-    rim_share : 0 to 1. saddle_a, saddle_b : of `underside.warp_of`. pin_friction_radius : m. hitch_scale, hitch_turn :
-    the effective hitch is the nominal one times the scale, turned by the angle (rad).
+    rim_share : 0 to 1, of the weight; corner_share : of what the rim leaves; inner_share : of what both leave, so that
+    each may be anything from 0 to 1; `shares` are those of the weight. pin_friction_radius : m. hitch_scale, hitch_turn
+    : the effective hitch is the nominal one times the scale, turned by the angle (rad).
 
     Raises InvalidInput for a value that is not finite or beyond its bounds.
 
@@ -83,8 +85,8 @@ class SurfaceParameters:
     hitch_scale: float = 1.0
     pin_friction_radius: float = 0.0
     hitch_turn: float = 0.0
-    saddle_a: float = 0.0
-    saddle_b: float = 0.0
+    corner_share: float = 0.0
+    inner_share: float = 0.0
 
     def __post_init__(self) -> None:
         for name in SURFACE.names:
@@ -129,6 +131,17 @@ class SurfaceParameters:
         m0, n0 = c * self.offset_x + k * self.offset_y, -k * self.offset_x + c * self.offset_y
         return EllipseFriction(mean * math.exp(ratio / 2.0), mean * math.exp(-ratio / 2.0), mean * m0, mean * n0, phi)
 
+    @property
+    def shares(self) -> dict[str, float]:
+        """Shares of the weight on the inner part, the rim and the corners, by the footprint's names.
+
+        >>> SurfaceParameters(rim_share=0.5, corner_share=0.5, inner_share=1.0).shares
+        {'inner_share': 0.25, 'rim_share': 0.5, 'corner_share': 0.25}
+        """
+        left = 1.0 - self.rim_share
+        inner = left * (1.0 - self.corner_share) * self.inner_share
+        return {"inner_share": inner, "rim_share": self.rim_share, "corner_share": left * self.corner_share}
+
     def hitch(self, nominal: tuple[float, float]) -> tuple[float, float]:
         """Return the effective place of the ring (m, object frame) from the nominal one."""
         c, k = self.hitch_scale * math.cos(self.hitch_turn), self.hitch_scale * math.sin(self.hitch_turn)
@@ -168,9 +181,9 @@ class SurfaceParameters:
     ) -> Array:
         """Turn derivatives by the mechanics' parameters into derivatives by these: (..., j) -> (..., k).
 
-        `names` (j) are those of the columns: of FRICTION_NAMES, HITCH_NAMES (m), or of SURFACE itself, which pass
-        through and add up. `parameters` (k) are wanted. `hitch` (m) is the nominal one, needed for HITCH_NAMES.
-        Parameters that no column tells of have derivative zero. Raises InvalidInput for an unknown name.
+        `names` (j) are those of the columns: of FRICTION_NAMES, HITCH_NAMES (m), the footprint's shares, or others of
+        SURFACE, which pass through and add up. `parameters` (k) are wanted. `hitch` (m) is the nominal one, needed for
+        HITCH_NAMES. Parameters that no column tells of have derivative zero. Raises InvalidInput for an unknown name.
         """
         columns = np.asarray(jacobian, dtype=float)
         if columns.shape[-1:] != (len(names),):
@@ -191,6 +204,11 @@ class SurfaceParameters:
         table = dict(zip(SURFACE.names, unit, strict=True))
         for name, row in zip(FRICTION_NAMES, self.friction_jacobian(), strict=True):
             table[name] = np.concatenate([row, np.zeros(len(SURFACE) - 5)])
+        rim, corner, inner = self.rim_share, self.corner_share, self.inner_share
+        by_rim, by_corner = table["rim_share"], table["corner_share"]
+        table["corner_share"] = (1.0 - rim) * by_corner - corner * by_rim
+        table["inner_share"] = (1.0 - rim) * ((1.0 - corner) * table["inner_share"] - inner * by_corner)
+        table["inner_share"] -= (1.0 - corner) * inner * by_rim
         if hitch is not None:
             x, y = self.hitch(hitch)
             by_scale, by_turn = unit[_index("hitch_scale")], unit[_index("hitch_turn")]
@@ -202,6 +220,27 @@ class SurfaceParameters:
         """Return log(mu_a/mu_b), never quite zero, and phi."""
         ratio = math.hypot(self.ellipticity_x, self.ellipticity_y)
         return max(ratio, ROUNDEST), 0.5 * math.atan2(self.ellipticity_y, self.ellipticity_x)
+
+
+def share_unknowns(footprint: PatchFootprint) -> dict[str, float]:
+    """Return the unknowns rim_share, corner_share and inner_share whose `SurfaceParameters.shares` a footprint has."""
+    left = 1.0 - footprint.rim_share
+    rest = left - footprint.corner_share
+    return {
+        "rim_share": footprint.rim_share,
+        "corner_share": min(footprint.corner_share / left, 1.0) if left > 0.0 else 0.0,
+        "inner_share": min(footprint.inner_share / rest, 1.0) if rest > 0.0 else 0.0,
+    }
+
+
+def share_names(outline: Outline) -> tuple[str, ...]:
+    """Return which shares of the weight an outline can have: no ellipse has corners, not every concave one a frame.
+
+    >>> share_names(Ellipse(0.05, 0.04))
+    ('inner_share', 'rim_share')
+    """
+    frame = ("inner_share", "rim_share") if PatchFootprint(outline).has_frame else ()
+    return frame if isinstance(outline, Ellipse) else (*frame, "corner_share")
 
 
 def _index(name: str) -> int:

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import fields
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock
-from cyclemap.evidence.data_blocks.underside import warp_of
 from cyclemap.evidence.identification.cross_validation import KindErrors
 from cyclemap.evidence.identification.identification import Estimate, Identification
 from cyclemap.evidence.identified.identified_curves import worn_friction_of
@@ -30,9 +28,8 @@ def identified_material(
     if not name.strip():
         raise InvalidInput("a material needs a name")
     asked = {part for block in found.problem.blocks for part in block.parameters}
-    values = found.values
+    values = {**found.values, **found.surface.shares}
     told = {field.name: values[field.name] for field in fields(FoundWith) if field.name in asked}
-    told |= _warp(found, asked)
     worn = worn_friction_of(found)
     return Material(
         name,
@@ -43,15 +40,6 @@ def identified_material(
         found_with=FoundWith(**told),
         wear=None if worn is None or last_cycle <= 0.0 else Wear(worn, last_cycle),
     )
-
-
-def _warp(found: Identification, asked: set[str]) -> dict[str, float]:
-    """The saddles of the pressure, where they were unknowns, as the footprint of the pushed object has them."""
-    sliders = [block.slider for block in found.problem.blocks if isinstance(block, StrokeBlock)]
-    if "saddle_b" not in asked or not sliders:
-        return {}
-    a, b = warp_of(found.surface, sliders[0])
-    return {"warp_a": a, "warp_b": b}
 
 
 def provenance_words(found: Identification, sources: Sequence[str]) -> str:

@@ -61,9 +61,9 @@ def nested_errors(design: Array, value: Array, sizes: NDArray[np.int64], fold: N
     for one in range(int(fold.max()) + 1):
         out = fold == one
         q, r = np.linalg.qr(design[~out])
-        projected, diagonal = q.T @ value[~out], np.abs(np.diag(r))
+        projected = q.T @ value[~out]
         for j, size in enumerate(sizes.tolist()):
-            if size < q.shape[0] and np.min(diagonal[:size]) > 1e-9 * np.max(diagonal[:size]):
+            if size < q.shape[0] and np.linalg.matrix_rank(r[:size, :size], rtol=1e-9) == size:
                 coefficients = np.linalg.solve(r[:size, :size], projected[:size])
                 errors[out, j] = (value[out] - design[out, :size] @ coefficients) ** 2
     return errors

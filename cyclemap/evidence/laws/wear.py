@@ -59,6 +59,11 @@ class WornLaw:
         """Root mean square of the residuals about the law of each value's own cycle."""
         return self.whole.rmse
 
+    def turns(self, theta: Array, cycle: Array) -> Array:
+        """The law (n,) at the angles ``theta`` (n,), rad, each in its own ``cycle`` (n,)."""
+        polynomials = _polynomials(cycle, self.first, self.last, self.degree)
+        return np.asarray(_worn_columns(theta, polynomials, self.harmonics) @ self.coefficients.T.ravel())
+
     def at(self, cycle: float) -> PeriodicLaw:
         """The law of one cycle (any real number), with the covariance of that cycle's coefficients."""
         now = _polynomials(np.array([finite_number("cycle", cycle)]), self.first, self.last, self.degree)[0]

@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS, loop_on
-from cyclemap.evidence.identification.surface_parameters import FRICTION_NAMES, HITCH_NAMES, SurfaceParameters
+from cyclemap.evidence.data_blocks.cycle_pair_block import cycles_by_unknowns
+from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS
 
 Array = NDArray[np.float64]
 
 # What a node holds: the turn of the whole cycle (rad), then turn (rad) and displacement (m) of the push.
 NODE_OUTPUTS = ("cycle_turn", "push_turn", "push_dx", "push_dy")
 NODES = 47
-_MECHANICS = (*FRICTION_NAMES, "pusher_friction", "rim_share", *HITCH_NAMES, "pin_friction_radius")
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,17 +40,15 @@ class CycleNodes:
 
 
 def cycle_nodes(surface: SurfaceParameters, loop: CollectionLoop, count: int = NODES) -> CycleNodes:
-    """Run `count` cycles (odd) of `loop` on an identified surface, with exact derivatives (`loop.sensitivity`).
+    """Run `count` cycles (odd) of `loop` on an identified surface, with exact derivatives.
 
     Raises what the mechanics raise where they have no answer.
     """
-    real = loop_on(surface, loop)
     theta = 2.0 * np.pi * np.arange(whole_number("count", count, least=9)) / count
-    found = [real.sensitivity(angle, _MECHANICS) for angle in theta.tolist()]
-    values = node_values(real, count)
-    names = ("theta_next", *NODE_OUTPUTS[1:])
-    rows = [[one.jacobian[one.outputs.index(name)] for name in names] for one in found]
-    return CycleNodes(values, surface.chain(np.array(rows), _MECHANICS, CYCLE_UNKNOWNS, hitch=loop.slider.hitch))
+    runs, by_unknowns = cycles_by_unknowns(surface, loop, theta)
+    values = np.column_stack([runs.theta_next[0] - theta, runs.push_turn[0], runs.push_displacement[0]])
+    rows = [CYCLE_OUTPUTS.index(name) for name in ("theta_next", *NODE_OUTPUTS[1:])]
+    return CycleNodes(values, by_unknowns[:, rows])
 
 
 def node_values(loop: CollectionLoop, count: int = NODES) -> Array:

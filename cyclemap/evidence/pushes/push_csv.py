@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.errors import DataFileError
 from cyclemap.evidence.pushes.mit_names import PushFacts
 from cyclemap.evidence.pushes.push_record import LARGEST_ANGLE, LARGEST_POSITION
-from cyclemap.evidence.theta0.theta0_pairs import read_theta0_pairs
+from cyclemap.evidence.theta0.theta0_pairs import doubt_degrees, read_theta0_pairs
 from cyclemap.maps.arcs import shorter_way
-from cyclemap.text_files import CsvRow, CsvTable, read_csv_table
+from cyclemap.text_files import LARGEST_CONTENT, CsvRow, CsvTable, read_csv_table
 
 # A column of the push table, the names it goes by in a file, and the factor to SI units.
 _POSES = {
@@ -31,10 +32,14 @@ _FACTS = {
     "fraction": {"fraction": 1.0, "s": 1.0},
     "angle": {"angle": 1.0, "t": 1.0},
     "repetition": {"repetition": 1.0, "rep": 1.0},
+    "length": {"length": 1.0, "push_mm": 1e-3},
     "dtheta": {"dtheta": 1.0},
     "theta_next": {"theta_next": 1.0, "th0n": 1.0},
     "force_ratio": {"force_ratio": 1.0},
 }
+_TIP = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
+# As a table of twenty columns they are as large as any file may be.
+_MOST_PUSHES = LARGEST_CONTENT // 8 // 20
 _TEXTS = {"surface": ("surface",), "object": ("object", "shape")}
 
 
@@ -43,9 +48,10 @@ def read_push_csv(path: str | Path) -> list[dict[str, Any]]:
 
     A table of poses has a header with `x0,y0,theta0,x1,y1,theta1` (m, rad; also `th0`, `th1`, `theta0_deg`,
     `theta1_deg`); it may have `surface`, `object` (or `shape`), `acceleration` (`a_mm_s2`), `speed` (`v_mm_s`),
-    `side` (`i`), `fraction` (`s`), `angle` (`t`), `repetition` (`rep`), `dtheta`, `theta_next` (`th0n`) and
-    `force_ratio`. Columns of other names are passed over. What is absent or empty is NaN; `dtheta` is then the
-    shorter way round, for two poses cannot tell more. `theta_next` is put on the lift nearest to theta1.
+    `side` (`i`), `fraction` (`s`), `angle` (`t`), `repetition` (`rep`), `dtheta`, `theta_next` (`th0n`),
+    `force_ratio`, and how far the rod moved: `length` (`push_mm`), or its places `tip_x0,tip_y0,tip_x1,tip_y1` (m).
+    Columns of other names are passed over. What is absent or empty is NaN; `dtheta` is then the shorter way round, for
+    two poses cannot tell more. `theta_next` is put on the lift nearest to theta1.
 
     Any other table is read by `read_theta0_pairs`: a row a pair, with theta0 and theta_next alone (and its `rep`,
     where the file has it).
@@ -53,7 +59,10 @@ def read_push_csv(path: str | Path) -> list[dict[str, Any]]:
     DataFileError names the file, the line and the mend.
     """
     table = read_csv_table(path)
+    if len(table.rows) > _MOST_PUSHES:
+        raise DataFileError(f"{table.path}: holds more than {_MOST_PUSHES} pushes; split it")
     if all(_source(table, names) for names in _POSES.values()):
+        doubt_degrees(table, [name for name in ("theta0_deg", "theta1_deg") if name in table.header])
         return [_pose_row(table, row) for row in table.rows]
     return _pair_rows(table)
 
@@ -65,6 +74,9 @@ def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
         if not abs(value) <= limit:
             raise table.error(row.line, f"{column} is {value:g}; it must be a number within {limit:g} (SI units)")
     facts = {column: _number(table, row, names) for column, names in _FACTS.items()}
+    if all(name in table.header and table.text(row, name) for name in _TIP):
+        x0, y0, x1, y1 = (table.number(row, name) for name in _TIP)
+        facts["length"] = math.hypot(x1 - x0, y1 - y0)
     texts = {column: _text(table, row, names) for column, names in _TEXTS.items()}
     return _row(table) | texts | facts | pose | _motion(pose, facts)
 

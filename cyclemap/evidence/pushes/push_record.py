@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -87,6 +88,12 @@ class PushRecord:
     def turn(self) -> float:
         """How far the object turned, rad, counted along the series: full turns are not lost."""
         return float(self.object_angle[-1] - self.object_angle[0])
+
+    @property
+    def length(self) -> float:
+        """How far the rod moved, m: from its first recorded place to its last."""
+        x, y = (self.tip_pose[-1, 1:3] - self.tip_pose[0, 1:3]).tolist()
+        return math.hypot(x, y)
 
     @property
     def samples(self) -> int:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _PUSH_SET = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
 _POSES = ("x0", "y0", "theta0", "x1", "y1", "theta1", "dx", "dy", "dtheta")
-PUSH_COLUMNS = (*_PUSH_SET, "repetition", *_POSES, "theta_next", "force_ratio", "samples", "path")
+PUSH_COLUMNS = (*_PUSH_SET, "repetition", "length", *_POSES, "theta_next", "force_ratio", "samples", "path")
 _SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
 SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
 CSV_SUFFIX = ".csv"
@@ -45,7 +45,8 @@ class PushTable:
     """Pushes and friction scans, a row each, and the files that could not be read.
 
     table : a row a push. `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`, `fraction`,
-        `angle` (rad), `repetition`: from the file's name. `x0`, `y0` (m), `theta0` (rad): first pose in the world.
+        `angle` (rad), `repetition`: from the file's name. `length` (m): of the rod's path. `x0`, `y0` (m),
+        `theta0` (rad): first pose in the world.
         `x1`, `y1`, `theta1`: last pose, theta1 = theta0 + dtheta. `dx`, `dy` (m): displacement in the object's
         initial frame. `dtheta` (rad): its turn, counted along the series, so never wrapped. `theta_next` (rad): start
         of the next repetition of the same set (same folder or CSV table, same facts), on the lift nearest to theta1; so
@@ -143,7 +144,7 @@ def _push_row(path: Path, push: PushRecord) -> dict[str, Any]:
     outline = _mit_outline(facts.object)
     ratio = math.nan if outline is None else contact_force_ratio(push, outline)
     poses = dict(zip(_POSES, (*push.start, *push.end, *push.displacement, push.turn), strict=True))
-    rest = {"force_ratio": ratio, "samples": push.samples, "path": str(path)}
+    rest = {"length": push.length, "force_ratio": ratio, "samples": push.samples, "path": str(path)}
     return asdict(facts) | poses | rest
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -11,10 +12,11 @@ from numpy.typing import NDArray
 from cyclemap.checks import read_only
 from cyclemap.evidence.replay.chain_run import ChainRun
 from cyclemap.evidence.replay.cut_curve import CutCurve
-from cyclemap.mechanics import Pose, QuasiStaticModel
-from cyclemap.mechanics.contact_curve import SidePiece
-from cyclemap.mechanics.motion import Rod
-from cyclemap.mechanics.push_run import PushStart, run_push
+from cyclemap.mechanics import DragBack, Ellipse, Pose, QuasiStaticModel, SidePush
+from cyclemap.mechanics.contact_curve import ContactCurve, SidePiece
+from cyclemap.mechanics.engine.strokes import piece_table
+from cyclemap.mechanics.quasi_static import run_strokes
+from cyclemap.mechanics.trajectory import Course
 
 Array = NDArray[np.float64]
 
@@ -33,6 +35,10 @@ class _Course:
 
     def __init__(self, model: QuasiStaticModel, curve: CutCurve, pose: Pose) -> None:
         self.model, self.curve, self.pose = model, curve, pose
+        # Each stroke brings a contact curve of its own.
+        plain = replace(model.slider, outline=Ellipse(model.unit, model.unit))
+        self.still = replace(model, slider=plain, footprint=model.pressure).cycle_strokes(SidePush(), DragBack())
+        self.still = replace(self.still, start_piece=0, start_coordinate=0.0, goals=(), from_target=False)
         self.travels, self.poses, self.slid = [0.0], [pose], 0.0
         self.touched, self.apart = False, True
 
@@ -66,13 +72,19 @@ class _Course:
         # About to leave, the rod may already move away from the chord: the tangent it still nears.
         if math.cos(side.normal + self.pose.theta - direction) > -_NEARING:
             side = self._chord(rod_at, foot, 0.0)
-        rod = Rod(model.radius, model.pusher.friction, direction)
-        start, tolerance = PushStart(0, 0.0, self.pose.theta), 0.03 * model.accuracy
-        run = run_push(model.solver, (side,), start, rod, length / unit, tolerance)
-        travel, self.slid = unit * run.length, unit * float(run.end[1])
+        table = piece_table(
+            ContactCurve(model.radius, (side,), (0,), (0,), ("smooth",)),
+            (model.slider.hitch[0] / unit, model.slider.hitch[1] / unit),
+        )
+        strokes = replace(self.still, pieces=table, direction=direction, length=length / unit)
+        at = (self.pose.x / unit, self.pose.y / unit, self.pose.theta)
+        ran = run_strokes([Course(strokes, at, unit, model.weight, model.scale, math.inf)])
+        x, y, theta = ran.pushed[0].tolist()
+        travel, self.pose = unit * float(ran.travel[0]), Pose(unit * x, unit * y, theta)
         end = place + travel * np.array([math.cos(direction), math.sin(direction)])
-        self._put(float(run.end[0]), end, rod_at + self.slid * np.array(side.direction))
-        self.touched, self.apart = True, run.ended == "left"
+        self.slid = float((np.array(self.pose.to_object(*end.tolist())) - rod_at) @ side.direction)
+        self._put_on_curve(end)
+        self.touched, self.apart = True, bool(ran.left[0])
         return max(travel, _APART if self.apart else _CONTACT)
 
     def _chord(self, rod_at: Array, foot: Array, ahead: float) -> SidePiece:
@@ -83,14 +95,11 @@ class _Course:
         begin, along = (float(touch[0]), float(touch[1])), (-float(y), float(x))
         return SidePiece(0, begin, along, math.atan2(y, x), -_ENDLESS, _ENDLESS)
 
-    def _put(self, theta: float, rod: Array, rod_in_object: Array) -> None:
-        """Set the pose so that the rod is at its place in the object, then on the curve instead of its tangent."""
-        turned = np.array(Pose(theta=theta).to_world(*rod_in_object.tolist()))
-        x, y = (rod - turned).tolist()
-        self.pose = Pose(x, y, theta)
+    def _put_on_curve(self, rod: Array) -> None:
+        """Shift the object so that the rod touches its curve instead of its tangent."""
         gap, _, normal = self.gap(rod)
-        back = gap * np.array(Pose(theta=theta).to_world(*normal.tolist()))
-        self.pose = Pose(self.pose.x + float(back[0]), self.pose.y + float(back[1]), theta)
+        x, y = (gap * np.array(Pose(theta=self.pose.theta).to_world(*normal.tolist()))).tolist()
+        self.pose = Pose(self.pose.x + x, self.pose.y + y, self.pose.theta)
 
 
 def push_curve_along(model: QuasiStaticModel, curve: CutCurve, pose: Pose, corners: Array) -> ChainRun:

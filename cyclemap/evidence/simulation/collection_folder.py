@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
-import math
 import re
 from pathlib import Path
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_name, scan_name
 from cyclemap.evidence.simulation.collection_plan import Arguments, CollectionPlan
+from cyclemap.plain_text import plain_number
 from cyclemap.text_files import read_toml
-from cyclemap.whole_files import UNFINISHED_SUFFIX, write_whole
+from cyclemap.whole_files import UNFINISHED_SUFFIX, file_stem, write_whole
 
 # Neither is a kind of file that readers of push data look at.
 ARGUMENTS_FILE = "simulation.toml"
@@ -23,14 +24,15 @@ class CollectionFolder:
     """A folder that holds one collection, begun or complete.
 
     `SURFACE/SHAPE/normal/` holds the pushes, `SURFACE/SHAPE/friction_scan/` the scans; `simulation.toml` what was
-    asked, `true_theta0.txt` the true θ0 (rad, not wrapped) of each cycle and of the one that would follow.
+    asked, `true_theta0.txt` the true θ0 (rad, not wrapped) of each cycle and of the one that would follow,
+    with a seal behind each.
 
     Raises InvalidInput where the folder holds something else, or a collection that was asked for otherwise.
     """
 
     def __init__(self, folder: str | Path, plan: CollectionPlan) -> None:
         self.folder, self.plan = Path(folder), plan
-        self.surface, self.shape = name_part(plan.loop.material.name), name_part(plan.loop.slider.name)
+        self.surface, self.shape = file_stem(plan.loop.material.name), file_stem(plan.loop.slider.name)
         self._begin(plan.arguments())
 
     def _begin(self, arguments: Arguments) -> None:
@@ -65,59 +67,51 @@ class CollectionFolder:
     def known_theta(self) -> list[float]:
         """The true θ0 of the cycles that are complete, and of the next: where to go on; the start if there are none.
 
-        A cycle is complete when its file is there and its successor's θ0 is known; files behind a gap do not count.
+        Every line of the truth is sealed with the file of the push that led to its θ0, and with the line before: a
+        cycle is complete as long as neither is other than it was written. What comes behind does not count, and goes.
         """
-        theta = _leading_numbers(self.folder / TRUTH_FILE) or [self.plan.start]
-        complete = 0
-        while complete < min(len(theta) - 1, self.plan.cycles) and self.push_path(complete).is_file():
-            complete += 1
-        return theta[: complete + 1]
-
-    def write_truth(self, theta: list[float]) -> None:
-        """Write the θ0 of the cycles so far and of the next, in place of what was there."""
-        lines = "".join(_truth_line(cycle, value) for cycle, value in enumerate(theta))
-        write_whole(self.folder / TRUTH_FILE, lines.encode())
+        truth, theta = self.folder / TRUTH_FILE, [self.plan.start]
+        lines = truth.read_bytes().splitlines(keepends=True) if truth.is_file() else []
+        kept = [self._truth_line(0, self.plan.start, b"")]
+        if lines[:1] == kept:
+            for cycle, line in enumerate(lines[1 : self.plan.cycles + 1], 1):
+                value = _number(line)
+                if value is None or line != self._truth_line(cycle, value, kept[-1]):
+                    break
+                theta.append(value)
+                kept.append(line)
+        write_whole(truth, b"".join(kept))
+        self._last = kept[-1]
+        return theta
 
     def append_truth(self, cycle: int, theta: float) -> None:
-        """Add the θ0 of `cycle`; a line cut short does not count when it is read."""
+        """Add the θ0 of `cycle`, once the push before is written; a line cut short does not count when it is read."""
+        self._last = self._truth_line(cycle, theta, self._last)
         try:
-            with (self.folder / TRUTH_FILE).open("a", encoding="ascii", newline="") as file:
-                file.write(_truth_line(cycle, theta))
+            with (self.folder / TRUTH_FILE).open("ab") as file:
+                file.write(self._last)
         except OSError as error:
             raise OSError(f"{self.folder / TRUTH_FILE} cannot be written ({error.strerror})") from error
+
+    def _truth_line(self, cycle: int, theta: float, before: bytes) -> bytes:
+        """The cycle, its θ0, and a digest of these, of the push that led there and of the line before."""
+        push = self.push_path(cycle - 1) if cycle else None
+        content = push.read_bytes() if push is not None and push.is_file() else b""
+        told = f"{cycle} {theta!r}".encode()
+        return told + b" # " + hashlib.sha256(b"\0".join((before, told, content))).hexdigest()[:16].encode() + b"\n"
 
     def size(self) -> int:
         """Bytes of all pushes and scans."""
         return sum(path.stat().st_size for path in self._home.rglob(f"*{self.plan.suffix}"))
 
 
-def name_part(name: str) -> str:
-    """A surface's or an object's name as it can stand in a file name and name a folder.
-
-    >>> name_part("plywood (changed)")
-    'plywood_changed'
-    """
-    return re.sub(r"[^\w.-]+", "_", name).strip("_.") or "unnamed"
-
-
-def _truth_line(cycle: int, theta: float) -> str:
-    return f"{cycle} {theta!r}\n"
-
-
-def _leading_numbers(path: Path) -> list[float]:
-    """The numbers of the lines 0, 1, ... as long as they are whole and in order."""
-    numbers: list[float] = []
-    text = path.read_text(encoding="ascii", errors="replace") if path.is_file() else ""
-    for line in text.splitlines(keepends=True):
-        found = re.fullmatch(r"(\d+) (\S+)\n", line)
-        try:
-            value = float(found[2]) if found else math.nan
-        except ValueError:
-            value = math.nan
-        if found is None or int(found[1]) != len(numbers) or not math.isfinite(value):
-            break
-        numbers.append(value)
-    return numbers
+def _number(line: bytes) -> float | None:
+    """The θ0 of a line of the truth; None where it has none."""
+    found = re.fullmatch(rb"\d+ (\S+) # \w+\n", line)
+    try:
+        return plain_number(found[1].decode()) if found else None
+    except ValueError:
+        return None
 
 
 def _refuse_other(folder: Path, arguments: Arguments, recorded: dict[str, object]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from itertools import pairwise
 
 import numpy as np
 
@@ -73,10 +72,10 @@ class _Course:
         course = push.trajectory
         rows = np.column_stack([course.pose, course.contact_force, course.contact_point - course.pusher])
         # Each phase begins with a row of its own, where the one before it ended.
-        bounds = np.cumsum([0, *(len(phase.phase.steps) + 1 for phase in push.run.phases)]).tolist()
-        self.begins = course.path[bounds[:-1]]
-        self.phases = [_spline(course.path[first:last], rows[first:last]) for first, last in pairwise(bounds)]
-        self.last_row = rows[-1]
+        phases = [course.phase == number for number in range(course.phase[-1] + 1)]
+        self.begins = np.array([course.path[phase][0] for phase in phases])
+        self.phases = [_spline(course.path[phase], rows[phase]) for phase in phases]
+        self.first_place, self.last_row = course.pusher[0], rows[-1]
 
     def travel(self, elapsed: Array) -> Array:
         """The rod's way from first touch, m; negative before it."""
@@ -84,9 +83,10 @@ class _Course:
 
     def rod(self, elapsed: Array) -> Array:
         """(n, 2) m, the rod's centre."""
-        direction = self.push.run.phases[0].motion.rod.direction
+        strokes = self.push.course.strokes
+        direction = strokes.direction + (self.push.start.theta if strokes.from_target else 0.0)
         way = np.array([math.cos(direction), math.sin(direction)])
-        return np.asarray(self.push.frame.rod_start + self.travel(elapsed)[:, None] * way)
+        return np.asarray(self.first_place + self.travel(elapsed)[:, None] * way)
 
     def states(self, elapsed: Array) -> Array:
         """(n, 7): pose, force and lever; no force where the rod does not touch."""

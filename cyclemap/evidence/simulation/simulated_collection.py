@@ -16,6 +16,7 @@ from cyclemap.evidence.simulation.collection_folder import CollectionFolder
 from cyclemap.evidence.simulation.collection_plan import INSTRUMENTS, SCANS, TURN, CollectionPlan
 from cyclemap.evidence.simulation.friction_scan import record_scan, scan_set
 from cyclemap.evidence.simulation.recorded_push import record_push
+from cyclemap.whole_files import only_writer
 
 # Longest step (m) of a recorded push, as a share of its travel: between the steps the record is interpolated.
 _RECORDED = 60
@@ -57,9 +58,11 @@ def simulate_collection(
     seed, scans, suffix, cycle_loops, gripper_turns (rad). progress : called with the fraction done.
 
     Every file is there whole or not at all. Random numbers depend on seed and cycle alone, so that a run that was
-    broken off and is called again with the same arguments ends with the files of an undisturbed one, bit for bit.
+    broken off and is called again with the same arguments ends with the files of an undisturbed one, bit for bit:
+    what was changed, cut or emptied since it was written is made again, and all pushes behind it.
 
-    Raises InvalidInput for bad arguments, a folder that holds something else or was begun with others; OSError where
+    Raises InvalidInput for bad arguments, a folder that holds something else or was begun with others; CycleMapError
+    where another process writes to it; OSError where
     it cannot be written; ConvergenceError or UnsupportedContact where a push leads out of what the mechanics can do.
 
     >>> import tempfile
@@ -75,18 +78,18 @@ def simulate_collection(
     ([0.0, 1.0, 2.0], [1.2855, 1.2879, 1.289])
     """
     plan = CollectionPlan(loop, cycles, **asked)
-    home = CollectionFolder(folder, plan)
     report = progress or (lambda fraction: None)
-    scans = _write_scans(home, plan) if plan.scans else 0
-    theta = home.known_theta()
-    resumed = len(theta) - 1
-    home.write_truth(theta)
-    for cycle in range(resumed, plan.cycles):
-        record, following = _run(plan, cycle, theta[-1])
-        write_push_file(home.push_path(cycle), record)
-        home.append_truth(cycle + 1, following)
-        theta.append(following)
-        report((cycle + 1) / plan.cycles)
+    with only_writer(Path(folder)):
+        home = CollectionFolder(folder, plan)
+        scans = _write_scans(home, plan) if plan.scans else 0
+        theta = home.known_theta()
+        resumed = len(theta) - 1
+        for cycle in range(resumed, plan.cycles):
+            record, following = _run(plan, cycle, theta[-1])
+            write_push_file(home.push_path(cycle), record)
+            home.append_truth(cycle + 1, following)
+            theta.append(following)
+            report((cycle + 1) / plan.cycles)
     written = plan.cycles - resumed
     return SimulatedCollection(home.folder, plan.cycles, written, resumed, scans, theta[-2], home.size())
 
@@ -105,11 +108,9 @@ def _run(plan: CollectionPlan, cycle: int, theta: float) -> tuple[PushRecord, fl
 
 
 def _write_scans(home: CollectionFolder, plan: CollectionPlan) -> int:
-    """Write the scans that are not there yet; return how many there are."""
+    """Write the scans, anew if they are there: they are quick; return how many there are."""
     count, friction, weight = 0, plan.loop.material.friction, plan.loop.model.weight
     for count, scan in enumerate(scan_set(home.surface, home.shape, plan.speed), 1):
-        path = home.scan_path(scan)
-        if not path.is_file():
-            generator = plan.generator(SCANS, count)
-            write_push_file(path, record_scan(friction, weight, scan.direction, plan.recording(0), generator))
+        record = record_scan(friction, weight, scan.direction, plan.recording(0), plan.generator(SCANS, count))
+        write_push_file(home.scan_path(scan), record)
     return count

@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.fit_map import FittedMap, fit_map
+from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
+from cyclemap.evidence.laws.periodic_law import PeriodicLaw
 from cyclemap.evidence.orientations.circular_distance import circular_wasserstein, total_variation
 from cyclemap.evidence.tables.push_sets import FEWEST
 from cyclemap.evidence.tables.turn_pace import TurnPace, turn_pace
+from cyclemap.evidence.theta0.covered_arcs import is_covered
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
 from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram, angle_histogram
-from cyclemap.maps import Orbit, SlowPassage, fixed_points, slow_passages
+from cyclemap.maps import Orbit, fixed_points, slow_passages
+from cyclemap.maps.arcs import shorter_way
 
 Array = NDArray[np.float64]
 FULL_TURN = 2 * np.pi
@@ -28,23 +31,50 @@ EARLY, LATE = 0.125, 0.875
 # From here on the turns are counted: a new surface wears in during the first quarter.
 WORN_IN = 0.25
 _GRID = 1440
+# Fewer cycles than these pass any place too seldom to tell wear from scatter.
+FEWEST_FOR_WEAR = 100
+# Residuals within 10 degrees tell by how much a law is off there; where their mean is this many standard errors from
+# 0, it is: by chance some window of the circle is in one fit of twenty.
+_MISFIT_REACH, _MISFIT = float(np.radians(10.0)), 3.0
+# Scatter is told where so many pairs, or as many as there are anywhere, lie as near.
+_CROWD = 10
+# Paths that lie less often than this where orientations were measured foretell nothing.
+_INSIDE = 0.98
 # Orientations that stand for all paths, and paths whose distance from these is measured.
 _POOLED, _COMPARED = 20_000, 40
 
 
+@dataclass(frozen=True)
+class TurnPlace:
+    """An orientation and the turn of a cycle there.
+
+    theta : rad. turn, lower, upper : rad, the fitted turn and an interval that holds 95 % of the time, wherever the
+        place: neighbouring residuals that are alike and the law's own misfit thereabouts are counted.
+    cycles : that a slow passage takes there, else None.
+    """
+
+    theta: float
+    turn: float
+    lower: float
+    upper: float
+    cycles: float | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class MapState:
-    """The fitted map at one cycle: what attracts, and where it is slow.
+    """The fitted map at one cycle: what attracts, and where it is slow, as far as orientations were measured.
 
-    slowest : (rad, rad a cycle) the angle where |turn| is least, and the turn there.
-    passages : bottlenecks without fixed point. fixed_points : of the map, stable and unstable. cycle : NaN where
-        the cycles have no numbers.
+    fixed_points : of the map, stable and unstable, where the interval of the turn excludes 0 on either side with
+        opposite signs. passages : bottlenecks where the interval excludes 0. undecided : the least turn of each arc
+        where the interval holds 0 and no sign changes for certain: the map may have fixed points there, or none.
+    slowest : where |turn| is least. cycle : NaN where the cycles have no numbers.
     """
 
     cycle: float
     fixed_points: tuple[Orbit, ...]
-    passages: tuple[SlowPassage, ...]
-    slowest: tuple[float, float]
+    passages: tuple[TurnPlace, ...]
+    undecided: tuple[TurnPlace, ...]
+    slowest: TurnPlace
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +111,11 @@ class MeasuredCycleMap:
     """A fitted cycle map and its account.
 
     fitted : with scatter that may depend on the angle and wear in time (of degree 0 where it was not asked for, or the
-        order of the cycles is unknown). quietest, loudest : (rad, rad) where scatter is least and most, and its size.
+        order of the cycles is unknown). quietest, loudest : (rad, rad) where the pairs within 10 degrees scatter least
+        and most about it, and their root mean square.
     early, late : the map an eighth of the run from its ends; one and the same where nothing wears.
-    forecast : paths of the map beside the measured one, None where the order of the pushes is unknown.
+    forecast : paths of the map beside the measured one, None where the order of the pushes is unknown, or where the
+        map's paths leave the orientations that were measured.
     """
 
     pairs: Theta0Pairs
@@ -123,32 +155,113 @@ def measured_cycle_map(
     report = progress or (lambda fraction: None)
     fitted = _fitted(pairs, harmonics, wear, seed)
     report(0.5)
-    theta = FULL_TURN * np.arange(_GRID) / _GRID
-    noise = (fitted.law if fitted.wear is None else fitted.wear.whole).noise(theta)
-    quiet, loud = int(np.argmin(noise)), int(np.argmax(noise))
+    quietest, loudest = _scatter_places(pairs, fitted)
     forecast = _forecast(pairs, fitted, whole_number("runs", runs, least=2), seed)
     report(1.0)
     return MeasuredCycleMap(
         pairs=pairs,
         fitted=fitted,
-        quietest=(float(theta[quiet]), float(noise[quiet])),
-        loudest=(float(theta[loud]), float(noise[loud])),
-        early=map_state(fitted, EARLY),
-        late=map_state(fitted, LATE),
+        quietest=quietest,
+        loudest=loudest,
+        early=map_state(pairs, fitted, EARLY),
+        late=map_state(pairs, fitted, LATE),
         forecast=forecast,
     )
 
 
-def map_state(fitted: FittedMap, share: float) -> MapState:
+def map_state(pairs: Theta0Pairs, fitted: FittedMap, share: float) -> MapState:
     """The fitted map after this share of the measured cycles, 0 to 1."""
     worn = fitted.wear
     cycle = float("nan") if worn is None else worn.first + share * (worn.last - worn.first)
-    frozen = fitted.map if worn is None else fitted.map_at(cycle)
+    law = fitted.law if worn is None else worn.at(cycle)
     theta = FULL_TURN * np.arange(_GRID) / _GRID
-    turn = frozen.turn(theta)
-    slowest = int(np.argmin(np.abs(turn)))
-    place = (float(theta[slowest]), float(turn[slowest]))
-    return MapState(cycle, tuple(fixed_points(frozen)), tuple(slow_passages(frozen)), place)
+    seen, turn, error = is_covered(pairs.theta, theta), law(theta), _turn_error(pairs, fitted, law, theta)
+    sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)
+
+    def place(k: int, cycles: float | None = None) -> TurnPlace:
+        return TurnPlace(float(theta[k]), float(turn[k]), float(turn[k] - error[k]), float(turn[k] + error[k]), cycles)
+
+    frozen = map_of_turn(law)
+    orbits = {_nearest(orbit.points[0]): orbit for orbit in fixed_points(frozen)}
+    sure: list[Orbit] = []
+    undecided: list[TurnPlace] = []
+    for run in _circular_runs(seen & (sign == 0.0)):
+        if sign[run[0] - 1] * sign[(run[-1] + 1) % _GRID] < 0.0:
+            sure += [orbits[k] for k in run if k in orbits]
+        else:
+            undecided.append(place(_least(np.abs(turn), np.array(run))))
+    passages = ((_nearest(one.theta), one.passage_cycles) for one in slow_passages(frozen))
+    slow = tuple(place(k, cycles) for k, cycles in passages if sign[k] != 0.0)
+    slowest = place(_least(np.abs(turn), np.flatnonzero(seen)))
+    return MapState(cycle, tuple(sorted(sure, key=lambda one: one.points[0])), slow, tuple(undecided), slowest)
+
+
+def _turn_error(pairs: Theta0Pairs, fitted: FittedMap, law: PeriodicLaw, theta: Array) -> Array:
+    """Half of the 95 % interval of the turn: what the law states, more where residuals are alike, and its misfit.
+
+    A law of too low an order is off by what its residuals have in common thereabouts, which no covariance knows.
+    """
+    alike = min(max(law.lag_correlation, 0.0), 0.99)
+    # The least of all turns is asked for: a law of p coefficients is free in p places.
+    level = 1.0 - 0.05 / law.coefficients.size
+    stated = law.band(theta, level).mean_halfwidth * np.sqrt((1.0 + alike) / (1.0 - alike))
+    off = _residuals(pairs, fitted)
+    near = _near(pairs, theta)
+    count = np.maximum(near.sum(axis=1), 1)
+    mean, error = np.abs(near @ off) / count, law.noise(theta) / np.sqrt(count)
+    return np.asarray(stated + np.where(mean > _MISFIT * error, mean + 2.0 * error, 0.0))
+
+
+def _scatter_places(pairs: Theta0Pairs, fitted: FittedMap) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Where the residuals of ten pairs or more within 10 degrees are least and most, root mean square, and how large.
+
+    Of fewer pairs in all, the largest crowds count.
+    """
+    theta = FULL_TURN * np.arange(_GRID) / _GRID
+    near = _near(pairs, theta)
+    crowd = near.sum(axis=1)
+    told = np.flatnonzero(is_covered(pairs.theta, theta) & (crowd > 0))
+    told = told[crowd[told] >= min(_CROWD, int(np.max(crowd[told])))]
+    size = np.sqrt(near[told] @ _residuals(pairs, fitted) ** 2 / crowd[told])
+    least, most = int(np.argmin(size)), int(np.argmax(size))
+    return (float(theta[told[least]]), float(size[least])), (float(theta[told[most]]), float(size[most]))
+
+
+def _residuals(pairs: Theta0Pairs, fitted: FittedMap) -> Array:
+    """Measured less fitted turn (n,), rad, each beside the law of its own cycle."""
+    if fitted.wear is None or pairs.cycle is None:
+        return np.asarray(pairs.turn - fitted.law(pairs.theta))
+    return np.asarray(pairs.turn - fitted.wear.turns(pairs.theta, pairs.cycle))
+
+
+def _near(pairs: Theta0Pairs, theta: Array) -> NDArray[np.bool_]:
+    """Which pairs (n,) begin within 10 degrees of each angle (k,): shape (k, n)."""
+    return np.asarray(np.abs(shorter_way(theta[:, np.newaxis] - pairs.theta)) <= _MISFIT_REACH)
+
+
+def _nearest(theta: float) -> int:
+    return round(theta / FULL_TURN * _GRID) % _GRID
+
+
+def _least(values: Array, places: NDArray[np.int64]) -> int:
+    """The one of these places where the values are least: in the middle, where they are all alike."""
+    least = places[values[places] <= np.min(values[places]) + 1e-12]
+    return int(least[least.size // 2])
+
+
+def _circular_runs(held: NDArray[np.bool_]) -> list[list[int]]:
+    """The longest runs of neighbours that hold, the last beside the first; all places in one where all hold."""
+    breaks = np.flatnonzero(~held)
+    if not breaks.size:
+        return [list(range(held.size))]
+    order = [int(k) for k in np.roll(np.arange(held.size), -int(breaks[0]))]
+    runs: list[list[int]] = [[]]
+    for k in order:
+        if held[k]:
+            runs[-1].append(k)
+        elif runs[-1]:
+            runs.append([])
+    return [run for run in runs if run]
 
 
 def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) -> FittedMap:
@@ -161,7 +274,8 @@ def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) ->
     if pairs.cycle is None or np.ptp(pairs.cycle) == 0.0:
         return fit_map(pairs.theta, pairs.theta_next, **options)
     options["cycle"] = pairs.cycle
-    fitted = fit_map(pairs.theta, pairs.theta_next, wear_degree=None if wear else 0, **options)
+    told = wear and pairs.theta.size >= FEWEST_FOR_WEAR
+    fitted = fit_map(pairs.theta, pairs.theta_next, wear_degree=None if told else 0, **options)
     worn = fitted.wear
     if worn is None or worn.degree == 0 or worn.rmse_by_order is None:
         return fitted
@@ -178,6 +292,8 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
     begin = int(np.searchsorted(cycle, cycle[0] + WORN_IN * last))
     counted = fitted.paths(np.full(runs, path[begin]), int(cycle[-1] - cycle[begin]), float(cycle[begin]), seed)
     whole = fitted.paths(np.full(runs, path[0]), last, float(cycle[0]), seed + 1)
+    if np.mean(is_covered(pairs.theta, whole)) < _INSIDE:
+        return None
     tv, apart, chance = _distances(path, whole)
     lower, upper = np.quantile(whole, [0.025, 0.975], axis=0)
     return WornForecast(

@@ -73,7 +73,7 @@ def push_sets(
 
     Raises InvalidInput for a column of another name, and where nothing is selected.
     """
-    table = _selected(pushes.table, select or {})
+    table = selected_pushes(pushes.table, select or {})
     homes = [path if path.lower().endswith(CSV_SUFFIX) else str(Path(path).parent) for path in table["path"]]
     gathered = []
     for home in dict.fromkeys(homes):
@@ -85,7 +85,11 @@ def push_sets(
     return tuple(_push_set(name, Path(home), part) for name, (home, part) in zip(names, gathered, strict=True))
 
 
-def _selected(table: pandas.DataFrame, select: Mapping[str, str | float]) -> pandas.DataFrame:
+def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) -> pandas.DataFrame:
+    """Return the rows whose columns of ``SURROUNDINGS`` and ``CONTACT`` have these values, SI units and radians.
+
+    Raises InvalidInput, telling what there is, for a column of another name and where no push has a value.
+    """
     kept = np.ones(len(table), dtype=bool)
     for column, value in select.items():
         if column not in (*SURROUNDINGS, *CONTACT):
@@ -94,7 +98,7 @@ def _selected(table: pandas.DataFrame, select: Mapping[str, str | float]) -> pan
         same = cells == value if column in _TEXT else np.isclose(cells.to_numpy(), value, rtol=1e-6, atol=1e-9)
         if not np.any(same):
             there = ", ".join(sorted({f"{cell:g}" if isinstance(cell, float) else str(cell) for cell in cells}))
-            raise InvalidInput(f"no push has {column} {value}; there is {there or 'no push at all'}")
+            raise InvalidInput(f"no such {column}: {value}; the data have {there or 'no push at all'}")
         kept &= np.asarray(same, dtype=bool)
     if select and not kept.any():
         raise InvalidInput(f"no push has {', '.join(f'{key} {value}' for key, value in select.items())} at once")

@@ -1,15 +1,16 @@
 """Measured pairs (θ0, next θ0): where the object stood before a push, and where before the next one."""
 
+import math
+import warnings
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
 
 Array = NDArray[np.float64]
@@ -19,6 +20,9 @@ PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
 ORDERED_COLUMN = "theta0_deg"
 LAYOUTS = f"{','.join(STAIRCASE_COLUMNS)} or {','.join(PAIR_COLUMNS)} or {ORDERED_COLUMN} alone"
 
+# Angles of fewer rows may lie within a few degrees of each other by chance.
+# They are read as radians where they come near a turn, and, but for rounding, not beyond.
+_TELLING, _NEARLY_A_TURN, _HALF_A_TURN = 8, 5.0, 1.001 * math.pi
 # Figures in a staircase file are rounded to 0.001 degrees, three of them enter each comparison.
 CONSISTENT_DEG = 0.005
 
@@ -80,6 +84,7 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
     DataFileError names the file, the line and the mend.
     """
     table = read_csv_table(path)
+    doubt_degrees(table, [name for name in PAIR_COLUMNS if name in table.header])
     if "theta0_accum_deg" in table.header:
         return _from_staircase(table)
     if "theta_next_deg" in table.header:
@@ -87,6 +92,18 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
     if ORDERED_COLUMN in table.header:
         return _from_ordered(table)
     raise table.error(1, f"the header is {','.join(table.header)}; it must be {LAYOUTS}")
+
+
+def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
+    """Warn (`DoubtfulInput`) where angles of columns in degrees fill one circle in radians, and no more."""
+    for name in columns:
+        numbers = [table.number(row, name) for row in table.rows if table.text(row, name)]
+        low, high = min(numbers, default=0.0), max(numbers, default=0.0)
+        one_turn = max(-low, high) <= _HALF_A_TURN or (low >= 0.0 and high <= 2.0 * _HALF_A_TURN)
+        if len(numbers) >= _TELLING and one_turn and high - low > _NEARLY_A_TURN:
+            told = f"{table.path}: {name} runs from {low:g} to {high:g} in {len(numbers)} rows: are these radians?"
+            warnings.warn(told, DoubtfulInput, stacklevel=4)
+            return
 
 
 def _from_staircase(table: CsvTable) -> Theta0Pairs:
@@ -101,7 +118,7 @@ def _from_staircase(table: CsvTable) -> Theta0Pairs:
         raise table.error(table.rows[-1].line, "no row without a flag has a next θ0; nothing to compare with")
     theta = np.deg2rad(path[kept])
     dropped = Counter(flag for flag in flags.tolist() if flag)
-    theta_next, reasons = theta + np.deg2rad(turns[kept]), MappingProxyType(dropped)
+    theta_next, reasons = theta + np.deg2rad(turns[kept]), dict(dropped)
     return Theta0Pairs(theta, theta_next, np.deg2rad(path), reasons, number[kept], number)
 
 

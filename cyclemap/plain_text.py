@@ -1,0 +1,68 @@
+"""Text from outside: how it is shown, and which of it is a number."""
+
+import json
+import re
+import unicodedata
+
+# Python's own `float` and `int` take underscores and the digits of every script, too.
+_NUMBER = re.compile(r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf(?:inity)?)", re.ASCII | re.IGNORECASE)
+_WHOLE = re.compile(r"[+-]?\d+", re.ASCII)
+# Control and format characters, separators of lines and paragraphs, halves of pairs: nothing of them can be seen.
+_UNSEEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
+
+
+def printable(text: str) -> str:
+    r"""Return `text` with what a terminal would obey, or nobody can see, written as escapes; lines and tabs stay.
+
+    >>> printable("\x1b[31mred\u202e")
+    '\\x1b[31mred\\u202e'
+    """
+    if text.isascii() and text.isprintable():
+        return text
+    return "".join(sign if _is_seen(sign) else sign.encode("unicode_escape").decode() for sign in text)
+
+
+def _is_seen(sign: str) -> bool:
+    return sign in "\n\t" or unicodedata.category(sign) not in _UNSEEN
+
+
+def plain_number(text: str) -> float:
+    """Return the number that `text` says in plain digits, with a point and a power of ten; ValueError otherwise.
+
+    >>> plain_number(" -2.5e-3 ")
+    -0.0025
+    >>> plain_number("1_0")
+    Traceback (most recent call last):
+    ...
+    ValueError: '1_0' is not a number in plain digits
+    """
+    if not _NUMBER.fullmatch(text.strip()):
+        raise ValueError(f"{text!r} is not a number in plain digits")
+    return float(text)
+
+
+def plain_whole(text: str) -> int:
+    """Return the whole number that `text` says in plain digits; ValueError otherwise.
+
+    >>> plain_whole("12")
+    12
+    """
+    if not _WHOLE.fullmatch(text.strip()):
+        raise ValueError(f"{text!r} is not a whole number in plain digits")
+    return int(text)
+
+
+def json_value(text: str | bytes) -> object:
+    """Return what a JSON text says; ValueError where it is none, names a key twice, or nests thousands deep."""
+    try:
+        return json.loads(text, object_pairs_hook=_without_twins)
+    except RecursionError as error:
+        raise ValueError("lists or objects are nested too deeply") from error
+
+
+def _without_twins(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        twice = next(key for key, _ in pairs if sum(key == other for other, _ in pairs) > 1)
+        raise ValueError(f"the key {twice!r} is there twice; keep one")
+    return found
