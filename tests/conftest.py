@@ -18,9 +18,6 @@ REPOSITORY = Path(__file__).parents[1]
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# Kernels that tests compile are shared by all their processes, and leave the user's own alone.
-os.environ.setdefault("CYCLEMAP_CACHE", str(REPOSITORY / ".pytest_kernels"))
-
 
 @pytest.fixture(scope="session")
 def measured_data() -> Path:
@@ -60,19 +57,3 @@ def real_loop():
 def loop_of(real_loop):
     """Make a loop that has a given cycle map."""
     return partial(StubLoop, real_loop)
-
-
-@pytest.fixture(scope="module")
-def compiled():
-    """Kernels compiled at once; without a compiler the tests are skipped."""
-    # Loaded only where it is asked for: they take a while.
-    from cyclemap.mechanics.compiled import stroke_runner
-    from cyclemap.mechanics.compiled.compiler import NoCompiler, find_compiler
-
-    try:
-        find_compiler()
-    except NoCompiler as reason:
-        pytest.skip(f"compiled kernels are not tested: {reason}")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stroke_runner, "WORTHWHILE", 0)
-        yield

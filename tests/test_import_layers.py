@@ -22,7 +22,15 @@ RANK = {
     "cli": 8,
 }
 # Modules beside the rooms: small things that every room may use, and the doors of the package.
-SHARED = {"errors": 0, "lazy_names": 0, "checks": 1, "suggestions": 1, "text_files": 1, "whole_files": 1}
+SHARED = {
+    "errors": 0,
+    "lazy_names": 0,
+    "plain_text": 0,
+    "checks": 1,
+    "suggestions": 1,
+    "text_files": 1,
+    "whole_files": 1,
+}
 DOORS = {"__init__": 9, "__main__": 9}
 ALL_RANKS = RANK | SHARED | DOORS
 
@@ -148,14 +156,13 @@ ROWS = {
         ("theta0", "laws", "orientations", "tables", "comparison"),
         ("theta0", "pushes", "comparison"),
     ),
-    "resets": (
-        ("strategies", "scores", "least_noise", "drawn_pushes", "parameters", "design"),
-        ("strategies", "scores", "drawn_pushes", "design", "robust"),
-        ("strategies", "monitor"),
-        ("strategies", "scores", "protocol"),
-    ),
+    "resets": (("monitor", "design", "protocol"),),
 }
-PARTS_SHARED: dict[str, set[str]] = {"maps": {"arcs", "estimate", "quadrature"}, "evidence": set(), "resets": set()}
+PARTS_SHARED: dict[str, set[str]] = {
+    "maps": {"arcs", "estimate", "quadrature", "rounding"},
+    "evidence": set(),
+    "resets": set(),
+}
 
 
 def allowed(place: str, part: str) -> set[str]:

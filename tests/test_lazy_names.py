@@ -15,7 +15,6 @@ ROOMS = ("maps", "mechanics", "collection", "evidence", "sweeps", "resets")
 NAMESAKES = (
     *("collection.batch_experiment", "collection.fingerprint", "collection.portrait", "collection.staircase_forecast"),
     *("evidence.measured_staircase", "sweeps.run_sweep", "sweeps.sweep_curves"),
-    *("resets.least_noise", "resets.strategy_portrait", "resets.strategy_staircase"),
 )
 
 

@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[1]
 
 
 class Installer:
-    """run.py with its folder moved away and its three outside calls recorded instead of made."""
+    """run.py with its folder moved away and its outside calls recorded instead of made."""
 
     def __init__(self, run, monkeypatch, folder: Path) -> None:
         self.run, self.calls = run, []
@@ -24,10 +24,12 @@ class Installer:
             "pip_works": self.pip_works,
             "rebuild": self.rebuild,
             "install": self.install,
+            "engine_is_built": lambda: self.engine,
+            "build_engine": self.build_engine,
         }.items():
             monkeypatch.setattr(run, name, value)
         (folder / "pyproject.toml").write_text("[project]\n")
-        self.pip = False
+        self.pip, self.engine = False, True
 
     def pip_works(self) -> bool:
         return self.pip
@@ -41,6 +43,11 @@ class Installer:
     def install(self, testing: bool, afresh: bool = False) -> bool:
         self.calls.append(f"install{' testing' * testing}{' afresh' * afresh}")
         return self.outcomes.pop(0) if self.outcomes else True
+
+    def build_engine(self) -> bool:
+        self.calls.append("build engine")
+        self.engine = self.outcomes.pop(0) if self.outcomes else True
+        return self.engine
 
     def ensure(self, testing: bool = False) -> list[str]:
         self.calls.clear()
@@ -95,6 +102,15 @@ def test_failed_update_keeps_what_was_there_and_says_so(installer, run) -> None:
     with pytest.raises(run.InstallError, match=r"could not bring \.venv up to date"):
         installer.ensure()
     assert "rebuild" not in installer.calls
+
+
+def test_changed_engine_is_built_without_an_installation(installer, run) -> None:
+    installer.ensure()
+    installer.engine, installer.outcomes = False, [False]
+    with pytest.raises(run.InstallError, match="engine could not be built"):
+        installer.ensure()
+    assert installer.ensure() == ["build engine"]
+    assert installer.ensure() == []
 
 
 def test_failed_first_installation_leaves_no_stamp(installer, run) -> None:

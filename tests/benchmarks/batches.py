@@ -19,8 +19,7 @@ import numpy as np
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.many_cycles import run_cycles
 from cyclemap.mechanics import EllipseFriction, Material
-from cyclemap.mechanics.compiled import stroke_runner
-from cyclemap.mechanics.compiled.threads import THREADS_VARIABLE, thread_count
+from cyclemap.mechanics.engine.strokes import THREADS_VARIABLE, thread_count
 from tests.benchmarks.timing import Row, show
 
 MIT = CollectionLoop.mit()
@@ -87,8 +86,6 @@ def thread_rows(cycles: int = 8_000, repeats: int = 9) -> list[Row]:
 
 def main() -> None:
     """Print the tables."""
-    stroke_runner.WORTHWHILE = 0
-    MIT.next_theta(THETA)
     show(f"{MATERIALS:,} materials x {ORIENTATIONS} orientations, each cycle", batch_rows())
     show("threads", thread_rows())
 

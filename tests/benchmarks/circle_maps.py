@@ -12,9 +12,9 @@ from scipy.optimize import brentq
 from scipy.special import ndtr
 
 from cyclemap.maps import (
+    ARNOLD_FAMILY,
     CircleMap,
     WrappedNormal,
-    arnold_family,
     fixed_points,
     mean_passage_time,
     periodic_points,
@@ -114,7 +114,7 @@ def rotation_rows() -> list[Row]:
     some = slice(0, 20_000)
     rows = []
     for threads in (1, 2):
-        taken = seconds(lambda n=threads: rotation_numbers(arnold_family, OMEGA, STRENGTH, threads=n), 3) / OMEGA.size
+        taken = seconds(lambda n=threads: rotation_numbers(ARNOLD_FAMILY, OMEGA, STRENGTH, threads=n), 3) / OMEGA.size
         rows.append(Row(f"a rotation number to 1e-3, {threads} thread(s)", taken, f"{1 / taken:.3g} a second"))
     plain = seconds(lambda: plain_rotation(OMEGA[some], STRENGTH[some]), 3) / 20_000
     return [*rows, Row("1,000 iterates in NumPy", plain, f"{1 / plain:.3g} a second")]

@@ -6,10 +6,7 @@ for the push alone; the package's row beside it is the same push on the same poi
 """
 
 import math
-import subprocess
 import sys
-import tempfile
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +14,7 @@ import numpy as np
 
 from cyclemap.collection import CollectionLoop, DynamicLoop, fingerprint
 from cyclemap.mechanics import Pose, QuasiStaticModel, SidePush, grid_footprint
+from cyclemap.mechanics.engine.strokes import PARAMETERS
 from tests.benchmarks.timing import Row, seconds, show
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "mechanics"))
@@ -37,7 +35,7 @@ def cycle_rows() -> list[Row]:
         plain = seconds(lambda loop=loop: [loop.cycle(t) for t in theta]) / 40
         rows.append(Row(f"cycle at {accuracy:g}", plain, "push and drag"))
         found = seconds(lambda loop=loop: [loop.sensitivity(t) for t in theta], 3) / 40
-        rows.append(Row(f"with 13 derivatives at {accuracy:g}", found, "push and drag"))
+        rows.append(Row(f"with {len(PARAMETERS)} derivatives at {accuracy:g}", found, "push and drag"))
     return rows
 
 
@@ -79,22 +77,11 @@ def growth_rows() -> list[Row]:
     return rows
 
 
-def cold_rows() -> list[Row]:
-    """The whole command, from a cold start."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "cyclemap", "portrait", "plywood", "--out", folder]
-        start = time.perf_counter()
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        taken = time.perf_counter() - start
-    told = "cold start, with its picture" if done.returncode == 0 else f"failed: {done.stderr.strip()[-60:]}"
-    return [Row("cyclemap portrait plywood", taken, told)]
-
-
 def main() -> None:
     """Print the table."""
     show("with and without inertia", dynamic_rows())
     show("full map and first order", fingerprint_rows())
-    show("pushes and drags", [*cycle_rows(), *peer_rows(), *growth_rows(), *cold_rows()])
+    show("pushes and drags", [*cycle_rows(), *peer_rows(), *growth_rows()])
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""How fast the engine is: cycles, maps and portraits, interpreted and compiled side by side, with ratios.
+"""How fast the engine is: cycles, pushes, derivatives of every footprint, maps and portraits, with ratios.
 
 Run `python -m tests.benchmarks.engine` from the repository's root, with nothing else running. It prints medians of
 repeated runs and asserts nothing: times are for people. Every row is one core's, but for those that say otherwise.
@@ -10,26 +10,22 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import math
 import platform
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.mechanics import Pose
-from cyclemap.mechanics.compiled import stroke_runner
-from cyclemap.mechanics.compiled.compiler import NoCompiler, find_compiler
-from cyclemap.mechanics.compiled.library_cache import CACHE_VARIABLE
-from cyclemap.mechanics.compiled.recorded_strokes import stroke_row
-from cyclemap.mechanics.compiled.stroke_library import stroke_source
-from cyclemap.mechanics.compiled.threads import THREADS_VARIABLE, thread_count
-from cyclemap.mechanics.motion import Rod
+from cyclemap.mechanics import Ellipse, Footprint, PatchFootprint, Pose, QuasiStaticModel, SidePush, grid_footprint
+from cyclemap.mechanics.cycle_batch import run_batch
+from cyclemap.mechanics.engine import strokes as engine
+from cyclemap.mechanics.engine.strokes import PARAMETERS, THREADS_VARIABLE, thread_count
 from tests.benchmarks.timing import Row, seconds, show
 
 MIT = CollectionLoop.mit()
@@ -37,6 +33,30 @@ ACCURACIES = (1e-4, 1e-6, 1e-8, 1e-10)
 THETA = np.linspace(-math.pi, math.pi, 40, endpoint=False)
 # Accuracies among which the coarsest with a worst error of 10 µm is looked for.
 COARSE = 10.0 ** np.arange(-2.0, -6.01, -0.25)
+SQUARE = MIT.slider.outline
+# Under MIT's square, each in turn.
+FOOTPRINTS: dict[str, Footprint] = {
+    "square": PatchFootprint(SQUARE),
+    "square in four parts": PatchFootprint(SQUARE, 0.2, 0.2, 0.1),
+    "leaning square": PatchFootprint(SQUARE, centre=(0.003, -0.002)),
+    "disc": PatchFootprint(Ellipse(0.05, 0.05)),
+    "ellipse": PatchFootprint(Ellipse(0.055, 0.035)),
+    "ellipse, half of it on the rim": PatchFootprint(Ellipse(0.055, 0.035), rim_share=0.5),
+    "8 x 8 points": grid_footprint(SQUARE, 8),
+}
+# What a portrait is measured by: the libraries that it needs, and six labelled panels of its size.
+PANELS = """
+import sys, numpy, matplotlib
+matplotlib.use("Agg")
+from matplotlib import pyplot
+figure, panels = pyplot.subplots(2, 3, figsize=(13.0, 8.0), layout="constrained")
+for number, panel in enumerate(panels.flat):
+    x = numpy.linspace(0.0, 6.0, 400)
+    panel.plot(x, numpy.sin(x + number), label="a line")
+    panel.set(title="a title", xlabel="an angle (degrees)", ylabel="a value")
+    panel.legend()
+figure.savefig(sys.argv[1] + "/panels.png", dpi=150)
+"""
 
 
 def processor() -> str:
@@ -47,41 +67,39 @@ def processor() -> str:
     return names[0] if names else platform.processor() or platform.machine()
 
 
-def each(run: Callable[[], object], repeats: int = 5) -> float:
-    """Median time of one of the runs over THETA."""
-    return seconds(run, repeats) / THETA.size
-
-
-def cycle_rows() -> list[Row]:
-    """One cycle, and with the slope of the map, at every accuracy."""
-    rows = []
-    for accuracy in ACCURACIES:
-        loop = replace(MIT, accuracy=accuracy)
-        for name, way in (("interpreted", stroke_runner.interpreted), ("compiled", nullcontext)):
-            with way():
-                rows.append(row(f"{name} cycle at {accuracy:g}", each(lambda loop=loop: list(map(loop.cycle, THETA)))))
-                batch = each(lambda loop=loop: loop.cycles(THETA))
-                rows.append(row(f"{name}, in one call", batch))
-                slopes = each(lambda loop=loop: loop._values_and_slopes(THETA), 3)
-                rows.append(row(f"{name}, in one call, with slopes", slopes))
-    return rows
-
-
-def row(name: str, taken: float) -> Row:
-    """A row that tells how many a second."""
+def row(name: str, run: Callable[[], object], count: int = THETA.size, repeats: int = 5) -> Row:
+    """A row of one of so many runs, which tells how many a second."""
+    taken = seconds(run, repeats) / count
     return Row(name, taken, f"{1.0 / taken:,.0f} a second")
 
 
-def push_seconds(loop: CollectionLoop, theta: np.ndarray) -> float:
-    """Time of one push alone, in compiled code."""
-    model = loop.model
-    start, direction, _, length = model.start(Pose(), loop.push)
-    rod = Rod(model.radius, model.pusher.friction, direction)
-    strokes = np.tile(stroke_row(model.solver, rod, start, length), (theta.size, 1))
-    strokes[:, 2], strokes[:, 7] = theta, theta + direction
-    runner, pieces = stroke_runner.stroke_runner(model.stroke_kind), stroke_runner.piece_table(model.pieces)
-    assert runner is not None
-    return seconds(lambda: runner.run(pieces, strokes, model.step_tolerance, math.inf, False)) / theta.size
+def cycle_rows() -> list[Row]:
+    """One cycle, one a call and many in one, with the slope of the map and with all derivatives, at every accuracy."""
+    rows = []
+    for accuracy in ACCURACIES:
+        loop = replace(MIT, accuracy=accuracy)
+        rows.append(row(f"cycles in one call at {accuracy:g}", lambda loop=loop: loop.cycles(THETA)))
+        rows.append(row("  one a call", lambda loop=loop: list(map(loop.cycle, THETA.tolist()))))
+        for name, count in (("with slopes", 1), (f"with {len(PARAMETERS)} derivatives", len(PARAMETERS))):
+            rows.append(row(f"  {name}", lambda loop=loop, count=count: run_batch((loop,), THETA[None], count)))
+    return rows
+
+
+def footprint_rows() -> list[Row]:
+    """Cycles at 1e-8 over every kind of pressure under the same object: what each costs beside a square."""
+    rows = []
+    for name, footprint in FOOTPRINTS.items():
+        loop = replace(MIT, footprint=footprint)
+        for what, count in (("", 0), (", slopes", 1), (", all derivatives", len(PARAMETERS))):
+            rows.append(row(f"{name}{what}", lambda loop=loop, count=count: run_batch((loop,), THETA[None], count)))
+    return rows
+
+
+def pushing(model: QuasiStaticModel, push: SidePush, theta: np.ndarray) -> Callable[[], object]:
+    """Pushes alone, without the way back, from many orientations in one call."""
+    strokes = replace(model.push_strokes(Pose(), push), from_target=True)
+    number, poses = np.zeros(theta.size, int), np.column_stack([np.zeros((theta.size, 2)), theta])
+    return lambda: engine.run([strokes], number, poses)
 
 
 def push_rows() -> list[Row]:
@@ -95,82 +113,50 @@ def push_rows() -> list[Row]:
         worst = float((moved + half_diagonal * np.abs(found.push_turn - exact.push_turn)).max())
         if worst <= 10e-6:
             note = f"push, corners off by {1e6 * worst:.2g} µm at most (accuracy {accuracy:.1e})"
-            return [row(note, push_seconds(loop, theta))]
+            return [row(note, pushing(loop.model, loop.push, theta), theta.size)]
     return []
 
 
 def map_rows() -> list[Row]:
-    """A whole cycle map, on all cores where it is compiled."""
-    rows = []
-    for tolerance in (1e-6, 1e-8):
-        with stroke_runner.interpreted():
-            rows.append(
-                Row(f"interpreted map at {tolerance:g}", seconds(lambda t=tolerance: MIT.circle_map(t), 1), "plywood")
-            )
-        taken = seconds(lambda t=tolerance: MIT.circle_map(t), 5)
-        rows.append(Row(f"compiled map at {tolerance:g}", taken, "plywood, all cores"))
-    return rows
-
-
-def portrait_rows() -> list[Row]:
-    """The command from outside: with the interpreter, compiling, and with kernels that are kept; and the import."""
-    with tempfile.TemporaryDirectory() as kept:
-        return [
-            Row("interpreted", command_seconds({"CYCLEMAP_COMPILER": "none"}), "cyclemap portrait plywood"),
-            Row("compiled, cold", command_seconds({CACHE_VARIABLE: kept}), "kernels compiled and kept on the way"),
-            Row("compiled, kept", command_seconds({CACHE_VARIABLE: kept}), "kernels found"),
-            Row("import of what it needs", import_seconds(), "within each of the above"),
-        ]
-
-
-def command_seconds(environment: dict[str, str]) -> float:
-    """Time of one portrait in a process of its own; a failure is told, not timed."""
-    with tempfile.TemporaryDirectory() as out:
-        return _run([sys.executable, "-m", "cyclemap", "portrait", "plywood", "--out", out], environment)
-
-
-def import_seconds() -> float:
-    """Time of a process that only imports what the portrait needs."""
-    return _run([sys.executable, "-c", "import cyclemap.cli.run_portrait"], {})
-
-
-def _run(command: list[str], environment: dict[str, str]) -> float:
-    start = time.perf_counter()
-    subprocess.run(command, check=True, capture_output=True, env={**os.environ, **environment})
-    return time.perf_counter() - start
-
-
-def compile_rows() -> list[Row]:
-    """What it takes to have kernels at all."""
-    kind = MIT.model.stroke_kind
-    assert kind is not None
-    source = stroke_source(kind)
+    """A whole cycle map, on all cores."""
+    maps = [(f"map at {tolerance:g}", MIT, tolerance) for tolerance in (1e-5, 1e-6, 1e-8)]
+    maps.append(("8 x 8 points, map at 1e-5", replace(MIT, footprint=grid_footprint(SQUARE, 8)), 1e-5))
     return [
-        Row(
-            "compiling MIT's kernels",
-            seconds(lambda: find_compiler().shared_library(source), 1),
-            f"{len(source):,} bytes of C",
-        ),
-        Row("writing their C", seconds(lambda: stroke_source(kind), 3), "expressions known"),
+        Row(name, seconds(lambda loop=loop, t=tolerance: loop.circle_map(t), 5), "plywood, all cores")
+        for name, loop, tolerance in maps
     ]
+
+
+def portrait_rows(rounds: int = 5) -> list[Row]:
+    """The command from outside, beside a process that draws as many panels, and the import of what it needs."""
+    python = sys.executable
+    portrait = [python, "-m", "cyclemap", "portrait", "plywood", "--out"]
+    commands = {
+        "six labelled panels by matplotlib alone": [python, "-c", PANELS],
+        "cyclemap portrait plywood": portrait,
+        "  --set footprint=grid:8": [*portrait[:-1], "--set", "footprint=grid:8", "--out"],
+        "import of what a portrait needs": [python, "-c", "import cyclemap.cli.run_portrait"],
+    }
+    times: dict[str, list[float]] = {name: [] for name in commands}
+    with tempfile.TemporaryDirectory() as out:
+        for _ in range(rounds + 1):
+            for name, command in commands.items():
+                begun = time.perf_counter()
+                subprocess.run([*command, out], check=True, capture_output=True)
+                times[name].append(time.perf_counter() - begun)
+    return [Row(name, statistics.median(taken[1:]), "a process of its own") for name, taken in times.items()]
 
 
 def main() -> None:
     """Print the tables."""
-    try:
-        compiler = find_compiler().command[0]
-    except NoCompiler as reason:
-        sys.exit(f"nothing to compare: {reason}")
-    stroke_runner.WORTHWHILE = 0
-    MIT.next_theta(THETA)
-    print(f"{processor()}, {thread_count()} cores, {platform.system()}, Python {platform.python_version()}, {compiler}")
+    print(f"{processor()}, {thread_count()} cores, {platform.system()}, Python {platform.python_version()}")
     os.environ[THREADS_VARIABLE] = "1"
     show("cycles", cycle_rows())
+    show("footprints, cycles at 1e-8", footprint_rows())
     show("pushes to 10 µm", push_rows())
     del os.environ[THREADS_VARIABLE]
     show("maps", map_rows())
     show("portraits", portrait_rows())
-    show("kernels", compile_rows())
 
 
 if __name__ == "__main__":

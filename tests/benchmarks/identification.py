@@ -1,4 +1,4 @@
-"""One step of an identification: residuals and derivatives of pushes, interpreted and compiled, and by differences.
+"""One step of an identification: residuals and derivatives of pushes, beside residuals alone and differences.
 
 Run `python -m tests.benchmarks.identification` from the repository's root. It asserts nothing: times are for people.
 """
@@ -9,7 +9,6 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import math
-from contextlib import nullcontext
 
 import numpy as np
 
@@ -17,11 +16,12 @@ from cyclemap.evidence.data_blocks.measured_strokes import MeasuredPush
 from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock, push_end_block, surface_model
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.mechanics import Pose, Slider, WorldPush
-from cyclemap.mechanics.compiled import stroke_runner
 from tests.benchmarks.timing import Row, seconds, show
 
 PUSHES = 40
-SURFACE = SurfaceParameters(ellipticity_x=0.1, offset_x=0.04, pusher_friction=0.2, rim_share=0.4)
+SURFACE = SurfaceParameters(
+    ellipticity_x=0.1, offset_x=0.04, pusher_friction=0.2, rim_share=0.3, corner_share=0.2, inner_share=0.2
+)
 _LENGTH, _DIFFERENCE = 0.115, 1e-5
 
 
@@ -53,17 +53,18 @@ def step_rows() -> list[Row]:
     values = dict.fromkeys(block.parameters, 0.0) | {
         name: value for name, value in SURFACE.values().items() if name in block.parameters
     }
-    note, rows = f"{PUSHES} pushes, {len(block.parameters)} parameters", []
-    for name, way in (("interpreted", stroke_runner.interpreted), ("compiled", nullcontext)):
-        with way():
-            rows.append(Row(f"{name} residuals and derivatives", seconds(lambda: block.residuals(values), 3), note))
-    rows.append(Row("the same, derivatives by differences", seconds(lambda: by_differences(block, values), 1), note))
-    return rows
+    note = f"{PUSHES} pushes, {len(block.parameters)} parameters"
+    model = surface_model(SURFACE, block.slider)
+    pushes = [(one.start, WorldPush(one.tip_start, one.direction, one.length)) for one in block.strokes]
+    return [
+        Row("residuals and derivatives", seconds(lambda: block.residuals(values), 9), note),
+        Row("the pushes alone, one a call", seconds(lambda: [model.push(*one) for one in pushes], 5), note),
+        Row("residuals, derivatives by differences", seconds(lambda: by_differences(block, values), 1), note),
+    ]
 
 
 def main() -> None:
     """Print the table."""
-    stroke_runner.WORTHWHILE = 0
     show("one step of an identification", step_rows())
 
 

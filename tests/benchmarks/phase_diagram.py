@@ -3,7 +3,8 @@
 Run `python -m tests.benchmarks.phase_diagram --side 100 --kills 3` from the repository's root, with nothing else
 running; Linux, whose /proc tells memory and processor time. The diagram is that of the documentation: the place of the
 ring all over MIT's square on plywood. First few of its points are run by one worker and by two in turns; then the whole
-diagram, once left alone and once killed at random moments and gone on with. Both are to be the same to the byte.
+diagram, once left alone and once killed at random moments and gone on with. Both are to be the same to the byte. Its
+time is told in maps, too: one to 1e-5 rad, computed alone on one core.
 """
 
 import os
@@ -27,10 +28,12 @@ from pathlib import Path
 
 import numpy as np
 
+from cyclemap.collection import CollectionLoop
 from cyclemap.sweeps.run_sweep import run_sweep
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_results import load_sweep
 from cyclemap.sweeps.sweep_tables import write_csv, write_netcdf
+from tests.benchmarks.timing import seconds
 
 REACH_MM = 40.0
 TICKS = os.sysconf("SC_CLK_TCK")
@@ -177,6 +180,12 @@ def whole(folder: Path, name: str, side: int, workers: int, kills: int, seed: in
     return run
 
 
+def one_map() -> float:
+    """Time of the map of the diagram's middle alone, s, on one core."""
+    loop = CollectionLoop.mit("plywood")
+    return seconds(lambda: loop.circle_map(1e-5), 9)
+
+
 def same_bytes(one: Path, other: Path) -> bool:
     """Whether two stores give the same tables, to the byte, and hold all points."""
     for store in (one, other):
@@ -211,6 +220,8 @@ def measure(folder: Path, asked: argparse.Namespace) -> None:
     if asked.rounds:
         compare_workers(folder, asked.subset, asked.rounds, asked.workers)
     alone = whole(folder, "undisturbed", asked.side, asked.workers, 0, asked.seed)
+    single = one_map()
+    print(f"one map alone: {1e3 * single:.0f} ms; the diagram took as long as {alone.wall / single:,.0f} of them")
     if asked.kills:
         killed = whole(folder, "killed", asked.side, asked.workers, asked.kills, asked.seed)
         if not same_bytes(alone.store, killed.store):

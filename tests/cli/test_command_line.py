@@ -150,7 +150,7 @@ def test_json_file_and_out_folder_leave_the_terminal_to_people(here, capsys) -> 
 
 
 def test_material_file_by_argument_and_by_option_are_the_same(here, capsys) -> None:
-    (here / "mine.toml").write_text('name = "mine"\n[friction]\nmu_a = 0.25\n')
+    (here / "mine.toml").write_text('name = "mine"\n[friction]\nmu_a = 0.25\nmu_b = 0.25\n')
     assert run(["cycle", "mine.toml", "--theta0-deg", "10", "--json", "-"]) == 0
     by_argument = capsys.readouterr().out
     assert run(["cycle", "--material", "mine.toml", "--theta0-deg", "10", "--json", "-"]) == 0
@@ -260,7 +260,7 @@ def test_reader_that_goes_away_is_no_noise(json_option) -> None:
 
 
 def test_name_with_markup_is_shown_as_it_is(here, capsys) -> None:
-    (here / "mine.toml").write_text('name = "[red]rust[/]"\n[friction]\nmu_a = 0.25\n')
+    (here / "mine.toml").write_text('name = "[red]rust[/]"\n[friction]\nmu_a = 0.25\nmu_b = 0.25\n')
     assert run(["cycle", "mine.toml", "--theta0-deg", "10"]) == 0
     assert "on [red]rust[/]" in capsys.readouterr().out
 

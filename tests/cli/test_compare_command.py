@@ -22,7 +22,7 @@ KEYS = [
     "verdicts",
     "uncertified",
 ]
-POSES = "rep,surface,shape,i,s,t,x0,y0,theta0,x1,y1,theta1\n"
+POSES = "rep,surface,shape,i,s,t,push_mm,x0,y0,theta0,x1,y1,theta1\n"
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def pose_file(folder: Path) -> Path:
         push = loop.model.push(loop.start_pose(float(theta)), loop.push)
         (dx, dy), c, s = push.displacement, np.cos(theta), np.sin(theta)
         end = f"{c * dx - s * dy},{s * dx + c * dy},{theta + push.turn}"
-        lines.append(f"{number},plywood,rect1,0,0.7,0,0,0,{theta},{end}\n")
+        lines.append(f"{number},plywood,rect1,0,0.7,0,150,0,0,{theta},{end}\n")
     file = folder / "poses.csv"
     file.write_text("".join(lines))
     return file
@@ -107,6 +107,7 @@ def test_people_get_sentences_first_and_tables_second(here, capsys) -> None:
         (["plywood", "--runs", "3"], "runs"),
         (["plywood", "--first", "1000"], "first is 1000"),
         (["plywood", "--first", "-1"], "first"),
+        (["plywood", "--select", "surface=delrin"], "orientations alone and tell no surface"),
         ([], "material"),
     ],
 )
@@ -117,6 +118,20 @@ def test_bad_use_is_one_line_and_exit_2(here, capsys, arguments, told) -> None:
     assert told in shown.err
     assert len(shown.err.splitlines()) == 1
     assert list(here.iterdir()) == [data]
+
+
+def test_what_the_data_do_not_hold_is_refused_and_a_length_can_be_said(here, capsys) -> None:
+    data = pose_file(here)
+    assert run(["compare", "plywood", "--data", str(data), "--select", "surface=delrin"]) == 2
+    assert capsys.readouterr().err == "error: no such surface: delrin; the data have plywood\n"
+    data.write_text(data.read_text().replace("0.7,0,150,", "0.7,0,,"))
+    assert run(["compare", "plywood", "--data", str(data)]) == 2
+    assert "do not tell how far the rod moved" in capsys.readouterr().err
+    told = ["--set", "push_mm=150", "--runs", "19", "--json", "-"]
+    assert run(["compare", "plywood", "--data", str(data), *told]) == 0
+    report = strict_json(capsys.readouterr().out)
+    assert report["pushes"][0]["push_mm"] == pytest.approx(150.0)
+    assert report["pushes"][0]["dx_mm"]["rmse"] < 1e-3
 
 
 def damaged(folder: Path) -> list[Path]:
@@ -132,10 +147,10 @@ def damaged(folder: Path) -> list[Path]:
         "word.csv": good.replace("\n", "\nhalf\n", 1),
         "nan.csv": good + "nan\n",
         "columns.csv": "a,b\n1,2\n",
-        "pose_text.csv": poses.replace("rect1,0,0.7,0,0,0", "rect1,0,0.7,0,zero,0", 1),
-        "pose_far.csv": poses.replace("rect1,0,0.7,0,0,0", "rect1,0,0.7,0,1e9,0", 1),
+        "pose_text.csv": poses.replace("rect1,0,0.7,0,150,0,0", "rect1,0,0.7,0,150,zero,0", 1),
+        "pose_far.csv": poses.replace("rect1,0,0.7,0,150,0,0", "rect1,0,0.7,0,150,1e9,0", 1),
         "pose_short.csv": poses[:-20].rsplit(",", 2)[0],
-        "other.csv": poses.replace("rect1", "hex"),
+        "other.csv": poses.replace("plywood", "abs"),
         "text.h5": "not HDF5",
         "data.txt": good,
         "cut/push.json": '{"object_pose": [[0, 0,',

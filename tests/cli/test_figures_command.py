@@ -4,7 +4,6 @@ import csv
 import io
 import json
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from PIL import Image
 
 from cyclemap.cli import run_figures as command
 from cyclemap.cli.main import run
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import ConvergenceError
 from cyclemap.figures.catalogue import CATALOGUE, entries
 from cyclemap.figures.exhibit import Frame, PaperAnimation, PaperFigure, PaperTable
 from cyclemap.figures.measured_folder import NO_DATA
@@ -176,10 +175,3 @@ def test_a_folder_with_another_kind_of_figures_json_is_left_alone(here, capsys, 
     assert "not an index of figures" in capsys.readouterr().err
     assert (here / "out" / "figures.json").read_text() == text
     assert [path.name for path in (here / "out").iterdir()] == ["figures.json"]
-
-
-def test_a_terminal_gets_a_sign_of_life(monkeypatch) -> None:
-    quiet = SimpleNamespace(isatty=lambda: True, write=lambda text: len(text), flush=lambda: None)
-    monkeypatch.setattr(command.sys, "stderr", quiet)
-    with pytest.raises(InvalidInput, match="inside"), command._at_work("staircases (1 of 1)"):
-        raise InvalidInput("inside")

@@ -12,7 +12,7 @@ from cyclemap.cli.main import run
 TURN = 2 * math.pi
 HEADER = "surface,shape,v_mm_s,i,s,t,rep,x0,y0,th0,x1,y1,th1\n"
 SET_KEYS = {"name", "source", "surface", "object", "acceleration_mm_s2", "speed_mm_s", "side", "fraction"}
-SET_KEYS |= {"angle_deg", "contacts", "pushes", "statistics", "laws", "dtheta_histogram", "cycle_map"}
+SET_KEYS |= {"angle_deg", "contacts", "pushes", "covered_deg", "statistics", "laws", "dtheta_histogram", "cycle_map"}
 
 
 @pytest.fixture(autouse=True)
@@ -72,7 +72,15 @@ def test_people_get_both_tables_whole_the_sentences_and_the_picture(here, capsys
     assert run(["fit", "pushes.csv", "--format", "svg", "--no-wear", "--harmonics", "2", "--seed", "3"]) == 0
     shown = capsys.readouterr().out
     assert "…" not in shown
-    for part in ("61 pushes read, in 1 set", "Δθ (°)", "Δy (mm)", "RMSE", "cv", "no wear", "fit_plywood_rect1.svg"):
+    for part in (
+        "61 pushes read, in 1 set",
+        "Δθ (°)",
+        "Δy (mm)",
+        "RMSE",
+        "cv",
+        "wear unknown",
+        "fit_plywood_rect1.svg",
+    ):
         assert part in shown
     assert "a law of θ0 with 2 harmonics leaves" in shown
     assert (here / "out" / "fit_plywood_rect1.svg").read_bytes().startswith(b"<?xml")
@@ -136,7 +144,7 @@ def test_a_folder_of_which_nothing_can_be_read_is_exit_1_with_the_first_reasons_
         (["nowhere"], "nowhere: there is nothing there"),
         (["pushes.csv", "--select", "surface"], "not of the form key=value"),
         (["pushes.csv", "--select", "surfac=abs"], "did you mean 'surface'"),
-        (["pushes.csv", "--select", "surface=abs"], "no push has surface abs; there is plywood"),
+        (["pushes.csv", "--select", "surface=abs"], "no such surface: abs; the data have plywood"),
         (["pushes.csv", "--select", "side=north"], "give a finite number"),
         (["pushes.csv", "--harmonics", "-1"], "harmonics"),
         (["pushes.csv", "--format", "gif"], "gif"),

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 from functools import cache
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from cyclemap.cli.main import run
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks import collected_blocks as module
 from cyclemap.evidence.data_blocks.measured_strokes import MeasuredPush
-from cyclemap.evidence.data_blocks.stroke_block import predicted_push_end, surface_model
+from cyclemap.evidence.data_blocks.stroke_block import predicted_push_ends, surface_model
 from cyclemap.evidence.identification.data_block import FunctionBlock
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.mechanics import EllipseFriction, Pose, Slider, load_material
@@ -45,7 +46,8 @@ def push_table(count: int, surface: str) -> str:
     for number in range(count):
         start, x = Pose(0.3, 0.1, 2.4 * number), -0.03 + 0.06 * number / (count - 1)
         tip, goal = start.to_world(x, 0.045 + RADIUS + 1e-3), start.to_world(x + 0.005, 0.01)
-        end, _ = predicted_push_end(model, MeasuredPush(start, start, tip, goal))
+        ((x, y, theta),), _ = predicted_push_ends(model, [MeasuredPush(start, start, tip, goal)])
+        end = Pose(float(x), float(y), float(theta))
         place = np.array([end.x, end.y]) + 2e-4 * rng.standard_normal(2)
         poses = (start.x, start.y, start.theta, *place.tolist(), end.theta + 5e-3 * rng.standard_normal())
         lines.append(f"{surface},rect1,0,{number / count},{','.join(f'{v:.9f}' for v in (*poses, *tip, *goal))}\n")
@@ -194,7 +196,7 @@ def test_an_interrupt_leaves_nothing_half_written(here, monkeypatch) -> None:
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(Path, "write_bytes", interrupted)
+    monkeypatch.setattr(os, "fsync", interrupted)
     assert run(["identify", "ends.csv", "--free", "offset_x", "--folds", "0", "--starts", "1"]) == 130
     assert list((here / "out").iterdir()) == []
 

@@ -124,7 +124,7 @@ def test_a_folder_begun_with_other_arguments_exits_2_and_says_what_differs(tmp_p
 def test_a_folder_that_cannot_be_made_exits_1_with_its_name(tmp_path, capsys) -> None:
     (tmp_path / "file").write_text("in the way")
     assert simulate(tmp_path / "file" / "made") == 1
-    assert f"{tmp_path}/file/made/simulation.toml cannot be written" in capsys.readouterr().err
+    assert f"{tmp_path}/file/made cannot be used (Not a directory)" in capsys.readouterr().err
 
 
 def test_a_full_disk_exits_1_leaves_nothing_half_written_and_can_be_gone_on_with(tmp_path, capsys) -> None:

@@ -13,8 +13,8 @@ from cyclemap.cli import run_sweep as module
 from cyclemap.cli.command_sweep import sweep_command
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.resets import ResetStrategy, legs
 from cyclemap.resets.protocol.protocol_file import write_protocol
-from cyclemap.resets.strategies.drag_strategies import TrailingLeg
 from cyclemap.sweeps.portrait_numbers import PointOutcome, PortraitNumbers
 from cyclemap.sweeps.quantities import GROUPS
 
@@ -177,11 +177,20 @@ def test_bad_use_is_refused_by_name_before_anything_is_written(here, arguments, 
     assert not (here / "out").exists()
 
 
+def test_what_is_swept_overrules_the_protocol_file_and_not_the_setting(here, capsys, fake) -> None:
+    (here / "mine.toml").write_text("hitch_x_mm = -9\nhitch_y_mm = 9\n")
+    sweep("plywood", *RING, "--protocol", "mine.toml", "--json", "-")
+    report = json.loads(capsys.readouterr().out)
+    assert report["settings"] == {"hitch_y_mm": 9.0} and report["over"]["axes"]["hitch_x_mm"][0] == -12.0
+    with pytest.raises(InvalidInput, match="hitch_x_mm is both set and swept"):
+        sweep("plywood", *RING, "--set", "hitch_x_mm=-9")
+
+
 def test_a_protocol_file_sets_what_is_not_swept_and_may_name_no_strategy(here, capsys, fake) -> None:
     (here / "ours.toml").write_text("[ring]\nhitch_y_mm = 9\n")
     sweep("plywood", *RING, "--protocol", "ours.toml", "--set", "mu_a=0.26", "--json", "-")
     assert json.loads(capsys.readouterr().out)["settings"] == {"hitch_y_mm": 9.0, "mu_a": 0.26}
-    write_protocol(here / "leg.toml", CollectionLoop.mit(), TrailingLeg(0.05))
+    write_protocol(here / "leg.toml", CollectionLoop.mit(), ResetStrategy(legs(0.05, 4)))
     with pytest.raises(InvalidInput, match=r"leg.toml: a sweep is about one push and one drag back"):
         sweep("plywood", *RING, "--protocol", "leg.toml")
 

@@ -1,9 +1,7 @@
 """Loops drawn at random from everything that can be asked for, seeded, and what becomes of their cycles."""
 
 import math
-import sys
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -24,24 +22,20 @@ from cyclemap.mechanics import (
     corner_footprint,
     grid_footprint,
 )
-from cyclemap.mechanics.compiled.cycle_batch import cycle_batch
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "mechanics"))
-from force_balance import imbalance
 
 # Refusals that say what the model does not describe, or what its explicit steps are too many for.
 STATED = (InvalidInput, UnsupportedContact, TooManySteps)
 # Every so many-th object has one of these shapes; the others are MIT's.
 SHAPES = 10
+SHARES = ("inner_share", "rim_share", "corner_share")
 
 
 @dataclass(frozen=True)
 class Fate:
-    """What became of a loop's cycle from an orientation: done, or what refused it; compiled code, or Python."""
+    """What became of a loop's cycle from an orientation: done, or what refused it."""
 
     loop: CollectionLoop
     theta: float
-    compiled: bool
     refusal: CycleMapError | None
 
     @property
@@ -103,15 +97,16 @@ def _leaning(loop: CollectionLoop, rng: np.random.Generator) -> CollectionLoop:
 
 
 def _framed(loop: CollectionLoop, rng: np.random.Generator) -> CollectionLoop:
-    """More weight at the rim, or less, and perhaps an underside that is not flat, as far as it stands."""
+    """More weight inside, at the rim and at the corners, as far as it stands."""
     under = loop.model.pressure
     assert isinstance(under, PatchFootprint)
-    warped, reach = rng.uniform() < 0.5, 1.0
+    names = ("inner_share", "rim_share") if isinstance(under.outline, Ellipse) else SHARES
+    reach = 1.0
     for _ in range(40):
-        share, warp = reach * rng.uniform(-0.5625, 1.0), reach * rng.uniform(-0.5, 0.5, 2) * warped
+        shares = reach * rng.dirichlet(np.full(len(names) + 1, 0.7))[:-1]
         reach *= 0.7
         try:
-            return replace(loop, footprint=replace(under, rim_share=share, warp=tuple(warp)))
+            return replace(loop, footprint=replace(under, **dict(zip(names, shares.tolist(), strict=True))))
         except InvalidInput:
             continue
     return loop
@@ -171,16 +166,12 @@ def random_law(rng: np.random.Generator) -> EllipseFriction:
 
 
 def fates(seed: int, number: int, count: int) -> list[Fate]:
-    """What becomes of `count` cycles of loops of one object, run in one call, what that leaves undone by Python."""
+    """What becomes of `count` cycles of loops of one object."""
     rng = np.random.default_rng([seed, number])
     base = random_object(rng, number)
     loops = [random_loop(rng, base) for _ in range(count)]
     theta = rng.uniform(-10.0, 10.0, count)
-    done = cycle_batch(loops, theta[:, None], slopes=False).done[:, 0].tolist()
-    return [
-        Fate(loop, at, compiled, None if compiled else _refusal(loop, at))
-        for loop, at, compiled in zip(loops, theta.tolist(), done, strict=True)
-    ]
+    return [Fate(loop, at, _refusal(loop, at)) for loop, at in zip(loops, theta.tolist(), strict=True)]
 
 
 def _refusal(loop: CollectionLoop, theta: float) -> CycleMapError | None:
@@ -193,16 +184,6 @@ def _refusal(loop: CollectionLoop, theta: float) -> CycleMapError | None:
 
 
 def worst_residual(cycle: Cycle) -> float:
-    """Largest residual along a cycle, relative to the friction.
-
-    The contact equations' own, and the distance of the contact's wrench from what the ground can do at the object's
-    twist: from the limit surface's wrench, or from the sum over the support points, of which one that does not slide
-    carries any force that its friction holds.
-    """
-    model, pin, worst = cycle.loop.model, cycle.loop.reset.pin_friction_radius, 0.0
-    courses = [(cycle.push.run.phases, cycle.push)]
-    if cycle.drag.legs:
-        courses.append((tuple(leg.phase for leg in cycle.drag.legs), cycle.drag))
-    for phases, stroke in courses:
-        worst = max(worst, stroke.trajectory.residual, imbalance(model, phases, stroke.trajectory, pin))
-    return worst
+    """Largest residual along a cycle, of the balance of forces and of the friction cone, relative to the friction."""
+    strokes = [cycle.push, *([cycle.drag] if cycle.drag_length > 0.0 else [])]
+    return max(stroke.trajectory.residual for stroke in strokes)

@@ -73,8 +73,8 @@ LEANING = Slider(
 )
 PRESSED = {
     "rim share": CollectionLoop.from_settings({"rim_share": 0.5}),
-    "warp": CollectionLoop.from_settings({"warp_a": 0.1, "warp_b": 0.15}),
-    "delrin": CollectionLoop.mit("delrin"),
+    "parts": CollectionLoop.from_settings({"inner_share": 0.3, "corner_share": 0.15}),
+    "pu": CollectionLoop.mit("pu"),
     "centre of mass": CollectionLoop.mit(slider=LEANING),
 }
 

@@ -30,8 +30,8 @@ PLACES = {
     "centre_y_mm": (-3, lambda loop: loop.slider.centre_of_mass[1], -0.003),
     "pin_friction_mm": (1.5, lambda loop: loop.reset.pin_friction_radius, 0.0015),
     "rim_share": (0.3, lambda loop: loop.model.pressure.rim_share, 0.3),
-    "warp_a": (0.1, lambda loop: loop.model.pressure.warp[0], 0.1),
-    "warp_b": (-0.2, lambda loop: loop.model.pressure.warp[1], -0.2),
+    "inner_share": (0.1, lambda loop: loop.model.pressure.inner_share, 0.1),
+    "corner_share": (0.2, lambda loop: loop.model.pressure.corner_share, 0.2),
     "mass_kg": (2.5, lambda loop: loop.slider.mass, 2.5),
 }
 
@@ -53,8 +53,8 @@ def test_no_setting_is_left_untested():
 def test_outlines_come_by_name_by_vertices_or_by_semi_axes_and_keep_the_ring():
     named = CollectionLoop.from_settings({"shape": "tri1"})
     assert named.slider.outline == Slider.mit("tri1").outline
-    own = CollectionLoop.from_settings({"vertices_mm": [[0, 0], [100, 0], [0, 50]]})
-    assert own.slider.outline.vertices == ((0.0, 0.0), (0.1, 0.0), (0.0, 0.05))
+    own = CollectionLoop.from_settings({"vertices_mm": [[-40, -10], [60, -10], [-40, 40]]})
+    assert own.slider.outline.vertices == ((-0.04, -0.01), (0.06, -0.01), (-0.04, 0.04))
     ellipse = CollectionLoop.from_settings({"semi_x_mm": 50, "semi_y_mm": 70})
     assert (ellipse.slider.outline.semi_x, ellipse.slider.outline.semi_y) == pytest.approx((0.05, 0.07))
     for loop in (named, own, ellipse):
@@ -86,20 +86,20 @@ def test_a_rim_share_keeps_the_lean_and_is_kept_until_the_footprint_is_set_anew(
     both = CollectionLoop.from_settings({"rim_share": 0.3, "centre_x_mm": 4})
     assert both.model.pressure.rim_share == 0.3
     assert both.model.pressure.centre == pytest.approx((0.004, 0.0), abs=1e-15)
-    more = CollectionLoop.from_settings({"rim_share": -0.2, "pin_friction_mm": 1}, both)
-    assert more.model.pressure == PatchFootprint.under(Slider.mit("rect1").outline, (0.004, 0.0), -0.2)
+    more = CollectionLoop.from_settings({"rim_share": 0.2, "pin_friction_mm": 1}, both)
+    assert more.model.pressure == PatchFootprint(Slider.mit("rect1").outline, rim_share=0.2, centre=(0.004, 0.0))
     assert CollectionLoop.from_settings({"way_points_mm": [[10, 20]]}, more).reset.pin_friction_radius == 0.001
     assert CollectionLoop.from_settings({"footprint": "exact"}, more).model.pressure.rim_share == 0.0
 
 
-def test_rim_share_and_warp_are_set_one_by_one_and_together():
+def test_shares_of_the_weight_are_set_one_by_one_and_together():
     outline = Slider.mit("rect1").outline
-    first = CollectionLoop.from_settings({"rim_share": 0.3, "warp_b": 0.1})
-    both = CollectionLoop.from_settings({"warp_a": -0.05}, first)
-    assert both.model.pressure == PatchFootprint(outline, (0.0, 0.0), 0.3, (-0.05, 0.1))
-    moved = CollectionLoop.from_settings({"warp_b": 0.2, "centre_x_mm": 4}, both)
-    assert moved.model.pressure == PatchFootprint.under(outline, (0.004, 0.0), 0.3, (-0.05, 0.2))
-    assert CollectionLoop.from_settings({"footprint": "exact"}, both).model.pressure.warp == (0.0, 0.0)
+    first = CollectionLoop.from_settings({"rim_share": 0.3, "corner_share": 0.1})
+    both = CollectionLoop.from_settings({"inner_share": 0.05}, first)
+    assert both.model.pressure == PatchFootprint(outline, 0.05, 0.3, 0.1)
+    moved = CollectionLoop.from_settings({"corner_share": 0.2, "centre_x_mm": 4}, both)
+    assert moved.model.pressure == PatchFootprint(outline, 0.05, 0.3, 0.2, (0.004, 0.0))
+    assert CollectionLoop.from_settings({"footprint": "exact"}, both).model.pressure.even_share == 1.0
 
 
 def test_settings_build_on_a_given_loop_and_replace_nothing_unasked():
@@ -153,12 +153,13 @@ def test_millimetres_and_degrees_mean_the_protocol_of_the_paper():
         ({"footprint": "none.csv"}, "none.csv"),
         ({"mass_kg": 0}, "mass"),
         ({"rim_share": 1.5}, "1.5"),
-        ({"rim_share": -0.6}, "-0.6"),
+        ({"rim_share": -0.1}, "-0.1"),
         ({"rim_share": "half"}, "half"),
         ({"rim_share": 0.2, "footprint": "grid:8"}, "exact footprint"),
-        ({"warp_a": 0.9}, "warp"),
-        ({"warp_b": "some"}, "some"),
-        ({"warp_b": 0.2, "footprint": "grid:8"}, "warp_b belongs to the exact footprint"),
+        ({"rim_share": 0.5, "inner_share": 0.6}, "add to 1.1"),
+        ({"inner_share": "some"}, "some"),
+        ({"corner_share": 0.2, "footprint": "grid:8"}, "corner_share belongs to the exact footprint"),
+        ({"corner_share": 0.2, "shape": "ellip1"}, "no corners"),
         ({"pin_friction_mm": -1}, "pin_friction_mm=-1"),
         ({"hitch_x_mm": None}, "hitch_x_mm"),
     ],

@@ -9,7 +9,7 @@ from cyclemap.cli.settings import NOISE_KEY
 from cyclemap.collection.settings import SETTING_KEYS
 from cyclemap.figures.catalogue import entries
 from cyclemap.mechanics import material_names
-from cyclemap.resets.protocol.strategy_table import STRATEGY_KINDS
+from cyclemap.resets.protocol.protocol_file import ACTION_KEYS, STRATEGY_KEYS
 
 DOCS = Path(__file__).parents[2] / "docs"
 SOURCES = [
@@ -25,8 +25,8 @@ def test_every_key_of_a_protocol_is_in_the_guide_and_nothing_else_is() -> None:
     assert first_column("## The keys") == {*SETTING_KEYS, NOISE_KEY}
 
 
-def test_every_kind_of_strategy_is_in_the_guide_and_nothing_else_is() -> None:
-    assert first_column("## Cycles that differ") == {*STRATEGY_KINDS, "kind"}
+def test_every_key_of_a_strategy_is_in_the_guide_and_nothing_else_is() -> None:
+    assert first_column("## Cycles that differ") == {*STRATEGY_KEYS, *ACTION_KEYS}
 
 
 def first_column(heading: str) -> set[str]:

@@ -42,10 +42,11 @@ def test_the_passage_law_fits_the_predicted_directions_at_the_bottleneck(result)
     assert np.trapezoid(one.density, np.linspace(0.0, 2 * np.pi, 721)) == pytest.approx(1.0, abs=1e-6)
 
 
-def test_without_data_the_picture_and_the_caption_say_so(result) -> None:
+def test_without_data_the_caption_says_so_and_the_picture_shows_what_there_is(result) -> None:
     assert result.measured is None
     figure = FIGURE.draw(result)
-    assert any(NO_DATA in text.get_text() for axes in figure.axes for text in axes.texts)
+    assert not any(NO_DATA in text.get_text() for axes in figure.axes for text in axes.texts)
+    assert_drawn(figure, 4)
     assert NO_DATA in FIGURE.caption(result)
 
 

@@ -33,7 +33,7 @@ MATERIALS = ("abs", "delrin", "pu")
 STARTS = 8
 # Few nodes do while searching; the misfit in the file is told with the full number.
 SEARCH_NODES, ROUGH_TOLERANCE, ROUGH_STEPS = 31, 5e-4, 25
-FINE_STEPS = 10
+FINE_TOLERANCE, FINE_STEPS = 1e-5, 200
 # The ring's lever may be longer or shorter than nominal, but not turned: that acts much alike.
 HELD = {"hitch_turn": 0.0}
 # Where no direction is published, turning the surface changes no statistic: its longer axis is laid along x.
@@ -75,16 +75,15 @@ class Inferred:
 def inferred(material: str, begins: list[np.ndarray] | None = None) -> Inferred:
     """Infer a surface from what is published of it and weak priors.
 
-    Rough searches with few nodes; their ends are ranked with the full number, and the best is refined.
+    Rough searches with few nodes; their ends are refined with the full number, and the best is taken.
     """
     problem = posed(material, NODES)
     noise, law = np.array([NOISE[kind] for kind in problem.kind_names]), NoiseLaw()
     ends = rough_ends(material, STARTS) if begins is None else begins
-    tried = [minimise(problem, end, noise, law, ROUGH_TOLERANCE, 1) for end in ends]
+    tried = [minimise(problem, end, noise, law, FINE_TOLERANCE, FINE_STEPS) for end in ends]
     for one in tried:
         print(f"{material}: {missed(problem, one):.1f} at {one.vector.round(4).tolist()}", flush=True)
-    best = min(tried, key=lambda one: one.deviance)
-    fit = minimise(problem, best.vector, noise, law, ROUGH_TOLERANCE, FINE_STEPS)
+    fit = min(tried, key=lambda one: one.deviance)
     return Inferred(problem, fit, uncertainty(problem, fit))
 
 
@@ -127,7 +126,7 @@ def inside(name: str, value: float) -> float:
 def inferred_material(name: str, found: Inferred) -> Material:
     """The material as its file holds it: rounded, with provenance, and the misfit of the rounded numbers."""
     material = Material(name, rounded_friction(found.surface.to_friction()), provenance(found), inferred=True)
-    material = replace(material, found_with=rounded_found_with(found_with(found.surface)))
+    material = replace(material, found_with=rounded_found_with(found_with(found.surface, CollectionLoop.mit().slider)))
     return replace(material, misfit=published_comparison(material).sentence)
 
 

@@ -1,7 +1,6 @@
 """Explain real pushes and drag-backs of rect1: `python -m tests.inference.rect1_strokes [plywood] [abs]`.
 
-Prints, for each explanation, what was identified and the errors in the sample and of contact points left out. The
-explanations with a saddle of the pressure take a quarter of an hour each.
+Prints, for each explanation, what was identified and the errors in the sample and of contact points left out.
 """
 
 import os
@@ -22,19 +21,14 @@ from cyclemap.mechanics import Slider
 RECT1 = Slider.mit("rect1")
 SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
 TIP = ("tip_offset_x", "tip_offset_y")
-HELD = {"pusher_friction": 0.15, "rim_share": 0.0, "hitch_scale": 1.0, "hitch_turn": 0.0, "pin_friction_radius": 0.0}
+SHARES = ("rim_share", "corner_share", "inner_share")
+RING = {"hitch_scale": 1.0, "hitch_turn": 0.0, "pin_friction_radius": 0.0}
+HELD = {"pusher_friction": 0.15, **dict.fromkeys(SHARES, 0.0), **RING}
 PUSH_EXPLANATIONS = {
     "even pressure": (*SHAPE, "pusher_friction"),
     "frames shifted": (*SHAPE, "pusher_friction", *TIP),
     "frames shifted, weight on the rim": (*SHAPE, "pusher_friction", "rim_share", *TIP),
-    "frames shifted, weight on the rim, a saddle": (
-        *SHAPE,
-        "pusher_friction",
-        "rim_share",
-        "saddle_a",
-        "saddle_b",
-        *TIP,
-    ),
+    "frames shifted, weight on rim, corners and inner part": (*SHAPE, "pusher_friction", *SHARES, *TIP),
 }
 DRAG_EXPLANATIONS = {
     "even pressure, ideal ring": SHAPE,
@@ -42,7 +36,7 @@ DRAG_EXPLANATIONS = {
     "shorter lever": (*SHAPE, "hitch_scale"),
     "friction in the ring": (*SHAPE, "pin_friction_radius"),
     "weight on the rim, friction in the ring": (*SHAPE, "rim_share", "pin_friction_radius"),
-    "weight on the rim, a saddle": (*SHAPE, "rim_share", "saddle_a", "saddle_b"),
+    "weight on rim, corners and inner part": (*SHAPE, *SHARES),
 }
 
 
@@ -58,10 +52,10 @@ def main(surfaces: list[str]) -> None:
             data_folder() / "mit_push_endpoints_v10.csv", {"surface": surface, "shape": "rect1"}
         )
         for title, free in PUSH_EXPLANATIONS.items():
-            told(surface, "pushes", title, push_end_block(pushes, RECT1, warped="saddle_b" in free), free, 3.0)
+            told(surface, "pushes", title, push_end_block(pushes, RECT1), free, 3.0)
         drags = read_measured_drags(data_folder() / "mit_rect1_dragback_v10.csv", {"surface": surface})
         for title, free in DRAG_EXPLANATIONS.items():
-            told(surface, "drags", title, drag_turn_block(drags, RECT1, warped="saddle_b" in free), free, 1.5)
+            told(surface, "drags", title, drag_turn_block(drags, RECT1), free, 1.5)
 
 
 def told(surface: str, sort: str, title: str, block: StrokeBlock, free: tuple[str, ...], student: float) -> None:

@@ -1,24 +1,23 @@
-"""Random pushes and drags, seeded, and the independent check of their force balance."""
+"""Random pushes and drags, seeded; and with one thing taken to its extreme."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cyclemap.mechanics import (
     MIT_SHAPE_NAMES,
     EllipseFriction,
-    LimitSurface,
+    PointFootprint,
+    Polygon,
     Pose,
     Pusher,
     QuasiStaticModel,
     SidePush,
     Slider,
+    corner_footprint,
+    grid_footprint,
 )
-from cyclemap.mechanics.runge_kutta import MARGIN, SLOPE, STATE, UNKNOWN
-
-# Below this speed (per unit of rod travel) the twist's own direction has too few digits to be checked.
-SLOWEST = 1e-4
 
 
 @dataclass(frozen=True)
@@ -55,60 +54,68 @@ def random_case(seed: int, accuracy: float = 1e-6) -> Case:
     return Case(model, Pose(*rng.uniform(-0.1, 0.1, 2), rng.uniform(-math.pi, math.pi)), push)
 
 
-def twists_and_wrenches(model: QuasiStaticModel, phases, trajectory, solved: bool = False):
-    """Twists of the object's frame (n, 3) and contact wrenches per unit load (n, 3) about its origin, its own axes.
-
-    The twist comes from the integrated motion and the geometry of the contact curve alone, the wrench from the
-    reported contact force: that they belong together is left to be checked. Lengths in m, rates per m of rod travel.
-    `solved`: with rates that are solved once more; those of steps are only as exact as the accuracy asks.
-    """
-    twists, wrenches, node = [], [], 0
-    for phase in phases:
-        rows = [phase.phase.steps[0].stages[0], *(taken.stages[-1] for taken in phase.phase.steps)]
-        for row in rows:
-            if solved:
-                phase.motion.unknowns = row[UNKNOWN].tolist()
-                row = phase.motion.evaluate(row[STATE])
-            twists.append(_twist(model, phase.motion, row))
-            wrenches.append(_wrench(model, trajectory, node))
-            node += 1
-    assert node == len(trajectory.path)
-    return np.array(twists), np.array(wrenches)
+def sized(case: Case, factor: float) -> Case:
+    """The case with every length times a factor."""
+    slider, (x, y), rod = case.model.slider, case.model.slider.hitch, case.model.pusher
+    slider = Slider(slider.outline.scaled(factor), hitch=(factor * x, factor * y))
+    model = replace(case.model, slider=slider, pusher=Pusher(factor * rod.radius, rod.friction))
+    pose = Pose(factor * case.pose.x, factor * case.pose.y, case.pose.theta)
+    return Case(model, pose, replace(case.push, distance=factor * case.push.distance))
 
 
-def balance_errors(model: QuasiStaticModel, phases, trajectory) -> np.ndarray:
-    """Distance (n,) of the contact wrench from the limit surface's at the object's twist, relative to the friction."""
-    twists, wrenches = twists_and_wrenches(model, phases, trajectory)
-    surface, errors = LimitSurface(model.pressure, model.friction), []
-    scale = np.array([1.0, 1.0, 1.0 / model.unit]) / math.sqrt(model.friction.mu_a * model.friction.mu_b)
-    for twist, wrench, theta in zip(twists, wrenches, trajectory.pose[:, 2], strict=True):
-        if np.hypot(*twist[:2]) + abs(twist[2]) * model.unit > SLOWEST:
-            errors.append(np.abs(scale * (surface.wrench(twist, frame=theta) - wrench)).max())
-    return np.array(errors)
+def _pushed(**changes):
+    return lambda case, rng: replace(
+        case, push=replace(case.push, **{name: value(rng) for name, value in changes.items()})
+    )
 
 
-def _twist(model, motion, row):
-    theta, coordinate = row[STATE]
-    omega, rate = row[SLOPE]
-    contact, metric = motion.piece.contact(float(coordinate), motion.rod.radius)
-    off = motion.rod.direction - theta
-    velocity = np.array((math.cos(off), math.sin(off)))
-    if motion.slides and row[MARGIN][0] < 0.0:
-        # A rod that leaves lands there to within the event's slack, on either side: its force belongs to the twist
-        # that vanishes there, from before.
-        omega, rate, velocity = -omega, -rate, -velocity
-    place, travel = np.array((contact.x, contact.y)), 0.0
-    if not motion.in_ring:
-        n = np.array((math.cos(contact.normal), math.sin(contact.normal)))
-        place, travel = place + motion.rod.radius * n, rate * metric
-        velocity = velocity - travel * np.array((-n[1], n[0]))
-    # The rod's centre moves with the slider but for its travel along the contact curve.
-    return np.array((velocity[0] + omega * place[1], velocity[1] - omega * place[0], omega / model.unit))
+def _rod(**changes):
+    def change(case, rng):
+        rod = replace(case.model.pusher, **{name: value(rng) for name, value in changes.items()})
+        return replace(case, model=replace(case.model, pusher=rod))
+
+    return change
 
 
-def _wrench(model, trajectory, node):
-    x, y, theta = trajectory.pose[node]
-    back = np.array(((math.cos(theta), math.sin(theta)), (-math.sin(theta), math.cos(theta))))
-    force = back @ trajectory.contact_force[node] / model.weight
-    lever = back @ (trajectory.contact_point[node] - (x, y))
-    return np.array((*force, lever[0] * force[1] - lever[1] * force[0]))
+def _extreme_offset(case, rng):
+    law, towards = case.model.friction, rng.uniform(0, 2 * math.pi)
+    centre = 0.95 * law.mu_a * math.cos(towards), 0.95 * law.mu_b * math.sin(towards)
+    return replace(case, model=replace(case.model, friction=EllipseFriction(law.mu_a, law.mu_b, *centre, law.phi)))
+
+
+def _on(footprint):
+    def change(case, rng):
+        return replace(case, model=replace(case.model, footprint=footprint(case.model.slider.outline, rng)))
+
+    return change
+
+
+def _corners(outline, rng):
+    return corner_footprint(outline) if isinstance(outline, Polygon) else grid_footprint(outline, 2)
+
+
+def _scattered(outline, rng):
+    count = int(rng.integers(2, 7))
+    points, weights = rng.uniform(-0.04, 0.04, (count, 2)), rng.uniform(0.05, 1.0, count)
+    return PointFootprint(tuple(map(tuple, points)), tuple(weights))
+
+
+EXTREMES = {
+    "tiny and huge": lambda case, rng: sized(case, 10 ** rng.uniform(-5, 4)),
+    "ends of a side": _pushed(fraction=lambda rng: float(rng.integers(2))),
+    "sticky rod": _rod(friction=lambda rng: 5.0),
+    "extreme offset": _extreme_offset,
+    "thick rod": _rod(radius=lambda rng: 10 ** rng.uniform(-2, 0)),
+    "long push": _pushed(distance=lambda rng: 1.0),
+    "grid": _on(lambda outline, rng: grid_footprint(outline, int(rng.integers(2, 9)))),
+    "corners": _on(_corners),
+    "point rod": _rod(radius=lambda rng: 0.0),
+    "frictionless rod": _rod(friction=lambda rng: 0.0),
+    "grazing push": _pushed(angle=lambda rng: math.radians(rng.uniform(-89.9, 89.9))),
+    "scattered points": _on(_scattered),
+}
+
+
+def harsh_case(kind: str, seed: int) -> Case:
+    """Return the random case of a seed with one thing taken to its extreme."""
+    return EXTREMES[kind](random_case(seed), np.random.default_rng([seed, 1]))

@@ -1,17 +1,19 @@
-"""Where the rod touches: from the world, in contact, around corners, off the object, in concave corners; refusals."""
+"""Where the rod touches: from the world, in contact, around corners, off the object; thin rods, small feet."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_cases import balance_errors, random_case
+from force_balance import check, story
+from random_cases import random_case
 
-from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.errors import CycleMapError, InvalidInput, UnsupportedContact
 from cyclemap.mechanics import (
     Ellipse,
     EllipseFriction,
     PatchFootprint,
+    PointFootprint,
     Polygon,
     Pose,
     Pusher,
@@ -22,15 +24,15 @@ from cyclemap.mechanics import (
     grid_footprint,
     load_material,
 )
-from cyclemap.mechanics.contact_curve import Contact
 
 PLYWOOD, RECT = load_material("plywood").friction, Slider.mit("rect1")
 ISOTROPIC = EllipseFriction.isotropic(0.25)
-CONCAVE = Slider(Polygon(((0, 0), (0.1, 0), (0.1, 0.04), (0.04, 0.04), (0.04, 0.1), (0, 0.1))), hitch=(0.02, 0.02))
 
 
-def phases_of(push):
-    return [(phase.motion.mode, phase.motion.piece.kind) for phase in push.run.phases]
+def direction_of(push):
+    """Unit vector along the rod's way."""
+    path = push.trajectory.pusher
+    return (path[-1] - path[0]) / np.hypot(*(path[-1] - path[0]))
 
 
 def test_a_push_from_the_world_equals_the_one_that_starts_in_contact():
@@ -38,12 +40,12 @@ def test_a_push_from_the_world_equals_the_one_that_starts_in_contact():
     for seed in range(30):
         case = random_case(seed, accuracy=1e-8)
         side = case.model.push(case.pose, case.push)
-        direction, back = side.run.phases[0].motion.rod.direction, 0.03
-        towards = np.array((math.cos(direction), math.sin(direction)))
-        for away in (0.0, back):
-            start = tuple(np.array(side.frame.rod_start) - away * towards)
+        towards, place = direction_of(side), np.array(case.model.rod_place(case.pose, case.push))
+        direction = math.atan2(towards[1], towards[0])
+        for away in (0.0, 0.03):
+            start = tuple(place - away * towards)
             world = case.model.push(case.pose, WorldPush(start, direction, case.push.distance + away))
-            if abs(world.frame.rod_start[0] - side.frame.rod_start[0]) > 1e-6:
+            if np.hypot(*(world.trajectory.pusher[0] - place)) > 1e-6:
                 continue  # From that far back another side is in the way.
             assert world.ended == side.ended
             assert abs(world.turn - side.turn) < 1e-7
@@ -56,16 +58,16 @@ def test_a_push_in_two_halves_is_the_push_in_one():
     model = QuasiStaticModel(RECT, PLYWOOD, accuracy=1e-9)
     whole = model.push(Pose(theta=1.0), SidePush(distance=0.1))
     half = model.push(Pose(theta=1.0), SidePush(distance=0.04))
-    direction = whole.run.phases[0].motion.rod.direction
-    rod = np.array(half.frame.rod_start) + 0.04 * np.array((math.cos(direction), math.sin(direction)))
-    rest = model.push(half.end, WorldPush(tuple(rod), direction, 0.06))
+    towards = direction_of(whole)
+    rod = half.trajectory.pusher[-1]
+    rest = model.push(half.end, WorldPush(tuple(rod), math.atan2(towards[1], towards[0]), 0.06))
     assert abs(rest.end.theta - whole.end.theta) < 1e-8
     assert np.hypot(rest.end.x - whole.end.x, rest.end.y - whole.end.y) < 1e-9
 
 
 def test_a_rod_goes_around_a_corner_and_leaves_where_it_no_longer_approaches():
     push = QuasiStaticModel(RECT, PLYWOOD).push(Pose(), SidePush())
-    assert phases_of(push) == [
+    assert story(push) == [
         ("slide_right", "side"),
         ("stick", "side"),
         ("slide_left", "side"),
@@ -74,8 +76,7 @@ def test_a_rod_goes_around_a_corner_and_leaves_where_it_no_longer_approaches():
     assert push.ended == "left"
     assert push.travel < 0.15
     outward = push.trajectory.pusher[-1] - push.trajectory.contact_point[-1]
-    direction = push.run.phases[0].motion.rod.direction
-    assert abs(outward @ (math.cos(direction), math.sin(direction))) / 0.00475 < 1e-5
+    assert abs(outward @ direction_of(push)) / 0.00475 < 1e-5
 
 
 def test_a_longer_push_changes_nothing_after_the_rod_has_left():
@@ -99,7 +100,7 @@ def test_a_straight_push_through_the_centre_pushes_straight():
     push = QuasiStaticModel(RECT, ISOTROPIC).push(Pose(theta=0.3), SidePush(fraction=0.5, distance=0.1))
     assert abs(push.turn) < 1e-12
     assert np.allclose(push.displacement, (0.0, -0.1), atol=1e-13)
-    assert phases_of(push) == [("stick", "side")]
+    assert story(push) == [("stick", "side")]
 
 
 def test_a_disc_pushed_off_centre_without_friction_translates():
@@ -108,7 +109,7 @@ def test_a_disc_pushed_off_centre_without_friction_translates():
     push = QuasiStaticModel(disc, ISOTROPIC, Pusher(0.005, 0.0)).push(Pose(), SidePush(0, 0.2, 0.3, 0.05))
     assert abs(push.turn) < 1e-12
     assert np.hypot(*push.displacement) > 0.03
-    assert {mode for mode, _ in phases_of(push)} == {"slide_free"}
+    assert {mode for mode, _ in story(push)} == {"slide_free"}
 
 
 def test_thin_rods_tend_to_a_point_at_first_order():
@@ -127,11 +128,11 @@ def test_a_point_that_slides_off_a_corner_leaves_there_with_no_more_than_the_sid
     model = QuasiStaticModel(RECT, ISOTROPIC, Pusher(0.0, 0.15), accuracy=1e-9)
     push = model.push(Pose(), SidePush(0, 0.02, math.radians(40.0)))
     assert push.ended == "left"
-    assert {kind for _, kind in phases_of(push)} == {"side"}
+    assert {kind for _, kind in story(push)} == {"side"}
     x, y = push.trajectory.contact_point[-1] - push.trajectory.pose[-1, :2]
     c, s = math.cos(push.end.theta), math.sin(push.end.theta)
     assert np.allclose((c * x + s * y, -s * x + c * y), (0.045, 0.045), atol=1e-9)
-    assert balance_errors(model, push.run.phases, push.trajectory).max() < 1e-10
+    assert check(model, push.trajectory).surface < 1e-10
 
 
 def test_a_vertex_on_a_straight_side_is_no_corner():
@@ -157,7 +158,7 @@ def gap_to_disc(sides):
     cornered = QuasiStaticModel(many, PLYWOOD, rod, patch).push(Pose(), SidePush(side, 0.5, 0.7, 0.03))
     disc = QuasiStaticModel(Slider(Ellipse(0.05, 0.05)), PLYWOOD, rod)
     smooth = disc.push(Pose(), SidePush(0, (side + 0.5) / sides, 0.7, 0.03))
-    assert len(cornered.run.phases) >= sides // 24
+    assert len(np.unique(cornered.course.rows[:, 6])) >= sides // 24
     return abs(smooth.turn - cornered.turn)
 
 
@@ -165,26 +166,6 @@ def test_polygons_of_many_sides_tend_to_the_disc():
     coarse, fine = gap_to_disc(24), gap_to_disc(192)
     assert coarse < 0.1
     assert fine < 0.1 * coarse
-
-
-def test_concave_outlines_are_pushed_outside_their_corner_and_refused_in_it():
-    outcomes = {"moved": 0, UnsupportedContact: 0, InvalidInput: 0}
-    for side in range(6):
-        for fraction in (0.2, 0.5, 0.8):
-            for angle in (-1.0, -0.4, 0.4, 1.0):
-                for radius in (0.0, 0.02):
-                    model = QuasiStaticModel(CONCAVE, PLYWOOD, Pusher(radius, 0.1))
-                    try:
-                        push = model.push(Pose(), SidePush(side, fraction, angle))
-                    except (UnsupportedContact, InvalidInput) as refused:
-                        assert "concave corner" in str(refused)
-                        outcomes[type(refused)] += 1
-                        continue
-                    assert balance_errors(model, push.run.phases, push.trajectory).max() < 1e-10
-                    outcomes["moved"] += 1
-    assert outcomes["moved"] > 100
-    assert outcomes[UnsupportedContact] > 8
-    assert outcomes[InvalidInput] > 4
 
 
 @pytest.mark.parametrize(
@@ -228,11 +209,50 @@ def test_a_push_that_no_slip_balances_is_refused():
     model = QuasiStaticModel(slider, law, Pusher(0.002, 1.2), grid_footprint(slider.outline, 3))
     with pytest.raises(UnsupportedContact, match=r"no slip of the rod.* at pusher friction 1\.2: .*choose a lower"):
         model.push(Pose(theta=4.86), SidePush(0, 0.15385, -0.907, 0.1))
-    contact, theta = Contact(0.6547468, 0.8344499, 0.90548867), 5.58497571
-    for slip in (1e2, 1e4, 1e6):
-        along = theta + contact.normal + math.pi - math.atan(slip)
-        found = model.solver.stick(theta, along, contact, 0.9)
-        assert found.omega == pytest.approx(1.0 / math.hypot(contact.x, contact.y), abs=1.1 / slip)
-        assert math.atan2(found.tangential_force, found.normal_force) < math.atan(1.2) - 0.05
     low = replace(model, pusher=Pusher(0.002, 1.0))
     assert low.push(Pose(theta=4.86), SidePush(0, 0.15385, -0.907, 0.1)).travel > 0.0
+
+
+@pytest.mark.parametrize("radius", [1e-4, 1e-5, 1e-6])
+def test_a_thin_rod_that_starts_at_a_corner_keeps_its_accuracy(radius):
+    """It sticks for a tenth of its radius: the end of the corner is found as exactly as the corner is small."""
+    law = EllipseFriction(0.30861728598, 0.25904648895, -0.02573658839, 0.05206305240, math.radians(-50.646232833))
+    model, ends = QuasiStaticModel(RECT, law, Pusher(radius, 1.0)), []
+    for accuracy in (1e-8, 1e-11):
+        push = SidePush(1, 0.0, math.radians(43.96024077736354), 0.8)
+        pushed = replace(model, accuracy=accuracy).push(Pose(theta=0.5130809722898073), push)
+        assert pushed.ended == "left"
+        ends.append((pushed.end.x / model.unit, pushed.end.y / model.unit, pushed.turn))
+    assert np.abs(np.subtract(*ends)).max() < 1e-8
+
+
+@pytest.mark.xfail(strict=True, reason="the first steps of a point rod at a corner are taken to too little")
+def test_a_point_that_starts_at_a_corner_keeps_its_accuracy():
+    law = EllipseFriction(0.30861728598, 0.25904648895, -0.02573658839, 0.05206305240, math.radians(-50.646232833))
+    push, turns = SidePush(1, 0.0, math.radians(43.96024077736354), 0.8), []
+    for accuracy in (1e-8, 1e-11):
+        model = QuasiStaticModel(RECT, law, Pusher(0.0, 1.0), accuracy=accuracy)
+        turns.append(model.push(Pose(theta=0.5130809722898073), push).turn)
+    assert abs(turns[0] - turns[1]) < 1e-8
+
+
+def tripod(reach):
+    angles = np.array((0.0, 2.1, 4.2))
+    return PointFootprint(tuple(map(tuple, reach * np.stack([np.cos(angles), np.sin(angles)], axis=-1))), (1, 1, 1))
+
+
+@pytest.mark.parametrize("reach", [0.02, 0.01, 0.001, 1e-4])
+def test_a_tripod_narrower_than_the_rod_turns_about_its_feet(reach):
+    """The narrower it stands, the nearer the push comes to turning the side along the rod: a quarter turn."""
+    push = QuasiStaticModel(RECT, PLYWOOD, footprint=tripod(reach)).push(Pose(theta=0.3), SidePush())
+    assert push.ended == "left" and abs(push.turn - math.pi / 2.0) < 5.0 * reach
+    assert check(QuasiStaticModel(RECT, PLYWOOD, footprint=tripod(reach)), push.trajectory).surface < 1e-8
+
+
+def test_a_tripod_of_a_micrometre_is_done_or_refused_at_once():
+    """Whatever is said of it, it is not that forces cannot be solved after minutes."""
+    try:
+        push = QuasiStaticModel(RECT, PLYWOOD, footprint=tripod(1e-6)).push(Pose(theta=0.3), SidePush())
+        assert abs(push.turn - math.pi / 2.0) < 1e-4
+    except CycleMapError as refused:
+        assert "\n" not in str(refused)

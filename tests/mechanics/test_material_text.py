@@ -9,9 +9,9 @@ from cyclemap.mechanics import EllipseFriction, FoundWith, Material, Wear, load_
 from cyclemap.mechanics.material_text import material_toml
 
 RICH = Material(
-    'plywood "B" of the lab\'s\tbench, ø \\ \x7f',
+    'plywood "B" of the lab\'s\tbench, ø \\',
     EllipseFriction(0.31, 0.22, 0.012, -0.034, -0.7),
-    provenance="two\nlines",
+    provenance="two\nlines \x7f",
     misfit="turn 2.1°",
     inferred=True,
     found_with=FoundWith(pusher_friction=0.17, pin_friction_radius=0.00123),

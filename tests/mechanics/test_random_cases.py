@@ -1,12 +1,11 @@
 """Thousands of random pushes and drags: each finishes with its forces balanced, or is refused for a physical reason."""
 
-import math
 from collections import Counter
 
 import numpy as np
 import pytest
-from harsh_cases import EXTREMES, harsh_case
-from random_cases import balance_errors, random_case
+from force_balance import check
+from random_cases import EXTREMES, harsh_case, random_case
 
 from cyclemap.errors import CycleMapError, InvalidInput
 
@@ -18,11 +17,14 @@ def run_and_check(case, balanced):
     """Return how the push ended; assert finite results, residuals below 1e-9, and an independent force balance."""
     push, drag = case.run()
     assert np.isfinite((push.turn, *push.displacement, drag.turn, drag.length)).all()
-    for phases, course in ((push.run.phases, push.trajectory), ([leg.phase for leg in drag.legs], drag.trajectory)):
+    for course in (push.trajectory, drag.trajectory):
         assert course.residual < 1e-9
         assert np.isfinite(course.contact_force).all()
         if balanced:
-            assert balance_errors(case.model, phases, course).max(initial=0.0) < 1e-9
+            found = check(case.model, course)
+            assert max(found.surface, found.cone) < 1e-9
+            # Where a slide ends its last sample is off by what the accuracy lets it.
+            assert found.motion < 10.0 * case.model.accuracy
     return push.ended
 
 
@@ -44,10 +46,9 @@ def test_every_one_of_two_thousand_random_cases_finishes_with_its_residuals_belo
 @pytest.mark.parametrize("kind", EXTREMES)
 def test_extremes_end_in_a_result_or_in_an_error_of_our_own(kind):
     outcomes = Counter()
-    exact = kind not in ("grid", "corners", "scattered points")
     for seed in range(16):
         try:
-            outcomes[run_and_check(harsh_case(kind, seed), balanced=exact)] += 1
+            outcomes[run_and_check(harsh_case(kind, seed), balanced=True)] += 1
         except CycleMapError as refused:
             assert "\n" not in str(refused)
             outcomes["refused"] += 1
@@ -68,7 +69,7 @@ HARDEST = (
 
 @pytest.mark.parametrize(("kind", "seed"), HARDEST)
 def test_the_hardest_of_many_thousand_extremes_have_a_result(kind, seed):
-    assert run_and_check(harsh_case(kind, seed), balanced=kind != "scattered points") in ("distance", "left")
+    assert run_and_check(harsh_case(kind, seed), balanced=True) in ("distance", "left")
 
 
 def test_the_error_of_a_push_stays_near_the_accuracy_asked_and_falls_with_it():
@@ -83,9 +84,24 @@ def test_the_error_of_a_push_stays_near_the_accuracy_asked_and_falls_with_it():
             errors.append(abs(case.model.push(case.pose, case.push).turn - turn))
         shares.append(np.divide(errors, accuracies))
     assert len(shares) == 60
-    assert np.median(shares, axis=0).max() < 0.01
+    assert np.median(shares, axis=0).max() < 0.05
     assert np.percentile(shares, 95, axis=0).max() < 1.0
     assert np.max(shares) < 20.0
     means = np.mean(np.multiply(shares, accuracies), axis=0)
     assert (means[:-1] / means[1:] > 10.0).all()
-    assert math.isfinite(means.sum())
+
+
+def test_steps_grow_as_the_seventh_root_of_the_accuracy_at_most():
+    """Steps of order seven: a million times less error for seven times the steps."""
+    counts, errors = [], []
+    for accuracy in (1e-4, 1e-6, 1e-8, 1e-10):
+        samples, off = 0, []
+        for seed in (1, 2, 5, 8, 10, 11):
+            case, exact = random_case(seed, accuracy), random_case(seed, 1e-11)
+            push = case.model.push(case.pose, case.push)
+            samples += len(push.trajectory.path)
+            off.append(abs(push.turn - exact.model.push(exact.pose, exact.push).turn))
+        counts.append(samples)
+        errors.append(np.mean(off))
+    assert errors[0] > 100.0 * errors[2] > 1e4 * errors[3]
+    assert counts[3] < 1e6 ** (1.0 / 7.0) * counts[0]

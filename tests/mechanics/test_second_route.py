@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from force_balance import story
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize, minimize_scalar
 
@@ -118,8 +119,8 @@ def test_a_brute_force_solver_moves_the_object_to_the_same_pose(law, theta_0, di
     footprint = grid_footprint(SLIDER.outline, 8)
     model = QuasiStaticModel(SLIDER, law, Pusher(RADIUS, pusher_friction), footprint)
     push = model.push(Pose(theta=theta_0), SidePush(distance=distance))
-    assert {phase.motion.piece.kind for phase in push.run.phases} == {"side"}
-    assert len(push.run.phases) >= 2
+    assert {kind for _, kind in story(push)} == {"side"}
+    assert len(story(push)) >= 2
     x, y, theta = brute_force_push(law, theta_0, distance, pusher_friction, np.array(footprint.positions), 0.7)
     assert abs(theta - push.end.theta) < 2e-5
     assert np.hypot(x - push.end.x, y - push.end.y) < 1e-6

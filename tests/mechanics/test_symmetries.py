@@ -5,19 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_cases import random_case
+from random_cases import random_case, sized
 
 from cyclemap.mechanics import (
-    Ellipse,
     EllipseFriction,
     Polygon,
     Pose,
-    Pusher,
     QuasiStaticModel,
     SidePush,
     Slider,
     load_material,
 )
+from cyclemap.mechanics.cycle_batch import push_jacobian
 
 SEEDS = (0, 3, 6, 9, 11, 25)
 PLYWOOD = load_material("plywood").friction
@@ -40,35 +39,34 @@ def turned_pose(pose, angle):
 
 
 @every_case
-def test_scaling_every_friction_force_and_the_mass_changes_no_motion(seed):
-    case = accurate(seed)
-    law = case.model.friction
-    for factor in (0.01, 7.0):
+def test_scaling_every_friction_force_and_the_mass_changes_no_digit(seed):
+    """Nothing of the engine is measured in absolute friction."""
+    case, law = accurate(seed), accurate(seed).model.friction
+    for factor in (1e-9, 1e-4, 7.0, 1e3):
         scaled = EllipseFriction(*(factor * v for v in (law.mu_a, law.mu_b, law.m0, law.n0)), law.phi)
         model = replace(case.model, friction=scaled, slider=replace(case.model.slider, mass=factor))
-        assert np.abs(outcome(replace(case, model=model)) - outcome(case)).max() < 1e-9
+        assert np.abs(outcome(replace(case, model=model)) - outcome(case)).max() < 1e-13
+
+
+def test_forces_and_derivatives_go_with_the_scale_of_friction():
+    case, names = accurate(3), ("mu_a", "m0", "phi", "pusher_friction")
+    law, push = case.model.friction, case.model.push(case.pose, case.push)
+    force, jacobian = push.trajectory.contact_force, push_jacobian(case.model, push, names)
+    for factor in (1e-9, 1e3):
+        scaled = EllipseFriction(*(factor * v for v in (law.mu_a, law.mu_b, law.m0, law.n0)), law.phi)
+        model = replace(case.model, friction=scaled)
+        same = model.push(case.pose, case.push)
+        np.testing.assert_allclose(same.trajectory.contact_force, factor * force, rtol=1e-9, atol=1e-12 * factor)
+        weights = np.array((factor, factor, 1.0, 1.0))
+        np.testing.assert_allclose(push_jacobian(model, same, names) * weights, jacobian, rtol=1e-9, atol=1e-12)
+        assert same.trajectory.residual < 1e-11
 
 
 @every_case
 def test_scaling_every_length_scales_displacements_and_nothing_else(seed):
     case = accurate(seed)
-    slider, pusher = case.model.slider, case.model.pusher
     for factor in (1e-4, 300.0):
-        outline = slider.outline
-        if isinstance(outline, Ellipse):
-            scaled = Ellipse(factor * outline.semi_x, factor * outline.semi_y)
-        else:
-            scaled = Polygon(tuple(map(tuple, factor * outline.array)))
-        hitch = (factor * slider.hitch[0], factor * slider.hitch[1])
-        model = QuasiStaticModel(
-            Slider(scaled, hitch=hitch),
-            case.model.friction,
-            Pusher(factor * pusher.radius, pusher.friction),
-            accuracy=1e-9,
-        )
-        pose = Pose(factor * case.pose.x, factor * case.pose.y, case.pose.theta)
-        push = replace(case.push, distance=factor * case.push.distance)
-        found = outcome(replace(case, model=model, pose=pose, push=push))
+        found = outcome(sized(case, factor))
         assert np.abs(found / (1.0, 1.0, factor, factor) - outcome(case)).max() < 1e-8
 
 
@@ -88,7 +86,10 @@ def test_a_mirror_image_moves_as_the_mirror_image(seed):
     outline, side, fraction = slider.outline, case.push.side, 1.0 - case.push.fraction
     if isinstance(outline, Polygon):
         # Mirrored in the x axis and kept counter-clockwise behind vertex 0: side i becomes side k - 1 - i.
-        outline, side = Polygon(tuple(map(tuple, outline.array * (1.0, -1.0)))), outline.sides - 1 - case.push.side
+        outline, side = (
+            Polygon(tuple(map(tuple, np.roll(outline.array[::-1] * (1.0, -1.0), 1, axis=0)))),
+            outline.sides - 1 - case.push.side,
+        )
     image = Slider(outline, hitch=(slider.hitch[0], -slider.hitch[1]))
     model = replace(case.model, friction=mirrored, slider=image)
     pose = Pose(case.pose.x, -case.pose.y, -case.pose.theta)

@@ -36,9 +36,6 @@ class FakeNumbers:
     def described(self):
         return {"told": self.told}
 
-    def prepare(self, point):
-        """Nothing is shared."""
-
     def __call__(self, point):
         if self.log:
             with Path(self.log).open("a") as file:

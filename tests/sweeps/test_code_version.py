@@ -6,7 +6,7 @@ import pytest
 
 from cyclemap.sweeps import code_version as module
 
-SOURCES = ("mechanics/push.py", "mechanics/compiled/steps.c", "maps/lifts/lift.py", "collection/loop.py")
+SOURCES = ("mechanics/push.py", "mechanics/engine/steps.c", "maps/lifts/lift.py", "collection/loop.py")
 OTHERS = ("mechanics/push.pyc", "mechanics/notes.txt", "views/page.py", "sweeps/sweep_store.py")
 
 
@@ -41,6 +41,6 @@ def test_an_edit_of_anything_else_is_not(package, name) -> None:
     assert digest() == before
 
 
-def test_the_kernels_that_run_the_strokes_are_among_the_sources() -> None:
+def test_the_engine_that_runs_the_strokes_is_among_the_sources() -> None:
     kinds = {path.suffix for path in module._files(module.PACKAGE / "mechanics")}
     assert kinds == {".py", ".c"}

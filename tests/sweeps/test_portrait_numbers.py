@@ -5,7 +5,6 @@ import pytest
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import portrait
-from cyclemap.mechanics.compiled.stroke_runner import WORTHWHILE
 from cyclemap.sweeps import portrait_numbers as module
 from cyclemap.sweeps.portrait_numbers import PortraitNumbers
 from cyclemap.sweeps.sweep_plan import SweepPlan
@@ -110,13 +109,3 @@ def test_by_default_rotation_and_law_are_told_finely_enough_for_a_phase_diagram(
     assert found.refusal == "" and found.values["locked_period"] == 0.0
     assert 0.0 < found.values["rotation_upper"] - found.values["rotation_lower"] <= 2e-4
     assert 0.0 < found.values["tv_from_uniform"] < 1.0
-
-
-def test_prepared_are_the_kernels_of_the_points_loop_and_a_loop_that_cannot_be_is_left_alone(monkeypatch) -> None:
-    asked = []
-    monkeypatch.setattr(module, "expect_cycles", lambda model, count: asked.append((model.slider.hitch, count)))
-    plan = SweepPlan.grid("plywood", {"hitch_x_mm": (-5.0,), "fraction": (0.5, 1.5)})
-    for number in range(2):
-        plan.numbers.prepare(plan.point(number))
-    ((hitch, count),) = asked
-    assert hitch[0] == -0.005 and count >= WORTHWHILE

@@ -101,17 +101,6 @@ def test_a_complete_sweep_is_not_run_again(tmp_path) -> None:
     assert len(logged(log)) == 20
 
 
-def test_processes_of_its_own_find_what_points_share_prepared_other_executors_do_not(tmp_path, monkeypatch) -> None:
-    prepared = []
-    monkeypatch.setattr(FakeNumbers, "prepare", lambda self, point: prepared.append(point.number))
-    run_sweep(fake_plan(), tmp_path / "own.sqlite", workers=1)
-    assert prepared == [0]
-    run_sweep(fake_plan(), tmp_path / "own.sqlite", workers=1)
-    with ThreadPoolExecutor(1) as threads:
-        run_sweep(fake_plan(), tmp_path / "other.sqlite", executor=threads)
-    assert prepared == [0]
-
-
 def test_a_bug_at_a_point_ends_the_sweep_by_name_and_keeps_the_others(tmp_path) -> None:
     path, log = tmp_path / "sweep.sqlite", tmp_path / "log"
     told = r"point 7 \(mu_a=0.225, hitch_x_mm=0\) failed, .* ZeroDivisionError: a bug"

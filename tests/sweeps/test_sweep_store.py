@@ -114,7 +114,7 @@ def tampered(path) -> None:
         (other_database, "not a store of this version's sweeps"),
         (cut, "damaged"),
         (scratched, "damaged"),
-        (tampered, "the row of point 7 is not as it was written"),
+        (tampered, "a row of its table points is not as it was written"),
     ],
 )
 def test_a_damaged_or_foreign_file_is_refused_by_name(path, harm, message) -> None:
@@ -199,3 +199,58 @@ def test_a_full_disk_stops_the_sweep_keeps_what_is_stored_and_lets_it_go_on(path
     whole, wanted = load_sweep(path), load_sweep(undisturbed)
     assert whole.columns["rotation"].tolist() == wanted.columns["rotation"].tolist()
     assert whole.number.tolist() == list(range(1200))
+
+
+@pytest.mark.parametrize("cut", [1, 100, 4096, 5000])
+def test_a_store_that_was_cut_is_refused_and_not_a_point_shorter(path, cut) -> None:
+    full_store(path)
+    path.write_bytes(path.read_bytes()[:-cut])
+    with pytest.raises(DataFileError, match="damaged"):
+        sweep_status(path)
+
+
+def test_a_flipped_byte_is_refused_or_changes_nothing(path, tmp_path) -> None:
+    """Wherever it falls: in SQLite's structure, the description, a row, or in room that is not used."""
+    full_store(path)
+    whole, before, outcomes = path.read_bytes(), load_sweep(path), {True: 0, False: 0}
+    chance, damaged = np.random.default_rng(5), tmp_path / "damaged.sqlite"
+    for place in chance.integers(len(whole), size=300).tolist():
+        damaged.write_bytes(whole[:place] + bytes([whole[place] ^ int(chance.integers(1, 256))]) + whole[place + 1 :])
+        try:
+            found = load_sweep(damaged)
+        except DataFileError as error:
+            assert str(damaged) in str(error)
+            outcomes[False] += 1
+            continue
+        assert found.description == before.description and found.number.tolist() == before.number.tolist()
+        assert all(np.array_equal(found.columns[name], before.columns[name], True) for name in before.columns)
+        outcomes[True] += 1
+    assert min(outcomes.values()) > 20
+
+
+def test_sweeps_that_begin_together_share_one_healthy_store(path) -> None:
+    script = """
+        import sys, time
+        from pathlib import Path
+        from fake_numbers import fake_plan
+        from cyclemap.sweeps.sweep_store import SweepStore
+        plan = fake_plan()
+        print(flush=True)
+        sys.stdin.readline()
+        with SweepStore(Path(sys.argv[1]), plan) as store:
+            print(store.status().points)
+    """
+    for round_ in range(3):
+        store = path.with_name(f"{round_}.sqlite")
+        command = [sys.executable, "-c", "\n".join(line[8:] for line in script.splitlines()), str(store)]
+        environment = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        together = [subprocess.Popen(command, env=environment, **pipes) for _ in range(4)]
+        for process in together:
+            process.stdout.readline()
+        for process in together:
+            process.stdin.write("\n")
+            process.stdin.flush()
+        for process in together:
+            told, fault = process.communicate(timeout=120)
+            assert (fault, int(told)) == ("", len(fake_plan()))

@@ -6,6 +6,7 @@ import numpy as np
 import sympy as sp
 
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Slider, corner_footprint, grid_footprint
+from cyclemap.mechanics.area_quadrature import area_quadrature
 from theory import no_exact_ellipsoid as theory
 
 
@@ -31,7 +32,8 @@ def test_the_codes_footprints_have_the_fourth_order_of_the_theory():
         twist = np.stack(np.broadcast_arrays(np.cos(direction), np.sin(direction), spins[:, None]), axis=-1)
         mean = surface.dissipation(twist).mean(axis=-1)
         even = np.linalg.solve(np.vander(spins**2, increasing=True), mean)
-        points, weights = footprint.quadrature
+        even_patch = isinstance(footprint, PatchFootprint)
+        points, weights = area_quadrature(square) if even_patch else footprint.quadrature
         fourth = weights @ np.hypot(*points.T) ** 4
         assert abs(even[1] / (weights @ (points**2).sum(axis=-1) / 4.0) - 1.0) < 1e-5
         assert abs(even[2] / (fourth / 64.0) - 1.0) < 0.1

@@ -20,7 +20,7 @@ CENTRED = EllipseFriction(0.31, 0.17, 0.0, 0.0, 0.9)
 TRIANGLE = Polygon(((-0.05, -0.03), (0.07, -0.02), (0.0, 0.06)))
 FOOTPRINTS = {
     "patch": PatchFootprint(TRIANGLE),
-    "leaning": PatchFootprint(TRIANGLE, gradient=(4.0, -3.0)),
+    "leaning": PatchFootprint(TRIANGLE, centre=(0.008, 0.001)),
     "rim": PatchFootprint(TRIANGLE, rim_share=0.4),
     "ellipse": PatchFootprint(Ellipse(0.05, 0.03)),
     "points": PointFootprint(((0.01, 0.02), (0.05, -0.03), (-0.04, 0.01)), (1.0, 2.0, 0.5)),

@@ -28,8 +28,8 @@ def test_there_are_seven_residuals():
     assert len(RESIDUALS) == 7
 
 
-@pytest.mark.parametrize("weight", [theory.W_X, theory.W_Y, theory.W_X**2, theory.W_X * theory.W_Y, theory.W_Y**2])
-def test_the_divergence_theorem_carries_leaning_and_warped_pressure_too(weight):
+@pytest.mark.parametrize("weight", [theory.W_X, theory.W_Y])
+def test_the_divergence_theorem_carries_leaning_pressure_too(weight):
     assert vanishes(theory.divergence_residual(weight))
 
 

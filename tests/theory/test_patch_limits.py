@@ -1,4 +1,4 @@
-"""Limits of the patch: translation, far centres of rotation, frames and grids, proved and measured on the code."""
+"""Limits of the patch: translation, far centres of rotation, rims and grids, proved and measured on the code."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 from residuals import residuals, vanishes
 
-from cyclemap.mechanics.footprint import RIM_INNER, PatchFootprint, grid_footprint
+from cyclemap.mechanics.footprint import PatchFootprint, grid_footprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.limit_surface import LimitSurface
 from cyclemap.mechanics.outline import Polygon
@@ -87,12 +87,13 @@ def image_of(outline, twist):
     ), matrix
 
 
-def test_weight_on_the_frame_alone_dissipates_the_closed_forms_difference():
+def test_weight_on_the_rim_alone_dissipates_the_closed_forms_derivative_by_the_scale():
     for outline in (SQUARE, TRIANGLE):
         for twist in ((0.4, -0.2, 9.0), (0.1, 0.3, -20.0), (0.6, 0.1, 4.0)):
-            outer, inner = (image_of(o, twist)[0] for o in (outline, outline.shrunk(RIM_INNER)))
+            corners = image_of(outline, twist)[0]
+            centre = image_of(Polygon((outline.centroid, (1.0, 0.0), (1.0, 1.0))), twist)[0][0]
             found = LimitSurface(PatchFootprint(outline, rim_share=1.0), LAW).dissipation(twist)
-            assert abs(found / float(theory.frame_mean(outer, inner)) - 1.0) < 1e-12
+            assert abs(found / float(theory.rim_mean(corners, centre)) - 1.0) < 1e-12
 
 
 def grid_errors(twist, counts):

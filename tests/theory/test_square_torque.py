@@ -79,15 +79,13 @@ def test_regular_polygons_approach_the_disc_with_the_second_order_of_the_series(
 
 
 def test_weight_on_the_rim_and_on_the_corners_raises_the_torque_as_derived():
-    """Weight nearer the rim resists turning more: patch < frame < line of the rim (3/2) < corners."""
+    """Weight nearer the rim resists turning more: patch < line of the rim (3/2) < corners."""
     friction, outline = EllipseFriction.isotropic(0.25), rectangle(0.09, 0.09)
     patch = torque(PatchFootprint(outline), friction)
-    # The frame between L and 0.8 L: what the large square's torque has more than the small one's.
-    frame = torque(PatchFootprint(outline, rim_share=1.0), friction)
-    assert abs(frame / (patch * (1 - 0.8**3) / (1 - 0.8**2)) - 1.0) < 1e-12
-    corners = torque(corner_footprint(outline), friction)
-    assert abs(corners / (0.25 * 0.09 / math.sqrt(2.0)) - 1.0) < 1e-13
-    assert patch < frame < 1.5 * patch < corners
+    assert abs(torque(PatchFootprint(outline, rim_share=1.0), friction) / (1.5 * patch) - 1.0) < 1e-12
+    for corners in (corner_footprint(outline), PatchFootprint(outline, corner_share=1.0)):
+        assert abs(torque(corners, friction) / (0.25 * 0.09 / math.sqrt(2.0)) - 1.0) < 1e-13
+    assert 1.5 * patch < torque(corner_footprint(outline), friction)
 
 
 def test_a_disc_under_an_ellipse_has_the_torque_of_the_complete_elliptic_integral():

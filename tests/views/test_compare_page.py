@@ -24,7 +24,7 @@ def made_pushes() -> PushAgreement:
     predicted = np.column_stack([1.2 + 0.1 * np.sin(theta), 0.04 + 0 * theta, -0.08 + 0.01 * np.cos(theta)])
     measured = predicted + 0.001 * rng.standard_normal((50, 3))
     columns = zip(("dtheta", "dx", "dy"), measured.T, predicted.T, strict=True)
-    return PushAgreement(FACTS, False, theta, measured, predicted, tuple(quantity_agreement(*c) for c in columns), 0, 0)
+    return PushAgreement(FACTS, 0.15, theta, measured, predicted, tuple(quantity_agreement(*c) for c in columns))
 
 
 @pytest.fixture(scope="module")

@@ -115,17 +115,37 @@ def test_what_is_not_known_is_said(motion, angles) -> None:
     assert sentences.set_sentences(motion)[-1] == "No cycle map: no push has a known next θ0."
     assert "θ0 tells next to nothing of it" in sentences.law_sentence(motion.laws.dy)
     assert "of which θ0 alone is known" in sentences.count_sentence(angles)
-    assert ", no wear;" in sentences.order_sentence(angles.cycle_map)
+    assert ", no wear seen;" in sentences.order_sentence(angles.cycle_map)
 
 
 def test_a_map_that_locks_is_drawn_with_its_fixed_points_and_no_turns() -> None:
     fit = fit_set(made_set(made_path(150, 0.1, 0.0), moved=False), harmonics=1, wear=False)
     axes = fit_page(fit).axes
-    assert len(fit.cycle_map.early.fixed_points) == 2
-    assert "fixed points: " in sentences.place_sentence(fit.cycle_map)
+    assert len(fit.cycle_map.early.fixed_points) == 1
+    assert "fixed points: stable" in sentences.place_sentence(fit.cycle_map)
     assert "No full turn was measured." in sentences.map_sentences(fit.cycle_map)
     assert [text.get_text() for text in axes[3].texts] == ["no full turn was measured"]
-    assert sum(line.get_marker() == "o" and len(line.get_xdata()) == 1 for line in axes[0].lines) == 2
+    assert sum(line.get_marker() == "o" and len(line.get_xdata()) == 1 for line in axes[0].lines) == 1
+
+
+def test_curves_and_words_keep_to_the_orientations_that_were_measured() -> None:
+    """Pushes from a quarter of the circle: no line elsewhere, and the arc is told."""
+    theta = np.random.default_rng(2).uniform(0.5, 2.0, 120)
+    pairs = Theta0Pairs(theta, theta + 0.3 + 0.1 * np.cos(theta) + 0.02 * np.random.default_rng(3).standard_normal(120))
+    fit = fit_set(made_set(pairs))
+    axes = fit_page(fit).axes
+    lines = [axes[0].lines[1], next(line for line in axes[4].lines if line.get_label() == "fitted map")]
+    for line in lines:
+        drawn = np.deg2rad(line.get_xdata()[np.isfinite(line.get_ydata())])
+        assert 0.45 < drawn.min() < drawn.max() < 2.05
+    low, high = np.degrees(theta.min()), np.degrees(theta.max())
+    assert f"θ0 covers {high - low:.0f}° of the circle ({low:.0f}° to {high:.0f}°)" in sentences.set_sentences(fit)[0]
+    assert "It has no slow zone among the measured θ0" in " ".join(sentences.set_sentences(fit))
+
+
+def test_a_short_run_tells_no_wear() -> None:
+    fit = fit_set(made_set(made_path(25, 0.26, 0.02), moved=False))
+    assert ", wear unknown (100 cycles or more would tell);" in sentences.order_sentence(fit.cycle_map)
 
 
 def test_a_set_to_which_nothing_was_fitted_has_no_page() -> None:

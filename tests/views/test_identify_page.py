@@ -115,13 +115,33 @@ def test_the_comparison_says_what_is_best_worse_open_and_lost(found) -> None:
     ]
 
 
-def test_a_direction_that_may_be_any_is_not_told(found) -> None:
-    ratio = Derived("axis_ratio", "", "1", 1.2, 1.0, 1.4)
+def test_no_headline_is_sharper_than_its_interval(found) -> None:
+    """Intervals stand in place of values, so that a ratio of 1 to 1.35 and any direction are told as what they are."""
+    ratio = Derived("axis_ratio", "", "1", 1.11, 1.0, 1.35)
     way = Derived("axis_direction", "", "rad", 0.5, 0.3, 0.7, np.pi)
-    assert sentences.headline("felt", [ratio, way]) == "felt: friction ellipse with axes 1.20 : 1 (longer along 28.6°)"
-    assert sentences.headline("felt", [ratio, replace(way, known=False)]).endswith("axes 1.20 : 1")
-    assert sentences.interval_sentences([ratio, replace(way, known=False)])[0].endswith("its direction open.")
-    assert sentences.headline("felt", derived_quantities(found)).startswith(
-        "felt: friction ellipse with mean friction 0.2"
+    size = Derived("offset_size", "", "1", 0.132, 0.0, 0.43)
+    to = Derived("offset_direction", "", "rad", 0.5, -3.0, 3.0, 2 * np.pi, known=False)
+    told = sentences.headline("felt", [ratio, way, size, to])
+    assert told == (
+        "felt: friction ellipse with axes 1.00 to 1.35 : 1 (longer along 17° to 40°), "
+        "centre 0.0 to 43.0 % off, in any direction"
     )
+    assert "1.11" not in told and "13.2" not in told
+    assert ": 1, in any direction" in sentences.headline("felt", [ratio, replace(way, known=False)])
+    (friction,) = derived_quantities(found)
+    expected = f"felt: friction ellipse with mean friction {friction.lower:.3f} to {friction.upper:.3f}"
+    assert sentences.headline("felt", [friction]) == expected
     assert "isotropic" in sentences.headline("felt", [])
+
+
+def test_errors_of_places_and_forces_are_distances(found) -> None:
+    """Of two pushes and 24 scans, each one error: the length of the vector from measured to predicted."""
+    errors = {one.kind: one for one in found.errors}
+    places = found.fit.residuals[found.problem.kinds == "push place (m)"].reshape(-1, 2)
+    forces = found.fit.residuals[found.problem.kinds == "scan force (N)"].reshape(-1, 2)
+    for kind, vectors in (("push place (m)", places), ("scan force (N)", forces)):
+        length = np.linalg.norm(vectors, axis=1)
+        assert errors[kind].rows == len(vectors)
+        assert errors[kind].mean == pytest.approx(length.mean())
+        assert errors[kind].rms == pytest.approx(np.sqrt(np.mean(length**2)))
+    assert errors["push turn (rad)"].rows == 2

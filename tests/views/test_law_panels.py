@@ -83,7 +83,8 @@ def test_circles_about_eigenvalues_have_the_radius_of_their_bounds() -> None:
     unit, *circles = [patch for patch in axes.patches if isinstance(patch, Circle)]
     assert (unit.center, unit.radius) == ((0.0, 0.0), 1.0)
     drawn = [(complex(*circle.center), circle.radius) for circle in circles]
-    assert drawn == list(zip(spectrum.values.tolist(), spectrum.error_bounds.tolist(), strict=True))
+    bounds = zip(spectrum.values.tolist(), spectrum.error_bounds.tolist(), strict=True)
+    assert drawn == [(value, bound) for value, bound in bounds if np.isfinite(bound)] and len(drawn) >= 4
     assert max(radius for _, radius in drawn) > 0.01
     png(axes)
 

@@ -1,184 +1,85 @@
-"""The page and the sentences of a designed reset tell the verdict, both laws, the limits, and why nothing does."""
+"""Recipes say what the robot does; the page draws every push where the mechanics puts it, and every row."""
 
-import re
-from dataclasses import replace
+import math
 
 import numpy as np
 import pytest
-from matplotlib.text import Text
 
-from cyclemap.collection.loop import CollectionLoop
-from cyclemap.maps import WrappedNormal
-from cyclemap.resets.design.push_proof import PushProof
-from cyclemap.resets.design.reset_candidates import Effort
-from cyclemap.resets.design.reset_curves import reset_curves
-from cyclemap.resets.design.reset_demands import ResetDemands
-from cyclemap.resets.design.reset_design import design_reset
-from cyclemap.resets.design.reset_ranking import ScoredReset, outlooks, ranked
-from cyclemap.resets.design.reset_trial import ResetTrial, SampledStatistic, reset_trial
-from cyclemap.resets.strategies.drag_strategies import WayPoints
-from cyclemap.resets.strategies.push_strategies import AlternatingPushes, DrawnPushes, side_pushes
-from cyclemap.resets.strategies.schedules import GoldenAngle
-from cyclemap.resets.strategies.strategy_run import run_strategy
-from cyclemap.views import reset_sentences as sentences
-from cyclemap.views.reset_page import reset_page
-from cyclemap.views.style import render
+import cyclemap as cm
+from cyclemap.mechanics import SidePush
+from cyclemap.resets import CycleAction, MaterialRange, ResetDemands, ResetStrategy, design_reset, gripper_turns, legs
+from cyclemap.resets.protocol.schedule_file import rod_start
+from cyclemap.views.reset_page import draw_pushes, reset_page
+from cyclemap.views.reset_sentences import design_sentences, recipe
+from cyclemap.views.style import new_figure, render
 
-NOISE = WrappedNormal(1.2)
-LITTLE = Effort((), (), (), (), (), 4, 0, 1, 1)
-ASIDE = WayPoints(((0.05, 0.05),))
+SIDES = tuple(CycleAction(push=SidePush(side)) for side in (1, 2, 3))
+SLANTED = CycleAction(push=SidePush(3, 0.3, math.radians(10.0)))
 
 
-def designed(**demands):
-    loop = CollectionLoop.mit()
-    return design_reset(
-        loop, ResetDemands(**demands), NOISE, keep_push=True, thoroughness=LITTLE, also=[ASIDE], tolerance=1e-2
-    )
+@pytest.mark.parametrize(
+    ("strategy", "said"),
+    [
+        (ResetStrategy(SIDES[:2]), "before every push toss a coin: heads push side 1, tails push side 2, each at 0.7"),
+        (ResetStrategy(SIDES), "draw one of 3 lots: 1 of 3 push side 1, 1 of 3 push side 2, 1 of 3 push side 3, each"),
+        (ResetStrategy(SIDES[:2], (1.0, 5.0)), "throw a die: 1 of 6 push side 1, 5 of 6 push side 2"),
+        (ResetStrategy(SIDES[:2], (1.0, 2.5)), "draw: 28.6% push side 1, 71.4% push side 2"),
+        (ResetStrategy((SIDES[0], SLANTED)), "tails push side 3 at 0.3, 10° off its normal"),
+        (ResetStrategy(SIDES, order="in turn"), "in turn: push side 1, push side 2, push side 3, each at 0.7"),
+        (ResetStrategy(SIDES, order="shuffled"), "in shuffled blocks of 3: push side 1"),
+        (ResetStrategy(gripper_turns(4)), "let a gripper turn the object by 0, 90, 180 or 270°, drawn at random"),
+        (ResetStrategy(gripper_turns(36)), "by a multiple of 10°"),
+        (ResetStrategy(legs(0.2, 8)), "a place 200 mm off the target, in one of 8 equal directions, drawn at random"),
+        (ResetStrategy(SIDES[:2], hitch=(0.01, -0.02)), "put the ring at (10.0, -20.0) mm of the object; before"),
+        (ResetStrategy((CycleAction(),)), "leave everything as it is"),
+        (ResetStrategy((CycleAction(((0.05, 0.0),), turn=1.0),)), "always drag by 50 mm at 0.0°, gripper 57.3°"),
+        (ResetStrategy((SIDES[0], CycleAction(push=SidePush(2, distance=0.1)))), "push 100 mm on side 2"),
+    ],
+)
+def test_a_recipe_says_what_the_robot_does(strategy, said) -> None:
+    assert said in recipe(strategy)
 
 
-def asked_anew(design, demands):
-    """The design with the same strategies set against other demands."""
-    drag = design.own.cost.mean_drag_length
-    scored = {
-        one.name: ScoredReset.of(one.candidate, one.numbers, one.cost, demands, drag, one.contact)
-        for one in design.ranking
-    }
-    order, own = ranked(list(scored.values())), scored[design.own.name]
-    found = outlooks(order, demands, drag)
-    return replace(design, demands=demands, ranking=order, own=own, chosen=order[0], outlooks=found)
+def test_the_arrows_end_where_the_rod_starts_and_their_shares_stand_beside_them() -> None:
+    loop = cm.CollectionLoop.mit()
+    axes = new_figure(4, 4).add_subplot()
+    draw_pushes(axes, loop, ResetStrategy((SIDES[0], SLANTED), (1.0, 3.0)))
+    arrows = [note for note in axes.texts if getattr(note, "arrow_patch", None)]
+    assert len(arrows) == 2
+    for arrow, action in zip(arrows, (SIDES[0], SLANTED), strict=True):
+        (x, y), (dx, dy) = rod_start(loop, action.push)
+        assert arrow.xy == pytest.approx((1e3 * x, 1e3 * y))
+        way = np.subtract(arrow.xy, arrow.xyann)
+        assert way / np.hypot(*way) == pytest.approx((dx, dy))
+    words = {note.get_text() for note in axes.texts}
+    assert {"0", "1", "2", "3", "ring", "25%", "75%"} <= words
 
 
 @pytest.fixture(scope="module")
-def met():
-    """With noise so wide that the loop as it is does."""
-    return designed(allow_tv=0.4)
+def design():
+    loop = cm.CollectionLoop.mit("isotropic")
+    about = MaterialRange(loop.material, ())
+    return design_reset(loop, ResetDemands(pushes=100, keep_push=True, drag_ratio=5.0), materials=about)
 
 
-@pytest.fixture(scope="module")
-def hopeless(met):
-    """Less room than the push itself takes."""
-    return asked_anew(met, ResetDemands(allow_tv=0.4, reach=0.05, seconds=15.0, contact=0.2))
+def test_the_page_has_every_row_and_the_histograms(design) -> None:
+    figure = reset_page(design)
+    pushes, histogram, errors = figure.axes
+    drawn = [patch.get_data().values for patch in histogram.patches if hasattr(patch, "get_data")]
+    assert any(np.array_equal(values, design.after[0]) for values in drawn)
+    assert any(np.array_equal(values, design.before[0]) for values in drawn)
+    assert np.array_equal(errors.lines[0].get_ydata(), design.ratio_tv[0])
+    told = " ".join(" ".join(text.get_text().split()) for text in figure.texts)
+    for row in design.rows:
+        assert recipe(row.strategy) in told
+    assert not pushes.axison
+    assert render(figure, "svg").startswith(b"<?xml")
 
 
-def drawn(design, trial=None):
-    return reset_page(design, reset_curves(design, pushes=20), trial)
-
-
-def test_both_laws_and_the_even_one_are_drawn_on_one_scale(met) -> None:
-    laws = drawn(met).axes[0]
-    before, after, even = laws.lines
-    assert even.get_ydata()[0] == pytest.approx(1.0 / 360.0)
-    for line in (before, after):
-        assert np.trapezoid(line.get_ydata(), line.get_xdata()) == pytest.approx(1.0, abs=2e-3)
-    assert "per degree" in laws.get_ylabel() and laws.get_ylim()[0] == 0.0
-
-
-def test_every_strategy_is_a_numbered_point_and_limits_are_lines(met) -> None:
-    trade = drawn(met).axes[3]
-    assert [text.get_text() for text in trade.texts if text.get_text().isdigit()]
-    assert {int(text.get_text()) for text in trade.texts} == set(range(1, len(met.ranking) + 1))
-    points = sum(len(line.get_xdata()) for line in trade.lines if line.get_linestyle() == "None")
-    assert points == len(met.ranking) >= 3
-    limit = 1000 * 2.0 * met.own.cost.mean_drag_length
-    assert trade.lines[0].get_xdata()[0] == pytest.approx(limit)
-    assert trade.lines[1].get_ydata()[0] == pytest.approx(0.4)
-
-
-def test_the_numbers_beside_the_points_do_not_cover_each_other(met) -> None:
-    page = drawn(met)
-    render(page)
-    boxes = [Text.get_window_extent(text) for text in page.axes[3].texts]
-    pairs = [(a, b) for i, a in enumerate(boxes) for b in boxes[:i]]
-    assert pairs and not any(a.overlaps(b) for a, b in pairs)
-
-
-def test_cycles_are_to_scale_about_the_target_in_the_same_window(met) -> None:
-    before, after = drawn(met).axes[4:6]
-    assert before.get_aspect() == after.get_aspect() == 1.0
-    assert before.get_xlim() == after.get_xlim() == before.get_ylim()
-    assert before.get_xlim()[1] > 1000 * met.own.cost.reach
-
-
-def test_legends_and_titles_do_not_meet(met) -> None:
-    page = drawn(met)
-    render(page)
-    for axes in page.axes[:4]:
-        legend = axes.get_legend().get_window_extent()
-        assert legend.y0 >= axes.get_window_extent().y1 - 1
-        titles = [one for one in (axes.title, axes._left_title) if one.get_text()]
-        assert titles and not any(title.get_window_extent().overlaps(legend) for title in titles)
-
-
-def test_the_verdict_tells_what_meets_with_its_numbers(met) -> None:
-    verdict = sentences.verdict_sentence(met)
-    assert verdict.startswith("plywood: “") and "meets all demands" in verdict
-    assert re.search(r"total variation from uniform 0\.\d{3} ± .* in the long run", verdict)
-    assert sentences.reason_sentences(met) == ()
-    assert "(1.00 of the loop's own)" in sentences.cost_words(met.own)
-
-
-def test_impossible_demands_are_told_loudly_with_what_stands_in_the_way(hopeless) -> None:
-    told = " ".join(sentences.reset_sentences(hopeless))
-    assert told.startswith("NO RESET MEETS ALL DEMANDS on plywood. The nearest")
-    assert "room about the target (189 mm where 50 mm is allowed)" in told
-    assert "No strategy that was looked at meets the demand on room about the target and time of a cycle" in told
-    assert "A push of 150 mm alone takes 80 mm" in told
-    assert "Push and handling alone take 17.5 s" in told
-    assert "contact in a push (132 mm where 200 mm is asked for)" in told
-    assert "NO RESET MEETS" in drawn(hopeless).texts[1].get_text()
-
-
-def test_a_gripper_that_would_do_is_named(met) -> None:
-    tight = asked_anew(met, ResetDemands(allow_tv=1e-6, extra_tv=1e-3))
-    more = sentences.more_sentence(tight)
-    assert "With more (gripper) “gripper, any turn” would meet all demands" in more
-    assert sentences.standing(tight.with_more[0]) == "would need gripper"
-
-
-def test_a_trial_is_told_and_drawn_with_its_sampling_error(met) -> None:
-    trial = reset_trial(met.cache, met.own.candidate, 30)
-    told = sentences.trial_sentence(trial)
-    assert told.startswith("30 pushes by the full mechanics agree with the prediction")
-    assert f"{trial.kuiper.low:.3f} to {trial.kuiper.high:.3f}" in told
-    assert render(drawn(met, trial)).startswith(b"\x89PNG")
-
-
-def test_pushes_are_told_with_their_chances() -> None:
-    pushes = side_pushes(CollectionLoop.mit().push, (0, 2))
-    whole = DrawnPushes(pushes, weights=(1.0, 3.0))
-    drawn_ = sentences.what_to_do(whole, lambda push: push.distance)
-    assert drawn_ == "Draw before every push: side 0 at 0.70 (25.0%), side 2 at 0.70 (75.0%)."
-    lost = sentences.what_to_do(replace(whole, schedule=GoldenAngle()), lambda push: 0.048 if push.side else 0.15)
-    told = "side 0 at 0.70 (25.0%), side 2 at 0.70 (75.0%, the object lost after 48 mm)"
-    assert lost == f"Draw by golden angle before every push: {told}."
-    turns = sentences.what_to_do(AlternatingPushes(pushes), lambda push: 0.15)
-    assert turns.startswith("In turn: side 0 at 0.70")
-    assert sentences.what_to_do(ASIDE, lambda push: 0.15) == ""
-
-
-def test_pushes_that_lose_the_object_early_are_told_with_how_to_forbid_them(met) -> None:
-    brief = replace(met, chosen=replace(met.chosen, contact=0.052))
-    assert "after 52 mm of 150 mm" in sentences.brief_sentence(brief) and "--least-push-mm" in " ".join(
-        sentences.reset_sentences(brief)
-    )
-    assert sentences.brief_sentence(met) == ""
-
-
-def test_a_proof_is_told_with_its_pushes(hopeless) -> None:
-    pushes = side_pushes(CollectionLoop.mit().push, (0, 2))
-    told = sentences.proof_sentence(replace(hopeless, proof=PushProof(pushes, "tv", 0.0213, 0.01, 0.2)))
-    assert told.endswith("gets below total variation 0.021 in the long run with a mean drag of at most 200 mm.")
-    told = sentences.proof_sentence(replace(hopeless, proof=PushProof(pushes, "drag", 0.06, 0.02, 0.05)))
-    assert told.startswith("Proved: no rule with the pushes side 0 at 0.70, side 2 at 0.70, even one that looks at")
-    assert sentences.proof_sentence(hopeless) == ""
-
-
-def test_a_run_more_even_than_predicted_agrees_and_is_called_so(met) -> None:
-    predicted = np.linspace(0.05, 0.15, 400)
-    low, high = (SampledStatistic.of(value, predicted) for value in (0.01, 0.2))
-    assert low.p_value == 1.0 and high.p_value < 0.01 and not low.agrees
-    run = run_strategy(met.loop, met.own.candidate.strategy, 2)
-    trial = ResetTrial(run, low, low, low, 36, 400)
-    assert trial.agrees and not replace(trial, kuiper=high).agrees
-    told = sentences.trial_sentence(trial)
-    assert told.count("below them: more even than predicted") == 2 and "below them: nearer than predicted" in told
+def test_the_three_sentences_tell_what_the_chosen_row_holds(design) -> None:
+    do, leaves, costs = design_sentences(design)
+    row = design.chosen
+    assert recipe(row.strategy) in do
+    for number in (row.nominal.total_variation, row.nominal.after, row.worst, row.histogram[0], design.independent):
+        assert f"{number:.3f}" in leaves
+    assert f"{1e3 * row.drag:.0f} mm of drag" in costs and f"{row.seconds:.1f} s a cycle" in costs

@@ -7,7 +7,7 @@ import pytest
 from drawn_panels import labelled, legend_words, panel, png, written
 from matplotlib.collections import LineCollection, QuadMesh
 
-from cyclemap.maps import CircleMap, arnold_family, moebius_family, rotation_numbers, rotation_plane, tongues
+from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, rotation_numbers, rotation_plane, tongues
 from cyclemap.views.rotation_panels import (
     draw_rotation_numbers,
     draw_rotation_plane,
@@ -18,7 +18,7 @@ from cyclemap.views.rotation_panels import (
 
 @pytest.fixture(scope="module")
 def plane():
-    return rotation_plane(arnold_family, np.linspace(0.0, 0.5, 26), [0.2, 0.5, 0.8, 1.1], tolerance=0.02)
+    return rotation_plane(ARNOLD_FAMILY, np.linspace(0.0, 0.5, 26), [0.2, 0.5, 0.8, 1.1], tolerance=0.02)
 
 
 def one(axes, kind):
@@ -71,10 +71,10 @@ def test_only_folded_cells_are_hatched(plane) -> None:
 
 def test_plane_of_one_cell_and_one_running_down_are_drawn() -> None:
     axes = panel()
-    draw_rotation_plane(axes, rotation_plane(moebius_family, [0.5], [0.3]))
+    draw_rotation_plane(axes, rotation_plane(MOEBIUS_FAMILY, [0.5], [0.3]))
     png(axes)
     axes = panel()
-    draw_rotation_plane(axes, rotation_plane(moebius_family, [0.6, 0.5], [0.3, 0.2, 0.1]))
+    draw_rotation_plane(axes, rotation_plane(MOEBIUS_FAMILY, [0.6, 0.5], [0.3, 0.2, 0.1]))
     assert axes.get_xlim()[0] < axes.get_xlim()[1] and axes.get_ylim()[0] < axes.get_ylim()[1]
     assert axes.get_legend() is None
     png(axes)
@@ -85,7 +85,7 @@ def test_plane_of_one_cell_and_one_running_down_are_drawn() -> None:
 
 def test_staircase_band_holds_its_curve_and_plateaus_are_the_locked_values() -> None:
     omega = np.linspace(0.0, 1.0, 201)
-    numbers = rotation_numbers(arnold_family, omega, 0.95)
+    numbers = rotation_numbers(ARNOLD_FAMILY, omega, 0.95)
     axes = panel()
     draw_rotation_numbers(axes, omega, numbers, "Ω (turns a cycle)")
     curve = labelled(axes, "middle")
@@ -106,7 +106,7 @@ def test_staircase_band_holds_its_curve_and_plateaus_are_the_locked_values() -> 
 def test_staircase_without_plateaus_has_none() -> None:
     omega = np.linspace(0.31, 0.32, 7)
     axes = panel()
-    draw_rotation_numbers(axes, omega, rotation_numbers(arnold_family, omega, 0.0))
+    draw_rotation_numbers(axes, omega, rotation_numbers(ARNOLD_FAMILY, omega, 0.0))
     assert len(axes.lines) == 1 and written(axes) == []
     png(axes)
 

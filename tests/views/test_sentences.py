@@ -5,7 +5,11 @@ from dataclasses import replace
 
 import pytest
 
+from cyclemap.collection import CollectionLoop
+from cyclemap.collection.portrait import portrait
+from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.evidence import MapAgreement
+from cyclemap.maps import Estimate, fixed_points
 from cyclemap.mechanics import load_material
 from cyclemap.views import sentences
 
@@ -17,6 +21,48 @@ def test_headline_names_every_stable_direction_or_none(drawn) -> None:
         sentences.headline(drawn("locked").portrait)
         == f"plywood locks into {math.degrees(math.asin(0.1 * math.pi)):.1f}°"
     )
+
+
+def test_what_noise_carries_off_within_the_run_is_not_locked(drawn) -> None:
+    """The stable point stays for 45 cycles on average: the run of 200 is told as resting, one of 40 as locked."""
+    found = drawn("locked").portrait
+    (zone,) = found.prediction.zones
+    short = replace(found.prediction, zones=(replace(zone, residence_cycles=Estimate(45.0, 0.1)),))
+    resting = replace(found, prediction=short)
+    assert sentences.headline(resting) == "plywood rests at 18.3° for 45 cycles at a time"
+    brief = replace(resting, staircase=replace(found.staircase, theta=found.staircase.theta[:41]))
+    assert sentences.headline(brief) == "plywood locks into 18.3°"
+    unknown = replace(found, prediction=replace(found.prediction, zones=()))
+    assert sentences.headline(unknown) == "plywood rests at 18.3°"
+
+
+def test_near_the_saddle_node_the_ring_at_9_8_mm_rests_and_does_not_lock() -> None:
+    """The fixed points, 160.9° among them, are still there, and noise carries θ0 off in 45 cycles."""
+    base = CollectionLoop.mit("plywood")
+    loop = CollectionLoop.from_settings({"hitch_x_mm": -6.93, "hitch_y_mm": 6.93}, base)
+    found = portrait(loop, tolerance=1e-5)
+    assert len(found.fixed_points) == 2
+    assert sentences.headline(found) == "plywood rests at 160.9° for 45 cycles at a time"
+    gone = CollectionLoop.from_settings({"hitch_x_mm": -6.9, "hitch_y_mm": 6.9}, base)
+    assert not fixed_points(gone.circle_map(tolerance=1e-5))
+
+
+def test_a_portrait_of_a_surface_that_wears_does_not_say_that_it_locks() -> None:
+    """plywood-measured: one stable point when fresh, 17.5 turns measured and some 16 made as it wears."""
+    found = portrait(CollectionLoop.mit("plywood-measured"), tolerance=1e-5)
+    assert found.drifting is not None and found.worn is not None
+    said = sentences.headline(found)
+    assert said.startswith("plywood-measured rests at 89.2° when fresh, near 104.")
+    told = " ".join([said, sentences.lock_sentence(found), sentences.noise_sentence(found)])
+    told += sentences.staircase_sentence(found)
+    assert "locks" not in told and "flat" not in told
+    turns = (found.staircase.theta[-1] - found.staircase.theta[0]) / (2 * math.pi)
+    assert 10.0 < turns < 25.0
+    assert f"makes {turns:.1f} turns; by then θ0 rests near 104." in told
+    curves = portrait_curves(found)
+    assert math.isclose(sum(curves.density[:-1]) * 2 * math.pi / 1440, 1.0, rel_tol=1e-3)
+    fresh = found.operator.density(curves.density_theta)
+    assert abs(curves.density - fresh).max() > 1.0
 
 
 def test_speed_of_locking_follows_from_the_multiplier(drawn) -> None:

@@ -1,12 +1,11 @@
 """The page and the sentences of a watched collection show the alarm, the threshold and the least covered direction."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from cyclemap.resets.monitor.watched_collection import WatchedCollection
+from cyclemap.resets.monitor.bias_monitor import WatchedCollection
 from cyclemap.views import watch_sentences as sentences
 from cyclemap.views.style import render
 from cyclemap.views.watch_page import watch_page
@@ -104,10 +103,6 @@ def test_the_worth_is_told_in_the_number_it_has_with_a_decimal_below_ten(theta, 
     assert not re.search(r"\b1 pushes|\b(?!1\b)\d+ push\b", found)
 
 
-def test_a_forecast_of_one_push_is_told_of_one_push(even) -> None:
-    assert "the next push would be worth" in sentences.forecast_sentence(replace(even.forecast, ahead=1))
-
-
 def test_the_sentences_tell_alarm_coverage_and_advice(locked, even) -> None:
     told = " ".join(sentences.watch_sentences(locked))
     alarm = locked.report.alarm
@@ -119,7 +114,6 @@ def test_the_sentences_tell_alarm_coverage_and_advice(locked, even) -> None:
     assert told.startswith("No alarm in 200 pushes: evidence 1")
     assert "of the 100 needed at an alarm rate of 0.02" in told
     assert "Carry on; least covered: " in told
-    assert "If nothing is changed (map fitted to the data), each of the next 500 pushes would be worth" in told
 
 
 def test_rests_on_several_directions_and_gatherings_are_worded_apart() -> None:

@@ -9,9 +9,7 @@ import numpy as np
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.mechanics import Pose, QuasiStaticModel, SidePush
-from cyclemap.mechanics.compiled import stroke_runner
-from cyclemap.mechanics.compiled.recorded_strokes import stroke_row
-from cyclemap.mechanics.motion import Rod
+from cyclemap.mechanics.quasi_static import run_strokes
 from tests.benchmarks.peers.package_push import ENGINE
 from tests.benchmarks.peers.push_problem import ANGLES, Distance, PushProblem, distance
 from tests.benchmarks.peers.simulator import Simulator
@@ -43,17 +41,14 @@ class Entrant:
 def entrants(problem: PushProblem) -> list[Entrant]:
     """All that take part in a problem, this package's engine first."""
     found = [known for known in simulators().values() if not isinstance(known, str)]
-    return [_entrant(known, problem) for known in found if problem.name in known.chosen] + _compiled(problem)
+    return [_entrant(known, problem) for known in found if problem.name in known.chosen] + [_many(problem)]
 
 
-def _compiled(problem: PushProblem) -> list[Entrant]:
-    """This package's engine on the same problem, many pushes in one call; none where nothing is compiled."""
-    model = problem.model(ENGINE.chosen[problem.name].accuracy)
-    assert model.stroke_kind is not None
-    if stroke_runner.prepare_kernels(model.stroke_kind):
-        return []
+def _many(problem: PushProblem) -> Entrant:
+    """This package's engine on the same problem, many pushes in one call."""
     pushes = problem.pushes * _REPEATED
-    return [Entrant(ONE_CALL, _in_one_call(model, pushes), len(pushes), "the first row's pushes and ends, compiled")]
+    model = problem.model(ENGINE.chosen[problem.name].accuracy)
+    return Entrant(ONE_CALL, _in_one_call(model, pushes), len(pushes), "the first row's pushes and ends")
 
 
 def _entrant(simulator: Simulator, problem: PushProblem) -> Entrant:
@@ -70,18 +65,13 @@ def _entrant(simulator: Simulator, problem: PushProblem) -> Entrant:
 
 
 def even_entrants() -> list[Entrant]:
-    """This package's usual push, MIT's on plywood under even pressure: many in one call, compiled where that can be."""
+    """This package's usual push, MIT's on plywood under even pressure: many in one call."""
     theta = np.linspace(0.0, math.tau, _MANY, endpoint=False)
     loop = CollectionLoop.mit(accuracy=EVEN_ACCURACY)
-    off = _even_distance(loop, theta)
-    kind = loop.model.stroke_kind
-    assert kind is not None
-    refusal = stroke_runner.prepare_kernels(kind)
-    note = f"interpreted, since {refusal}" if refusal else "compiled, in one call"
     even = [(Pose(theta=t), loop.push) for t in theta.tolist()]
-    alone = (lambda: [loop.model.push(*one) for one in even]) if refusal else None
+    note = f"in one call: off by {_even_distance(loop, theta)}"
     return [
-        Entrant(EVEN, alone or _in_one_call(loop.model, even), _MANY, f"{note}: off by {off}"),
+        Entrant(EVEN, _in_one_call(loop.model, even), _MANY, note),
         Entrant(DRAGGED, lambda: loop.cycles(theta), _MANY, f"{note}, `CollectionLoop.cycles`"),
     ]
 
@@ -97,13 +87,6 @@ def _pose(cycles: Any, i: int) -> Pose:
 
 
 def _in_one_call(model: QuasiStaticModel, pushes: Sequence[tuple[Pose, SidePush]]) -> Callable[[], object]:
-    """The pushes alone, without the way back, as compiled code runs them; the model has some."""
-    rows = []
-    for pose, push in pushes:
-        start, direction, _, length = model.start(pose, push)
-        rows.append(stroke_row(model.solver, Rod(model.radius, model.pusher.friction, direction), start, length))
-    kind, strokes = model.stroke_kind, np.array(rows)
-    assert kind is not None
-    runner, pieces = stroke_runner.stroke_runner(kind, len(rows)), stroke_runner.piece_table(model.pieces)
-    assert runner is not None
-    return lambda: runner.run(pieces, strokes, model.step_tolerance, math.inf, False)
+    """The pushes alone, without the way back."""
+    courses = [model.course(model.push_strokes(pose, push), pose) for pose, push in pushes]
+    return lambda: run_strokes(courses)

@@ -9,7 +9,7 @@ from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, sample_staircas
 
 SINE, NOISE = CircleMap.arnold(0.11, 0.6), WrappedNormal(0.15)
 WORN = DriftingMap.between([(0, CircleMap.arnold(0.05, 0.3)), (400, CircleMap.arnold(0.12, 0.3))])
-POSE_HEADER = "rep,surface,shape,a_mm_s2,v_mm_s,i,s,t,x0,y0,theta0,x1,y1,theta1"
+POSE_HEADER = "rep,surface,shape,a_mm_s2,v_mm_s,i,s,t,push_mm,x0,y0,theta0,x1,y1,theta1"
 
 
 def pairs_of(path) -> Theta0Pairs:
@@ -22,12 +22,12 @@ def sine_pairs(cycles=300, seed=0, circle_map=SINE, start=0.5) -> Theta0Pairs:
 
 def pose_row(number, theta, turn, displacement, **facts) -> str:
     """A line of a table of poses: a push from (0.1, -0.2) m."""
-    known = {"surface": "plywood", "shape": "rect1", "i": 0, "s": 0.7, "t": 0.0, **facts}
+    known = {"surface": "plywood", "shape": "rect1", "i": 0, "s": 0.7, "t": 0.0, "v": 20, "push_mm": 150, **facts}
     c, s = np.cos(theta), np.sin(theta)
     x = 0.1 + c * displacement[0] - s * displacement[1]
     y = -0.2 + s * displacement[0] + c * displacement[1]
-    begin = f"{number},{known['surface']},{known['shape']},0,20,{known['i']},{known['s']},{known['t']}"
-    return f"{begin},0.1,-0.2,{theta:.12f},{x:.12f},{y:.12f},{theta + turn:.12f}"
+    begin = f"{number},{known['surface']},{known['shape']},0,{known['v']},{known['i']},{known['s']},{known['t']}"
+    return f"{begin},{known['push_mm']},0.1,-0.2,{theta:.12f},{x:.12f},{y:.12f},{theta + turn:.12f}"
 
 
 def write_poses(file, rows) -> PushTable:

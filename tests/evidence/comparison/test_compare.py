@@ -142,7 +142,7 @@ def test_a_loop_is_compared_with_its_pushes_and_its_cycles(quick, tmp_path, loop
 
 def test_more_than_three_sets_are_told_as_one(quick, tmp_path, loop_of) -> None:
     loop = CollectionLoop.mit("plywood")
-    rows = [row for k in range(4) for row in own_pushes(loop, [0.5 + k, 1.0 + k, 1.5 + k], surface=f"board{k}")]
+    rows = [row for k in range(4) for row in own_pushes(loop, [0.5 + k, 1.0 + k, 1.5 + k], v=20 + k)]
     found = compare(loop_of(SINE), write_poses(tmp_path / "boards.csv", rows))
     assert [one.count for one in found.pushes] == [3, 3, 3, 3]
     assert [one.question for one in found.verdicts][:3] == [

@@ -159,7 +159,7 @@ def test_rows_of_other_objects_and_selections_are_left_out_and_counted(tmp_path)
     assert names(found) == {"push ends": 15}
     told = Counter(note.removeprefix(f"{file}: ") for note in found.notes)
     assert told["3 left out: of hex, not rect1"] == 1
-    assert told["2 left out: of another surface than selected"] == 1
+    assert told["2 left out: of surface felt, not slate"] == 1
     assert told["1 left out: the tip was not where it was sent"] == 1
     hexagons = collected_blocks([file], LOOP, {"object": "hex"})
     assert names(hexagons) == {"push ends": 9} and hexagons.loop.slider.name == "hex"
@@ -178,6 +178,8 @@ def test_several_surfaces_are_refused_until_one_is_selected(tmp_path) -> None:
     every_sort(second, "felt")
     with pytest.raises(InvalidInput, match="several surfaces: felt, slate; select one"):
         collected_blocks([first, second], LOOP)
+    with pytest.raises(InvalidInput, match=r"no such surface: delrin; .* left out: of surface slate, not delrin"):
+        collected_blocks([first / "ends.csv"], LOOP, {"surface": "delrin"})
     found = collected_blocks([first, second], LOOP, {"surface": "felt"})
     assert found.surface == "felt"
     # Orientations tell no surface: both tables of them are kept, and told apart by a number.

@@ -8,7 +8,6 @@ import pytest
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.data_blocks.wrench_twist_block import (
     FORCE_KIND,
-    PARAMETERS,
     TORQUE_KIND,
     WrenchTwists,
     read_wrench_twists,
@@ -25,7 +24,9 @@ from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Sl
 SQUARE = Slider.mit("rect1").outline
 RHO, WEIGHT = SQUARE.extent, 8.2
 SCALE = np.array([1.0, 1.0, RHO])
+PARAMETERS = ("friction_scale", "rim_share")
 TRUTH = {"friction_scale": -1.5, "rim_share": 0.4}
+PARTS = {"corner_share": 0.0, "inner_share": 0.0}
 SPACE = SURFACE.select(PARAMETERS)
 RUNS = 200
 
@@ -54,9 +55,15 @@ def test_without_noise_friction_and_rim_share_come_back_exactly() -> None:
 def test_the_derivatives_are_slopes_and_the_prediction_is_that_of_the_limit_surface_at_any_share() -> None:
     block = wrench_twist_block(WrenchTwists(WRENCHES, TWISTS), SQUARE, WEIGHT)
     at, step = SPACE.vector({"friction_scale": -1.3, "rim_share": 0.7}), 1e-6
-    residual, exact = block.residuals(SPACE.values(at))
-    for column, unit in enumerate(np.eye(2) * step):
-        up, down = (block.residuals(SPACE.values(at + sign * unit))[0] for sign in (1.0, -1.0))
+    residual, _ = block.residuals(PARTS | SPACE.values(at))
+    _, exact = block.residuals({"corner_share": 0.3, "inner_share": 0.2} | SPACE.values(at))
+    assert block.parameters == ("friction_scale", "inner_share", "rim_share", "corner_share")
+    for column, name in enumerate(block.parameters):
+        sides = ({"corner_share": 0.3, "inner_share": 0.2} | SPACE.values(at) for _ in range(2))
+        up, down = (
+            block.residuals({**values, name: values[name] + sign * step})[0]
+            for sign, values in zip((1.0, -1.0), sides, strict=True)
+        )
         assert np.allclose(exact[:, column], (up - down) / (2.0 * step), atol=1e-8)
     expected = wrench(TWISTS, 0.7, EllipseFriction.isotropic(math.exp(-1.3))) - WRENCHES
     assert np.allclose(residual, (expected / SCALE).ravel(), atol=1e-10)
@@ -94,7 +101,7 @@ def test_intervals_of_95_percent_cover_in_90_to_99_percent_where_the_pairs_of_a_
         rng = np.random.default_rng(seed)
         error = rng.standard_normal((60, 3)) + rng.standard_normal((15, 3))[groups]
         data = WrenchTwists(WRENCHES + 0.07 * error * SCALE, TWISTS)
-        problem = JointProblem((wrench_twist_block(data, SQUARE, WEIGHT, groups),), SPACE, {})
+        problem = JointProblem((wrench_twist_block(data, SQUARE, WEIGHT, groups),), SPACE, PARTS)
         fit = fit_with_noise(problem, SPACE.vector(TRUTH))
         errors = uncertainty(problem, fit)
         half = np.array([student_quantile(0.95, freedom) for freedom in errors.freedom.tolist()])

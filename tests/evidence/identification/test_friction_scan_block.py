@@ -65,7 +65,7 @@ def test_scans_of_a_simulated_collection_give_the_table_of_the_paper_within_thei
     assert dataclasses.astuple(turned) == pytest.approx((0.2545, 0.2346, 0.0325, 0.0082, 2.6175), abs=2e-3)
     # The median over the middle of a stroke: sqrt(pi / 2) * 0.05 N / sqrt(750).
     assert found.fit.noise[0] == pytest.approx(math.sqrt(math.pi / 2.0) * 0.05 / math.sqrt(750), rel=0.15)
-    assert found.errors[0].rows == 288 and found.errors[0].left_out_rms < 1.1 * found.errors[0].rms
+    assert found.errors[0].rows == 144 and found.errors[0].left_out_rms < 1.1 * found.errors[0].rms
 
 
 @pytest.mark.parametrize("ellipticity", [(0.0, 0.0), (1e-5, 2e-5), (0.004, -0.003), (0.12, -0.07), (-0.8, 0.6)])

@@ -25,7 +25,7 @@ def cut_ellipse():
 @pytest.mark.parametrize("offset", [-0.02, 0.004, 0.03])
 def test_a_cut_ellipse_moves_as_the_ellipse_does(friction, offset) -> None:
     """Two routes: tangents of the curve through 96 vertices, and the exact contact of the ellipse."""
-    footprint = PatchFootprint.under(Ellipse(SEMI_X, SEMI_Y), (0.0, 0.0))
+    footprint = PatchFootprint(Ellipse(SEMI_X, SEMI_Y))
     rod = Pusher(friction=friction)
     exact, cut = (
         QuasiStaticModel(Slider(outline), FRICTION, rod, footprint, accuracy=1e-6)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.errors import CycleMapError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.evidence.simulation import simulated_collection as module
 from cyclemap.evidence.simulation.collection_folder import ARGUMENTS_FILE, TRUTH_FILE
@@ -285,3 +285,44 @@ def test_a_push_that_the_mechanics_cannot_do_is_told_with_its_cycle(tmp_path, mo
     monkeypatch.setattr(CollectionLoop, "strokes", refuse)
     with pytest.raises(UnsupportedContact, match=r"cycle 0, from θ0 = 57\.296 degrees: the rod touches two sides"):
         simulate(tmp_path, start=1.0)
+
+
+def emptied(path: Path) -> None:
+    path.write_bytes(b"")
+
+
+def altered(path: Path) -> None:
+    """One digit of the path, or one byte of a record, is another."""
+    content = bytearray(path.read_bytes())
+    place = content.rindex(b".") + 3 if path.name == TRUTH_FILE else len(content) // 2
+    content[place] = content[place] ^ 1
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize("damage", [emptied, altered, Path.unlink])
+@pytest.mark.parametrize("pattern", [TRUTH_FILE, "motion_*rep=0003.h5", "record_*deg=90*rep=000.h5"])
+def test_what_was_damaged_since_is_made_again_to_the_bit(tmp_path, pattern, damage) -> None:
+    """Files of no length, altered numbers and missing files: nothing of them reaches what comes behind."""
+    made = simulate(tmp_path / "made", cycles=5, scans=True)
+    before = contents(made.folder)
+    damage(next(made.folder.rglob(pattern)))
+    assert contents(made.folder) != before
+    again = simulate(made.folder, cycles=5, scans=True)
+    assert contents(made.folder) == before
+    assert again.resumed == {TRUTH_FILE: 0 if damage is not altered else 4}.get(
+        pattern, 3 if "motion" in pattern else 5
+    )
+
+
+def test_a_second_run_in_the_same_folder_is_refused(tmp_path) -> None:
+    """The first holds the folder while it works, and leaves nothing there that says so."""
+    folder, refused = tmp_path / "made", []
+
+    def meanwhile(fraction: float) -> None:
+        with pytest.raises(CycleMapError, match="written by another process") as refusal:
+            simulate(folder)
+        refused.append(refusal.value)
+
+    simulate(folder, progress=meanwhile)
+    assert len(refused) == CYCLES
+    assert simulate(folder).resumed == CYCLES

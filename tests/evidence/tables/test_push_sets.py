@@ -98,7 +98,7 @@ def test_select_keeps_one_value_and_refuses_what_is_not_there(tmp_path) -> None:
     table = load_pushes(write(tmp_path / "poses.csv", rows("plywood", 20) + rows("abs", 20, fraction=0.5)))
     assert [found.name for found in push_sets(table, {"surface": "abs"})] == ["abs rect1"]
     assert [found.name for found in push_sets(table, {"fraction": 0.7, "speed": 0.02})] == ["plywood rect1"]
-    with pytest.raises(InvalidInput, match="no push has surface pu; there is abs, plywood"):
+    with pytest.raises(InvalidInput, match="no such surface: pu; the data have abs, plywood"):
         push_sets(table, {"surface": "pu"})
     with pytest.raises(InvalidInput, match=r"no push has surface abs, fraction 0\.7 at once"):
         push_sets(table, {"surface": "abs", "fraction": 0.7})

@@ -10,10 +10,9 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import rotation_number
-from cyclemap.maps.families.tongue_edges import displacement
 from cyclemap.maps.families.tongues import tongue, tongues
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.periodic_orbits import periodic_orbits
+from cyclemap.maps.orbits.periodic_orbits import fixed_points, periodic_orbits
 
 TWO_PI = 2 * np.pi
 WIDE = (-0.5, 1.5)
@@ -172,6 +171,67 @@ def test_a_kinked_family_has_the_edges_its_lines_give():
     assert found.width > 0.01
 
 
+# -- humps that samples miss -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("a", [0.99, 0.9999, 0.999999])
+def test_a_fixed_point_where_the_map_is_steepest_is_not_missed(a):
+    found = tongue(lambda omega: CircleMap.moebius(a, omega), 0, (-0.5, 0.6))
+    assert found.right.holds(np.arcsin(a) / np.pi)
+    assert found.left.holds(-np.arcsin(a) / np.pi)
+    assert found.width.error_bound < 1e-14
+
+
+def bumped(place, width, height, slopes=True):
+    """A rotation with one bump: the zero tongue is [-height, 0]/2π."""
+
+    def bump(x):
+        return height * np.exp(-((2 * np.sin(0.5 * (x - place)) / width) ** 2))
+
+    def slope(x):
+        return 1 - 2 * np.sin(x - place) / width**2 * bump(x)
+
+    return lambda omega: CircleMap(lambda x: x + TWO_PI * omega + bump(x), slope if slopes else None)
+
+
+@pytest.mark.parametrize("slopes", [True, False])
+@pytest.mark.parametrize("height", [8e-4, 0.1])
+def test_a_bump_one_milliradian_wide_is_found_wherever_it_lies(slopes, height):
+    """Lower than its width the map is a homeomorphism, higher it folds; ``fixed_points`` is the other route."""
+    for place in 0.1 + 0.39 * np.arange(0, 16, 1 if slopes else 5):
+        family = bumped(place, 1e-3, height, slopes)
+        found = tongue(family, 0, (-0.5, 0.6))
+        assert found.left.holds(-height / TWO_PI)
+        assert abs(found.left_theta - place) < 1e-6 or height > 8e-4
+        assert found.folded == (height > 8e-4)
+        assert len(fixed_points(family(found.left + 1e-7))) == 2
+        assert not fixed_points(family(found.left - 1e-7))
+
+
+@pytest.mark.parametrize("width", [2e-4, 2e-5, 2e-6])
+def test_narrower_bumps_are_found_where_the_tongue_is_wide(width):
+    """Samples are added where they leave room: on the highest hump, far finer than the first ones."""
+    bump = bumped(1.3, width, 0.5 * width)(0.0)
+
+    def family(omega):
+        return CircleMap(
+            lambda x: bump(x) + TWO_PI * omega + 0.2 * np.cos(x - 1.3),
+            lambda x: bump.derivative(x) - 0.2 * np.sin(x - 1.3),
+        )
+
+    assert tongue(family, 0, (-0.5, 0.6)).left.holds(-(0.2 + 0.5 * width) / TWO_PI)
+
+
+def test_a_kink_that_is_no_break_costs_no_more_than_the_bound():
+    def tent(omega):
+        return CircleMap(
+            lambda x: x + TWO_PI * omega + 0.3 * (1 - np.abs(np.mod(x - 1 + np.pi, TWO_PI) - np.pi) / np.pi),
+            lambda x: 1 - 0.3 / np.pi * np.sign(np.mod(x - 1 + np.pi, TWO_PI) - np.pi),
+        )
+
+    assert tongue(tent, 0, (-0.5, 0.6)).left.holds(-0.3 / TWO_PI)
+
+
 # -- theorems --------------------------------------------------------------------------------------------------
 
 
@@ -220,21 +280,11 @@ def test_the_orbit_of_an_edge_touches_the_diagonal_there():
     found = tongue(arnold(0.9), (2, 5), WIDE)
     for edge, theta in ((found.left, found.left_theta), (found.right, found.right_theta)):
         member = CircleMap.arnold(edge, 0.9)
-        assert abs(displacement(member, np.array(theta), found.ratio)) < 1e-13
         slope, point = 1.0, theta
         for _ in range(5):
             slope, point = slope * member.derivative(point), member(point)
+        assert abs(point - theta - 2 * TWO_PI) < 1e-13
         assert abs(slope - 1.0) < 1e-5
-
-
-def test_displacement_loses_nothing_to_turns():
-    far = displacement(CircleMap.arnold(0.3, 0.9), np.array([1.0, 1.0 - TWO_PI]), Fraction(13, 40))
-    direct = CircleMap.arnold(0.3, 0.9)
-    image = np.array(1.0)
-    for _ in range(40):
-        image = direct(image)
-    assert abs(far[0] - (image - 1.0 - 13 * TWO_PI)) < 1e-11
-    assert abs(far[0] - far[1]) < 1e-12
 
 
 def test_boundaries_over_a_second_parameter_are_the_single_tongues():

@@ -152,6 +152,45 @@ def test_few_modes_keep_the_bound():
         assert found.error_bound <= 100 * abs(found - truth)
 
 
+def test_a_repelling_orbit_is_not_taken_for_the_attractor():
+    """θ = 0 is a fixed point of slope -1.5 with Ω = 0, K = 2.5: only a start there stays there."""
+    sine = CircleMap.arnold(0.0, 2.5)
+    (stable,) = (orbit for period in (1, 2) for orbit in periodic_orbits(sine, period) if orbit.stable)
+    found = lyapunov_exponent(sine)
+    assert abs(found - np.log(abs(stable.multiplier)) / stable.period) <= found.error_bound + 1e-12
+    assert abs(lyapunov_exponent(sine, start=0.0) - np.log(1.5)) < 1e-14
+    assert lyapunov_exponent(sine, start=0.3, transient=10_000) == pytest.approx(found, abs=1e-12)
+
+
+def test_several_attractors_are_said():
+    """Two stable points with slopes 0.2 and 0.6: each from its own side."""
+    two = CircleMap(
+        lambda x: x - 0.3 * np.sin(2 * x) - 0.2 * np.sin(x), lambda x: 1 - 0.6 * np.cos(2 * x) - 0.2 * np.cos(x)
+    )
+    with pytest.raises(InvalidInput, match=r"several attractors: .*-1\.6\d+ .*-0\.5\d+ .*give the start"):
+        lyapunov_exponent(two)
+    assert abs(lyapunov_exponent(two, start=0.1) - np.log(0.2)) < 1e-12
+    assert abs(lyapunov_exponent(two, start=3.0) - np.log(0.6)) < 1e-12
+
+
+def test_the_error_of_differences_is_in_the_bound():
+    """The sine map without its derivative; and a constant, whose exponent is -∞."""
+    constant = lyapunov_exponent(CircleMap(lambda x: 0 * x + 1.0, degree=0))
+    assert constant == float("-inf")
+    nearly = lyapunov_exponent(CircleMap(lambda x: 1.0 + 1e-13 * np.sin(x), degree=0))
+    assert nearly.holds(np.log(1e-13 * np.cos(1.0)))
+    for omega, strength in ((0.1, 0.9), (0.6, 0.5), (0.5, 0.99), (0.0, 1.000001)):
+        exact = CircleMap.arnold(omega, strength)
+        found, known = lyapunov_exponent(CircleMap(exact)), lyapunov_exponent(exact)
+        assert abs(found - known) <= found.error_bound + known.error_bound
+        noisy, truth = (lyapunov_exponent(one, WrappedNormal(0.3)) for one in (CircleMap(exact), exact))
+        assert abs(noisy - truth) <= noisy.error_bound + truth.error_bound and noisy.error_bound < 1e-3
+
+
 def test_what_is_no_map_is_refused():
+    with pytest.raises(InvalidInput, match="leave it out"):
+        lyapunov_exponent(CircleMap.rigid(0.1), WrappedNormal(0.3), start=1.0)
+    with pytest.raises(InvalidInput, match="start"):
+        lyapunov_exponent(CircleMap.rigid(0.1), start=float("nan"))
     with pytest.raises(InvalidInput):
         lyapunov_exponent(np.sin)

@@ -68,6 +68,26 @@ def test_a_nilpotent_operator_admits_that_its_values_are_not_to_be_trusted():
     assert np.min(found.condition[1:]) > 1e4
 
 
+NOISES = [UniformNoise(0.3), WrappedNormal(0.3), WrappedCauchy(0.6)]
+
+
+@pytest.mark.parametrize("noise", NOISES)
+@pytest.mark.parametrize("degree", [2, 3, 4])
+def test_the_gap_of_a_multiplication_is_one_within_bounds_that_say_something(degree, noise):
+    """θ → kθ divides frequencies by k, so that every eigenvalue but the first is 0."""
+    slope = float(degree)
+    law = transfer_operator(CircleMap(lambda x: slope * x, lambda x: slope + 0 * x, degree=degree), noise)
+    assert law.spectral_gap.holds(1.0) and law.spectral_gap.error_bound < 0.1
+    assert law.mixing_cycles.holds(0.0) and law.mixing_cycles.error_bound < 0.5
+    assert np.all(np.abs(law.spectrum(4).values[1:]) <= law.spectrum(4).error_bounds[1:])
+
+
+def test_the_gap_of_a_rotation_is_sharp_where_its_eigenvalues_are_double():
+    for omega in (0.0, 0.5):
+        gap = transfer_operator(CircleMap.rigid(omega), WrappedNormal(0.3)).spectral_gap
+        assert gap.holds(1 - np.exp(-0.045)) and gap.error_bound < 1e-13
+
+
 def test_large_operators_are_solved_by_arnoldi_to_the_same_values():
     law = transfer_operator(CircleMap.arnold(0.3, 3.0), WrappedNormal(0.04))
     assert law.discretisation.size > 320

@@ -10,6 +10,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise_law import UniformNoise, WrappedNormal
 from cyclemap.maps.operator.discretisation import Discretisation
+from cyclemap.maps.operator.transfer_operator import transfer_operator
 from cyclemap.maps.orbits.scan import monotone_cells
 from cyclemap.maps.panels.level_steps import level_steps
 from cyclemap.maps.panels.uniform_discretisation import uniform_discretisation
@@ -264,3 +265,19 @@ def test_other_noise_and_too_few_panels_are_refused():
         uniform_discretisation(DOUBLING, WrappedNormal(0.2))
     with pytest.raises(InvalidInput, match="max_panels"):
         uniform_discretisation(DOUBLING, UniformNoise(0.2), max_panels=3)
+
+
+def test_narrow_noise_reports_progress_and_can_be_stopped():
+    class Enough(Exception):
+        pass
+
+    seen = []
+
+    def watch(fraction):
+        seen.append(fraction)
+        if len(seen) == 3:
+            raise Enough
+
+    with pytest.raises(Enough):
+        transfer_operator(CircleMap.arnold(0.1, 0.9), UniformNoise(1e-4), progress=watch)
+    assert seen == sorted(seen) and 0.0 < seen[0] <= seen[-1] <= 1.0

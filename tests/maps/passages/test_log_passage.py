@@ -65,3 +65,16 @@ def test_other_laws_are_refused_only_where_they_must_be():
     assert found > 1
     with pytest.raises(InvalidInput, match="more than 1e300"):
         log10_passage_time(STICKY, VonMises(1_500.0), STABLE, (-1.5, UNSTABLE), lifted=True)
+
+
+def test_progress_rises_and_may_end_the_work():
+    seen = []
+    stuck = CircleMap.arnold(0.1, 0.9)
+    found = log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True, progress=seen.append)
+    assert found > 300 and len(seen) >= 3 and seen == sorted(seen) and seen[0] > 0.0 and seen[-1] <= 1.0
+
+    def stop(fraction):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True, progress=stop)

@@ -1,10 +1,12 @@
 """Passage times and hitting probabilities: known numbers, exact cases, Monte Carlo, long passages, their bounds."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, fixed_points, transfer_operator
+from cyclemap.maps import CircleMap, UniformNoise, WrappedCauchy, WrappedNormal, fixed_points, transfer_operator
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.noise.von_mises import VonMises
 from cyclemap.maps.passages.elimination import eliminated
@@ -227,6 +229,17 @@ def test_both_ends_of_an_arc_belong_to_it():
             np.testing.assert_allclose(times, times[0], rtol=1e-10)
             checked += 1
     assert checked == 16
+
+
+@pytest.mark.parametrize("noise", [WrappedNormal(0.3), WrappedNormal(0.1), UniformNoise(0.4)])
+def test_chances_next_to_one_and_their_complements_add_up_to_one_within_their_bounds(noise):
+    near, far = (-0.3, 0.3), (3.0, 3.2)
+    for start in np.linspace(1.2, 2.8, 7):
+        one = hitting_probability(CircleMap.arnold(0.0, 0.9), noise, start, near, far)
+        other = hitting_probability(CircleMap.arnold(0.0, 0.9), noise, start, far, near)
+        gap = abs(Fraction(float(one)) + Fraction(float(other)) - 1)
+        assert gap <= Fraction(one.error_bound) + Fraction(other.error_bound)
+        assert one.error_bound < 1e-11 and 0.0 <= one <= 1.0
 
 
 def test_other_bad_requests_are_refused():

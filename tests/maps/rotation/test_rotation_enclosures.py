@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.parametric_lift import arnold_family, moebius_family
+from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY, MOEBIUS_FAMILY
 from cyclemap.maps.rotation.rotation_batch import rotation_numbers
 from cyclemap.maps.rotation.rotation_number import rotation_interval, rotation_number
 
@@ -138,7 +138,7 @@ def test_many_at_once_hold_the_same_truths():
     moebius = np.array([random_moebius(rng) for _ in range(AT_ONCE)])
     sine = np.array([random_sine(rng) for _ in range(AT_ONCE)])
     exact = np.array([moebius_truth(*pair) for pair in moebius]).T
-    for family, drawn, truth in ((moebius_family, moebius, exact), (arnold_family, sine, sine_enclosures(*sine.T))):
+    for family, drawn, truth in ((MOEBIUS_FAMILY, moebius, exact), (ARNOLD_FAMILY, sine, sine_enclosures(*sine.T))):
         found = rotation_numbers(family, *drawn.T)
         slack = 1e-15 * np.abs(truth[0])
         assert np.all((found.lower - slack <= truth[1]) & (truth[0] <= found.upper + slack))

@@ -47,7 +47,7 @@ def fine_drag():
 def test_the_mass_matrix_of_a_square_plate_is_m_m_and_a_sixth_of_m_l_squared():
     side, mass = 0.09, 0.8374
     corners = ((0.0, 0.0), (side, 0.0), (side, side), (0.0, side))
-    found = model(slider=Slider(Polygon(corners), mass)).mass_matrix
+    found = model(slider=Slider(Polygon(corners), mass, hitch=(0.03, 0.03))).mass_matrix
     np.testing.assert_allclose(found, np.diag([mass, mass, mass * side**2 / 6.0]), rtol=1e-12, atol=0.0)
     # The published inertia of the plate of that size agrees with the formula.
     assert SQUARE.inertia == pytest.approx(mass * side**2 / 6.0, rel=1e-3)
@@ -202,7 +202,9 @@ def test_numbers_that_make_no_sense_are_refused_by_name(changes, match):
 
 
 def test_strokes_that_cannot_be_are_refused():
-    concave = Slider(Polygon(((0.05, 0.05), (0.0, 0.0), (-0.05, 0.05), (-0.05, -0.05), (0.05, -0.05))))
+    concave = Slider(
+        Polygon(((0.05, 0.05), (0.0, 0.0), (-0.05, 0.05), (-0.05, -0.05), (0.05, -0.05))), hitch=(0.0, -0.02)
+    )
     with pytest.raises(InvalidInput, match="convex"):
         model(slider=concave).push(Pose(), SidePush(side=3, fraction=0.5))
     with pytest.raises(InvalidInput, match="side 7"):

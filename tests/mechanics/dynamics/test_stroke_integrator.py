@@ -8,7 +8,6 @@ import pytest
 from cyclemap.mechanics import EllipseFriction, Pusher, Slider
 from cyclemap.mechanics.dynamics.dynamic_equations import PHYSICS
 from cyclemap.mechanics.dynamics.dynamic_model import DynamicModel
-from cyclemap.mechanics.limit_surface import normalised
 
 MU = 0.25
 SQUARE = Slider.mit("rect1")
@@ -48,7 +47,7 @@ def test_along_an_ellipses_axis_friction_is_the_semi_axis_and_the_offset(sign, m
 def test_a_plate_spins_to_rest_under_a_constant_torque():
     """Points at radius r each take mu r of their load: omega falls evenly, the angle is omega^2 / (2 alpha)."""
     model, _ = coasted(EllipseFriction.isotropic(MU), [0.0] * 6, 1e-3)
-    radius = float(np.hypot(*np.array(normalised(model.points).positions).T).mean())
+    radius = float(np.hypot(*np.array(model.points.positions).T).mean() / model.points.extent)
     inertia = float(model._physics(0.0)[PHYSICS.index("inertia")])
     alpha = MU * radius / (model.froude * inertia)
     _, run = coasted(EllipseFriction.isotropic(MU), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0], 2.0 / alpha)

@@ -1,0 +1,127 @@
+"""Lifts that are not what they should be somewhere: every answer names the place."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps import (
+    CircleMap,
+    WrappedNormal,
+    fixed_points,
+    lyapunov_exponent,
+    periodic_orbits,
+    rotation_interval,
+    rotation_number,
+    transfer_operator,
+)
+
+TWO_PI = 2 * np.pi
+ROUGH = r"too rough to follow.*θ = (\S+) and (\S+): a break may be missing"
+HOLE = (2.06, 2.11)  # an arc that holds none of the angles at which a map is tried when it is made
+
+
+def base(x):
+    return np.mod(x, TWO_PI)
+
+
+def tent(x):
+    """A kink at 1 and at 1 + π."""
+    return x + 0.4 + 0.3 / np.pi * np.abs(np.mod(x - 1 + np.pi, TWO_PI) - np.pi)
+
+
+def raised(x):
+    """Half a radian higher from 2 on, until 2π."""
+    return x + 0.4 + 0.5 * (base(x) > 2.0)
+
+
+def cliff(x):
+    """Climbs by 0.8 within 1e-7 radians at 1, falls again at 1 + π."""
+    return x + 0.4 + 0.4 * np.tanh(np.sin(x - 1) / 1e-7)
+
+
+def everywhere_rough(x):
+    return x + 0.4 + 0.1 * sum(2.0**-k * np.cos(3.0**k * x) for k in range(16))
+
+
+@pytest.mark.parametrize(
+    ("lift", "places"), [(tent, (1.0, 1 + np.pi)), (raised, (0.0, 2.0)), (cliff, (1.0, 1 + np.pi))]
+)
+def test_a_missing_break_is_named_where_there_are_only_differences(lift, places):
+    with pytest.raises(ConvergenceError, match=ROUGH) as told:
+        fixed_points(CircleMap(lift))
+    words = str(told.value).split("θ = ")[1].split(":")[0].split(" and ")
+    ends = np.array([float(word) for word in words])
+    away = np.abs(np.mod(ends[:, None] - places + np.pi, TWO_PI) - np.pi)
+    assert np.min(np.max(away, axis=0)) < 1e-4
+
+
+def test_a_hidden_jump_is_named_where_the_derivative_is_given():
+    for ask in (fixed_points, rotation_interval, lambda one: periodic_orbits(one, 2)):
+        with pytest.raises(
+            ConvergenceError, match=r"jumps by 0\.5\d* radians at θ = (1\.99999|2\.0000|6\.28318).*none of"
+        ):
+            ask(CircleMap(raised, np.ones_like))
+    declared = CircleMap(raised, np.ones_like, [0.0, 2.0])
+    assert rotation_interval(declared).lower > 0.0
+
+
+def test_with_its_derivative_a_hidden_kink_or_cliff_costs_nothing():
+    kinked = CircleMap(tent, lambda x: 1 + 0.3 / np.pi * np.sign(np.mod(x - 1 + np.pi, TWO_PI) - np.pi))
+    declared = CircleMap(tent, kinked.derivative, [1.0, 1 + np.pi])
+    for period in (1, 2, 3):
+        found, known = periodic_orbits(kinked, period), periodic_orbits(declared, period)
+        assert len(found) == len(known)
+    steep = CircleMap(
+        lambda x: cliff(x) - 0.4,
+        lambda x: 1 + 4e6 * np.cos(x - 1) / np.cosh(np.clip(np.sin(x - 1) / 1e-7, -300, 300)) ** 2,
+    )
+    # F - id = 0.4 tanh(sin(x - 1)/1e-7) vanishes at 1 and 1 + π.
+    np.testing.assert_allclose([point.points[0] for point in fixed_points(steep)], [1.0, 1 + np.pi], atol=1e-12)
+
+
+def test_a_lift_rough_everywhere_is_refused_with_a_place():
+    for ask in (fixed_points, rotation_number, lambda one: periodic_orbits(one, 3)):
+        with pytest.raises(ConvergenceError, match=ROUGH):
+            ask(CircleMap(everywhere_rough))
+
+
+def test_steep_iterates_say_where_they_are_steep():
+    with pytest.raises(ConvergenceError, match=r"period 8 needs more than .* near θ = "):
+        periodic_orbits(CircleMap(lambda x: 9 * x, lambda x: 9 + 0 * x, degree=9), 8)
+
+
+def holed(x):
+    return np.where((base(x) > HOLE[0]) & (base(x) < HOLE[1]), np.nan, x + 0.4 + 0.1 * np.sin(x))
+
+
+def failing(x):
+    if np.any((base(x) > HOLE[0]) & (base(x) < HOLE[1])):
+        raise ZeroDivisionError("the table has a hole")
+    return x + 0.4 + 0.1 * np.sin(x)
+
+
+ASKED = [
+    rotation_number,
+    rotation_interval,
+    fixed_points,
+    lyapunov_exponent,
+    lambda one: transfer_operator(one, WrappedNormal(0.3)).error_bound,
+    lambda one: lyapunov_exponent(one, WrappedNormal(0.3)),
+]
+
+
+@pytest.mark.parametrize(("lift", "words"), [(holed, "gives nan"), (failing, "fails .*the table has a hole")])
+@pytest.mark.parametrize("ask", ASKED)
+def test_a_lift_with_a_hole_names_an_angle_in_it(lift, words, ask):
+    hollow = CircleMap(lift, lambda x: 1 + 0.1 * np.cos(x))
+    with pytest.raises(InvalidInput, match=words) as told:
+        ask(hollow)
+    text = str(told.value)
+    angle = float(text.split("θ = ")[1].split(":")[0].split(" ")[0])
+    assert HOLE[0] < np.mod(angle, TWO_PI) < HOLE[1]
+
+
+def test_a_derivative_with_a_hole_names_an_angle_in_it():
+    hollow = CircleMap(CircleMap.arnold(0.1, 0.5), lambda x: np.where(np.abs(base(x) - 2.085) < 0.025, np.nan, 1.0))
+    with pytest.raises(InvalidInput, match=r"the derivative gives nan at θ = 2\.0"):
+        fixed_points(hollow)

@@ -1,0 +1,99 @@
+"""Values of the room go through pickle, to other processes, and come back the same."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+from cyclemap import maps
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import CircleMap, WrappedNormal
+
+ANGLES = np.linspace(-7.0, 9.0, 101)
+SINE, FOLDED = CircleMap.arnold(0.1, 0.9), CircleMap.arnold(0.3, 3.0)
+SAMPLED = CircleMap.from_samples([0, 1, 2, 3, 6], [0.1, 1.2, 1.9, 3.5, 6.2])
+
+
+def two_waves(x):
+    return x + 0.2 + 0.1 * np.sin(2 * x)
+
+
+MAPS = {
+    "rigid": CircleMap.rigid(0.25),
+    "arnold": SINE,
+    "moebius": CircleMap.moebius(0.5, 0.3),
+    "blaschke": CircleMap.blaschke([0, 0.3j]),
+    "samples": SAMPLED,
+    "branches": CircleMap.from_branches([(0, np.pi, np.sin, np.cos), (np.pi, 2 * np.pi, np.sin, None)], degree=0),
+    "own function": CircleMap(two_waves, max_error=1e-3),
+    "composite": maps.compose(SAMPLED, FOLDED),
+    "iterate": maps.nth_iterate(SINE, 3),
+    "inverse": maps.inverse(SINE),
+    "turned": maps.conjugate(SINE, 0.3),
+    "shifted": maps.shifted(SINE, 2),
+    "upper": maps.upper_envelope(FOLDED),
+    "lower": maps.lower_envelope(FOLDED),
+    "family": maps.ARNOLD_FAMILY(0.2, 0.3),
+    "mean": maps.RandomMap((SINE, FOLDED), (0.5, 0.5), WrappedNormal(0.2)).mean_map,
+    "drifting": maps.DriftingMap.between([(0, SINE), (99, FOLDED)]).at(50),
+}
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_a_map_comes_back_the_same(name):
+    given = MAPS[name]
+    back = pickle.loads(pickle.dumps(given))
+    np.testing.assert_array_equal(back(ANGLES), given(ANGLES))
+    np.testing.assert_array_equal(back.derivative(ANGLES), given.derivative(ANGLES))
+    np.testing.assert_array_equal(back.breaks, given.breaks)
+    assert back.scalar()(1.5) == given.scalar()(1.5)
+    assert (back.degree, back.max_error, back.samples) == (given.degree, given.max_error, given.samples)
+    assert (back.pieces is None) == (given.pieces is None)
+    assert copy.copy(given) is given and copy.deepcopy(given) is given
+
+
+VALUES = {
+    "orbits": lambda: maps.periodic_orbits(FOLDED, 2),
+    "points": lambda: maps.periodic_points(FOLDED, 3),
+    "rotation": lambda: maps.rotation_number(SINE),
+    "interval": lambda: maps.rotation_interval(FOLDED),
+    "plane": lambda: maps.rotation_plane(CircleMap.arnold, [0.1, 0.2], [0.5, 1.5]),
+    "tongue": lambda: maps.tongue(lambda w: CircleMap.arnold(w, 0.9), 0, (-0.5, 0.5)),
+    "basins": lambda: maps.basins(SINE),
+    "branches": lambda: maps.branches(FOLDED),
+    "exponent": lambda: maps.lyapunov_exponent(SINE),
+    "operator": lambda: maps.transfer_operator(SINE, WrappedNormal(0.3)),
+    "uniform operator": lambda: maps.transfer_operator(SINE, maps.UniformNoise(1.0)),
+    "spectrum": lambda: maps.transfer_operator(SINE, WrappedNormal(0.3)).spectrum(3),
+    "response": lambda: maps.transfer_operator(SINE, WrappedNormal(0.3)).noise_response(),
+    "mixture": lambda: maps.mixture_operator([SINE, FOLDED], [0.5, 0.5], WrappedNormal(0.3)),
+    "passage": lambda: maps.mean_passage_time(SINE, WrappedNormal(0.3), 1.0, (0.5, 2.0)),
+    "law": lambda: maps.quasi_stationary_law(SINE, WrappedNormal(0.3), (0.5, 2.0)),
+    "staircase": lambda: maps.sample_staircase(SINE, WrappedNormal(0.3), 50, seed=1),
+    "summary": lambda: maps.predict_staircase(CircleMap.arnold(0.16, 0.9), WrappedNormal(0.1)),
+    "families": lambda: (maps.ARNOLD_FAMILY, maps.MOEBIUS_FAMILY),
+    "random map": lambda: maps.RandomMap((SINE, FOLDED), (0.5, 0.5), WrappedNormal(0.2)),
+}
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_results_pickle_too(name):
+    given = VALUES[name]()
+    back = pickle.loads(pickle.dumps(given))
+    assert type(back) is type(given) and len(repr(back)) == len(repr(given))
+
+
+def test_an_operator_keeps_what_it_has_worked_out():
+    operator = maps.transfer_operator(SINE, WrappedNormal(0.3))
+    gap = operator.spectral_gap
+    back = pickle.loads(pickle.dumps(operator))
+    assert back.spectral_gap == gap and back.spectral_gap.error_bound == gap.error_bound
+    assert back.rotation_number == operator.rotation_number
+
+
+def test_a_lambda_is_refused_by_name():
+    with pytest.raises(InvalidInput, match=r"cannot be pickled, as <function .*lambda.* def at the top of a module"):
+        pickle.dumps(CircleMap(lambda x: x + 0.1))
+    with pytest.raises(InvalidInput, match="cannot be pickled"):
+        pickle.dumps(maps.compose(SINE, CircleMap(lambda x: x + 0.1)))

@@ -1,0 +1,231 @@
+"""The engine's build: what it makes, that it is made anew when it must, and what is said where it cannot be."""
+
+import ctypes
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from cyclemap.errors import CycleMapError, EngineNotBuilt
+from cyclemap.mechanics.engine import library
+from cyclemap.mechanics.engine.sources import digest_of, is_built, library_path
+
+ROOT = Path(__file__).parents[2]
+ENGINE = Path("cyclemap") / "mechanics" / "engine"
+GENERATOR = """from pathlib import Path
+
+def write_sources(folder: Path) -> None:
+    (folder / "kernels.c").write_text("static double kernel(double x) { return 2.0 * x; }")
+"""
+DRIVER = """#include "kernels.c"
+#include "driver.c"
+__attribute__((visibility("default"))) const char *cm_version(void) { return ENGINE_VERSION; }
+__attribute__((visibility("default"))) double cm_double(double x) { return driver(x); }
+__attribute__((visibility("default"))) void cm_run(void) {}
+__attribute__((visibility("default"))) void cm_record(void) {}
+__attribute__((visibility("default"))) void cm_friction(void) {}
+"""
+# A compiler that fails with colours, a window title, a bell and bytes that are no text.
+BROKEN = "#!/bin/sh\nprintf '\\033[1;31mno licence\\033[0m \\377\\033]0;title\\007\\007\\n' >&2\nexit 7\n"
+
+needs_compiler = pytest.mark.skipif(
+    not any(map(shutil.which, ("cc", "gcc", "clang"))) and importlib.util.find_spec("ziglang") is None,
+    reason="building is not tested: there is no C compiler",
+)
+needs_shell = pytest.mark.skipif(os.name == "nt", reason="the broken compiler is a shell script")
+
+
+@pytest.fixture
+def checkout(tmp_path) -> Path:
+    """A small copy of this project, whose engine doubles a number."""
+    root = tmp_path / "checkout"
+    engine = root / ENGINE
+    engine.mkdir(parents=True)
+    for name in ("pyproject.toml", "README.md", "LICENSE", "MANIFEST.in"):
+        shutil.copy(ROOT / name, root)
+    shutil.copytree(ROOT / "building", root / "building", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / ENGINE / "sources.py", engine)
+    for folder in (engine, *engine.parents[:2]):
+        (folder / "__init__.py").touch()
+    (engine / "library.py").write_text("# calls the engine\n")
+    (engine / "generate.py").write_text(GENERATOR)
+    (engine / "engine.c").write_text(DRIVER)
+    (engine / "driver.c").write_text("static double driver(double x) { return kernel(x); }\n")
+    return root
+
+
+def called(checkout: Path, code: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run Python beside the modules that build, without the compiler that a package may have brought."""
+    hidden = "import sys; sys.modules['ziglang'] = None; " if environment else ""
+    return subprocess.run(
+        [sys.executable, "-B", "-c", hidden + code],
+        cwd=checkout / "building",
+        env={name: value for name, value in os.environ.items() if name != "CC"} | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def built(checkout: Path) -> subprocess.CompletedProcess[str]:
+    return called(checkout, "import engine_library; engine_library.build()")
+
+
+def files_of(checkout: Path) -> set[Path]:
+    return {path.relative_to(checkout) for path in checkout.rglob("*") if path.is_file()}
+
+
+@needs_compiler
+def test_library_runs_tells_its_sources_and_is_all_that_is_left(checkout) -> None:
+    """The compiled functions answer; the version is the digest of the sources; nothing else is left behind."""
+    before, engine = files_of(checkout), checkout / ENGINE
+    assert built(checkout).returncode == 0
+    loaded = library.open_engine(engine)
+    loaded.cm_double.restype, loaded.cm_double.argtypes = library.ctypes.c_double, [library.ctypes.c_double]
+    assert loaded.cm_double(21.0) == 42.0
+    assert loaded.cm_version().decode() == digest_of(engine)
+    assert files_of(checkout) - before == {library_path(engine).relative_to(checkout)}
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", ["driver.c", "generate.py"])
+def test_changed_source_is_refused_until_it_is_built(checkout, name) -> None:
+    """A library of other sources than those beside it is never used in silence, and one build mends that."""
+    engine = checkout / ENGINE
+    with pytest.raises(EngineNotBuilt, match=r"missing: in a checkout, `python3 run\.py doctor` or `pip"):
+        library.open_engine(engine)
+    built(checkout)
+    (engine / "library.py").write_text("# calls it otherwise\n")
+    assert is_built(engine)
+    with (engine / name).open("a") as file:
+        file.write("\n\n")
+    assert not is_built(engine)
+    with pytest.raises(EngineNotBuilt, match="not made from the sources beside it"):
+        library.open_engine(engine)
+    built(checkout)
+    assert library.open_engine(engine).cm_version().decode() == digest_of(engine)
+
+
+@needs_compiler
+def test_installed_package_is_without_sources_to_compare(checkout) -> None:
+    """Without the C files there is no digest, and the library is taken as it is."""
+    built(checkout)
+    for path in (checkout / ENGINE).glob("*.c"):
+        path.unlink()
+    assert digest_of(checkout / ENGINE) is None
+    assert len(library.open_engine(checkout / ENGINE).cm_version()) == 64
+    damaged = (checkout / ENGINE).rename(checkout / "damaged")
+    library_path(damaged).unlink()
+    library_path(damaged).write_bytes(b"no library")
+    with pytest.raises(EngineNotBuilt, match=r"cannot be loaded \(.*\): in a checkout, ") as refused:
+        library.open_engine(damaged)
+    assert isinstance(refused.value, CycleMapError)
+    assert "\n" not in str(refused.value)
+
+
+@needs_shell
+def test_build_without_a_compiler_says_what_was_tried_and_what_to_do(checkout, tmp_path) -> None:
+    """Every compiler with what it said, in plain text, and the way out: no traceback, no library."""
+    (tmp_path / "cc").write_text(BROKEN)
+    (tmp_path / "cc").chmod(0o755)
+    done = called(checkout, "import engine_library; engine_library.build()", PATH=str(tmp_path), CC="/none/cc -m64")
+    lines = done.stderr.splitlines()
+    assert done.returncode == 1
+    assert lines[:5] == [
+        "error: cyclemap's engine cannot be built.",
+        "No C compiler works:",
+        "  /none/cc -m64: not found",
+        "  cc: failed with exit code 7",
+        "    no licence \ufffd",
+    ]
+    assert [line.split(":")[0].strip() for line in lines[5:8]] == ["gcc", "clang", "ziglang"]
+    assert "pip install ziglang==" in lines[-1]
+    assert len(lines) == 10
+    assert not library_path(checkout / ENGINE).exists()
+
+
+@needs_compiler
+def test_build_that_fails_leaves_the_library_and_tells_the_place(checkout) -> None:
+    """What the compiler says of a mistake is passed on, and so is a mistake in the equations."""
+    engine = checkout / ENGINE
+    built(checkout)
+    before = library_path(engine).read_bytes()
+    (engine / "driver.c").write_text("static double driver( {\n")
+    done = built(checkout)
+    assert done.returncode == 1
+    assert re.search(r"driver\.c:1:\d+: .*error", done.stderr)
+    (engine / "generate.py").write_text("import no_such_package\n")
+    done = built(checkout)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].strip() == "ModuleNotFoundError: No module named 'no_such_package'"
+    assert library_path(engine).read_bytes() == before
+    assert len(list(engine.glob("_engine*"))) == 1
+
+
+def test_compiler_is_asked_for_only_where_none_works(checkout, tmp_path) -> None:
+    """The hooks ask for a package that brings a compiler, at one version, where the path holds none."""
+    for kind in ("wheel", "editable"):
+        asked = f"import setuptools_backend as b; print(*b.get_requires_for_build_{kind}())"
+        assert re.fullmatch(r"ziglang==[\d.]+\n", called(checkout, asked, PATH=str(tmp_path)).stdout)
+        if shutil.which("cc"):
+            assert called(checkout, asked, CC="/none/cc").stdout == "\n"
+
+
+@needs_compiler
+def test_wheel_holds_the_library_for_one_platform_and_every_python_3(checkout, tmp_path) -> None:
+    """The wheel has the library and no C, is tagged so, and building it leaves the checkout as it was."""
+    before = files_of(checkout)
+    done = called(checkout, f"import setuptools_backend as b; print(b.build_wheel({str(tmp_path)!r}))")
+    name = done.stdout.splitlines()[-1]
+    assert re.fullmatch(r"cyclemap-[\d.]+-py3-none-(?!any)\w+\.whl", name)
+    assert files_of(checkout) == before
+    with zipfile.ZipFile(tmp_path / name) as wheel:
+        names = wheel.namelist()
+        meta = next(name for name in names if name.endswith(".dist-info/WHEEL"))
+        assert "Root-Is-Purelib: false" in wheel.read(meta).decode()
+    assert library_path(ENGINE).as_posix() in names
+    assert not [name for name in names if name.endswith(".c") or name.startswith("building")]
+
+
+@needs_compiler
+def test_source_distribution_holds_what_a_build_needs_and_no_library(checkout, tmp_path) -> None:
+    """C files and backend are in it, a library built before is not."""
+    built(checkout)
+    code = f"import os, setuptools_backend as b; os.chdir('..'); print(b.build_sdist({str(tmp_path)!r}))"
+    name = called(checkout, code).stdout.splitlines()[-1]
+    with tarfile.open(tmp_path / name) as archive:
+        names = {path.split("/", 1)[1] for path in archive.getnames() if "/" in path}
+    engine = {f"{ENGINE.as_posix()}/{name}" for name in ("engine.c", "driver.c", "generate.py", "sources.py")}
+    assert names >= engine | {"building/engine_library.py", "building/setuptools_backend.py", "pyproject.toml"}
+    assert not [name for name in names if "_engine." in name]
+
+
+def test_build_and_package_name_the_same_versions() -> None:
+    """The functions are generated by the versions of NumPy and CasADi that run beside them."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    needed = {text for text in project["build-system"]["requires"] if "==" in text}
+    assert {text.split("==")[0] for text in needed} == {"numpy", "casadi"}
+    assert needed <= set(project["project"]["dependencies"])
+
+
+def test_engine_of_this_installation_is_made_from_its_sources() -> None:
+    """The library loads once, and tells the digest of the sources beside it."""
+    engine = library.load()
+    assert engine is library.load()
+    assert engine.cm_version().decode() == (digest_of(Path(library.__file__).parent) or engine.cm_version().decode())
+
+
+def test_python_and_the_library_agree_on_what_they_pass_each_other() -> None:
+    """Sizes of structures and rows stand in Python and in C: a row too short would be read beyond its end."""
+    from cyclemap.mechanics.engine.library import load
+    from cyclemap.mechanics.engine.strokes import LAYOUT
+
+    assert tuple((ctypes.c_int64 * len(LAYOUT)).in_dll(load(), "cm_layout")) == LAYOUT

@@ -1,0 +1,289 @@
+"""A pressure in parts, even, inner, rim, corners and leaning: against plain quadrature wherever the object turns."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pressure_reference import reference, traction_matrix
+from random_cases import random_friction
+
+from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import (
+    Ellipse,
+    EllipseFriction,
+    LimitSurface,
+    PatchFootprint,
+    PointFootprint,
+    Polygon,
+    Pose,
+    QuasiStaticModel,
+    SidePush,
+    Slider,
+)
+
+SQUARE = Slider.mit("rect1").outline
+
+
+def box(length, width):
+    return Polygon(((length, width), (-length, width), (-length, -width), (length, -width)))
+
+
+OUTLINES = {
+    "square": SQUARE,
+    "triangle": Slider.mit("tri3").outline,
+    "hexagon": Slider.mit("hex").outline,
+    "concave": Polygon(((0, 0), (0.1, 0), (0.1, 0.06), (0.06, 0.06), (0.06, 0.1), (0, 0.1))),
+    "far from the origin": Polygon(((1, 1), (1.1, 1), (1.05, 1.1))),
+    "bar": box(0.1, 0.01),
+    "strip": box(0.1, 0.001),
+    "blade": box(0.1, 3e-5),
+    "disc": Ellipse(0.05, 0.05),
+    "ellipse": Slider.mit("ellip3").outline,
+    "slim ellipse": Ellipse(0.1, 0.01),
+    "needle": Ellipse(2e-5, 0.1),
+}
+# Inner, rim and corner share.
+SHARES = {"even": (0, 0, 0), "inner": (1, 0, 0), "rim": (0, 1, 0), "corners": (0, 0, 1), "all": (0.2, 0.15, 0.1)}
+ALLOWED = {"strip": 1e-8, "blade": 2e-6}
+PLACES = ("centroid", "vertex", "rim", "beside the rim", "inside", "around", "handover", "far", "1000 extents", "none")
+
+
+def footprint_of(outline, shares, rng=None):
+    """A footprint, with `rng` leaning half as far as it stands; of ellipses without corners."""
+    shares = (*shares[:2], 0) if isinstance(outline, Ellipse) else shares
+    footprint = PatchFootprint(outline, *shares)
+    away = outline.extent * (np.zeros(2) if rng is None else rng.uniform(-1.0, 1.0, 2))
+    while np.any(away):
+        try:
+            replace(footprint, centre=tuple(outline.centroid + away))
+            return replace(footprint, centre=tuple(outline.centroid + 0.5 * away))
+        except InvalidInput:
+            away = 0.8 * away
+    return footprint
+
+
+def twist_about(place, outline, law, frame, rng):
+    """A random twist about a centre as named; the handover is where twists from afar are summed by other means."""
+    angle, omega = rng.uniform(0, 2 * math.pi), rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 2.0)
+    toward = np.array((math.cos(angle), math.sin(angle)))
+    if place == "none":
+        return np.array((*toward, 0.0))
+    if place in ("vertex", "rim", "beside the rim"):
+        share = 0.0 if place == "vertex" else rng.uniform()
+        if isinstance(outline, Ellipse):
+            around = 2.0 * math.pi * (0.25 * rng.integers(4) if place == "vertex" else share)
+            x, y = outline.semi_x * math.cos(around), outline.semi_y * math.sin(around)
+        else:
+            i = rng.integers(outline.sides)
+            x, y = (1 - share) * outline.array[i] + share * outline.array[(i + 1) % outline.sides]
+        if place == "beside the rim":
+            x, y = (x, y) + 10 ** rng.uniform(-14, -2) * outline.extent * rng.normal(size=2)
+    elif place == "handover":
+        # Distances in the velocity plane.
+        w = max(law.mu_a, law.mu_b) * rng.uniform(2.0, 14.0) * outline.extent * toward
+        vx, vy = np.linalg.solve(traction_matrix(law, frame).astype(float), w)
+        x, y = np.array(outline.centroid) + np.array((-vy, vx))
+    else:
+        low, high = {"centroid": (0, 0), "inside": (1e-9, 0.3), "around": (0.5, 2), "far": (10, 200)}.get(
+            place, (1e3, 1e6)
+        )
+        away = math.exp(rng.uniform(math.log(low + 1e-300), math.log(high + 1e-300)))
+        x, y = np.array(outline.centroid) + away * outline.extent * toward
+    return omega * np.array((y, -x, 1.0))
+
+
+def relative_errors(footprint, place, seed):
+    """Of D, its gradient and its Hessian, on anisotropy up to 10 to 1."""
+    rng = np.random.default_rng(seed)
+    ratio, outline = 10 ** rng.uniform(-0.5, 0.5), footprint.outline
+    law, frame = EllipseFriction(0.3 * ratio, 0.3 / ratio, 0.0, 0.0, rng.uniform(0, 3)), rng.uniform(-3, 3)
+    twist = twist_about(place, outline, law, frame, rng)
+    surface, scale = LimitSurface(footprint, law), np.array((1.0, 1.0, 1.0 / outline.extent))
+    value, slope, hessian = reference(footprint, law, twist, frame)
+    both = np.outer(scale, scale)
+    return [
+        float(np.linalg.norm(by * (found - wanted)) / np.linalg.norm((by * wanted).astype(float)))
+        for by, found, wanted in (
+            (np.ones(1), surface.dissipation(twist, frame), value),
+            (scale, surface.wrench(twist, frame), slope),
+            (both, surface.hessian(twist, frame), hessian),
+        )
+    ]
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+def test_dissipation_wrench_and_hessian_of_each_part_match_quadrature_wherever_the_centre_lies(name):
+    """To 1e-10 on plates down to a tenth as thick as long; the thinner, the less is left."""
+    outline, rng, checked = OUTLINES[name], np.random.default_rng(7), 0
+    for part, shares in SHARES.items():
+        if part == "corners" and (isinstance(outline, Ellipse) or name == "concave"):
+            continue
+        footprint = footprint_of(outline, shares, None if 1 in shares else rng)
+        for place in PLACES:
+            # Friction about a corner that carries load is not unique, and no Hessian is finite on a line load.
+            if place == "vertex" and footprint.corner_share:
+                continue
+            errors = relative_errors(footprint, place, [len(part), len(place)])
+            if place in ("vertex", "rim", "beside the rim") and footprint.rim_share:
+                errors.pop()
+            assert max(errors) < ALLOWED.get(name, 1e-10), (
+                part,
+                place,
+                errors,
+            )
+            checked += 1
+    assert checked >= 38
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+def test_friction_is_linear_in_the_shares_and_in_the_lean(name):
+    outline, law = OUTLINES[name], random_friction(np.random.default_rng(2))
+    size, allowed = outline.extent, 1e-9 if name == "blade" else 1e-12
+    corners = 0.0 if isinstance(outline, Ellipse) else 0.1
+    twists = np.random.default_rng(3).normal(size=(20, 3)) * (1.0, 1.0, 2.0 / size)
+
+    def wrench(*shares, centre=None):
+        return LimitSurface(PatchFootprint(outline, *shares, centre=centre), law).wrench(twists, 0.4) / (1.0, 1.0, size)
+
+    even = wrench()
+    parts = [wrench(*shares) - even for shares in ((0.2, 0, 0), (0, 0.1, 0), (0, 0, corners))]
+    assert np.abs(wrench(0.2, 0.1, corners) - even - sum(parts)).max() < allowed
+    assert min(np.abs(part).max() for part in parts[: 3 if corners else 2]) > 1e-4
+    # With no corners to move it, the centre of pressure may go both ways by the same lean.
+    away = footprint_of(outline, (0, 0, 0), np.random.default_rng(4)).centre
+    back = tuple(2.0 * np.array(outline.centroid) - away)
+    assert np.abs(wrench(centre=away) + wrench(centre=back) - 2.0 * even).max() < allowed
+    assert np.abs(wrench(centre=away) - even).max() > 1e-6
+
+
+@pytest.mark.parametrize("name", ["square", "triangle", "concave", "ellipse"])
+def test_no_digit_is_lost_where_far_twists_are_summed_anew(name):
+    """Along centres that move outwards by a ten-millionth of an extent a step, no step jumps."""
+    outline, law = OUTLINES[name], EllipseFriction(0.5, 0.2, 0.0, 0.0, 0.3)
+    surface = LimitSurface(footprint_of(outline, SHARES["all"], np.random.default_rng(1)), law)
+    away = outline.extent * np.concatenate([start + 1e-7 * np.arange(200) for start in np.linspace(1.0, 40.0, 80)])
+    x, y = np.array(outline.centroid)[:, None] + np.outer((0.6, 0.8), away)
+    wrench = surface.wrench(np.stack([y, -x, np.ones_like(x)], axis=-1) / away[:, None]) / (1.0, 1.0, outline.extent)
+    bends = np.diff(wrench.reshape(80, 200, 3), n=2, axis=1)
+    assert np.abs(bends).max() < 2e-12
+
+
+def test_discs_and_squares_that_spin_have_their_closed_torques():
+    law, radius, half = EllipseFriction.isotropic(0.3), 0.05, 0.045
+
+    def torque(outline, *shares):
+        return float(LimitSurface(PatchFootprint(outline, *shares), law).wrench((0.0, 0.0, -2.0))[2]) / -0.3
+
+    disc = Ellipse(radius, radius)
+    assert torque(disc) == pytest.approx(2.0 / 3.0 * radius, rel=1e-13)
+    assert torque(disc, 1.0) == pytest.approx(0.55 * 2.0 / 3.0 * radius, rel=1e-13)
+    assert torque(disc, 0.0, 1.0) == pytest.approx(radius, rel=1e-13)
+    even = 2.0 * half * (math.sqrt(2.0) + math.log1p(math.sqrt(2.0))) / 6.0
+    assert torque(SQUARE) == pytest.approx(even, rel=1e-13)
+    assert torque(SQUARE, 1.0) == pytest.approx(0.55 * even, rel=1e-13)
+    # The mean of |r| over the outline is 3/2 of that over the area.
+    assert torque(SQUARE, 0.0, 1.0) == pytest.approx(1.5 * even, rel=1e-13)
+    assert torque(SQUARE, 0.0, 0.0, 1.0) == pytest.approx(half * math.sqrt(2.0), rel=1e-13)
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+def test_rim_is_the_derivative_of_even_pressure_by_the_scale(name):
+    """Even pressure on an outline scaled by s about its centroid has D_s; d (s^2 D_s) / ds at s = 1 is 2 D_rim."""
+    outline, law = OUTLINES[name], random_friction(np.random.default_rng(5))
+    middle, twists = (
+        np.array(outline.centroid),
+        np.random.default_rng(6).normal(size=(10, 3)) * (1, 1, 1 / outline.extent),
+    )
+    twists[:, :2] -= twists[:, 2:] * np.array((-middle[1], middle[0]))
+
+    def weighted(scale):
+        if isinstance(outline, Ellipse):
+            patch = Ellipse(scale * outline.semi_x, scale * outline.semi_y)
+        else:
+            patch = Polygon(tuple(map(tuple, middle + scale * (outline.array - middle))))
+        return scale**2 * LimitSurface(PatchFootprint(patch), law).dissipation(twists)
+
+    h = 1e-3
+    slope = (8.0 * (weighted(1 + h) - weighted(1 - h)) - (weighted(1 + 2 * h) - weighted(1 - 2 * h))) / (12.0 * h)
+    rim = LimitSurface(PatchFootprint(outline, rim_share=1.0), law).dissipation(twists)
+    np.testing.assert_allclose(slope, 2.0 * rim, rtol=1e-7)
+
+
+def cells(inner, corner, count):
+    """The square's even, inner and corner load on points: cells of the plate and of its inner part."""
+    place = 0.09 * ((np.arange(count) + 0.5) / count - 0.5)
+    grid = np.stack([axis.ravel() for axis in np.meshgrid(place, place)], axis=-1)
+    points = np.concatenate([grid, 0.55 * grid, SQUARE.array])
+    even = (1.0 - inner - corner) / len(grid)
+    weights = np.concatenate([np.full(len(grid), even), np.full(len(grid), inner / len(grid)), np.full(4, corner / 4)])
+    return PointFootprint(tuple(map(tuple, points.tolist())), tuple(weights.tolist()))
+
+
+def test_a_push_is_that_on_points_of_the_same_pressure_as_their_spacing_goes_to_zero():
+    """The points' error is of second order in their spacing."""
+    law, push = EllipseFriction(0.35, 0.2, 0.05, -0.03, 0.7), SidePush(distance=0.04)
+    exact = QuasiStaticModel(Slider.mit("rect1"), law, footprint=PatchFootprint(SQUARE, 0.3, 0.0, 0.25))
+    wanted = exact.push(Pose(theta=0.4), push).turn
+    turns = [
+        replace(exact, footprint=cells(0.3, 0.25, n), accuracy=1e-6).push(Pose(theta=0.4), push).turn for n in (8, 16)
+    ]
+    effect = abs(replace(exact, footprint=None).push(Pose(theta=0.4), push).turn - wanted)
+    assert effect > math.radians(0.3)
+    assert abs(turns[1] - wanted) < 0.05 * effect
+    assert abs((4.0 * turns[1] - turns[0]) / 3.0 - wanted) < 0.01 * effect
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ((1.01,), "inner share 1.01 must lie from 0 to 1"),
+        ((0, -0.01), "rim share -0.01"),
+        ((0, 0, float("nan")), "corner share"),
+        (("most",), "most"),
+        ((0.5, 0.4, 0.2), r"add to 1\.1"),
+        ((0.5, 0.5, 0, (0.001, 0)), "lifts"),
+        ((0, 0, 0, (0.02, 0)), "lifts"),
+        ((0, 0, 0, (0.0, float("nan"))), "centre of pressure"),
+        ((0, 0, 0, (0.0,)), "centre of pressure"),
+    ],
+)
+def test_pressures_that_cannot_be_are_refused_by_name(values, told):
+    with pytest.raises(InvalidInput, match=told) as refused:
+        PatchFootprint(SQUARE, *values)
+    assert "\n" not in str(refused.value)
+
+
+def test_outlines_without_corners_frames_or_thickness_are_refused_what_they_cannot_have():
+    with pytest.raises(InvalidInput, match="an ellipse has no corners"):
+        PatchFootprint(Ellipse(0.05, 0.03), corner_share=0.1)
+    hook = Polygon(((0, 0), (0.1, 0), (0.1, 0.1), (0.09, 0.1), (0.09, 0.01), (0, 0.01)))
+    for shares in ((0.1, 0.0), (0.0, 0.1)):
+        with pytest.raises(InvalidInput, match="does not lie inside"):
+            PatchFootprint(hook, *shares)
+    assert PatchFootprint(hook, corner_share=0.1).corner_share == 0.1
+    for outline in (box(0.1, 4e-6), Ellipse(0.1, 9e-6), Polygon(((0, 0), (0.1, 0), (0.05, 1e-6)))):
+        with pytest.raises(InvalidInput, match="times as thick as it is long"):
+            PatchFootprint(outline)
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+def test_a_lean_puts_the_centre_of_pressure_under_the_centre_of_mass_and_as_far_as_the_load_stays_on(name):
+    outline = OUTLINES[name]
+    footprint = footprint_of(outline, SHARES["all"], np.random.default_rng(8))
+    away = np.array(footprint.centre) - outline.centroid
+    # A pure translation's torque tells where the friction acts.
+    law = EllipseFriction.isotropic(1.0)
+    wrench = LimitSurface(footprint, law).wrench([(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
+    assert np.allclose((wrench[1, 2], -wrench[0, 2]), footprint.centre, rtol=0.0, atol=1e-14 + 1e-12 * outline.extent)
+    low, high = 0.0, 1e3
+    for _ in range(60):
+        try:
+            middle = 0.5 * (low + high)
+            replace(footprint, centre=tuple(outline.centroid + middle * away))
+            low = middle
+        except InvalidInput:
+            high = middle
+    edge = replace(footprint, centre=tuple(outline.centroid + low * away))
+    least = edge.even_share + ((outline.points(100_000) - outline.centroid) @ edge.gradient).min()
+    assert abs(least) < 1e-4 and low > 1.0

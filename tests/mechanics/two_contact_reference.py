@@ -1,0 +1,624 @@
+"""A second route to pushes around concave outlines: every mode of one or two contacts, tried at each instant.
+
+Plain NumPy and SciPy, nothing of the engine. The equations are those of docs/theory/two-contacts.md. Lengths m, angles
+rad; twists, forces and contacts in the object's frame, forces per unit load; the rod's speed is one.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq, root
+
+NODE, WEIGHT = np.polynomial.legendre.leggauss(16)
+# Events closer than this, as a share of the outline's size, count as one.
+_ONE_EVENT = 1e-9
+
+
+def quarter(vector):
+    """z x vector."""
+    return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)
+
+
+def cross(a, b):
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def unit(angle):
+    return np.array([math.cos(angle), math.sin(angle)])
+
+
+# ---------------------------------------------------------------------------------------------------------------------
+# Friction: functions (twist, theta) -> grad D
+
+
+def traction_matrix(law, theta):
+    """M with s = |M v| in the object's frame, and the constant traction; law: (mu_a, mu_b, m0, n0, phi)."""
+    mu_a, mu_b, m0, n0, phi = law
+    m, n = unit(phi - theta), quarter(unit(phi - theta))
+    return np.array([mu_a * m, mu_b * n]), m0 * m + n0 * n
+
+
+def point_friction(points, law):
+    """Of support points, (k, 2), that bear alike."""
+    points = np.array(points, dtype=float)
+
+    def wrench(twist, theta):
+        matrix, constant = traction_matrix(law, theta)
+        w = (twist[:2] + twist[2] * quarter(points)) @ matrix.T
+        force = w / np.hypot(w[:, 0], w[:, 1])[:, None] @ matrix + constant
+        return np.array([*force.mean(axis=0), cross(points, force).mean()])
+
+    return wrench
+
+
+def patch_friction(vertices, law):
+    """Of a polygon under even pressure.
+
+    With w = M (v + omega z x r) the patch becomes a polygon of area A whose edges lie d from zero along their normals
+    k: mean |w| = sum d I / 3A and mean w/|w| = sum k I / A by Gauss's theorem, I the integral of |w| along an edge.
+    """
+    r = np.array(vertices, dtype=float)
+    onward = np.roll(r, -1, axis=0)
+    doubled = cross(r, onward)
+    centroid = ((r + onward) * doubled[:, None]).sum(axis=0) / (3.0 * doubled.sum())
+    r = r - centroid
+    extent = np.hypot(*r.T).max()
+    share, weight = (NODE + 1.0) / 2.0, WEIGHT / 2.0
+    rim = r[:, None] + share[:, None] * (np.roll(r, -1, axis=0) - r)[:, None]
+    nodes = (share[:, None, None, None] * rim).reshape(-1, 2)
+    # Fans of triangles about the centroid, some of them negative.
+    area = cross(r, np.roll(r, -1, axis=0))
+    weights = ((share * weight)[:, None, None] * area[:, None] * weight).ravel() / (0.5 * area.sum())
+
+    def centred(v, omega, matrix):
+        if abs(omega) * extent < 0.1 * np.hypot(*v):
+            w = (v + omega * quarter(nodes)) @ matrix.T
+            force = (weights / np.hypot(w[:, 0], w[:, 1]))[:, None] * w @ matrix
+            return force.sum(axis=0), cross(nodes, force).sum()
+        w = (v + omega * quarter(r)) @ matrix.T
+        edge = np.roll(w, -1, axis=0) - w
+        size = np.hypot(edge[:, 0], edge[:, 1])
+        along, out = edge / size[:, None], -quarter(edge) / size[:, None]
+        d, t = (w * out).sum(axis=1), (w * along).sum(axis=1)
+        nonzero = np.maximum(np.abs(d), 1e-300)
+
+        def primitive(t):
+            return 0.5 * (t * np.hypot(d, t) + d**2 * np.arcsinh(t / nonzero))
+
+        integral = primitive(t + size) - primitive(t)
+        image = 0.5 * cross(w, np.roll(w, -1, axis=0)).sum()
+        force = (out * integral[:, None]).sum(axis=0) @ matrix / image
+        return force, ((d * integral).sum() / (3.0 * image) - v @ force) / omega
+
+    def wrench(twist, theta):
+        matrix, constant = traction_matrix(law, theta)
+        force, torque = centred(twist[:2] + twist[2] * quarter(centroid), twist[2], matrix)
+        force = force + constant
+        return np.array([*force, torque + cross(centroid, force)])
+
+    return wrench
+
+
+def ellipsoid_friction(matrix):
+    """D = sqrt(V^T A V), any orientation alike."""
+    return lambda twist, theta: matrix @ twist / math.sqrt(twist @ matrix @ twist)
+
+
+# ---------------------------------------------------------------------------------------------------------------------
+# The modes of an instant
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A contact's point and its outward normal's angle."""
+
+    point: tuple
+    angle: float
+
+    @property
+    def normal(self):
+        return unit(self.angle)
+
+    @property
+    def tangent(self):
+        return quarter(unit(self.angle))
+
+
+@dataclass(frozen=True)
+class Instant:
+    """What one instant gives: friction, the rod's radius, friction, and velocity in the object's frame; a length."""
+
+    wrench: object
+    theta: float
+    velocity: np.ndarray
+    radius: float
+    mu: float
+    extent: float
+
+    def centre(self, contact):
+        return np.array(contact.point) + self.radius * contact.normal
+
+    def about(self, place, velocity, omega):
+        """Twist of an object whose point at a place has a velocity, and (force, torque about the place) for it."""
+        twist = np.array([*(velocity - omega * quarter(np.asarray(place))), omega])
+        g = self.wrench(twist, self.theta)
+        return twist, g[:2], g[2] - cross(np.asarray(place), g[:2])
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A solution of the balance of forces: contacts kept, slips' sense, twist, forces at contacts (normal, tangential).
+
+    `margins` are all positive where the mode is consistent: forces in their cones, slips as friction has them, contacts
+    that open; a wedge that sticks is told by one, how much of its undetermined force is free.
+    """
+
+    name: str
+    twist: np.ndarray
+    forces: tuple
+    margins: np.ndarray
+
+    @property
+    def consistent(self):
+        return bool(self.margins.min() > 0.0)
+
+
+def free_spin(instant, place, velocity, guess=0.0):
+    """Spin about a place that needs no torque there: it grows with the spin, so that the bracket always closes."""
+
+    def torque(omega):
+        return instant.about(place, velocity, omega)[2]
+
+    step = 1e-3 / instant.extent if guess else 1.0 / instant.extent
+    sign = -1.0 if torque(guess) > 0.0 else 1.0
+    inner, outer = guess, guess + sign * step
+    while torque(outer) * sign < 0.0:
+        inner, step = outer, 4.0 * step
+        outer += sign * step
+    return brentq(torque, *sorted((inner, outer)), xtol=1e-15 / instant.extent, rtol=1e-15)
+
+
+def sliding_twist(instant, contact, sense, guess=None):
+    """The twist, up to a factor, that a force along the cone's edge -n + sense mu t drives, and the force's size.
+
+    The contact moves within a right angle of that force, and the force turns as the contact's velocity does.
+    """
+    edge = -contact.normal + sense * instant.mu * contact.tangent
+    toward = math.atan2(edge[1], edge[0])
+
+    def across(angle, spin=0.0):
+        omega = free_spin(instant, contact.point, unit(angle), spin)
+        return omega, cross(instant.about(contact.point, unit(angle), omega)[1], edge)
+
+    if guess is not None:
+        scale = np.array([1.0, 1.0 / instant.extent])
+
+        def both(x):
+            _, force, torque = instant.about(contact.point, unit(x[0]), x[1] * scale[1])
+            return cross(force, edge), torque * scale[1]
+
+        found = root(both, np.array(guess) / scale, method="hybr", options={"xtol": 1e-14})
+        angle, omega = found.x * scale
+        if np.abs(found.fun).max() < 1e-13 and math.cos(angle - toward) > 0.0:
+            twist, force, _ = instant.about(contact.point, unit(angle), omega)
+            return twist, -force @ contact.normal, (angle, omega)
+    angle = brentq(lambda a: across(a)[1], toward - math.pi / 2.0, toward + math.pi / 2.0, xtol=1e-15, rtol=1e-15)
+    omega = across(angle)[0]
+    twist, force, _ = instant.about(contact.point, unit(angle), omega)
+    return twist, -force @ contact.normal, (angle, omega)
+
+
+def one_contact(instant, contact, opens=(), guesses=None, only=None):
+    """Modes that keep one contact; `opens` are the others that touch, which must open."""
+    n, t, u = contact.normal, contact.tangent, instant.velocity
+    guesses = {} if guesses is None else guesses
+    found = []
+
+    def gaps(twist):
+        velocity = twist[:2] + twist[2] * quarter(instant.centre(contact))
+        return [other.normal @ (u - velocity) for other in opens]
+
+    if only in (None, "stick"):
+        omega = free_spin(instant, contact.point, u, guesses.get("stick", 0.0))
+        guesses["stick"] = omega
+        twist, force, _ = instant.about(contact.point, u, omega)
+        normal, tangential = -force @ n, force @ t
+        margins = [instant.mu * normal - tangential, instant.mu * normal + tangential, *gaps(twist)]
+        found.append(Mode("stick", twist, ((normal, tangential),), np.array(margins)))
+    for sense, name in ((1.0, "slide+"), (-1.0, "slide-")):
+        if only not in (None, name):
+            continue
+        twist, normal, guesses[name] = sliding_twist(instant, contact, sense, guesses.get(name))
+        velocity = twist[:2] + twist[2] * quarter(np.array(contact.point))
+        factor = (n @ u) / (n @ velocity)
+        twist, velocity = factor * twist, factor * velocity
+        margins = [factor, normal, sense * (u - velocity) @ t, *gaps(twist)]
+        found.append(Mode(name, twist, ((normal, sense * instant.mu * normal),), np.array(margins)))
+    return found
+
+
+def pressed(force, contacts, mu, sense):
+    """Normal forces (2,) of two contacts that slide in one sense and add up to a force."""
+    edges = np.stack([-c.normal + sense * mu * c.tangent for c in contacts], axis=-1)
+    return np.linalg.solve(edges, force)
+
+
+def wedge_turns(instant, contacts, sense, near=None):
+    """Modes that keep both contacts and turn about the rod: a bearing whose friction opposes the turn."""
+    place, u, mu = instant.centre(contacts[0]), instant.velocity, instant.mu
+
+    def surplus(omega):
+        _, force, torque = instant.about(place, u, omega)
+        return torque + sense * instant.radius * mu * pressed(force, contacts, mu, sense).sum()
+
+    if near is not None:
+        step = 0.03 * abs(near) + 1e-3 / instant.extent
+        low, high = near - step, near + step
+        spins = [brentq(surplus, low, high, xtol=1e-16, rtol=1e-15)] if surplus(low) * surplus(high) < 0.0 else []
+    else:
+        spins = []
+    if not spins:
+        grid = sense * np.tan(np.linspace(0.0, 1.569, 160)) / instant.extent
+        values = [surplus(omega) for omega in grid]
+        brackets = [sorted(grid[i : i + 2]) for i in range(len(grid) - 1) if values[i] * values[i + 1] < 0.0]
+        spins = [brentq(surplus, *bracket, xtol=1e-16, rtol=1e-15) for bracket in brackets]
+    found = []
+    for omega in spins:
+        twist, force, _ = instant.about(place, u, omega)
+        normal = pressed(force, contacts, mu, sense)
+        forces = tuple((one, sense * mu * one) for one in normal)
+        found.append(Mode(f"turn{'+' if sense > 0 else '-'}", twist, forces, np.array([*normal, sense * omega])))
+    return found
+
+
+def wedge_sticks(instant, contacts):
+    """The mode in which the object translates with the rod; one force of four is undetermined.
+
+    Of the tangential force x at the first contact the other forces are linear: the cones leave an interval of x.
+    """
+    place, u = instant.centre(contacts[0]), instant.velocity
+    twist, force, torque = instant.about(place, u, 0.0)
+    normals = np.stack([-c.normal for c in contacts], axis=-1)
+    fixed = np.linalg.solve(normals, force + torque / instant.radius * contacts[1].tangent)
+    slope = np.linalg.solve(normals, contacts[1].tangent - contacts[0].tangent)
+    low, high = -math.inf, math.inf
+    for value, by_x, n0, n_by_x in (
+        (0.0, 1.0, fixed[0], slope[0]),
+        (-torque / instant.radius, -1.0, fixed[1], slope[1]),
+    ):
+        for sign in (1.0, -1.0):
+            # mu (n0 + n' x) - sign (value + value' x) >= 0
+            a, b = instant.mu * n0 - sign * value, instant.mu * n_by_x - sign * by_x
+            if b > 0.0:
+                low = max(low, -a / b)
+            elif b < 0.0:
+                high = min(high, -a / b)
+            elif a < 0.0:
+                low, high = math.inf, -math.inf
+    if math.isfinite(low) and math.isfinite(high):
+        x = 0.5 * (low + high)
+    else:
+        # A notch that locks itself: any force beyond the end will do.
+        x = low + 1.0 if math.isfinite(low) else high - 1.0
+    n0, n1 = fixed + slope * x
+    forces = ((n0, x), (n1, -torque / instant.radius - x))
+    return Mode("wedged", twist, forces, np.array([min(high - low, 1e9)]))
+
+
+def point_pivots(instant, contacts):
+    """A point in a concave vertex: it turns freely while the force lies in the sum of both cones."""
+    place, u, mu = np.array(contacts[0].point), instant.velocity, instant.mu
+    twist, force, _ = instant.about(place, u, free_spin(instant, place, u))
+    # With the second normal clockwise of the first: the outer edges are -n1 - mu t1 and -n2 + mu t2.
+    edges = -contacts[0].normal - mu * contacts[0].tangent, -contacts[1].normal + mu * contacts[1].tangent
+    normal = np.linalg.solve(np.stack(edges, axis=-1), force)
+    forces = (normal[0], -mu * normal[0]), (normal[1], mu * normal[1])
+    if cross(edges[0], edges[1]) >= 0.0:
+        normal = np.array([1.0, 1.0])  # The cones together hold every force.
+    return Mode("pivot", twist, forces, normal)
+
+
+def two_contacts(instant, contacts):
+    """Every mode of two contacts, consistent or not, as (kept, mode); the second normal is clockwise of the first."""
+    found = []
+    for kept in (0, 1):
+        for mode in one_contact(instant, contacts[kept], (contacts[1 - kept],)):
+            # At a vertex a point that sticks to one side sticks to both.
+            if instant.radius > 0.0 or mode.name != "stick":
+                found.append((str(kept), mode))
+    if instant.radius == 0.0:
+        return [*found, ("both", point_pivots(instant, contacts))]
+    for sense in (1.0, -1.0):
+        found += [("both", mode) for mode in wedge_turns(instant, contacts, sense)]
+    return [*found, ("both", wedge_sticks(instant, contacts))]
+
+
+def consistent_modes(instant, contacts):
+    """Those modes of two contacts that hold, as (kept, mode)."""
+    return [(kept, mode) for kept, mode in two_contacts(instant, contacts) if mode.consistent]
+
+
+# ---------------------------------------------------------------------------------------------------------------------
+# Whole pushes
+
+
+@dataclass(frozen=True)
+class Plate:
+    """A polygon (counter-clockwise vertices) with its friction, and the rod: radius and friction with the plate."""
+
+    vertices: tuple
+    wrench: object
+    radius: float
+    mu: float
+
+    @property
+    def array(self):
+        return np.array(self.vertices, dtype=float)
+
+    @property
+    def extent(self):
+        return float(np.ptp(self.array, axis=0).max())
+
+    def side(self, i):
+        """First vertex, direction, length and normal's angle of a side."""
+        a, b = self.array[i % len(self.vertices)], self.array[(i + 1) % len(self.vertices)]
+        size = math.dist(a, b)
+        along = (b - a) / size
+        return a, along, size, math.atan2(-along[0], along[1])
+
+    def turn(self, i):
+        """Turn from the side before vertex i to the one behind it, positive where convex."""
+        return math.remainder(self.side(i)[3] - self.side(i - 1)[3], 2.0 * math.pi)
+
+    def contact(self, place):
+        """The contact at a place ("side", side, distance) or ("corner", vertex, angle)."""
+        kind, i, q = place
+        if kind == "side":
+            a, along, _, angle = self.side(i)
+            return Contact(tuple(a + q * along), angle)
+        return Contact(tuple(self.array[i]), q)
+
+    def centre(self, place):
+        """Where the rod's centre is when it touches there."""
+        contact = self.contact(place)
+        return np.array(contact.point) + self.radius * contact.normal
+
+    def bounds(self, place):
+        kind, i, _ = place
+        if kind == "side":
+            return self.reach(i), self.side(i)[2] - self.reach(i + 1)
+        return self.side(i - 1)[3], self.side(i - 1)[3] + self.turn(i)
+
+    def reach(self, i):
+        """How far from a concave vertex the rod touches both sides there; zero where they are too short for that."""
+        reach = self.radius * math.tan(max(-self.turn(i), 0.0) / 2.0)
+        return reach if reach < min(self.side(i - 1)[2], self.side(i)[2]) else 0.0
+
+    def others(self, place):
+        """Sides that the rod may run into before it comes to an end of its place."""
+        kind, i, _ = place
+        count = len(self.vertices)
+        own = {i, (i - 1) % count} if kind == "corner" else {i}
+        if kind == "side":
+            own |= {(i - 1) % count} if self.turn(i) > 0.0 or self.reach(i) > 0.0 or self.radius == 0.0 else set()
+            ahead = self.turn(i + 1) > 0.0 or self.reach(i + 1) > 0.0 or self.radius == 0.0
+            own |= {(i + 1) % count} if ahead else set()
+        return [j for j in range(count) if j not in own]
+
+    def nearest(self, centre, sides):
+        """Distance of the nearest of some sides, and the place there."""
+        found = []
+        for j in sides:
+            a, along, size, _ = self.side(j)
+            q = float((centre - a) @ along)
+            away = centre - a - min(max(q, 0.0), size) * along
+            if 0.0 < q < size:
+                place = ("side", j, q)
+            else:
+                vertex = j if q <= 0.0 else (j + 1) % len(self.vertices)
+                low = self.side(vertex - 1)[3]
+                angle = math.atan2(away[1], away[0])
+                place = ("corner", vertex, low + (angle - low) % (2.0 * math.pi))
+            found.append((float(np.hypot(*away)), place))
+        return min(found, default=(math.inf, None), key=lambda one: one[0])
+
+
+@dataclass(frozen=True)
+class Push:
+    """Where a push ended: (x, y, theta), "distance" or "left", the modes it went through, and what was ambiguous."""
+
+    pose: tuple
+    ended: str
+    modes: tuple
+    ambiguous: tuple
+
+
+def run_push(plate, side, fraction, theta, angle, length, accuracy=1e-10):
+    """Push a plate at the origin, turned by theta, from a fraction of a side; angle as in SidePush."""
+    return _Run(plate, theta + plate.side(side)[3] + math.pi + angle, length, accuracy).go(side, fraction, theta)
+
+
+class _Run:
+    def __init__(self, plate, direction, length, accuracy):
+        self.plate, self.direction, self.length, self.accuracy = plate, direction, length, accuracy
+        self.guesses = {}
+
+    def instant(self, theta):
+        p = self.plate
+        return Instant(p.wrench, theta, unit(self.direction - theta), p.radius, p.mu, p.extent)
+
+    def go(self, side, fraction, theta):
+        p, travel = self.plate, 0.0
+        touching = [("side", side, fraction * p.side(side)[2])]
+        c, s = math.cos(theta), math.sin(theta)
+        start = np.array([[c, -s], [s, c]]) @ self.plate.centre(touching[0])
+        modes, ambiguous, previous = [], [], None
+        ended = None
+        while ended is None:
+            kept, name, several = self.resolve(theta, touching, previous)
+            if several:
+                ambiguous.append(several)
+            if kept is None:
+                ended = "left"
+                break
+            modes.append(name if len(touching) == 1 else f"wedge {name}" if kept == "both" else f"leave {name}")
+            if name == "wedged":
+                travel, ended = self.length, "distance"
+                break
+            if kept == "both":
+                theta, travel = self.turn(theta, travel, touching, name)
+            else:
+                touching = [touching[kept]]
+                theta, travel, touching, left = self.roll(theta, travel, touching[0], name)
+                ended = "left" if left else None
+            previous = name
+            if ended is None and travel >= self.length * (1.0 - 1e-14):
+                ended = "distance"
+            assert len(modes) < 200
+        rod = start + travel * unit(self.direction)
+        c, s = math.cos(theta), math.sin(theta)
+        x, y = rod - np.array([[c, -s], [s, c]]) @ self.plate.centre(touching[0])
+        return Push((float(x), float(y), float(theta)), ended, tuple(modes), tuple(ambiguous))
+
+    def ordered(self, touching):
+        """Contacts of a wedge and whether they had to be exchanged: the second normal is clockwise of the first."""
+        contacts = [self.plate.contact(place) for place in touching]
+        swapped = bool(cross(contacts[0].normal, contacts[1].normal) > 0.0)
+        return contacts[::-1] if swapped else contacts, swapped
+
+    def resolve(self, theta, touching, previous):
+        """The mode that holds from here on: that which still does a little further on its own way."""
+        instant = self.instant(theta)
+        if all(self.plate.contact(place).normal @ instant.velocity >= -1e-13 for place in touching):
+            return None, None, None
+        if len(touching) == 1:
+            modes = [(0, mode) for mode in one_contact(instant, self.plate.contact(touching[0]))]
+        else:
+            contacts, swapped = self.ordered(touching)
+            modes = two_contacts(instant, contacts)
+            modes = [(kept if kept == "both" else int(kept) ^ swapped, mode) for kept, mode in modes]
+        holding = []
+        for kept, mode in modes:
+            # A sliding twist with a negative factor would take the contact backwards.
+            forward = kept == "both" or mode.name == "stick" or mode.margins[0] > 0.0
+            if forward and mode.margins.min() > -1e-6 and self.goes_on(theta, touching, kept, mode):
+                holding.append((kept, mode.name))
+        assert holding, (theta, touching, [(kept, mode.name, mode.margins) for kept, mode in modes])
+        several = tuple(name for _, name in holding) if len(holding) > 1 else None
+        # Of several the one without a force inside the wedge that nothing has built up.
+        holding.sort(key=lambda one: (one[1] == "wedged", one[1] != previous))
+        return (*holding[0], several)
+
+    def goes_on(self, theta, touching, kept, mode):
+        step = 1e-6 * self.plate.extent
+        ahead = self.instant(theta + step * mode.twist[2])
+        if kept == "both":
+            contacts, _ = self.ordered(touching)
+            if mode.name in ("wedged", "pivot"):
+                again = wedge_sticks(ahead, contacts) if mode.name == "wedged" else point_pivots(ahead, contacts)
+                return again.consistent
+            turns = wedge_turns(ahead, contacts, 1.0 if mode.name == "turn+" else -1.0, mode.twist[2])
+            return any(again.consistent for again in turns)
+        place = touching[kept]
+        q = place[2] + step * self.speed(theta, place, mode)
+        low, high = self.plate.bounds(place)
+        if len(touching) == 1 and not low - 1e-12 <= q <= high + 1e-12:
+            q = min(max(q, low), high)
+        there = (*place[:2], q)
+        # The rates ahead: where a force has just vanished the other contact opens from rest.
+        opens = [self.plate.contact(touching[1 - kept])] if len(touching) == 2 else []
+        return one_contact(ahead, self.plate.contact(there), opens, only=mode.name)[0].consistent
+
+    def speed(self, theta, place, mode):
+        """Rate of a place's coordinate under a mode."""
+        centre, contact = self.plate.centre(place), self.plate.contact(place)
+        slip = unit(self.direction - theta) - mode.twist[:2] - mode.twist[2] * quarter(centre)
+        return float(slip @ contact.tangent) / (1.0 if place[0] == "side" else self.plate.radius)
+
+    def integrate(self, rates, events, state, travel):
+        for event in events:
+            event.terminal, event.direction = True, -1
+        ivp = solve_ivp(
+            rates,
+            (travel, self.length),
+            state,
+            method="DOP853",
+            rtol=self.accuracy,
+            atol=0.01 * self.accuracy,
+            events=events,
+            max_step=0.05 * self.length,
+        )
+        assert ivp.success
+        which = next((i for i, times in enumerate(ivp.t_events) if len(times)), None)
+        return ivp.y[:, -1], float(ivp.t[-1]), which
+
+    def roll(self, theta, travel, place, name):
+        """Go on with one contact until its mode, its place or the number of contacts changes."""
+        p, kind, i = self.plate, place[0], place[1]
+        low, high = p.bounds(place)
+        others = p.others(place)
+
+        def mode(state):
+            contact = p.contact((kind, i, state[1]))
+            return one_contact(self.instant(state[0]), contact, (), self.guesses, name)[0]
+
+        def rates(_, state):
+            found = mode(state)
+            return [found.twist[2], self.speed(state[0], (kind, i, state[1]), found)]
+
+        def approach(_, state):
+            return -p.contact((kind, i, state[1])).normal @ unit(self.direction - state[0])
+
+        def gap(_, state):
+            return p.nearest(p.centre((kind, i, state[1])), others)[0] - p.radius
+
+        margins = (0, 1) if name == "stick" else (2,)
+        events = [
+            approach,
+            lambda _, state: state[1] - low,
+            lambda _, state: high - state[1],
+            *([gap] if others else []),
+            *[lambda _, state, k=k: mode(state).margins[k] for k in margins],
+        ]
+        state, travel, which = self.integrate(rates, events, [theta, place[2]], travel)
+        theta, place = float(state[0]), (kind, i, float(state[1]))
+        if which in (1, 2):
+            return theta, travel, self.across(place, which == 2), False
+        if which == 3 and others:
+            _, other = p.nearest(p.centre(place), others)
+            return theta, travel, [place, other], False
+        return theta, travel, [place], which == 0
+
+    def across(self, place, forward):
+        """What the rod touches past an end of its place."""
+        p, count = self.plate, len(self.plate.vertices)
+        kind, i, _ = place
+        if kind == "corner":
+            return [("side", i, 0.0) if forward else ("side", (i - 1) % count, p.side(i - 1)[2])]
+        vertex = (i + 1) % count if forward else i
+        if p.radius > 0.0 and p.turn(vertex) > 0.0:
+            return [("corner", vertex, p.side(vertex - 1)[3] + (0.0 if forward else p.turn(vertex)))]
+        reach = p.reach(vertex)
+        onward = ("side", vertex, reach) if forward else ("side", (i - 1) % count, p.side(i - 1)[2] - reach)
+        here = ("side", i, p.side(i)[2] - reach if forward else reach)
+        return [onward] if p.turn(vertex) > 0.0 else [here, onward]
+
+    def turn(self, theta, travel, touching, name):
+        """Turn about the rod, both contacts kept, until a force vanishes or the turn does."""
+        contacts, _ = self.ordered(touching)
+        near = [None]
+
+        def mode(theta):
+            if name == "pivot":
+                return point_pivots(self.instant(theta), contacts)
+            found = wedge_turns(self.instant(theta), contacts, 1.0 if name == "turn+" else -1.0, near[0])
+            best = min(found, key=lambda one: abs(one.twist[2] - (near[0] or 0.0)))
+            near[0] = best.twist[2]
+            return best
+
+        count = 2 if name == "pivot" else 3
+        events = [lambda _, state, k=k: mode(state[0]).margins[k] for k in range(count)]
+        state, travel, _ = self.integrate(lambda _, state: [mode(state[0]).twist[2]], events, [theta], travel)
+        return float(state[0]), travel

@@ -1,0 +1,78 @@
+"""Sampled cycles are the loop's own, and what they cost is what their courses show."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import cyclemap as cm
+from cyclemap.resets import CycleAction, Pace, ResetStrategy, legs, map_turns, sample_turns, strategy_maps
+from cyclemap.resets.design.action_cycles import contact_lengths, room_needed
+
+LOOP = cm.CollectionLoop.mit()
+ACTIONS = (CycleAction(push=cm.SidePush(2, 0.85)), *legs(0.1, 3)[1:2], CycleAction(turn=0.7))
+
+
+def test_sampled_turns_are_those_of_single_cycles_on_every_material() -> None:
+    materials = [cm.load_material(name) for name in ("plywood", "abs")]
+    found = sample_turns(LOOP, ACTIONS, materials, 5)
+    for m, material in enumerate(materials):
+        for a, action in enumerate(ACTIONS):
+            loop = action.on(replace(LOOP, material=material))
+            runs = [loop.cycle(theta) for theta in 2.0 * math.pi * np.arange(5) / 5]
+            turns = [run.theta_next - run.theta + action.turn for run in runs]
+            assert found.turn[m, a] == pytest.approx(turns, abs=2e-4)
+            assert found.drag_length[m, a] == pytest.approx(np.mean([run.drag_length for run in runs]), abs=1e-5)
+
+
+def test_turning_the_surface_turns_the_maps() -> None:
+    """f -> alpha + f(theta - alpha): a shift of the samples."""
+    material = cm.load_material("plywood")
+    turned = replace(material, friction=replace(material.friction, phi=material.friction.phi + math.pi / 6.0))
+    found = sample_turns(LOOP, ACTIONS[:1], [material, turned], 12)
+    assert found.turn[1] == pytest.approx(np.roll(found.turn[0], 1, axis=-1), abs=2e-4)
+
+
+def test_the_spline_between_samples_is_as_near_as_it_says() -> None:
+    """Sixteen times nearer than every other sample's, for a smooth map; measured at 720 cycles."""
+    found = sample_turns(LOOP, ACTIONS[:1], [LOOP.material], 36)
+    fine = sample_turns(LOOP, ACTIONS[:1], [LOOP.material], 720)
+    error = float(np.abs(found.refined(720) - fine.turn).max())
+    assert 0.0 < error < float(found.spline_error()[0, 0]) < 0.05
+
+
+def test_cycle_maps_are_the_sampled_turns() -> None:
+    strategy = ResetStrategy(ACTIONS)
+    turns = map_turns(strategy_maps(LOOP, strategy), 36)
+    assert turns == pytest.approx(sample_turns(LOOP, ACTIONS, [LOOP.material], 36).turn[0], abs=3e-4)
+
+
+def test_isotropic_friction_turns_every_orientation_alike() -> None:
+    found = sample_turns(LOOP, ACTIONS[::2], [cm.load_material("isotropic")], 12)
+    assert np.ptp(found.turn, axis=-1) == pytest.approx(np.zeros((1, 2)), abs=2e-4)
+    assert found.steepest.max() < 1e-3
+
+
+def test_contact_is_as_long_as_the_rod_pushes() -> None:
+    """A push aslant off the middle loses the object soon; one at the middle keeps it to the end."""
+    pushes = [CycleAction(push=cm.SidePush(0, 0.7)), CycleAction(push=cm.SidePush(0, 0.15, 0.35))]
+    own, slanted = contact_lengths(LOOP, pushes)
+    travels = [LOOP.cycle(theta).push.travel for theta in 2.0 * math.pi * np.arange(12) / 12]
+    assert own == pytest.approx(min(travels), abs=1e-5)
+    assert slanted < 0.08 < 0.12 < own < 0.15
+
+
+def test_the_room_holds_rod_and_object_all_along() -> None:
+    room = room_needed(LOOP, CycleAction(), starts=4)
+    for theta in 2.0 * math.pi * np.arange(4) / 4:
+        course = LOOP.cycle(theta).trajectory.push
+        assert np.hypot(*course.pusher.T).max() + LOOP.pusher.radius <= room + 1e-9
+    far = room_needed(LOOP, legs(0.3, 4)[0], starts=2)
+    assert far >= 0.3 + LOOP.pusher.radius
+
+
+def test_a_gripper_takes_time_and_nothing_else() -> None:
+    assert Pace(0.02, 8.0, 5.0).seconds(0.2, 1.0) - Pace(0.02, 8.0, 5.0).seconds(0.2) == 5.0
+    with pytest.raises(cm.InvalidInput, match="speed must be positive"):
+        Pace(speed=0.0)

@@ -1,0 +1,201 @@
+"""The monitor raises its alarm early where data lock in, as seldom as promised where they do not, and starts anew."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence import read_theta0_pairs
+from cyclemap.maps import CircleMap, WrappedNormal, fixed_points, sample_staircases
+from cyclemap.resets.monitor.bias_evidence import RestEvidence, RestRule, VisitEvidence
+from cyclemap.resets.monitor.bias_monitor import BiasMonitor, watch
+
+NOISE = math.radians(1.1)
+
+
+def apart(a, b) -> float:
+    return abs((a - b + math.pi) % (2 * math.pi) - math.pi)
+
+
+def test_on_measured_plywood_the_alarm_comes_within_twenty_pushes_of_the_first_long_rest(measured_data) -> None:
+    """Push 0 is no reset start; the first rest begins at push 2 near 81 degrees and creeps to 100 in 470 pushes."""
+    path = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv").path
+    assert path.size == 2000
+    monitor = BiasMonitor()
+    reports = watch(path[:700].tolist(), monitor)
+    alarm = reports[-1].alarm
+    assert (alarm.push, alarm.kind, alarm.began) == (16, "rest", 2)
+    assert reports[15].alarm is None
+    assert apart(alarm.directions[0], math.radians(84.4)) < math.radians(2.0)
+    assert monitor.alarms == (alarm,)
+    assert reports[400].rest.directions[0] == pytest.approx(path[400], abs=math.radians(1.0))
+    assert reports[400].coverage.covered < 0.11
+    assert reports[400].coverage.effective_pushes < 4.0
+    assert reports[400].recent_worth < 0.02
+    assert reports[400].useful_pushes == 0
+    assert apart(reports[400].advice.direction, math.radians(270.0)) < math.radians(10.0)
+    assert max(reports[640].visit_evidence, 0.0) > reports[640].threshold
+
+
+UNBIASED = {
+    "independent uniform": lambda random: random.uniform(0, 2 * np.pi, 600),
+    "isotropic rotation": lambda random: np.cumsum(np.radians(8.0 + 1.1 * random.standard_normal(600))),
+    "slow walk": lambda random: np.cumsum(np.radians(3.0 + 1.1 * random.standard_normal(600))),
+    "slower walk": lambda random: np.cumsum(np.radians(2.0 + 1.1 * random.standard_normal(600))),
+    "thirds of a turn": lambda random: np.cumsum(np.radians(120.0 + 5.0 * random.standard_normal(600))),
+    "half turns": lambda random: np.cumsum(np.radians(180.0 + 5.0 * random.standard_normal(600))),
+    "wide noise": lambda random: np.cumsum(np.radians(40.0 * random.standard_normal(600))),
+}
+
+
+@pytest.mark.parametrize("kind", sorted(UNBIASED))
+def test_unbiased_collections_raise_alarms_no_more_often_than_promised(kind) -> None:
+    """20 collections at a rate of one fifth: 4 at most on average, 3 standard deviations above allowed."""
+    random = np.random.default_rng(17)
+    alarms = collections = 0
+    for seed in range(20):
+        evidence = RestEvidence(RestRule()), VisitEvidence(seed=seed)
+        highest = -math.inf
+        for theta in UNBIASED[kind](random).tolist():
+            for test in evidence:
+                test.add(theta)
+                highest = max(highest, test.log_evidence)
+        alarms += highest >= math.log(2.0 / 0.2)
+        collections += 1
+    assert collections == 20
+    assert alarms <= 4 + 6
+
+
+def test_uniform_slow_walks_do_not_alarm_at_the_default_rate() -> None:
+    """Steady turns of 3 +- 1.1 and of 120 +- 5 degrees a push, 30 collections each: they come round to everything."""
+    alarms = [
+        watch(UNBIASED[kind](np.random.default_rng(seed))[:300].tolist())[-1].alarm
+        for kind in ("slow walk", "thirds of a turn")
+        for seed in range(30)
+    ]
+    assert len(alarms) == 60
+    assert sum(alarm is not None for alarm in alarms) <= 2
+
+
+def test_a_walk_slower_than_the_rule_tells_does_alarm() -> None:
+    """Half a degree a push repeats the same push for hundreds of pushes."""
+    path = np.cumsum(np.radians(0.5 + 0.1 * np.random.default_rng(0).standard_normal(100)))
+    assert math.radians(0.5) < RestRule().slowest_climb
+    assert watch(path.tolist())[-1].alarm.kind == "rest"
+
+
+def test_the_monitor_joins_both_kinds_of_evidence_and_halves_the_rate_between_them() -> None:
+    random = np.random.default_rng(8)
+    path = random.vonmises(1.0, 3.0, 200).tolist()
+    rest, visits, monitor = RestEvidence(RestRule()), VisitEvidence(), BiasMonitor(0.05)
+    raised = []
+    for push, theta in enumerate(path):
+        report = monitor.update(theta)
+        rest.add(theta)
+        visits.add(theta)
+        assert report.rest_evidence == rest.log_evidence / math.log(10.0)
+        assert report.visit_evidence == visits.log_evidence / math.log(10.0)
+        if max(rest.log_evidence, visits.log_evidence) >= math.log(2.0 / 0.05):
+            raised.append(push)
+    assert raised
+    assert report.threshold == pytest.approx(math.log10(40.0))
+    assert report.alarm.push == raised[0]
+    assert report.alarm.kind == "visits"
+    assert report.alarm.delay is None
+    assert apart(report.alarm.directions[0], 1.0) < math.radians(25.0)
+
+
+def test_locked_collections_are_told_within_60_pushes_with_their_direction() -> None:
+    """A stable point with multiplier 0.9 and 1.1 degrees of noise, from twenty uniform starts."""
+    locked = CircleMap.arnold(0.02, 0.25)
+    (stable,) = [orbit for orbit in fixed_points(locked) if orbit.stable]
+    starts = np.random.default_rng(4).uniform(0, 2 * np.pi, 20)
+    delays, errors = [], []
+    for path in sample_staircases(locked, WrappedNormal(NOISE), 80, starts, seed=4):
+        alarm = watch(path.tolist())[-1].alarm
+        assert alarm is not None
+        assert alarm.kind == "rest"
+        delays.append(alarm.push)
+        errors.append(apart(alarm.directions[0], stable.points[0]))
+    assert len(delays) == 20
+    assert max(delays) <= 60
+    assert np.median(delays) <= 35
+    assert np.median(errors) < math.radians(4.0)
+    assert max(errors) < math.radians(15.0)
+
+
+def test_a_rest_that_comes_late_is_told_as_one_that_comes_at_once_but_for_a_few_pushes() -> None:
+    random = np.random.default_rng(5)
+    free = np.cumsum(np.radians(8.0 + 1.1 * random.standard_normal(500)))
+    resting = free[-1] + np.radians(0.5 * random.standard_normal(60))
+    alarm = watch(np.r_[free, resting].tolist())[-1].alarm
+    assert alarm.kind == "rest"
+    # The beginning is known to within a window.
+    assert 493 <= alarm.began <= 503
+    assert alarm.push <= 520
+
+
+def test_whole_turns_make_no_difference() -> None:
+    random = np.random.default_rng(6)
+    path = np.cumsum(np.radians(0.8 * random.standard_normal(120)))
+    plain, turned = watch(path.tolist()), watch((path + 2 * np.pi * random.integers(-2, 3, 120)).tolist())
+    assert len(plain) == 120
+    assert plain[-1].alarm is not None
+    assert [report.alarm is None for report in plain] == [report.alarm is None for report in turned]
+    for one, other in zip(plain, turned, strict=True):
+        assert one.rest_evidence == pytest.approx(other.rest_evidence, abs=1e-9)
+        assert one.visit_evidence == pytest.approx(other.visit_evidence, abs=1e-6)
+
+
+def test_after_a_change_of_the_reset_the_evidence_starts_anew_and_the_coverage_stays() -> None:
+    monitor = BiasMonitor()
+    first = watch([1.0] * 40, monitor)[-1]
+    assert first.alarm.push == 14
+    assert first.advice.change_reset
+    monitor.reset_changed()
+    fresh = monitor.report
+    assert (fresh.alarm, fresh.rest, fresh.since_change, fresh.push) == (None, None, 0, 39)
+    assert fresh.rest_evidence == pytest.approx(0.0, abs=1e-12)
+    assert not fresh.advice.change_reset
+    assert fresh.coverage == first.coverage
+    assert monitor.path == ()
+    again = watch([3.0] * 40, monitor)[-1]
+    assert (again.alarm.push, again.alarm.began, again.since_change) == (54, 40, 40)
+    assert [alarm.push for alarm in monitor.alarms] == [14, 54]
+    assert again.coverage.covered == pytest.approx(2 * first.coverage.covered)
+
+
+def test_a_rest_is_reported_once_it_has_lasted_twice_the_window() -> None:
+    reports = watch([1.0] * 20)
+    assert [report.rest is not None for report in reports].index(True) == 7
+    assert all(report.rest is None for report in watch(np.random.default_rng(9).uniform(0, 2 * np.pi, 300).tolist()))
+
+
+def test_the_first_alarm_stays_while_the_evidence_moves_on() -> None:
+    monitor = BiasMonitor()
+    reports = watch([1.0] * 30 + (1.0 + np.arange(40) * 0.4).tolist(), monitor)
+    assert len({report.alarm for report in reports if report.alarm is not None}) == 1
+    assert reports[-1].alarm.push == 14
+    assert reports[-1].rest is None
+    assert reports[-1].useful_pushes is None
+    assert reports[-1].rest_evidence < reports[30].rest_evidence
+    assert reports[5].alarm_p_value == 1.0
+    assert reports[16].alarm_p_value <= 0.01
+
+
+def test_a_number_that_is_none_is_refused_and_leaves_the_monitor_as_it_was() -> None:
+    monitor = BiasMonitor()
+    monitor.update(1.0)
+    before = monitor.report
+    for wrong in (math.nan, math.inf, "1.0", None):
+        with pytest.raises(InvalidInput, match="theta must be a finite number"):
+            monitor.update(wrong)
+    for far in (1e300, -1.0001e9):
+        with pytest.raises(InvalidInput, match=r"theta .*1e[+]\d+ rad is over 1e[+]09: its fraction of a turn is lost"):
+            monitor.update(far)
+    assert monitor.report == before
+    assert monitor.update(-1e9).push == before.push + 1
+    for rate in (0.0, 1.0, -0.1, math.nan):
+        with pytest.raises(InvalidInput, match="alarm_rate must"):
+            BiasMonitor(rate)

@@ -1,0 +1,129 @@
+"""What pushes are worth, what is covered, and the direction to record next."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.maps import CircleMap
+from cyclemap.resets.monitor.coverage import CELLS, Coverage, Crowding, next_action
+
+
+def covering(theta) -> Coverage:
+    coverage = Coverage()
+    for angle in np.asarray(theta, dtype=float).tolist():
+        coverage.add(angle)
+    return coverage
+
+
+@pytest.mark.parametrize("count", [13, 20, 57])
+def test_an_even_spread_is_worth_as_many_pushes_as_it_has(count) -> None:
+    state = covering(0.4 + np.arange(count) * 2 * np.pi / count).state()
+    assert state.effective_pushes == pytest.approx(count, rel=1e-9)
+    assert state.gain == pytest.approx(1.0)
+
+
+def test_worth_is_the_root_of_the_information_determinant() -> None:
+    theta = np.random.default_rng(0).vonmises(1.0, 1.0, 60)
+    columns = fourier_columns(theta, 6) * np.r_[1.0, np.full(12, math.sqrt(2.0))]
+    expected = np.linalg.det(np.eye(13) + columns.T @ columns) ** (1 / 13) - 1
+    assert covering(theta).state().effective_pushes == pytest.approx(expected, rel=1e-9)
+    assert expected < 50.0
+
+
+def test_useful_repeats_are_those_that_recording_them_finds_useful() -> None:
+    least = 0.02
+    start = np.r_[np.random.default_rng(2).uniform(0, 2 * np.pi, 60)]
+    coverage = covering(start)
+    predicted = coverage.useful_repeats((1.0,), least)
+    columns = fourier_columns(np.arange(90) * np.radians(4.0) + np.radians(0.25), 6)
+    columns[:, 1:] *= math.sqrt(2.0)
+    best = float(coverage._information(columns).max())
+    here = fourier_columns(1.0, 6) * np.r_[1.0, np.full(12, math.sqrt(2.0))]
+    found = 0
+    while float(coverage._information(here)) >= least * best:
+        coverage.add(1.0)
+        found += 1
+    assert found > 10
+    assert predicted == found
+
+
+def test_repeats_that_tell_nothing_are_not_useful() -> None:
+    assert covering(np.full(200, 1.0)).useful_repeats((1.0,), 0.1) == 0
+
+
+def test_following_the_advice_halves_the_gaps_again_and_again() -> None:
+    coverage = Coverage()
+    for count in range(1, 33):
+        coverage.add(coverage.state().least_covered)
+        if count & (count - 1) == 0:
+            gap = coverage.state().largest_gap
+            assert gap == pytest.approx(2 * np.pi / count, abs=2 * 2 * np.pi / CELLS), count
+    assert coverage.state().effective_pushes == pytest.approx(32.0, rel=0.01)
+    assert coverage.state().covered > 0.8
+
+
+def test_the_least_covered_direction_is_the_least_visited_one_where_all_are_visited() -> None:
+    """A crowd opposite does not outweigh what is near by."""
+    even = np.arange(0.0, 2 * np.pi, np.radians(2.0))
+    visited = np.r_[even[np.abs(even - 4.0) > 0.15], np.full(1000, 1.0), np.tile(even[np.abs(even - 4.0) > 0.6], 5)]
+    assert covering(visited).state().least_covered == pytest.approx(4.0, abs=0.1)
+
+
+def test_one_push_covers_its_reach_and_leaves_the_rest_as_a_gap() -> None:
+    state = covering([1.0]).state()
+    assert state.covered == pytest.approx(10.0 / 360.0, abs=1.0 / CELLS)
+    assert state.largest_gap == pytest.approx(2 * np.pi)
+    assert state.gap_centre == pytest.approx(1.0 + np.pi, abs=np.radians(0.5))
+    assert state.least_covered == pytest.approx(1.0 + np.pi, abs=np.radians(0.5))
+
+
+def test_whole_turns_make_no_difference() -> None:
+    theta = np.random.default_rng(3).uniform(0, 2 * np.pi, 30)
+    plain, turned = covering(theta).state(), covering(theta - 4 * np.pi).state()
+    assert plain.covered == pytest.approx(turned.covered, abs=2.0 / CELLS)
+    assert plain.effective_pushes == pytest.approx(turned.effective_pushes, rel=1e-9)
+    assert plain.largest_gap == pytest.approx(turned.largest_gap, abs=np.radians(1.1))
+
+
+def test_nothing_recorded_is_nothing_covered() -> None:
+    state = Coverage().state()
+    assert (state.covered, state.effective_pushes, state.gain) == (0.0, 0.0, 1.0)
+    assert state.largest_gap == pytest.approx(2 * np.pi)
+
+
+def test_crowding_is_the_density_of_the_recorded_directions_over_its_mean() -> None:
+    """One direction: the wrapped Cauchy density of the reach, whose mean over the circle is one."""
+    crowding, theta = Crowding(), np.radians(np.arange(0.0, 360.0, 7.0))
+    assert np.all(crowding.at(theta[:, None]) == 0.0)
+    crowding.add(np.array([1.0]))
+    decay = math.exp(-math.radians(5.0))
+    density = (1 - decay**2) / (1 + decay**2 - 2 * decay * np.cos(theta - 1.0))
+    assert crowding.at(theta[:, None])[:, 0] == pytest.approx(density, rel=0.15)
+    assert crowding.crowding.mean() == pytest.approx(1.0, rel=0.01)
+
+
+def test_collections_side_by_side_do_not_know_of_each_other() -> None:
+    paths = np.random.default_rng(4).uniform(0, 2 * np.pi, (3, 20))
+    together = Crowding(3)
+    for column in paths.T:
+        together.add(column)
+    for row, path in enumerate(paths):
+        alone = Crowding()
+        for angle in path:
+            alone.add(np.array([angle]))
+        assert together.crowding[row] == pytest.approx(alone.crowding[0])
+
+
+def test_the_next_action_is_the_one_that_lands_where_least_is_recorded() -> None:
+    coverage = covering(np.r_[np.arange(0.0, 3.0, 0.1), 1.0])
+    maps = [CircleMap.rigid(turns) for turns in (0.02, 0.5, 0.1)]
+    chosen = next_action(maps, coverage, 1.0)
+    assert (chosen.number, chosen.lands) == (1, pytest.approx(1.0 + np.pi))
+    assert chosen.crowding == pytest.approx(float(coverage.crowding.at(np.array([[1.0 + np.pi]]))[0, 0]))
+    assert next_action(maps, Coverage(), 1.0).number == 0
+    for bad, maps_given in ((math.nan, maps), (1.0, [])):
+        with pytest.raises(InvalidInput):
+            next_action(maps_given, coverage, bad)

@@ -1,0 +1,125 @@
+"""Distributions of orientations against closed forms, operators made otherwise, brute force and simulation."""
+
+import math
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+import cyclemap as cm
+from cyclemap.errors import InvalidInput
+from cyclemap.resets import CycleAction, ResetStrategy, orientation_law, sampled_orientations
+from cyclemap.resets.design.orientation_law import affine_kernels, repeated, slowest_factor, then
+
+N = 720
+THETA = 2.0 * math.pi * np.arange(N) / N
+ONE = ResetStrategy((CycleAction(),))
+PAIR = ResetStrategy((CycleAction(), CycleAction(turn=1.0)))
+TURNS = np.array([0.5 + 0.3 * np.sin(THETA), 2.0 - 0.25 * np.cos(2.0 * THETA) + 0.1 * np.sin(THETA)])
+
+
+def test_one_map_has_the_stationary_distribution_of_the_transfer_operator() -> None:
+    """The sine map, locked and not, against the certified operator of the maps."""
+    for omega, K, sigma in ((0.1, 0.9, 0.3), (0.3, 0.5, 0.1), (0.02, 0.25, 0.05)):
+        sine = cm.CircleMap.arnold(omega, K)
+        turn = (np.asarray(sine(THETA)) - THETA)[None]
+        law = orientation_law(turn, ONE, sigma)
+        operator = cm.transfer_operator(sine, cm.WrappedNormal(sigma))
+        whole = np.radians(np.arange(360.0))
+        assert law.density == pytest.approx(operator.density(whole), abs=2e-4)
+        expected = 0.5 * float(np.mean(np.abs(2.0 * math.pi * operator.density(THETA) - 1.0)))
+        assert law.total_variation == pytest.approx(expected, abs=max(law.error, 5e-4))
+        factor = slowest_factor(turn, ONE, sigma)
+        assert 1.0 - factor == pytest.approx(float(operator.spectral_gap), abs=1e-4)
+
+
+def test_a_rotation_keeps_the_uniform_distribution_and_forgets_by_its_noise_alone() -> None:
+    sigma = 0.4
+    law = orientation_law(np.full((1, N), 2.0), ONE, sigma, pushes=20)
+    assert law.total_variation == pytest.approx(0.0, abs=1e-12)
+    assert slowest_factor(np.full((1, N), 2.0), ONE, sigma) == pytest.approx(math.exp(-0.5 * sigma**2))
+    orders = np.arange(1, 30)
+    left = np.exp(-0.5 * 20 * (orders * sigma) ** 2)
+    density = 2.0 * np.cos(np.outer(THETA, orders)) @ left
+    assert law.after == pytest.approx(0.5 * np.abs(density).mean(), abs=1e-3)
+
+
+@pytest.mark.parametrize("order", ["random", "in turn", "shuffled"])
+def test_turning_the_surface_changes_no_total_variation(order) -> None:
+    """f -> alpha + f(theta - alpha) for every action conjugates the chain."""
+    strategy = ResetStrategy(PAIR.actions, order=order)
+    laws = [orientation_law(np.roll(TURNS, shift, axis=1), strategy, 0.05) for shift in (0, 60, 250)]
+    assert laws[0].total_variation > 0.01
+    for law in laws[1:]:
+        assert law.total_variation == pytest.approx(laws[0].total_variation, abs=2e-4)
+        assert law.after == pytest.approx(laws[0].after, abs=2e-3)
+
+
+def test_shuffled_blocks_are_the_mean_over_all_orders() -> None:
+    """Four actions in one block, counted 1, 2, 1: each distinct order alike, by brute force."""
+    turns = np.array([TURNS[0], TURNS[1], 1.0 + 0.2 * np.sin(3.0 * THETA)])
+    strategy = ResetStrategy(tuple(CycleAction(turn=t) for t in (0.1, 0.2, 0.3)), (1.0, 2.0, 1.0), "shuffled")
+    kernels = affine_kernels(turns, 48, 0.1)
+    identity = repeated(kernels[0], 0)
+    blocks, halves = [], []
+    for order in permutations((0, 1, 1, 2)):
+        done = identity
+        for number, action in enumerate(order):
+            done = then(kernels[action], done)
+            if number == 1:
+                halves.append(done)
+        blocks.append(done)
+    start = np.linalg.solve(np.eye(96) - np.mean(blocks, axis=0)[:, :-1], np.mean(blocks, axis=0)[:, -1])
+    law = orientation_law(turns, strategy, 0.1, pushes=2)
+    assert law.total_variation == pytest.approx(_mean_variation(turns, start, 0.1), abs=2e-3)
+    known = np.concatenate([np.cos(np.arange(1, 49) * 1.0), -np.sin(np.arange(1, 49) * 1.0)])
+    after_two = np.mean(halves, axis=0)[:, :-1] @ known + np.mean(halves, axis=0)[:, -1]
+    assert _variation(after_two) <= law.after + 1e-3
+
+
+def _variation(coefficients) -> float:
+    orders = np.arange(1, coefficients.size // 2 + 1)
+    real, imaginary = np.split(coefficients, 2)
+    density = 2.0 * (np.cos(np.outer(THETA, orders)) @ real - np.sin(np.outer(THETA, orders)) @ imaginary)
+    return float(0.5 * np.abs(density).mean())
+
+
+def _mean_variation(turns, start, sigma) -> float:
+    """Of the mean over the places of a block, by averaging over all its orders."""
+    kernels, mixed = affine_kernels(turns, 48, sigma), []
+    for order in permutations((0, 1, 1, 2)):
+        done = start
+        for action in order:
+            done = kernels[action][:, :-1] @ done + kernels[action][:, -1]
+            mixed.append(done)
+    return _variation(np.mean(mixed, axis=0))
+
+
+@pytest.mark.parametrize("order", ["random", "in turn", "shuffled"])
+def test_simulated_orientations_follow_the_law(order) -> None:
+    """40,000 orientations from the maps in 24 bins: chi-square over runs, each bin within four standard errors."""
+    strategy = ResetStrategy(PAIR.actions, order=order)
+    law = orientation_law(TURNS, strategy, 0.3)
+    theta = sampled_orientations(TURNS, strategy, 400, 200, 0.3, seed=1)[:, 200:]
+    counts = np.array([np.histogram(row % (2 * math.pi), 24, (0.0, 2 * math.pi))[0] for row in theta]) / 200.0
+    around = np.r_[law.density, law.density[:1]]
+    exact = np.array([np.trapezoid(around[15 * k : 15 * k + 16]) for k in range(24)]) * math.radians(1.0)
+    error = counts.std(axis=0, ddof=1) / math.sqrt(len(counts))
+    assert np.all(np.abs(counts.mean(axis=0) - exact) < 4.5 * error + 2e-4)
+
+
+def test_after_n_pushes_is_what_simulated_collections_from_the_worst_start_show() -> None:
+    strategy, pushes = PAIR, 6
+    law = orientation_law(TURNS, strategy, 0.2, pushes)
+    found = []
+    for start in np.arange(0.0, 2 * math.pi, math.pi / 6.0):
+        ends = sampled_orientations(TURNS, strategy, pushes + 1, 20_000, 0.2, seed=2, start=float(start))[:, -1]
+        shares = np.histogram(ends % (2 * math.pi), 24, (0.0, 2 * math.pi))[0] / ends.size
+        found.append(0.5 * np.abs(shares - 1.0 / 24.0).sum())
+    assert max(found) == pytest.approx(law.after, abs=0.03)
+
+
+def test_blocks_too_long_to_average_over_are_refused() -> None:
+    many = ResetStrategy(tuple(CycleAction(turn=float(k)) for k in range(12)), order="shuffled")
+    with pytest.raises(InvalidInput, match="passes through 4096 sets of actions"):
+        orientation_law(np.zeros((12, 96)), many, 0.1)

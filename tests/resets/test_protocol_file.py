@@ -1,0 +1,253 @@
+"""Protocol files: every strategy comes back as it was, a loop too, and a bad file is told by file, key and value."""
+
+import math
+import re
+import tomllib
+from dataclasses import replace
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.maps import WrappedNormal
+from cyclemap.mechanics import DragBack, Ellipse, PatchFootprint, PointFootprint, Polygon, Pusher, SidePush, Slider
+from cyclemap.mechanics.footprint import grid_footprint
+from cyclemap.resets import CycleAction, ResetStrategy, gripper_turns, legs, read_protocol, write_protocol
+from cyclemap.resets.protocol.file_text import DEGREES, MILLIMETRES, NUMBER, decimal_text
+from cyclemap.resets.protocol.protocol_file import protocol_text
+
+LOOP = CollectionLoop.mit()
+
+
+@pytest.fixture
+def protocol(tmp_path):
+    def write(text):
+        path = tmp_path / "protocol.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+@settings(max_examples=400, deadline=None)
+@given(st.floats(-1e3, 1e3), st.sampled_from((MILLIMETRES, DEGREES, NUMBER)))
+# Its decimal ends in noughts, which the text leaves out.
+@example(0.0049777291318453005, DEGREES)
+def test_every_double_comes_back_from_the_text_of_its_decimal(value, unit) -> None:
+    assert unit.read(Decimal(decimal_text(unit.written(value)))) == value
+
+
+def test_short_numbers_are_read_as_people_write_them() -> None:
+    """3000 whole and half degrees and tenths of a millimetre: the decimals of the written literals."""
+    count = 0
+    for half in range(-1000, 1000):
+        assert DEGREES.read(Decimal(half) / 2) == math.radians(half / 2)
+        count += 1
+    for tenth in range(1000):
+        assert MILLIMETRES.read(Decimal(tenth) / 10) == float(f"{tenth}e-4")
+        count += 1
+    assert count == 3000
+
+
+COIN = ResetStrategy.pushes(SidePush(), (1, 2))
+STRATEGIES = {
+    "a coin": COIN,
+    "weights": ResetStrategy(COIN.actions, (1.0, 2.5)),
+    "in turn": ResetStrategy(COIN.actions, order="in turn"),
+    "shuffled": ResetStrategy(COIN.actions, (1.0, 3.0), "shuffled", 8),
+    "legs": ResetStrategy(legs(0.0731, 8)),
+    "gripper": ResetStrategy(gripper_turns(36)),
+    "all at once": ResetStrategy(
+        (
+            CycleAction(((0.1, 0.0), (1.0 / 3.0, -0.2)), SidePush(2, 1.0 / 3.0, 0.1, 0.07), math.pi / 7.0),
+            CycleAction(()),
+            CycleAction(),
+        ),
+        hitch=(0.01, -1.0 / 300.0),
+    ),
+}
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES.values(), ids=STRATEGIES)
+def test_every_strategy_comes_back_from_its_file_and_acts_alike(strategy, tmp_path) -> None:
+    path = tmp_path / "protocol.toml"
+    write_protocol(path, LOOP, strategy)
+    settings, found = read_protocol(path)
+    assert found == strategy
+    assert found.run(20, seed=4) == strategy.run(20, seed=4)
+    assert CollectionLoop.from_settings(settings, LOOP) == LOOP
+    assert [entry.name for entry in tmp_path.iterdir()] == ["protocol.toml"]
+
+
+NUMBERS = st.floats(-0.5, 0.5)
+ACTIONS = st.builds(
+    CycleAction,
+    st.none() | st.lists(st.tuples(NUMBERS, NUMBERS), max_size=3).map(tuple),
+    st.none() | st.builds(SidePush, st.integers(0, 5), st.floats(0.0, 1.0), NUMBERS, st.floats(0.001, 0.5)),
+    NUMBERS,
+)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(ACTIONS, min_size=1, max_size=4), st.sampled_from(["random", "in turn"]))
+def test_any_strategy_comes_back_exactly_through_toml(tmp_path, actions, order) -> None:
+    path, strategy = tmp_path / "any.toml", ResetStrategy(tuple(actions), order=order)
+    write_protocol(path, LOOP, strategy)
+    assert read_protocol(path)[1] == strategy
+
+
+def test_a_change_of_any_character_is_noticed_unless_the_checksum_is_taken_out(tmp_path) -> None:
+    path = tmp_path / "protocol.toml"
+    write_protocol(path, LOOP, STRATEGIES["weights"])
+    text = path.read_text()
+    assert text.startswith("# checksum: ")
+    places = [at for at in range(text.index("\n") + 1, len(text)) if text[at].isdigit()][::4]
+    assert len(places) > 5
+    for at in places:
+        path.write_text(text[:at] + str((int(text[at]) + 1) % 10) + text[at + 1 :])
+        with pytest.raises(DataFileError, match="not as it was written"):
+            read_protocol(path)
+    path.write_text(text.split("\n", 1)[1].replace("weight = 2.5", "weight = 4"))
+    assert read_protocol(path)[1] == ResetStrategy(COIN.actions, (1.0, 4.0))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('kind = "drawn-pushes"', "kind = 'drawn-pushes' is how earlier versions said it: give order"),
+        ("", "actions is missing"),
+        ("actions = []", "actions must be one or more tables"),
+        (
+            'order = "sobol"\nactions = [{ side = 1, fraction = 0.5, push_mm = 9 }]',
+            "order = 'sobol': it must be one of",
+        ),
+        ("order = 'shuffled'\nblock = 1000000000\nactions = [{ gripper_turn_deg = 1 }]", "is larger than 10000"),
+        ("block = 2\nactions = [{ gripper_turn_deg = 1 }]", "belongs to the order 'shuffled'"),
+        ("actions = [{}]", "actions]] 1: it is empty"),
+        ("actions = [{ weight = 2 }]", "actions]] 1: it is empty"),
+        ("actions = [{ sid = 1 }]", "unknown key 'sid': did you mean 'side'"),
+        ("actions = [{ side = 1, push_mm = 9 }]", "fraction is missing"),
+        ("actions = [{ side = 1.5, fraction = 0.5, push_mm = 9 }]", "side must be a whole number"),
+        ("actions = [{ side = 1, fraction = 0.5, push_mm = nan }]", "push_mm = NaN: must be a finite number"),
+        ("actions = [{ side = 1, fraction = 0.5, push_mm = -3 }]", "push distance must be positive"),
+        ("actions = [{ way_points_mm = [[1, 2, 3]] }]", "way_points_mm must hold [x, y]"),
+        ("actions = [{ gripper_turn_deg = true }]", "must be a number"),
+        ("actions = [{ gripper_turn_deg = 1, weight = 1 }, { gripper_turn_deg = 2 }]", "1 of 2 actions have a weight"),
+        ("order = 'in turn'\nactions = [{ gripper_turn_deg = 1, weight = 1 }]", "actions in turn have no weight"),
+        ("hitch_mm = 3\nactions = [{ gripper_turn_deg = 1 }]", "hitch_mm must hold [x, y]"),
+    ],
+)
+def test_a_bad_strategy_is_told_by_file_key_and_value(protocol, text, said) -> None:
+    path = protocol(f"[strategy]\n{text}\n")
+    with pytest.raises(DataFileError, match=re.escape(said)) as refusal:
+        read_protocol(path)
+    assert str(refusal.value).startswith(f"{path}: [")
+
+
+TRIANGLE = Polygon(((0.05, 0.04), (-0.06, 0.04), (0.0, -0.0501)))
+LOOPS = {
+    "MIT's": LOOP,
+    "another material": CollectionLoop.mit("delrin"),
+    "what a material brings along": CollectionLoop.mit("plywood-measured"),
+    "another push and rod": CollectionLoop.mit(
+        push=SidePush(2, 1.0 / 3.0, 0.2, 0.07), pusher=Pusher(0.006, 0.31), reset=DragBack(((0.03, 0.1),), 0.001)
+    ),
+    "another ring, mass and centre": CollectionLoop.mit(
+        slider=replace(Slider.mit("hex"), hitch=(0.01, -0.02), mass=2.0, centre_of_mass=(0.004, 0.001))
+    ),
+    "an ellipse": CollectionLoop.mit(slider=Slider(Ellipse(0.05, 0.07))),
+    "a triangle on its rim": CollectionLoop.mit(
+        slider=Slider(TRIANGLE), footprint=PatchFootprint(TRIANGLE, rim_share=0.3, corner_share=0.1)
+    ),
+    "a grid": CollectionLoop.mit(footprint=grid_footprint(LOOP.slider.outline, 8)),
+}
+
+
+@pytest.mark.parametrize("loop", LOOPS.values(), ids=LOOPS)
+def test_a_loop_comes_back_and_runs_the_same_cycle(loop, tmp_path) -> None:
+    path = tmp_path / "protocol.toml"
+    write_protocol(path, loop, None)
+    settings, strategy = read_protocol(path)
+    found = CollectionLoop.from_settings(settings, CollectionLoop.mit(loop.material))
+    assert strategy is None
+    assert found.cycle(0.7).theta_next == pytest.approx(loop.cycle(0.7).theta_next, abs=1e-9)
+    assert found.push.side == loop.push.side
+    assert np.allclose(found.slider.hitch, loop.slider.hitch, atol=1e-15)
+
+
+def test_what_a_material_brings_along_is_left_to_the_material() -> None:
+    """A protocol made for one surface must not carry that surface's own rod friction and ring to another."""
+    text = protocol_text(LOOPS["what a material brings along"], None)
+    assert LOOPS["what a material brings along"] != replace(
+        LOOP, material=LOOPS["what a material brings along"].material
+    )
+    assert not {"mu_a", "pusher_mu", "hitch_x_mm", "rim_share", "pin_friction_mm"} & set(_keys(text))
+    assert "pusher_mu" in _keys(protocol_text(LOOPS["another push and rod"], None))
+
+
+def _keys(text: str) -> list[str]:
+    return [key for table in tomllib.loads(text).values() for key in table]
+
+
+def test_support_points_of_ones_own_are_refused() -> None:
+    odd = PointFootprint(((-0.04, -0.04), (0.04, -0.04), (0.0, 0.04)), (1.0, 1.0, 2.0))
+    with pytest.raises(InvalidInput, match="3 support points are neither corners nor a grid"):
+        protocol_text(replace(LOOP, footprint=odd), None)
+
+
+def test_noise_and_prediction_stand_in_the_file_and_do_not_disturb_it(tmp_path) -> None:
+    path = tmp_path / "protocol.toml"
+    scores = {"tv_from_uniform": 0.04, "reach_cycles": 12, "certified": True, "peaks_deg": [10.0, 200.0], "none": None}
+    write_protocol(path, LOOP, COIN, noise=WrappedNormal(0.02), predicted=scores)
+    settings, strategy = read_protocol(path)
+    assert settings["noise_deg"] == pytest.approx(math.degrees(0.02), abs=1e-14)
+    assert strategy == COIN
+    assert tomllib.loads(path.read_text())["predicted"] == {
+        key: value for key, value in scores.items() if value is not None
+    }
+    assert path.read_text().splitlines()[1].startswith("# Protocol of a data collection")
+
+
+REFUSALS = [
+    ('strategy = "leg"\n', r"\[strategy\]: must be a table with order, block, hitch_mm, actions, not 'leg'"),
+    (f"[push]\npush_mm = 1{'0' * 5000}\n", "a number has more digits"),
+    ("[push]\npush_mm = 1e99999999999999999999\n", "a number has more digits, or a larger power of ten"),
+    (f"[push]\nway_points_mm = {'[' * 2000}{']' * 2000}\n", "nested too deeply"),
+    ("[predicted]\nscore = {a = 1}\n", r"\[predicted\] score must be a number"),
+    ("predicted = 3\n", "predicted must be a table of scores"),
+    ("[push]\npush_mn = 3\n", "unknown setting 'push_mn': did you mean 'push_mm'"),
+]
+
+
+@pytest.mark.parametrize(("text", "said"), REFUSALS)
+def test_a_bad_protocol_is_told_by_file_key_and_value(protocol, text, said) -> None:
+    path = protocol(text)
+    with pytest.raises(DataFileError, match=said) as refusal:
+        read_protocol(path)
+    assert str(refusal.value).startswith(str(path))
+
+
+def test_what_may_be_left_out_takes_its_default(protocol) -> None:
+    action = "[[strategy.actions]]\nside = 2\nfraction = 0.6\npush_mm = 80\n"
+    found = read_protocol(protocol(f"[push]\nside = 2\n[strategy]\n{action}"))
+    assert found == ({"side": 2}, ResetStrategy((CycleAction(push=SidePush(2, 0.6, 0.0, 0.08)),)))
+
+
+def test_the_file_is_replaced_whole_or_left_as_it_was(tmp_path) -> None:
+    path = tmp_path / "protocol.toml"
+    write_protocol(path, LOOP, COIN)
+    before = path.read_bytes()
+    with pytest.raises(InvalidInput):
+        write_protocol(path, LOOP, COIN, predicted={"tv": {}})
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("predicted", [{"a": {"b": 1}}, {1: 2}, [1]])
+def test_a_prediction_that_could_not_be_read_back_is_not_written(predicted, tmp_path) -> None:
+    with pytest.raises(InvalidInput, match="predicted"):
+        write_protocol(tmp_path / "protocol.toml", LOOP, None, predicted=predicted)
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,133 @@
+"""The design of a reset for plywood: what it promises is what the mechanics do, and demands bind as they should."""
+
+import math
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+import cyclemap as cm
+from cyclemap.errors import InvalidInput
+from cyclemap.resets import (
+    ResetDemands,
+    ResetStrategy,
+    design_reset,
+    histogram_distances,
+    histogram_shares,
+    material_range,
+    orientation_law,
+    run_strategy,
+    sample_turns,
+)
+from cyclemap.resets.design.reset_search import push_set, scored, searched
+
+LOOP = cm.CollectionLoop.mit()
+SIGMA = math.radians(1.1)
+COIN = ResetStrategy.pushes(LOOP.push, (1, 2))
+
+
+@pytest.fixture(scope="module")
+def design():
+    return design_reset(LOOP, given=COIN)
+
+
+def row_of(design, role):
+    (found,) = [row for row in design.rows if role in row.roles]
+    return found
+
+
+def test_it_finds_what_is_more_uniform_and_more_certain_than_the_coin_between_sides_1_and_2(design) -> None:
+    """The loop's own push on two sides leaves .0385, and .0387 after 50 pushes from the worst start."""
+    chosen, coin = design.chosen, row_of(design, "yours")
+    assert coin.nominal.total_variation == pytest.approx(0.0385, abs=2e-4)
+    assert coin.nominal.after == pytest.approx(0.0387, abs=2e-4)
+    assert 1e3 * coin.drag == pytest.approx(74.3, abs=0.2)
+    assert design.met and not chosen.misses
+    assert chosen.worst <= 0.10 and chosen.worst_after <= 0.12
+    assert chosen.worst_after < coin.worst_after
+    assert chosen.nominal.total_variation < coin.nominal.total_variation
+    assert chosen.seconds < coin.seconds
+
+
+def test_rows_are_few_and_each_has_its_role(design) -> None:
+    roles = [role for row in design.rows for role in row.roles]
+    assert len(design.rows) <= 8 and roles[0] == "chosen" and roles[-1] == "as it is"
+    assert len(set(roles)) == len(roles)
+    assert {"simplest", "evenest", "cheapest", "way back", "gripper"} <= set(roles)
+    able = [row for row in design.rows if not row.lacking]
+    assert row_of(design, "evenest").worst_after == min(row.worst_after for row in able)
+    assert row_of(design, "cheapest").seconds == min(row.seconds for row in able if not row.misses)
+    assert row_of(design, "gripper").lacking == ("gripper",)
+    own = row_of(design, "as it is")
+    assert own.nominal.total_variation == pytest.approx(0.957, abs=2e-3)
+
+
+def test_the_worst_of_the_range_is_where_it_is_said_to_be(design) -> None:
+    """Laws made anew on every material that was tried, from finer samples."""
+    row = design.chosen
+    materials = [*design.about.materials, *design.tried]
+    turns = sample_turns(row.strategy.prepared(LOOP), row.strategy.actions, materials, 72).refined(1024)
+    laws = {m.name: orientation_law(turn, row.strategy, SIGMA) for m, turn in zip(materials, turns, strict=True)}
+    assert row.worst == pytest.approx(max(law.total_variation for law in laws.values()), abs=3e-3)
+    assert row.worst_after == pytest.approx(max(law.after for law in laws.values()), abs=3e-3)
+    assert laws[row.worst_material.name].after == pytest.approx(row.worst_after, abs=3e-3)
+
+
+def test_thousands_of_pushes_by_the_mechanics_show_the_histograms_that_were_promised(design) -> None:
+    """40 collections of 250 pushes on the worst material, against the same number from the row's promise."""
+    demands = replace(design.demands, pushes=250)
+    row, runs = design.chosen, 40
+    loop = replace(LOOP, material=row.worst_material, accuracy=1e-5)
+    turn = sample_turns(loop, row.strategy.actions, [row.worst_material], 72).refined(720)[0]
+    promised = cm.resets.sampled_orientations(turn, row.strategy, demands.pushes, 400, SIGMA, seed=9)
+    start = np.random.default_rng(3).uniform(0.0, 2.0 * math.pi, runs)
+    run = run_strategy(loop, row.strategy, demands.pushes, runs=runs, start=start, sigma=SIGMA, seed=8)
+    expected, found = (histogram_distances(histogram_shares(path)) for path in (promised, run.theta[:, :-1]))
+    error = math.sqrt(found.var(ddof=1) / runs + expected.var(ddof=1) / 400)
+    assert abs(found.mean() - expected.mean()) < 3.5 * error
+
+
+def test_every_pair_of_pushes_was_looked_at() -> None:
+    """Brute force over the pairs of a small set: none is more uniform than the best that the search kept."""
+    about = material_range(LOOP.material)
+    source = push_set(LOOP, about, SIGMA, 0.12)
+    pairs = np.array(list(combinations(range(len(source.actions)), 2)))
+    shares = np.zeros((len(pairs), len(source.actions)))
+    np.put_along_axis(shares, pairs, 0.5, axis=1)
+    best = scored(source, shares, 50)
+    found = searched(source, 50, lambda done: None)
+    two = (found.sizes == 2) & found.equal
+    assert two.sum() == len(pairs) > 20
+    assert found.after[two].min() == pytest.approx(best.after.min(), abs=1e-12)
+    assert found.after.min() <= best.after.min()
+
+
+def test_demands_that_nothing_meets_are_answered_by_the_nearest_and_what_binds() -> None:
+    kept = design_reset(LOOP, ResetDemands(keep_push=True), materials=material_range(LOOP.material, 0.1, 0.0))
+    assert not kept.met and {"tv", "after"} <= set(kept.chosen.misses)
+    assert all(action.push is None for action in kept.chosen.strategy.actions)
+    least = {limit.demand: limit.value for limit in kept.binding}
+    assert least["tv"] > kept.demands.allow_tv and least["after"] >= least["tv"] - 1e-9
+    assert "gripper" not in kept.chosen.strategy.needs
+    able = design_reset(
+        LOOP, replace(kept.demands, abilities=("gripper",)), materials=material_range(LOOP.material, 0.1, 0.0)
+    )
+    assert able.met and able.chosen.strategy.needs == ("gripper",)
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        ({"allow_tv": 0.0}, "allow_tv is 0"),
+        ({"extra_tv": 1.0}, "extra_tv is 1"),
+        ({"within": 0}, "within must be at least 1"),
+        ({"pushes": 10**9}, "pushes is 1000000000: more than 10000"),
+        ({"drag_ratio": -1.0}, "drag_ratio must be positive"),
+        ({"contact": math.nan}, "contact must be a finite number"),
+        ({"abilities": ("wings",)}, "ability 'wings' is not known"),
+    ],
+)
+def test_bad_demands_are_refused_by_name(fields, said) -> None:
+    with pytest.raises(InvalidInput, match=said):
+        ResetDemands(**fields)

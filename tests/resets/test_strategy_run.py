@@ -1,0 +1,86 @@
+"""Runs by the mechanics and from sampled maps are the same collections; histograms lie as far from uniform as told."""
+
+import math
+
+import numpy as np
+import pytest
+
+import cyclemap as cm
+from cyclemap.resets import (
+    CycleAction,
+    ResetStrategy,
+    histogram_distances,
+    histogram_shares,
+    independent_distance,
+    map_turns,
+    run_strategy,
+    sampled_orientations,
+    steered_orientations,
+    strategy_maps,
+)
+
+LOOP = cm.CollectionLoop.mit(accuracy=1e-6)
+COIN = ResetStrategy.pushes(LOOP.push, (1, 2))
+TURNING = ResetStrategy((CycleAction(), CycleAction(turn=2.0)))
+
+
+def test_a_run_is_cycle_after_cycle_of_what_is_drawn() -> None:
+    run = run_strategy(LOOP, TURNING, 6, start=0.3, sigma=0.0, seed=4)
+    theta = 0.3
+    for number, action in enumerate(TURNING.run(6, 4)):
+        theta = action.on(LOOP).cycle(theta).theta_next + action.turn
+        assert run.theta[0, number + 1] == pytest.approx(theta, abs=1e-8)
+
+
+def test_runs_from_sampled_maps_follow_the_mechanics() -> None:
+    """Two routes to the same paths, until what is between the samples has grown."""
+    turns = map_turns(strategy_maps(LOOP, COIN), 1440)
+    sampled = sampled_orientations(turns, COIN, 20, 5, 0.02, seed=3, start=1.0)
+    run = run_strategy(LOOP, COIN, 19, runs=5, start=1.0, sigma=0.02, seed=3)
+    assert run.action.shape == (5, 19) and len({tuple(row) for row in run.action.tolist()}) == 5
+    # The noise is drawn for as many cycles as there are.
+    first = run_strategy(LOOP, COIN, 20, runs=5, start=1.0, sigma=0.02, seed=3)
+    assert sampled == pytest.approx(first.theta[:, :-1], abs=5e-3)
+
+
+def test_a_surface_that_wears_does_so_in_a_run() -> None:
+    measured = cm.CollectionLoop.mit("plywood-measured", accuracy=1e-6)
+    own = ResetStrategy((CycleAction(),))
+    run = run_strategy(measured, own, 3, start=1.0)
+    theta = 1.0
+    for number in range(3):
+        theta = cm.worn_loop(measured, number).cycle(theta).theta_next
+        assert run.theta[0, number + 1] == pytest.approx(theta, abs=1e-8)
+
+
+@pytest.mark.parametrize(("pushes", "bins"), [(500, 36), (37, 10), (5, 36)])
+def test_the_mean_distance_of_independent_pushes_is_de_moivres(pushes, bins) -> None:
+    theta = np.random.default_rng(1).uniform(0.0, 2.0 * math.pi, (4000, pushes))
+    found = histogram_distances(histogram_shares(theta, bins))
+    error = found.std() / math.sqrt(len(found))
+    assert abs(found.mean() - independent_distance(pushes, bins)) < 4.0 * error
+
+
+def test_shares_of_a_histogram_are_numpys() -> None:
+    theta = np.random.default_rng(2).normal(0.0, 3.0, (3, 50))
+    for row, shares in zip(theta, histogram_shares(theta), strict=True):
+        assert shares == pytest.approx(np.histogram(row % (2 * math.pi), 36, (0.0, 2 * math.pi))[0] / 50.0)
+
+
+def test_steering_by_what_is_seen_leaves_a_more_even_histogram_than_drawing() -> None:
+    turns = map_turns(strategy_maps(LOOP, COIN), 720)
+    drawn = histogram_distances(histogram_shares(sampled_orientations(turns, COIN, 200, 30, 0.02)))
+    steered = histogram_distances(histogram_shares(steered_orientations(turns, 200, 30, 0.02)))
+    assert steered.mean() < 0.6 * drawn.mean()
+
+
+def test_steered_runs_do_what_the_next_action_says() -> None:
+    """Without noise: the monitor's coverage and the exact maps, push by push."""
+    maps = strategy_maps(LOOP, COIN)
+    theta = steered_orientations(map_turns(maps, 2880), 15, 1, 0.0, seed=1)[0]
+    coverage = cm.resets.Coverage()
+    for push in range(14):
+        coverage.add(float(theta[push]))
+        chosen = cm.next_action(maps, coverage, float(theta[push]))
+        away = (theta[push + 1] - chosen.lands + math.pi) % (2 * math.pi) - math.pi
+        assert abs(away) < 1e-3

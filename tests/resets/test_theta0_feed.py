@@ -1,0 +1,314 @@
+"""Orientations from files that grow, stop in mid-line, are cut, replaced or damaged; and from folders of pushes."""
+
+import json
+import os
+import shutil
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import DataFileError
+from cyclemap.evidence import read_theta0_pairs
+from cyclemap.resets.monitor import theta0_feed as module
+from cyclemap.resets.monitor.theta0_feed import NewOrientations, theta0_feed
+
+
+def degrees(found) -> list[float]:
+    return np.round(np.degrees(found.theta), 9).tolist()
+
+
+def append(file, text: str) -> None:
+    with file.open("a", newline="") as stream:
+        stream.write(text)
+
+
+def test_rows_are_given_once_as_they_come_and_a_half_written_one_when_it_is_whole(tmp_path) -> None:
+    file = tmp_path / "growing.csv"
+    file.write_text("theta0")
+    feed = theta0_feed(file)
+    assert degrees(feed.look()) == []
+    append(file, "_deg\n10.5\n\n37")
+    assert degrees(feed.look()) == [10.5]
+    append(file, "0.25\r\n-5\r\n")
+    assert degrees(feed.look()) == [370.25, -5.0]
+    assert degrees(feed.look()) == []
+    append(file, "7")
+    assert degrees(feed.look()) == []
+    assert degrees(feed.look(finished=True)) == [7.0]
+
+
+def test_a_file_in_pieces_of_any_size_gives_what_the_whole_file_gives(tmp_path) -> None:
+    content = "\ufefftheta0_deg,note\n" + "".join(f"{7.5 * k},é{k}\n" for k in range(40))
+    raw = content.encode()
+    whole, growing = tmp_path / "whole.csv", tmp_path / "growing.csv"
+    whole.write_bytes(raw)
+    expected = degrees(theta0_feed(whole).look(finished=True))
+    assert expected == [7.5 * k for k in range(40)]
+    for size in (1, 7, 64):
+        growing.write_bytes(b"")
+        feed, found = theta0_feed(growing), []
+        for at in range(0, len(raw), size):
+            with growing.open("ab") as stream:
+                stream.write(raw[at : at + size])
+            found += degrees(feed.look())
+        assert found == expected
+
+
+def test_pairs_and_staircases_are_read_by_their_first_orientation(tmp_path, measured_data) -> None:
+    pairs = tmp_path / "pairs.csv"
+    pairs.write_text("theta_next_deg,Theta0_deg\n20,10\n30,20\n")
+    assert degrees(theta0_feed(pairs).look(finished=True)) == [10.0, 20.0]
+    staircase = measured_data / "plywood_rect1_theta0_2000.csv"
+    found = theta0_feed(staircase).look(finished=True).theta
+    assert np.array(found) == pytest.approx(read_theta0_pairs(staircase).path)
+
+
+@pytest.mark.parametrize("how", ["cut", "replaced", "rewritten"])
+def test_a_file_that_begins_anew_is_read_from_its_start(tmp_path, how) -> None:
+    file = tmp_path / "data.csv"
+    file.write_text("theta0_deg\n1\n2\n3\n")
+    feed = theta0_feed(file)
+    assert not feed.look().began_anew
+    if how == "cut":
+        file.write_text("theta0_deg\n4\n")
+    elif how == "replaced":
+        other = tmp_path / "other.csv"
+        other.write_text("theta0_deg\n4\n5\n6\n7\n8\n")
+        other.replace(file)
+    else:
+        file.write_text("theta0_deg\n9\n2\n3\n4\n5\n6\n")
+    found = feed.look()
+    assert found.began_anew
+    assert degrees(found) == {"cut": [4.0], "replaced": [4.0, 5, 6, 7, 8], "rewritten": [9.0, 2, 3, 4, 5, 6]}[how]
+    assert not feed.look().began_anew
+
+
+ROWS = ["10.125", "20.250", "30.375", "40.500", "50.625", "60.750", "70.875"]
+
+
+def written(rows) -> str:
+    return "theta0_deg\n" + "".join(f"{row}\n" for row in rows)
+
+
+@pytest.mark.parametrize("row", range(len(ROWS)))
+def test_an_edit_in_place_of_any_row_is_noticed(tmp_path, row) -> None:
+    """Same inode, same size, same beginning and end: only the checksum of all that was read tells."""
+    file = tmp_path / "data.csv"
+    file.write_text(written(ROWS))
+    feed = theta0_feed(file)
+    feed.look()
+    edited = [*ROWS[:row], ROWS[row][:-1] + "9", *ROWS[row + 1 :]]
+    with file.open("r+") as stream:
+        stream.write(written(edited))
+    found = feed.look()
+    assert found.began_anew
+    assert degrees(found) == [float(one) for one in edited]
+
+
+def test_a_log_that_is_cut_and_written_on_loses_no_row_and_no_digit(tmp_path) -> None:
+    """Cut short and written longer than it was between two looks, by the same inode."""
+    file = tmp_path / "data.csv"
+    file.write_text(written(ROWS[:3]))
+    feed = theta0_feed(file)
+    feed.look()
+    with file.open("r+") as stream:
+        stream.truncate(0)
+        stream.write(written(ROWS[1:]))
+    found = feed.look()
+    assert found.began_anew and degrees(found) == [float(one) for one in ROWS[1:]]
+
+
+@pytest.mark.parametrize("kept", range(len(ROWS)))
+def test_a_rotated_log_is_read_from_its_start_whatever_it_starts_with(tmp_path, kept) -> None:
+    """The old file is moved away, a new one begins with some of the same rows; the inode may be used again."""
+    file = tmp_path / "data.csv"
+    file.write_text(written(ROWS))
+    feed = theta0_feed(file)
+    feed.look()
+    file.rename(tmp_path / "data.csv.1")
+    (tmp_path / "data.csv.1").unlink()
+    new = [*ROWS[:kept], "111.5", "222.5"]
+    file.write_text(written(new))
+    found = feed.look()
+    assert found.began_anew and degrees(found) == [float(one) for one in new]
+
+
+def test_a_file_that_is_empty_for_a_while_is_what_was_read_until_new_rows_come(tmp_path) -> None:
+    file = tmp_path / "data.csv"
+    file.write_text(written(ROWS))
+    feed = theta0_feed(file)
+    feed.look()
+    file.write_text("")
+    assert feed.look() == NewOrientations(())
+    file.write_text(written(ROWS[:1]))
+    found = feed.look()
+    assert found.began_anew and degrees(found) == [10.125]
+    append(file, "20.25\n")
+    assert feed.look() == NewOrientations((np.radians(20.25),))
+
+
+def test_a_pipe_and_a_file_without_end_are_refused(tmp_path, monkeypatch) -> None:
+    os.mkfifo(tmp_path / "pipe.csv")
+    with pytest.raises(DataFileError, match=r"pipe\.csv: not a regular file"):
+        theta0_feed(tmp_path / "pipe.csv").look()
+    monkeypatch.setattr(module, "MOST_BYTES", 100)
+    (tmp_path / "long.csv").write_text(written(ROWS * 5))
+    with pytest.raises(DataFileError, match=r"long\.csv: over 0 MB more at one look"):
+        theta0_feed(tmp_path / "long.csv").look()
+
+
+def test_a_file_that_is_away_between_two_looks_is_waited_for(tmp_path) -> None:
+    file = tmp_path / "data.csv"
+    file.write_text("theta0_deg\n1\n")
+    feed = theta0_feed(file)
+    feed.look()
+    file.unlink()
+    assert feed.look().theta == ()
+    file.write_text("theta0_deg\n8\n9\n")
+    found = feed.look()
+    assert found.began_anew and degrees(found) == [8.0, 9.0]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("theta0_deg\n1\nabc\n", r"data.csv, line 3: theta0_deg is 'abc'; it must be a finite number"),
+        ("theta0_deg\n1\n\nnan\n", r"line 4: theta0_deg is 'nan'"),
+        ("theta0_deg,flag\n1,\n2\n", r"line 3: 1 of 2 fields \('2'\)"),
+        ("angle,flag\n1,\n", r"line 1: the header is angle,flag; it must have theta0_deg or theta0_accum_deg"),
+        ('theta0_deg\n"1\n', r"line 2: .* mend the quotes"),
+        ("theta0_deg\n1\n1e300\n", r"line 3: theta0_deg is '1e300'; at such a size the fraction of a turn is lost"),
+        ("theta0_accum_deg\n-6e10\n", r"line 2: theta0_accum_deg is '-6e10'; at such a size"),
+        ("theta0_deg\n", "no row of θ0"),
+        ("", "no row of θ0"),
+    ],
+)
+def test_bad_rows_are_named_with_line_and_value(tmp_path, content, message) -> None:
+    file = tmp_path / "data.csv"
+    file.write_text(content)
+    with pytest.raises(DataFileError, match=message):
+        theta0_feed(file).look(finished=True)
+
+
+def test_a_bad_row_is_named_by_its_line_however_late_it_comes(tmp_path) -> None:
+    file = tmp_path / "data.csv"
+    file.write_text("theta0_deg\n1\n2\n")
+    feed = theta0_feed(file)
+    feed.look()
+    append(file, "3\n4,5\n")
+    with pytest.raises(DataFileError, match="line 5: 2 of 1 fields"):
+        feed.look()
+
+
+def test_files_that_are_no_text_or_not_there_are_refused(tmp_path) -> None:
+    file = tmp_path / "data.csv"
+    with pytest.raises(DataFileError, match="there is no such file"):
+        theta0_feed(file).look()
+    file.write_bytes(b"theta0_deg\n1\n\xff\n")
+    with pytest.raises(DataFileError, match="line 3: byte 0 is not UTF-8 text"):
+        theta0_feed(file).look()
+
+
+def push_text(theta: float) -> str:
+    poses = [[0.0, 0.3, 0.0, theta], [0.1, 0.3, 0.05, theta + 1.0]]
+    return json.dumps({"object_pose": poses, "tip_pose": poses, "ft_wrench": poses})
+
+
+def push_file(folder, repetition: int):
+    return folder / f"motion_surface=abs_shape=hex_a=0_v=20_i=0.000_s=0.700_t=0.000_rep={repetition:04d}.json"
+
+
+def test_a_folder_gives_its_pushes_in_order_and_waits_for_one_half_written(tmp_path) -> None:
+    for repetition in (2, 10, 1):
+        push_file(tmp_path, repetition).write_text(push_text(0.1 * repetition))
+    feed = theta0_feed(tmp_path)
+    assert feed.look().theta == pytest.approx((0.1, 0.2, 1.0))
+    late = push_file(tmp_path, 11)
+    late.write_text(push_text(1.1)[:60])
+    push_file(tmp_path, 12).write_text(push_text(1.2))
+    assert feed.look().theta == ()
+    late.write_text(push_text(1.1))
+    assert feed.look().theta == pytest.approx((1.1, 1.2))
+    push_file(tmp_path, 13).write_text("{")
+    feed.look()
+    with pytest.raises(DataFileError, match=r"rep=0013\.json: not JSON, or cut short"):
+        feed.look()
+
+
+def test_an_empty_folder_is_no_collection(tmp_path) -> None:
+    feed = theta0_feed(tmp_path)
+    assert feed.look().theta == ()
+    with pytest.raises(DataFileError, match="holds no recorded push"):
+        feed.look(finished=True)
+
+
+def test_a_folder_that_is_away_is_empty_for_now_and_read_anew_once_it_holds_pushes_again(tmp_path) -> None:
+    folder = tmp_path / "pushes"
+    folder.mkdir()
+    push_file(folder, 1).write_text(push_text(0.1))
+    feed = theta0_feed(folder)
+    assert feed.look().theta == pytest.approx((0.1,))
+    shutil.rmtree(folder)
+    for _ in range(2):
+        assert feed.look() == NewOrientations(())
+    with pytest.raises(DataFileError, match="pushes: there is no such folder; check the path"):
+        feed.look(finished=True)
+    folder.mkdir()
+    assert feed.look() == NewOrientations(())
+    push_file(folder, 1).write_text(push_text(0.3))
+    found = feed.look()
+    assert found.began_anew and found.theta == pytest.approx((0.3,))
+    assert feed.look() == NewOrientations(())
+
+
+def test_a_folder_that_became_a_file_is_said_to_be_unreadable(tmp_path) -> None:
+    folder = tmp_path / "pushes"
+    folder.mkdir()
+    feed = theta0_feed(folder)
+    folder.rmdir()
+    folder.write_text("")
+    with pytest.raises(DataFileError, match=r"pushes: cannot be read \(Not a directory\)"):
+        feed.look()
+
+
+def test_folders_pipes_and_links_to_nothing_among_the_pushes_are_passed_over(tmp_path) -> None:
+    push_file(tmp_path, 1).write_text(push_text(0.1))
+    (tmp_path / "d.json").mkdir()
+    os.mkfifo(tmp_path / "p.json")
+    assert theta0_feed(tmp_path).look(finished=True).theta == pytest.approx((0.1,))
+    link = tmp_path / "link.json"
+    link.symlink_to(tmp_path / "elsewhere" / "push.json")
+    feed = theta0_feed(tmp_path)
+    assert feed.look().theta == pytest.approx((0.1,))
+    with pytest.raises(DataFileError, match=r"link\.json: a link to a file that is not there"):
+        feed.look(finished=True)
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "push.json").write_text(push_text(0.7))
+    assert feed.look(finished=True).theta == pytest.approx((0.7,))
+
+
+def test_a_push_that_goes_while_it_is_read_or_cannot_be_read_is_no_bare_error(tmp_path, monkeypatch) -> None:
+    """A file deleted between listing and reading is passed over while following; a failing disk is named."""
+    file = push_file(tmp_path, 1)
+    file.write_text(push_text(0.1))
+
+    def vanishing(path):
+        path.unlink()
+        raise FileNotFoundError(2, "No such file or directory", str(path))
+
+    def failing(path):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(module, "read_push_file", vanishing)
+    feed = theta0_feed(tmp_path)
+    assert [feed.look().theta, feed.look().theta] == [(), ()]
+    file.write_text(push_text(0.1))
+    monkeypatch.setattr(module, "read_push_file", failing)
+    with pytest.raises(DataFileError, match=r"rep=0001\.json: cannot be read \(Input/output error\)"):
+        feed.look(finished=True)
+
+
+def test_a_push_whose_orientation_has_lost_its_fraction_of_a_turn_is_refused(tmp_path) -> None:
+    push_file(tmp_path, 1).write_text(push_text(2e9))
+    with pytest.raises(DataFileError, match=r"rep=0001\.json: .* is 2e[+]09; it must be a number within"):
+        theta0_feed(tmp_path).look(finished=True)
