@@ -146,8 +146,9 @@ class SweepStore:
         """Check the file, or begin a new one; return its description."""
         run = self.connection.execute
         run(f"PRAGMA busy_timeout = {int(1000 * _PATIENCE_SECONDS)}")
-        application = run("PRAGMA application_id").fetchone()[0]
+        # In this order: where another process made the tables just now, it has set the number with them.
         tables = run("SELECT count(*) FROM sqlite_master").fetchone()[0]
+        application = run("PRAGMA application_id").fetchone()[0]
         if application == 0 and tables == 0 and plan is not None:
             self._create(plan)
             application = run("PRAGMA application_id").fetchone()[0]
