@@ -14,7 +14,8 @@ from cyclemap.mechanics.engine.strokes import PARAMETERS, Strokes
 from cyclemap.mechanics.footprint import PatchFootprint
 from cyclemap.mechanics.outline import Ellipse
 from cyclemap.mechanics.protocol import DragBack, SidePush
-from cyclemap.mechanics.quasi_static import DragResult, PushResult, QuasiStaticModel, refusal, run_strokes
+from cyclemap.mechanics.quasi_static import QuasiStaticModel, refusal, run_strokes
+from cyclemap.mechanics.trajectory import DragResult, PushResult
 from cyclemap.suggestions import unknown_name
 
 Array = NDArray[np.float64]

@@ -6,9 +6,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.mechanics.area_quadrature import area_quadrature
 from cyclemap.mechanics.footprint import INNER, Footprint, PointFootprint, side_arms
-from cyclemap.mechanics.outline import Ellipse, Polygon
+from cyclemap.mechanics.outline import Ellipse, Polygon, area_quadrature
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,7 @@ from residuals import residuals, vanishes
 from scipy.integrate import dblquad
 
 from cyclemap.mechanics.footprint import PatchFootprint
-from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.limit_surface import LimitSurface
+from cyclemap.mechanics.friction import EllipseFriction, LimitSurface
 from cyclemap.mechanics.outline import Polygon
 from theory import patch_dissipation as theory
 

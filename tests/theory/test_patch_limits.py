@@ -8,8 +8,7 @@ import sympy as sp
 from residuals import residuals, vanishes
 
 from cyclemap.mechanics.footprint import PatchFootprint, grid_footprint
-from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.limit_surface import LimitSurface
+from cyclemap.mechanics.friction import EllipseFriction, LimitSurface
 from cyclemap.mechanics.outline import Polygon
 from theory import patch_limits as theory
 from theory.patch_dissipation import side_term, traction_matrix, velocity_image

@@ -10,8 +10,7 @@ from scipy.integrate import quad
 from scipy.special import ellipe
 
 from cyclemap.mechanics.footprint import PatchFootprint, corner_footprint
-from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.limit_surface import LimitSurface
+from cyclemap.mechanics.friction import EllipseFriction, LimitSurface
 from cyclemap.mechanics.outline import Ellipse, Polygon
 from theory import square_torque as theory
 
