@@ -23,6 +23,7 @@ RANK = {
 }
 # Modules beside the rooms: small things that every room may use, and the doors of the package.
 SHARED = {
+    "arrays": 0,
     "errors": 0,
     "lazy_names": 0,
     "plain_text": 0,

@@ -6,15 +6,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, whole_number
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.dynamic_loop import DynamicLoop, isotropic_twin
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
-
-Array = NDArray[np.float64]
 
 # Ma & Rodriguez (2018): 600 cycles in 6 batches.
 BATCHES, CYCLES = 6, 100

@@ -5,8 +5,9 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number
 from cyclemap.collection.cycle import Cycles, StrokePair
 from cyclemap.collection.loop import CollectionLoop
@@ -14,8 +15,6 @@ from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PointFootprint
 from cyclemap.mechanics.dynamic_model import GRID, SAMPLES, DynamicDrag, DynamicModel, DynamicPush, DynamicTrajectory
 from cyclemap.mechanics.pressure_points import pressure_points
-
-Array = NDArray[np.float64]
 
 # What a comparison tells of both models.
 QUANTITIES = ("push_turn", "drag_turn", "theta_next", "push_displacement")

@@ -6,12 +6,10 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import PointFootprint, grid_footprint
-
-Array = NDArray[np.float64]
 
 GRID = 8
 # The instant is after this share of the push's way.

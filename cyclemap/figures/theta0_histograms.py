@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
 from cyclemap.figures.exhibit import PaperFigure
 from cyclemap.figures.material_panels import draw_materials
@@ -20,7 +21,6 @@ from cyclemap.views.panel_parts import legend_above, name_tag
 from cyclemap.views.record_panels import PER_DEGREE, draw_measured_histogram
 from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis
 
-Array = NDArray[np.float64]
 UNIFORM = 1.0 / (2 * np.pi)
 # A maximum of the density counts as a peak from this many times the uniform density on.
 LEAST_PEAK = 0.5

@@ -12,13 +12,12 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.footprint import PointFootprint
 from cyclemap.mechanics.outline import Ellipse, Outline
 
-Array = NDArray[np.float64]
 Vector = tuple[Any, Any]
 
 # How a leg lies (rod's start and velocity, duration), then what it meets; creep: the speed below which friction fades.

@@ -6,8 +6,8 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import non_negative_number, point, positive_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
@@ -18,8 +18,6 @@ from cyclemap.mechanics.outline import Outline
 from cyclemap.mechanics.protocol import Pose, Pusher, SidePush
 from cyclemap.mechanics.slider import GRAVITY, Slider
 from cyclemap.mechanics.trajectory import Stroke
-
-Array = NDArray[np.float64]
 
 GRID = 8
 # Samples of each leg, beside its start.

@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, non_negative_number, positive_number
 from cyclemap.errors import (
     ConvergenceError,
@@ -28,8 +28,6 @@ from cyclemap.mechanics.pressure_tables import pressure_tables
 from cyclemap.mechanics.protocol import DragBack, Pose, Pusher, SidePush, WorldPush
 from cyclemap.mechanics.slider import Slider
 from cyclemap.mechanics.trajectory import Course, DragResult, PushResult
-
-Array = NDArray[np.float64]
 
 # What a step may be off by, as a share of the accuracy asked of the whole motion; measured in tests/mechanics.
 _STEP_SHARE = 0.05

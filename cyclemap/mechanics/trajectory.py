@@ -6,11 +6,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.engine.strokes import KINDS, MODES, Strokes, record
 from cyclemap.mechanics.protocol import Pose
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

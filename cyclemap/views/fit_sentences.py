@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.evidence.tables.law_table import MotionLaw
 from cyclemap.evidence.tables.measured_cycle_map import (
     FEWEST_FOR_WEAR,
@@ -19,7 +19,6 @@ from cyclemap.evidence.theta0.covered_arcs import covered_arcs
 from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram
 from cyclemap.views.sentences import angle, number
 
-Array = NDArray[np.float64]
 SIGNS = {"dtheta": "Δθ", "dx": "Δx", "dy": "Δy"}
 # Residuals more alike than this make bands and spreads visibly too narrow.
 ALIKE = 0.15

@@ -6,11 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cyclemap.collection.anisotropy import MOST_ELLIPTICITY, Anisotropy
-from cyclemap.collection.fingerprint import Fingerprint, TurnResponse, fingerprint, with_anisotropy
+from cyclemap.collection.fingerprint import (
+    MOST_ELLIPTICITY,
+    Anisotropy,
+    Fingerprint,
+    TurnResponse,
+    fingerprint,
+    with_anisotropy,
+)
 from cyclemap.collection.fingerprint_check import check_prediction
-from cyclemap.collection.fingerprint_lock_in import lock_in_boundary
-from cyclemap.collection.fingerprint_prediction import predict
+from cyclemap.collection.fingerprint_prediction import lock_in_boundary, predict
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap

@@ -6,8 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cyclemap.collection.adaptive_map import sample_circle_map
-from cyclemap.collection.hermite_pieces import HermitePolynomial, Node, left_out_error
+from cyclemap.collection.adaptive_map import HermitePolynomial, Node, left_out_error, sample_circle_map
 
 
 def nodes_of(function, slope, *places):

@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from cyclemap.collection.anisotropy import Anisotropy
-from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
-from cyclemap.collection.fingerprint_lock_in import first_order_lock_in
-from cyclemap.collection.fingerprint_prediction import Prediction
+from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse
+from cyclemap.collection.fingerprint_prediction import Prediction, first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import EllipseFriction, load_material
 from theory import normal_form as theory

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from drawn_panels import faces, labelled, legend_words, panel, png
 
-from cyclemap.collection.anisotropy import Anisotropy
-from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
+from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse
 from cyclemap.collection.fingerprint_check import CheckedDirection, PredictionCheck
 from cyclemap.collection.fingerprint_prediction import Prediction
 from cyclemap.maps import CircleMap, fixed_points
