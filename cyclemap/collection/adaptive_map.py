@@ -6,14 +6,12 @@ from dataclasses import dataclass, field, replace
 from itertools import groupby, pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number
 from cyclemap.maps import CircleMap
 
-Sample = Callable[[float], tuple[float, float]]
-SampleMany = Callable[[NDArray[np.float64]], tuple[NDArray[np.float64], NDArray[np.float64]]]
+Sample = Callable[[Array], tuple[Array, Array]]
 
 _FIRST_INTERVALS = 24
 # Halving an interval divides the error of a cubic by 16 where the map is smooth. None of that is counted on when a half
@@ -152,7 +150,6 @@ class _Sampler:
     """Work in progress: counts and reports samples, keeps what is finished."""
 
     sample: Sample
-    sample_many: SampleMany | None
     tolerance: float
     progress: Callable[[float], None]
     finished: list[_Interval] = field(default_factory=list)
@@ -164,15 +161,12 @@ class _Sampler:
         return self.nodes([theta])[0]
 
     def nodes(self, theta: list[float]) -> list[Node]:
-        """The nodes at several places: those not known yet in one call, where there is one for that."""
+        """The nodes at several places: those not known yet in one call."""
         new = [t for t in theta if t not in self.known]
-        self.taken += len(new)
-        if self.sample_many is not None and len(new) > 1:
-            value, slope = self.sample_many(np.array(new))
-            found = list(zip(value.tolist(), slope.tolist(), strict=True))
-        else:
-            found = [self.sample(t) for t in new]
-        self.known.update((t, Node(t, *one)) for t, one in zip(new, found, strict=True))
+        if new:
+            self.taken += len(new)
+            columns = (column.tolist() for column in self.sample(np.array(new)))
+            self.known.update((node[0], Node(*node)) for node in zip(new, *columns, strict=True))
         return [self.known[t] for t in theta]
 
     def finish(self, *intervals: _Interval) -> None:
@@ -183,13 +177,11 @@ class _Sampler:
 
 def sample_circle_map(
     sample: Sample,
-    value: Callable[[float], float],
     tolerance: float,
     progress: Callable[[float], None] | None = None,
     sample_error: float = 0.0,
-    sample_many: SampleMany | None = None,
 ) -> CircleMap:
-    """Return the circle map of degree one that `sample` (theta -> lifted value, slope) gives; `value` gives the first.
+    """Return the circle map of degree one that `sample` gives: thetas (n,), rad -> lifted values (n,), slopes (n,).
 
     Intervals are halved until a polynomial through values and slopes agrees with samples that it does not go through to
     `tolerance` (rad): a cubic or a quintic with the next ones, one of degree nine through five nodes as those through
@@ -198,19 +190,18 @@ def sample_circle_map(
 
     The map's `max_error` is the largest error estimate, checked at further places, plus `sample_error`; it exceeds the
     tolerance where that could not be reached, as on stretches so steep that they cannot be told from a jump.
-    `sample_many`, if given, samples several places at once: thetas (n,) -> values, slopes (n,).
 
-    >>> lift = lambda theta: theta + 0.5 + 0.1 * math.sin(theta)
-    >>> circle = sample_circle_map(lambda theta: (lift(theta), 1.0 + 0.1 * math.cos(theta)), lift, 1e-6)
+    >>> lift = lambda theta: theta + 0.5 + 0.1 * np.sin(theta)
+    >>> circle = sample_circle_map(lambda theta: (lift(theta), 1.0 + 0.1 * np.cos(theta)), 1e-6)
     >>> bool(abs(circle(1.0) - lift(1.0)) < 1e-6), len(circle.breaks)
     (True, 0)
     """
     interpolated = (1.0 - _LOCATED) * positive_number("tolerance", tolerance)
-    sampler = _Sampler(sample, sample_many, interpolated, progress or (lambda fraction: None))
+    sampler = _Sampler(sample, interpolated, progress or (lambda fraction: None))
     nodes = sampler.nodes([TWO_PI * k / _FIRST_INTERVALS for k in range(_FIRST_INTERVALS)])
     nodes.append(Node(TWO_PI, nodes[0].value + TWO_PI, nodes[0].slope))
     _resolve(sampler, [_Interval(low, high, math.inf) for low, high in pairwise(nodes)])
-    _check(sampler, value)
+    _check(sampler)
     intervals = sorted(sampler.finished, key=lambda interval: interval.low.theta)
     located = _LOCATED * tolerance
     largest = max(interval.error for interval in intervals)
@@ -323,27 +314,22 @@ def _side(low: Node, middle: Node, high: Node, gap: float) -> int:
     return -1 if from_low < from_high else 1
 
 
-def _check(sampler: _Sampler, value: Callable[[float], float]) -> None:
+def _check(sampler: _Sampler) -> None:
     """Try the least certain intervals, and some spread over the circle, off their middle; resolve those that fail."""
     by_error = sorted(sampler.finished, key=lambda interval: interval.error, reverse=True)
     spread = sampler.finished[:: max(1, len(sampler.finished) // _CHECKED)]
     chosen = {id(interval): interval for interval in [*by_error[:_CHECKED], *spread]}
     wide = [interval for interval in chosen.values() if interval.width > 2.0 * _NARROWEST]
     places = [interval.low.theta + _OFF_NODES[len(interval.inner)] * interval.width for interval in wide]
-    for interval, theta, found in zip(wide, places, _values(sampler, value, places), strict=True):
-        error = abs(interval.polynomial.at(theta)[0] - found) + (_FILLED * sampler.tolerance if interval.inner else 0.0)
+    for interval, found in zip(wide, sampler.nodes(places), strict=True):
+        error = abs(interval.polynomial.at(found.theta)[0] - found.value) + (
+            _FILLED * sampler.tolerance if interval.inner else 0.0
+        )
         sampler.finished = [other for other in sampler.finished if other is not interval]
         if error <= sampler.tolerance:
             sampler.finish(replace(interval, error=max(error, interval.error)))
         else:
             _resolve(sampler, [_Interval(interval.low, interval.high, math.inf)])
-
-
-def _values(sampler: _Sampler, value: Callable[[float], float], theta: list[float]) -> list[float]:
-    if sampler.sample_many is None:
-        sampler.taken += len(theta)
-        return [value(t) for t in theta]
-    return [node.value for node in sampler.nodes(theta)]
 
 
 def _assemble(intervals: list[_Interval], max_error: float, filled: float) -> CircleMap:

@@ -207,21 +207,11 @@ class CollectionLoop:
         sample_error = max(0.1 * tolerance, 1e-10)
         fine = replace(self, accuracy=min(sample_error, 1e-6))
 
-        def value(theta: float) -> float:
-            return fine.cycle(theta).theta_next
+        def sample(theta: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+            batch = run_batch((fine,), theta[None], 1)
+            return batch.theta_next[0], batch.jacobian[0, :, -1, 0]
 
-        return sample_circle_map(
-            fine._value_and_slope, value, 0.9 * tolerance, progress, sample_error, fine._values_and_slopes
-        )
-
-    def _value_and_slope(self, theta: float) -> tuple[float, float]:
-        value, slope = self._values_and_slopes(np.array([theta]))
-        return float(value[0]), float(slope[0])
-
-    def _values_and_slopes(self, theta: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return theta_next and its derivative by theta at orientations (n,)."""
-        batch = run_batch((self,), theta[None], 1)
-        return batch.theta_next[0], batch.jacobian[0, :, -1, 0]
+        return sample_circle_map(sample, 0.9 * tolerance, progress, sample_error)
 
     def strokes(self, theta: float, longest_step: float = math.inf) -> tuple[PushResult, DragResult]:
         """Run the push and the drag of a cycle, their steps no longer than `longest_step` (m)."""

@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from cyclemap.collection.dynamic_loop import DynamicLoop, compare_dynamics, isotropic_twin, on_points
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop, DynamicLoop, compare_dynamics, isotropic_twin
+from cyclemap.collection.dynamic_loop import on_points
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import DragBack, PatchFootprint, Slider, corner_footprint
 

@@ -6,19 +6,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cyclemap.collection.fingerprint import Anisotropy, TurnResponse, fingerprint, with_anisotropy
-from cyclemap.collection.fingerprint_check import check_prediction, full_lock_in
+from cyclemap.collection import (
+    Anisotropy,
+    CollectionLoop,
+    Prediction,
+    TurnResponse,
+    check_prediction,
+    fingerprint,
+    predict,
+)
+from cyclemap.collection.fingerprint import with_anisotropy
+from cyclemap.collection.fingerprint_check import full_lock_in
 from cyclemap.collection.fingerprint_prediction import (
     DRIFTS,
     LOCKS,
     UNDECIDED,
-    Prediction,
     first_order_lock_in,
     lock_in_boundary,
-    predict,
     stationary_angles,
 )
-from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import EllipseFriction
