@@ -287,9 +287,9 @@ def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None =
     return Fingerprint(push, drag, float(np.abs(whole - whole.T).max()), _remainder(loop, push + drag))
 
 
-def with_anisotropy(loop: CollectionLoop, anisotropy: Anisotropy, mean: float = _MEAN) -> CollectionLoop:
-    """Return the loop on a surface of this anisotropy and the mean friction `mean`."""
-    return replace(loop, material=Material("surface of given anisotropy", anisotropy.friction(mean)))
+def with_anisotropy(loop: CollectionLoop, anisotropy: Anisotropy) -> CollectionLoop:
+    """Return the loop on a surface of this anisotropy and a usual mean friction."""
+    return replace(loop, material=Material("surface of given anisotropy", anisotropy.friction(_MEAN)))
 
 
 def _remainder(loop: CollectionLoop, response: TurnResponse) -> float:

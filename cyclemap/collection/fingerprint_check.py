@@ -14,6 +14,9 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, Orbit, fixed_points
 
+# How far (rad) from the first order's place the full map's extremum is looked for.
+_REACH = 0.6
+
 
 @dataclass(frozen=True, eq=False)
 class CheckedDirection:
@@ -96,15 +99,13 @@ def _distance(orbit: Orbit, theta: float) -> float:
     return abs(math.remainder(float(orbit.points[0]) - theta, 2.0 * math.pi))
 
 
-def full_lock_in(
-    loop: CollectionLoop, anisotropy: Anisotropy, near: LockIn, reach: float = 0.6, tolerance: float = 1e-6
-) -> LockIn:
+def full_lock_in(loop: CollectionLoop, anisotropy: Anisotropy, near: LockIn, tolerance: float = 1e-6) -> LockIn:
     """Return where the full map begins to lock in, near a first-order prediction.
 
-    The turn's extremum within `reach` (rad) of near.theta is followed as the scale varies by a factor of two either
+    The turn's extremum within 0.6 rad of near.theta is followed as the scale varies by a factor of two either
     way, until it meets a whole number of turns, to `tolerance` in the scale's relative value. Some 100 cycles.
 
-    Raises ConvergenceError where it meets none there, or the extremum leaves the reach.
+    Raises ConvergenceError where it meets none there, or the extremum goes farther.
     """
     from scipy.optimize import brentq, minimize_scalar
 
@@ -115,7 +116,7 @@ def full_lock_in(
 
     def nearest(scale: float) -> tuple[float, float]:
         surface = with_anisotropy(loop, anisotropy.scaled(scale))
-        ends = near.theta - reach, near.theta + reach
+        ends = near.theta - _REACH, near.theta + _REACH
         found = minimize_scalar(
             lambda theta: sign * (surface.cycle(theta).theta_next - theta - whole),
             bounds=ends,
@@ -131,8 +132,9 @@ def full_lock_in(
             f"no lock-in between {near.scale / 2:g} and {2 * near.scale:g} of it: {cause}"
         ) from cause
     theta = nearest(scale)[1]
-    if abs(theta - near.theta) > 0.99 * reach:
+    if abs(theta - near.theta) > 0.99 * _REACH:
         raise ConvergenceError(
-            f"the extremum left the reach of {reach:g} rad about {near.theta:g}: give a larger reach"
+            f"the turn's extremum goes farther than {_REACH:g} rad from {near.theta:g} rad: the first order does not "
+            "tell where this surface locks in"
         )
     return LockIn(scale, theta % TWO_PI)

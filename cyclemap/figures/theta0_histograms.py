@@ -65,14 +65,14 @@ class DirectionHistograms:
     materials: tuple[MaterialDirections, ...]
 
 
-def share_near(theta: ArrayLike, directions: ArrayLike, reach: float = NEAR) -> float:
-    """The share of the angles (n,), rad, within ``reach`` (rad) of one of the directions (k,).
+def share_near(theta: ArrayLike, directions: ArrayLike) -> float:
+    """The share of the angles (n,), rad, within NEAR (rad) of one of the directions (k,).
 
     >>> share_near([0.1, 3.0, 6.2], [0.0])
     0.6666666666666666
     """
     apart = np.cos(np.subtract.outer(np.asarray(theta, dtype=float), np.asarray(directions, dtype=float)))
-    return float(np.mean((apart >= np.cos(reach)).any(axis=-1)))
+    return float(np.mean((apart >= np.cos(NEAR)).any(axis=-1)))
 
 
 def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> DirectionHistograms:

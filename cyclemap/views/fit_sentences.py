@@ -69,11 +69,11 @@ def law_sentence(law: MotionLaw) -> str:
     return f"{spread}; a law of θ0 with {order} leaves {left}, {unseen}."
 
 
-def amount(law: MotionLaw, value: float, decimals: int = 2) -> str:
+def amount(law: MotionLaw, value: float) -> str:
     """A value of the law's quantity in degrees or millimetres."""
     if law.quantity == "dtheta":
-        return angle(value, decimals)
-    return f"{round(1000.0 * value, decimals) + 0.0:.{decimals}f} mm".replace("-", "−")
+        return angle(value, 2)
+    return f"{round(1000.0 * value, 2) + 0.0:.2f} mm".replace("-", "−")
 
 
 def histogram_sentence(histogram: TurnHistogram) -> str:
