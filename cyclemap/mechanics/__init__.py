@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from cyclemap.mechanics.friction_wear import worn_friction
     from cyclemap.mechanics.limit_surface import LimitSurface
     from cyclemap.mechanics.material import (
+        CycleNoise,
         FoundWith,
         Material,
         MaterialPosterior,
@@ -42,6 +43,7 @@ else:
 __all__ = [
     "MIT_HITCH",
     "MIT_SHAPE_NAMES",
+    "CycleNoise",
     "DragBack",
     "DragResult",
     "DynamicDrag",
