@@ -99,7 +99,12 @@ static int land(Stroke *r, Motion *m, const double *state, const double *slack, 
             continue;
         }
         *taken = tried;
-        const double *end = taken->rows[STAGES];
+        double *end = taken->rows[STAGES], report[REPORT];
+        if (m->mode == STICK && broken >= FIRST) {
+            /* forces count to their last digits, which coarse steps do not reach */
+            memcpy(m->z, end + UNKNOWN, sizeof m->z);
+            if ((found = evaluate(r, m, end, end, report)) < 0) return found;
+        }
         int worst = least(end, slack, &value);
         if (end[MARGIN + broken] / slack[broken] > 1.0 && value < -1.0) {
             broken = worst;
@@ -236,7 +241,7 @@ static int other_mode(Stroke *r, Motion *m, const double *state, int broken) {
     *m = motion_of(r, STICK, m->piece, touch[0] * m->z[0], 0.0);
     int found = evaluate(r, m, state, row, report);
     if (found < 0) return found;
-    if (is_points(r) && fmin(row[MARGIN + FIRST], row[MARGIN + SECOND]) < -REVERSED) *m = sliding(r, m, state, reversed);
+    if (count_of_points(r) && fmin(row[MARGIN + FIRST], row[MARGIN + SECOND]) < -REVERSED) *m = sliding(r, m, state, reversed);
     return 1;
 }
 
