@@ -29,13 +29,14 @@ def killed_chain(
     *,
     every_sample: bool = False,
     stretch: float = 1.0,
+    most: int = MAX_UNKNOWNS,
 ) -> KilledChain:
     """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they fill the space.
 
     lifted : the space is the real line, and an exit may reach to ±inf; else the circle. every_sample : panels
     of nodes end at every sample of a sampled map. stretch : factor on the nodes' bandwidth.
 
-    Raises InvalidInput when the noise is so narrow that more than 6,000 nodes would be needed, and for
+    Raises InvalidInput when the noise is so narrow that more than ``most`` nodes would be needed, and for
     ``UniformNoise``, whose density jumps.
     """
     if not isinstance(circle_map, CircleMap):
@@ -50,8 +51,8 @@ def killed_chain(
     bandwidth *= stretch
     rules = [arc_rule(circle_map, *ends, bandwidth, every_sample=every_sample) for ends in arcs]
     theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
-    if theta.size > MAX_UNKNOWNS:
-        raise InvalidInput(f"{noise!r} needs {theta.size} nodes on the arc, more than {MAX_UNKNOWNS}: raise its width")
+    if theta.size > most:
+        raise InvalidInput(f"{noise!r} needs {theta.size} nodes on the arc, more than {most}: raise its width")
     return KilledChain(circle_map, noise, arcs, exits, lifted, every_sample, bandwidth, theta, weight)
 
 
@@ -81,6 +82,17 @@ class KilledChain:
     def elimination(self) -> Elimination:
         """The chain on its own nodes, eliminated."""
         return eliminated(self.transitions(self.images), self.departures(self.images).sum(axis=0))
+
+    def with_noise(self, noise: Noise) -> KilledChain:
+        """The same map, arcs and exits under another noise, on nodes for it."""
+        most = max(MAX_UNKNOWNS, self.theta.size)
+        return killed_chain(
+            self.map, noise, self.arcs, self.exits, self.lifted, every_sample=self.every_sample, most=most
+        )
+
+    def distance(self, gap: Array) -> Array:
+        """How far a noise must carry the path over a gap, at least: the shorter way where it is on the circle."""
+        return np.abs(gap if self.lifted else gap - TWO_PI * np.round(gap / TWO_PI))
 
     def finer(self) -> KilledChain:
         """The same chain on twice as many nodes."""

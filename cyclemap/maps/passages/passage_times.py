@@ -22,12 +22,22 @@ _ACCEPTED = 1e-6  # relative error bound that is accepted at all
 _MORE = 1.4  # bandwidth of the second attempt over that of the first
 
 
-def mean_passage_time(circle_map: CircleMap, noise: Noise, start: float, arc: Arc, *, lifted: bool = False) -> Estimate:
+def mean_passage_time(
+    circle_map: CircleMap,
+    noise: Noise,
+    start: float,
+    arc: Arc,
+    *,
+    lifted: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> Estimate:
     """Mean number of cycles until the path θ' = F(θ) + ξ from ``start`` is first outside ``arc``.
 
     start : radians, inside the arc. arc : (start, end), counter-clockwise, radians, length in (0, 2π).
     lifted : False counts positions mod 2π, so that a step of a whole turn comes back; True follows the
         path on the real line, where the arc may be a whole turn.
+    progress : called with the fraction done, at most, where uniform noise is resolved, which takes seconds where it
+        is narrow. An exception from it ends the work.
 
     T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels
     between the map's breaks and samples (Nyström). The system is eliminated without subtraction from the
@@ -51,7 +61,7 @@ def mean_passage_time(circle_map: CircleMap, noise: Noise, start: float, arc: Ar
     if isinstance(noise, UniformNoise):
         from cyclemap.maps.panels.uniform_passage import uniform_passage_time
 
-        return uniform_passage_time(circle_map, noise, inside, ends, lifted)
+        return uniform_passage_time(circle_map, noise, inside, ends, lifted, progress=progress)
     exits = line_exits(ends) if lifted else circle_exit(ends)
     make = partial(killed_chain, circle_map, noise, (ends,), exits, lifted)
     return _certified(make, inside, 1.0, np.zeros(len(exits)), "mean passage time")
