@@ -144,7 +144,6 @@ ROWS = {
         ("lifts", "orbits", "rotation", "families"),
         ("lifts", "orbits", "noise", "panels", "passages"),
         ("lifts", "orbits", "algebra", "rotation", "noise", "panels", "passages", "operator", "staircases"),
-        ("lifts", "orbits", "noise", "panels", "passages", "operator", "mixtures"),
     ),
     "evidence": (
         ("theta0", "laws", "orientations", "tables"),

@@ -25,14 +25,6 @@ if TYPE_CHECKING:
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
     from cyclemap.maps.lifts.circle_map import CircleMap
     from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
-    from cyclemap.maps.mixtures.fourier_law import FourierLaw
-    from cyclemap.maps.mixtures.independent_sum import IndependentSum
-    from cyclemap.maps.mixtures.law_evolution import law_after, stationary_fourier_law
-    from cyclemap.maps.mixtures.mixture_operator import MixtureOperator, mixture_operator
-    from cyclemap.maps.mixtures.periodic_schedule import PeriodicSchedule
-    from cyclemap.maps.mixtures.random_map import RandomMap, sample_random_paths
-    from cyclemap.maps.mixtures.start_ensemble import StartEnsemble
-    from cyclemap.maps.mixtures.worst_start import ReachTime, WorstStart
     from cyclemap.maps.noise.noise_law import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
     from cyclemap.maps.operator.lyapunov import lyapunov_exponent
     from cyclemap.maps.operator.metastable_sets import MetastableSets, metastable_sets
@@ -82,12 +74,9 @@ __all__ = [
     "DriftSummary",
     "DriftingMap",
     "Estimate",
-    "FourierLaw",
     "HittingResponse",
-    "IndependentSum",
     "JumpCrossing",
     "MetastableSets",
-    "MixtureOperator",
     "Noise",
     "Orbit",
     "OrbitBranch",
@@ -95,10 +84,7 @@ __all__ = [
     "ParametricLift",
     "PassageResponse",
     "PeriodicPoints",
-    "PeriodicSchedule",
     "QuasiStationaryLaw",
-    "RandomMap",
-    "ReachTime",
     "Response",
     "RotationInterval",
     "RotationNumber",
@@ -110,7 +96,6 @@ __all__ = [
     "Spectrum",
     "Staircase",
     "StaircaseSummary",
-    "StartEnsemble",
     "StepComparison",
     "Steps",
     "Tongue",
@@ -118,7 +103,6 @@ __all__ = [
     "TransferOperator",
     "UniformNoise",
     "VonMises",
-    "WorstStart",
     "WrappedCauchy",
     "WrappedNormal",
     "basins",
@@ -137,13 +121,11 @@ __all__ = [
     "hitting_response",
     "inverse",
     "is_nondecreasing",
-    "law_after",
     "log10_passage_time",
     "lower_envelope",
     "lyapunov_exponent",
     "mean_passage_time",
     "metastable_sets",
-    "mixture_operator",
     "nth_iterate",
     "orbit_branches",
     "parameter_tangent",
@@ -160,13 +142,11 @@ __all__ = [
     "rotation_numbers",
     "rotation_plane",
     "saddle_nodes",
-    "sample_random_paths",
     "sample_staircase",
     "sample_staircases",
     "shifted",
     "slip_probabilities",
     "slow_passages",
-    "stationary_fourier_law",
     "survival_probabilities",
     "tongue",
     "tongues",
