@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from cyclemap.maps.algebra.branches import Branch, branches, preimages
     from cyclemap.maps.algebra.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
     from cyclemap.maps.estimate import Estimate
+    from cyclemap.maps.families.bifurcation import Bifurcation
     from cyclemap.maps.families.bifurcations import (
         bifurcations,
         border_collisions,
@@ -21,11 +22,12 @@ if TYPE_CHECKING:
     )
     from cyclemap.maps.families.continuation import OrbitBranch, follow_orbit
     from cyclemap.maps.families.parameter_tangent import ParameterTangent, parameter_tangent
-    from cyclemap.maps.families.special_points import Bifurcation
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
     from cyclemap.maps.lifts.circle_map import CircleMap
     from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
-    from cyclemap.maps.noise.noise_law import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
+    from cyclemap.maps.noise.noise import Noise, WrappedCauchy, WrappedNormal
+    from cyclemap.maps.noise.uniform_noise import UniformNoise
+    from cyclemap.maps.noise.von_mises import VonMises
     from cyclemap.maps.operator.lyapunov import lyapunov_exponent
     from cyclemap.maps.operator.metastable_sets import MetastableSets, metastable_sets
     from cyclemap.maps.operator.response import Response
@@ -33,29 +35,40 @@ if TYPE_CHECKING:
     from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
     from cyclemap.maps.orbits.basins import Basin, basins
     from cyclemap.maps.orbits.diagonal import JumpCrossing
-    from cyclemap.maps.orbits.periodic_orbits import Orbit, crossings_by_jump, fixed_points, periodic_orbits
-    from cyclemap.maps.orbits.periodic_points import PeriodicPoints, periodic_points
+    from cyclemap.maps.orbits.periodic_points import (
+        Orbit,
+        PeriodicPoints,
+        crossings_by_jump,
+        fixed_points,
+        periodic_orbits,
+        periodic_points,
+    )
     from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
     from cyclemap.maps.passages.log_passage import log10_passage_time
-    from cyclemap.maps.passages.passage_response import (
+    from cyclemap.maps.passages.passage_times import (
         HittingResponse,
         PassageResponse,
+        hitting_probability,
         hitting_response,
+        mean_passage_time,
         passage_response,
     )
-    from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
-    from cyclemap.maps.passages.quasi_stationary import QuasiStationaryLaw, quasi_stationary_law, survival_probabilities
-    from cyclemap.maps.passages.slips import Slip, slip_probabilities
-    from cyclemap.maps.rotation.birkhoff import birkhoff_average
+    from cyclemap.maps.passages.quasi_stationary import (
+        QuasiStationaryLaw,
+        Slip,
+        quasi_stationary_law,
+        slip_probabilities,
+        survival_probabilities,
+    )
     from cyclemap.maps.rotation.envelopes import is_nondecreasing, lower_envelope, upper_envelope
-    from cyclemap.maps.rotation.rotation_batch import RotationNumbers, rotation_numbers
     from cyclemap.maps.rotation.rotation_number import (
         RotationInterval,
         RotationNumber,
+        birkhoff_average,
         rotation_interval,
         rotation_number,
     )
-    from cyclemap.maps.rotation.rotation_plane import RotationPlane, rotation_plane
+    from cyclemap.maps.rotation.rotation_numbers import RotationNumbers, RotationPlane, rotation_numbers, rotation_plane
     from cyclemap.maps.staircases.drifting_map import DriftingMap, DriftSummary, predict_drift
     from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary, predict_staircase
     from cyclemap.maps.staircases.staircase import Staircase, sample_staircase, sample_staircases

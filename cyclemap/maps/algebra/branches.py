@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.algebra.monotone_table import MonotoneTable
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import JUMP, SIDE_STEP, CircleMap
 from cyclemap.maps.lifts.lift_checks import base_angles
 from cyclemap.maps.orbits.scan import Cells, monotone_cells
-from cyclemap.maps.rounding import EPS
 
 RESOLUTION = 512
 TOUCH = 1e-12  # radians: a fold this near a level touches it

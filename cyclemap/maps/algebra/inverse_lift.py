@@ -7,13 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.maps.algebra.branches import Branch
 from cyclemap.maps.algebra.monotone_table import MonotoneTable
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.estimate import SAME_ANGLE
 from cyclemap.maps.lifts.circle_map import SIDE_STEP, SNAP, CircleMap
-from cyclemap.maps.lifts.lift_checks import Scalar, base_angles
-from cyclemap.maps.lifts.one_sided import distance_to_break
-from cyclemap.maps.rounding import SAME_ANGLE
+from cyclemap.maps.lifts.lift_checks import Scalar, base_angles, distance_to_break
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.arrays import Array
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.arcs import Array
+from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import Scalar
-from cyclemap.maps.rounding import EPS
 
 _PASSES = 200
 

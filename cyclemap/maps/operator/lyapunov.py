@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
-from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import Noise
+from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.transfer_operator import transfer_operator
 from cyclemap.maps.quadrature import arc_rule
-from cyclemap.maps.rotation.birkhoff import orbit_angles, weighted_mean
-from cyclemap.maps.rounding import EPS
+from cyclemap.maps.rotation.rotation_number import orbit_angles, weighted_mean
 
 ITERATES = 40_000
 MAX_PERIOD = 512
@@ -50,7 +49,7 @@ def lyapunov_exponent(
 
     Raises InvalidInput where orbits from those angles have different exponents: the map has several attractors.
 
-    >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> round(lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi)), 9)
     -0.978129142
     """

@@ -9,14 +9,14 @@ from scipy.linalg import solve_triangular
 from scipy.sparse import csr_array
 from scipy.special import log_ndtr
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Arc, Array, arc_ends, required_inside
-from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.arcs import Arc, arc_ends, required_inside
+from cyclemap.maps.estimate import LOG_PASSAGE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import Noise, WrappedNormal
-from cyclemap.maps.passages.nystrom import MAX_UNKNOWNS, KilledChain, circle_exit, killed_chain, line_exits
+from cyclemap.maps.noise.noise import Noise, WrappedNormal
+from cyclemap.maps.passages.killed_chain import MAX_UNKNOWNS, KilledChain, circle_exit, killed_chain, line_exits
 from cyclemap.maps.passages.passage_times import LONGEST, mean_passage_time
-from cyclemap.maps.rounding import LOG_PASSAGE
 
 _STRETCH = 1.3  # bandwidth of the second solution over that of the first
 _MOST_NODES = 60_000

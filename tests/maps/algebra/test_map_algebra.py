@@ -8,7 +8,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.algebra.branches import preimages
 from cyclemap.maps.algebra.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.periodic_orbits import fixed_points
+from cyclemap.maps.orbits.periodic_points import fixed_points
 from cyclemap.maps.rotation.envelopes import upper_envelope
 
 TWO_PI = 2 * np.pi

@@ -15,7 +15,7 @@ from cyclemap.maps.families.bifurcations import (
 )
 from cyclemap.maps.families.tongues import tongue
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.periodic_orbits import periodic_orbits
+from cyclemap.maps.orbits.periodic_points import periodic_orbits
 
 TWO_PI = 2 * np.pi
 

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.noise.noise_law import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
+from cyclemap.maps.noise.noise import Noise, WrappedCauchy, WrappedNormal
+from cyclemap.maps.noise.uniform_noise import UniformNoise
+from cyclemap.maps.noise.von_mises import VonMises
 
 TWO_PI = 2 * np.pi
 SMOOTH = [

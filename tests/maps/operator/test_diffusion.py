@@ -5,7 +5,7 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, transfer_operator
-from cyclemap.maps.noise.noise_law import VonMises
+from cyclemap.maps.noise.von_mises import VonMises
 
 TWO_PI = 2 * np.pi
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import WrappedNormal
+from cyclemap.maps.noise.noise import WrappedNormal
 from cyclemap.maps.operator import fourier_discretisation as module
-from cyclemap.maps.operator.fourier_discretisation import FourierDiscretisation, WavesInBlocks, waves
+from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, WavesInBlocks, waves
 
 MAP, NOISE, MODES = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.2), 40
 

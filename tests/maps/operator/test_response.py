@@ -5,7 +5,7 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, lyapunov_exponent, transfer_operator
-from cyclemap.maps.noise.noise_law import VonMises
+from cyclemap.maps.noise.von_mises import VonMises
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(0, TWO_PI, 300, endpoint=False)

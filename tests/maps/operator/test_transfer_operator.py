@@ -6,7 +6,8 @@ from scipy.special import jv
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, fixed_points, rotation_number, transfer_operator
-from cyclemap.maps.noise.noise_law import UniformNoise, VonMises
+from cyclemap.maps.noise.uniform_noise import UniformNoise
+from cyclemap.maps.noise.von_mises import VonMises
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(0, TWO_PI, 400, endpoint=False)

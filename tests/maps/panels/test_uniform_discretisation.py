@@ -8,13 +8,13 @@ from scipy.special import jv
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import UniformNoise, WrappedNormal
-from cyclemap.maps.operator.discretisation import Discretisation
+from cyclemap.maps.noise.noise import WrappedNormal
+from cyclemap.maps.noise.uniform_noise import UniformNoise
+from cyclemap.maps.operator.fourier_basis import Discretisation
 from cyclemap.maps.operator.transfer_operator import transfer_operator
 from cyclemap.maps.orbits.scan import monotone_cells
-from cyclemap.maps.panels.level_steps import level_steps
-from cyclemap.maps.panels.uniform_discretisation import uniform_discretisation
-from cyclemap.maps.panels.uniform_singularities import law_singularities
+from cyclemap.maps.uniform.refinement import law_singularities, level_steps
+from cyclemap.maps.uniform.uniform_basis import uniform_discretisation
 
 TWO_PI = 2 * np.pi
 FOLDED = CircleMap.arnold(0.3, 3.0)

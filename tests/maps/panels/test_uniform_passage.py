@@ -5,10 +5,9 @@ import pytest
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import UniformNoise
+from cyclemap.maps.noise.uniform_noise import UniformNoise
 from cyclemap.maps.orbits.scan import monotone_cells
-from cyclemap.maps.panels.uniform_passage import uniform_hitting_probability, uniform_passage_time
-from cyclemap.maps.panels.uniform_reach import Intervals, Reach
+from cyclemap.maps.uniform.uniform_passage import Intervals, Reach, uniform_hitting_probability, uniform_passage_time
 
 TWO_PI = 2 * np.pi
 STILL = CircleMap.rigid(0.0)

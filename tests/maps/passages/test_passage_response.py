@@ -5,11 +5,15 @@ import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal
-from cyclemap.maps.noise.noise_law import UniformNoise
+from cyclemap.maps.noise.uniform_noise import UniformNoise
 from cyclemap.maps.noise.von_mises import VonMises
-from cyclemap.maps.passages.nystrom import killed_chain, line_exits
-from cyclemap.maps.passages.passage_response import hitting_response, passage_response
-from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
+from cyclemap.maps.passages.killed_chain import killed_chain, line_exits
+from cyclemap.maps.passages.passage_times import (
+    hitting_probability,
+    hitting_response,
+    mean_passage_time,
+    passage_response,
+)
 
 TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)

@@ -7,10 +7,9 @@ import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, fixed_points, transfer_operator
-from cyclemap.maps.noise.noise_law import UniformNoise
+from cyclemap.maps.noise.uniform_noise import UniformNoise
 from cyclemap.maps.passages.passage_times import mean_passage_time
-from cyclemap.maps.passages.quasi_stationary import quasi_stationary_law, survival_probabilities
-from cyclemap.maps.passages.slips import slip_probabilities
+from cyclemap.maps.passages.quasi_stationary import quasi_stationary_law, slip_probabilities, survival_probabilities
 
 TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)

@@ -8,7 +8,7 @@ import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.periodic_orbits import periodic_orbits
+from cyclemap.maps.orbits.periodic_points import periodic_orbits
 from cyclemap.maps.rotation.envelopes import is_nondecreasing, largest_descent, lower_envelope, upper_envelope
 from cyclemap.maps.rotation.rotation_number import rotation_interval, rotation_number, simplest_between
 

@@ -7,7 +7,7 @@ import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import WrappedNormal
+from cyclemap.maps.noise.noise import WrappedNormal
 from cyclemap.maps.operator.transfer_operator import transfer_operator
 from cyclemap.maps.staircases.drifting_map import DriftingMap, predict_drift
 from cyclemap.maps.staircases.staircase import sample_staircase, sample_staircases

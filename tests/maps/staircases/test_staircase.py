@@ -6,7 +6,7 @@ import pytest
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import WrappedNormal
+from cyclemap.maps.noise.noise import WrappedNormal
 from cyclemap.maps.operator.transfer_operator import transfer_operator
 from cyclemap.maps.passages.passage_times import mean_passage_time
 from cyclemap.maps.staircases.drifting_map import DriftingMap

@@ -9,7 +9,7 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import WrappedNormal
+from cyclemap.maps.noise.noise import WrappedNormal
 from cyclemap.maps.staircases.slow_zones import predict_staircase
 from cyclemap.maps.staircases.staircase import sample_staircases
 from cyclemap.maps.staircases.step_comparison import compare_steps, kaplan_meier_mean

@@ -5,7 +5,7 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import WrappedNormal
+from cyclemap.maps.noise.noise import WrappedNormal
 from cyclemap.maps.staircases.slow_zones import SlowZone, predict_staircase
 from cyclemap.maps.staircases.staircase import sample_staircase
 from cyclemap.maps.staircases.step_detection import find_steps

@@ -5,17 +5,73 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.estimate import MATRIX
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import Noise
+from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.quadrature import circle_rule
-from cyclemap.maps.rounding import MATRIX
+
+
+class Discretisation(Protocol):
+    """A basis of n functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix on their coefficients.
+
+    A density p(θ) = Σ_j c_j φ_j(θ), per radian, is its coefficients c, shape (n,), real, or complex where said.
+    """
+
+    @property
+    def map(self) -> CircleMap:
+        """The map of the cycle."""
+
+    @property
+    def noise(self) -> Noise:
+        """The noise of the cycle."""
+
+    @property
+    def size(self) -> int:
+        """n."""
+
+    @property
+    def matrix(self) -> Array:
+        """(n, n): coefficients of the law after one cycle from those before it."""
+
+    @property
+    def mass(self) -> Array:
+        """(n,): the integral of each φ_j over the circle."""
+
+    @property
+    def uniform(self) -> Array:
+        """(n,): coefficients of the density 1/2π."""
+
+    def evaluate(self, theta: Array) -> Array:
+        """(m, n): every φ_j at the angles ``theta``, shape (m,), any turn."""
+
+    def slope(self, theta: Array) -> Array:
+        """(m, n): every φ_j' there (from the right where it is not smooth)."""
+
+    def moments(self, order: int) -> Any:
+        """(n,), complex: ∫ e^{i·order·θ} φ_j(θ) dθ over the circle."""
+
+    def rule(self) -> tuple[Array, Array]:
+        """Nodes and weights over one turn, exact to rounding for φ_j(θ) h(θ), h as smooth as F between its breaks."""
+
+    def residual(self, law: Array) -> float:
+        """A bound on sup_θ |(Lp)(θ) - p(θ)| per radian, L the true operator: truncation, quadrature and rounding."""
+
+    def map_response(self, law: Any, tangent: Callable[[Array], Array], break_shifts: Array) -> Any:
+        """(n,): coefficients of d(Lp) when F moves by ``tangent`` (radians a unit) and F's breaks by ``break_shifts``.
+
+        ``law`` may be complex. ``break_shifts``: one rate a break of F, radians a unit.
+        """
+
+    def noise_response(self, law: Any) -> Any:
+        """(n,): coefficients of d(Lp)/d(the noise's own parameter); ``law`` may be complex."""
+
 
 MAX_MODES = 2_000
 NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
@@ -30,7 +86,7 @@ def needed_modes(noise: Noise) -> int:
 
     Raises InvalidInput where that takes more than 2000.
 
-    >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> needed_modes(WrappedNormal(0.5))
     19
     """
@@ -85,7 +141,7 @@ class FourierDiscretisation:
     map, noise : whose cycle it is. modes : 1 to 2000. finer : how many times as many quadrature nodes as are needed.
     Raises InvalidInput for a number of modes outside that range.
 
-    >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> basis = FourierDiscretisation(CircleMap.rigid(0.25), WrappedNormal(1.0), 3)
     >>> basis.size, round(float(basis.matrix[4, 1]), 12)
     (7, 0.606530659713)

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from cyclemap.maps.arcs import Array
+from cyclemap.arrays import Array
 
 ORDER = 24  # polynomials on each panel
 _SLOPE_INSET = 1e-5  # how near a bent panel's end, in t, slopes are read

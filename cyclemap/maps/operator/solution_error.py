@@ -1,7 +1,8 @@
-"""A-posteriori bounds: what is left over in L p = p, and how far it can have moved the law."""
+"""How far a computed stationary distribution, and a mean under it, is from the true one."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -10,12 +11,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import lapack, lu_factor, lu_solve
 
-from cyclemap.errors import ConvergenceError
-from cyclemap.maps.arcs import TWO_PI, Array
-from cyclemap.maps.operator.discretisation import Discretisation
-from cyclemap.maps.operator.fourier_discretisation import FourierDiscretisation
-from cyclemap.maps.rounding import INTEGRAL
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.checks import finite_array
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.estimate import INTEGRAL, Estimate
+from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
 
+_POINTS = 8  # grid points a basis function
 _NORM_SAFETY = 3.0  # LAPACK's estimate of a norm is seldom more than this below it
 _ENTRIES = 400_000  # nodes times basis functions handled at a time: few enough for the processor's cache
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
@@ -204,6 +206,13 @@ def density_at(basis: Discretisation, theta: Array, coefficients: Array) -> Arra
     return np.concatenate(parts) if parts else np.zeros(0)
 
 
+def density_grid(density: Callable[[Array], Array], size: int) -> tuple[Array, Array]:
+    """A uniform grid of at least eight points a basis function, and the density there."""
+    count = 1 << int(np.ceil(np.log2(_POINTS * size)))
+    grid = TWO_PI * np.arange(count) / count
+    return grid, density(grid)
+
+
 def _largest_density(basis: Discretisation, coefficients: Array) -> float:
     """sup|p| of a trigonometric polynomial, from a grid so fine that Bernstein's inequality leaves 2 %."""
     if not np.any(coefficients):
@@ -214,3 +223,36 @@ def _largest_density(basis: Discretisation, coefficients: Array) -> float:
     spectrum[0] = coefficients[0]
     spectrum[1 : basis.modes + 1] = coefficients[1 : basis.modes + 1] - 1j * coefficients[basis.modes + 1 :]
     return 1.02 * float(np.max(np.abs(np.fft.irfft(spectrum, count)))) * count / TWO_PI
+
+
+Rule = tuple[Array, Array]
+
+
+def expected(
+    error: SolutionError, function: Callable[[Array], Array], rules: tuple[Rule, Rule], direct: float
+) -> Estimate:
+    """E h under the law whose error is ``error``, on the finer of two rules; their difference is in the bound.
+
+    direct : ∂h/∂F where h depends on F, for the part of the bound that the map's ``max_error`` makes.
+    """
+    (coarse, coarse_weight), (theta, weight) = rules
+    basis, law = error.system.basis, error.law
+    values = _values(function, theta)
+    mass = weight * density_at(basis, theta, law)
+    found = float(np.dot(mass, values))
+    rough = float(np.dot(coarse_weight * _values(function, coarse), density_at(basis, coarse, law)))
+    bound = abs(found - rough) + INTEGRAL * float(np.dot(np.abs(mass), np.abs(values)))
+    bound += error.of_integral(values, theta, weight)
+    if basis.map.max_error > 0.0:
+        moments = moments_against(basis, theta, weight * values)
+        bound += map_error_of_integral(error.system, law, moments, direct)
+    return Estimate(found, bound)
+
+
+def _values(function: Callable[[Array], Array], theta: Array) -> Array:
+    if not callable(function):
+        raise InvalidInput(f"function is {function!r}: give a callable of an array of angles")
+    values = finite_array("the function's values", function(theta))
+    if values.shape != theta.shape:
+        raise InvalidInput(f"function turns shape {theta.shape} into {values.shape}: it must act entry by entry")
+    return values

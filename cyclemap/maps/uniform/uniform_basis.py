@@ -9,17 +9,22 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
+from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.uniform_noise import UniformNoise
 from cyclemap.maps.orbits.scan import Cells, monotone_cells
-from cyclemap.maps.panels.level_steps import LevelSteps, level_steps
-from cyclemap.maps.panels.panel_basis import ORDER, Panels
-from cyclemap.maps.panels.uniform_refinement import refined, resolving_cuts, with_ends
-from cyclemap.maps.panels.uniform_singularities import law_singularities
-from cyclemap.maps.rounding import EPS
+from cyclemap.maps.uniform.piecewise_basis import ORDER, Panels
+from cyclemap.maps.uniform.refinement import (
+    LevelSteps,
+    law_singularities,
+    level_steps,
+    refined,
+    resolving_cuts,
+    with_ends,
+)
 
 RESOLUTION = 512
 MAX_PANELS = 100
