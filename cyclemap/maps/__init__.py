@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from cyclemap.maps.algebra.branches import Branch, branches, preimages
     from cyclemap.maps.algebra.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
     from cyclemap.maps.estimate import Estimate
-    from cyclemap.maps.families.bifurcation import Bifurcation
     from cyclemap.maps.families.bifurcations import (
         bifurcations,
         border_collisions,
@@ -21,7 +20,14 @@ if TYPE_CHECKING:
         saddle_nodes,
     )
     from cyclemap.maps.families.continuation import OrbitBranch, follow_orbit
+    from cyclemap.maps.families.orbit_diagram import (
+        LyapunovExponents,
+        OrbitDiagram,
+        lyapunov_exponents,
+        orbit_diagram,
+    )
     from cyclemap.maps.families.parameter_tangent import ParameterTangent, parameter_tangent
+    from cyclemap.maps.families.special_points import Bifurcation
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
     from cyclemap.maps.lifts.circle_map import CircleMap
     from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
@@ -46,17 +52,15 @@ if TYPE_CHECKING:
     from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
     from cyclemap.maps.passages.log_passage import log10_passage_time
     from cyclemap.maps.passages.passage_times import (
-        HittingResponse,
         PassageResponse,
         hitting_probability,
-        hitting_response,
         mean_passage_time,
         passage_response,
     )
     from cyclemap.maps.passages.quasi_stationary import (
-        QuasiStationaryLaw,
+        QuasiStationaryDistribution,
         Slip,
-        quasi_stationary_law,
+        quasi_stationary_distribution,
         slip_probabilities,
         survival_probabilities,
     )
@@ -87,17 +91,18 @@ __all__ = [
     "DriftSummary",
     "DriftingMap",
     "Estimate",
-    "HittingResponse",
     "JumpCrossing",
+    "LyapunovExponents",
     "MetastableSets",
     "Noise",
     "Orbit",
     "OrbitBranch",
+    "OrbitDiagram",
     "ParameterTangent",
     "ParametricLift",
     "PassageResponse",
     "PeriodicPoints",
-    "QuasiStationaryLaw",
+    "QuasiStationaryDistribution",
     "Response",
     "RotationInterval",
     "RotationNumber",
@@ -131,16 +136,17 @@ __all__ = [
     "fixed_points",
     "follow_orbit",
     "hitting_probability",
-    "hitting_response",
     "inverse",
     "is_nondecreasing",
     "log10_passage_time",
     "lower_envelope",
     "lyapunov_exponent",
+    "lyapunov_exponents",
     "mean_passage_time",
     "metastable_sets",
     "nth_iterate",
     "orbit_branches",
+    "orbit_diagram",
     "parameter_tangent",
     "passage_response",
     "period_doublings",
@@ -149,7 +155,7 @@ __all__ = [
     "predict_drift",
     "predict_staircase",
     "preimages",
-    "quasi_stationary_law",
+    "quasi_stationary_distribution",
     "rotation_interval",
     "rotation_number",
     "rotation_numbers",

@@ -10,9 +10,9 @@ import numpy.typing as npt
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.families.bifurcation import Bifurcation, Collision, border_collision, smooth_bifurcation
 from cyclemap.maps.families.orbit_equations import OrbitEquations, OrbitState, crossed_break, orbit_equations
 from cyclemap.maps.families.parameter_tangent import Family, Range, break_motion, family_member, parameter_range
+from cyclemap.maps.families.special_points import Bifurcation, Collision, border_collision, smooth_bifurcation
 from cyclemap.maps.orbits.periodic_points import Orbit
 
 _FIRST, _LARGEST, _SMALLEST = 0.01, 0.08, 1e-8  # of the scaled arclength

@@ -170,6 +170,11 @@ class CircleMap:
         jumping = np.abs(right - left) > JUMP
         return self.breaks[jumping], left[jumping], right[jumping]
 
+    @property
+    def has_scalar(self) -> bool:
+        """Whether one python float is quicker than an array: the lift has a form of its own for it."""
+        return self._scalar is not None
+
     def scalar(self) -> Scalar:
         """F as a function of one python float: for loops that follow one orbit."""
         if self._scalar is not None:

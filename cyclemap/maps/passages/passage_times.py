@@ -16,11 +16,14 @@ from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.noise.uniform_noise import UniformNoise
-from cyclemap.maps.passages.killed_chain import Expectation, KilledChain, circle_exit, killed_chain, line_exits
+from cyclemap.maps.passages.killed_chain import KilledChain, circle_exit, killed_chain, line_exits
+
+Tangent = Callable[[Array], Array]
 
 LONGEST = 1e300  # cycles: a longer passage is given as inf
 _GOOD = 1e-9  # relative error bound with which few nodes will do
 _ACCEPTED = 1e-6  # relative error bound that is accepted at all
+_STRETCH = 1.3  # bandwidth of the second solution of a response over that of the first
 _MORE = 1.4  # bandwidth of the second attempt over that of the first
 
 
@@ -120,9 +123,7 @@ def _certified(make: Callable[..., KilledChain], start: float, each: float, at: 
     return Estimate(value, own + from_map)
 
 
-Tangent = Callable[[Array], Array]
-
-_STRETCH = 1.3  # bandwidth of the second solution over that of the first
+# -- how a passage time changes ------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -139,16 +140,6 @@ class PassageResponse:
     to_start: Estimate
     to_arc_start: Estimate
     to_arc_end: Estimate
-
-
-@dataclass(frozen=True)
-class HittingResponse:
-    """Made by ``hitting_response``: a hitting probability and its derivatives, as in ``PassageResponse``."""
-
-    probability: Estimate
-    to_map: Estimate | None
-    to_noise: Estimate
-    to_start: Estimate
 
 
 def passage_response(
@@ -182,90 +173,36 @@ def passage_response(
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
     exits = line_exits(ends) if lifted else circle_exit(ends)
-    make = partial(killed_chain, circle_map, noise, (ends,), exits, lifted, every_sample=True)
-    values = _compared(make, 1.0, np.zeros(len(exits)), inside, tangent, ends)
-    time, to_map, *others = values
+    (first, sizes), (second, _) = (
+        _responses(
+            killed_chain(circle_map, noise, (ends,), exits, lifted, every_sample=True, stretch=stretch), inside, tangent
+        )
+        for stretch in (1.0, _STRETCH)
+    )
+    bounds = 3.0 * np.abs(first - second) + ELIMINATION * sizes
+    time, to_map, *others = (Estimate(value, bound) for value, bound in zip(first, bounds, strict=True))
     return PassageResponse(time, None if tangent is None else to_map, *others)
 
 
-def hitting_response(
-    circle_map: CircleMap, noise: Noise, start: float, arc_a: Arc, arc_b: Arc, tangent: Tangent | None = None
-) -> HittingResponse:
-    """The probability of ``hitting_probability`` and its derivatives; see ``passage_response``.
-
-    Raises InvalidInput also for a start inside one of the arcs, where the probability is 0 or 1 whatever changes.
-
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
-    >>> still = CircleMap.rigid(0.0)
-    >>> found = hitting_response(still, WrappedNormal(0.3), 0.0, (1.0, 2.0), (-2.0, -1.0))
-    >>> found.to_start > 0.1  # nearer to the first arc
-    True
-    """
-    a, b = arc_ends(arc_a, "arc_a"), arc_ends(arc_b, "arc_b")
-    rest, theta = arcs_between(a, b), finite_number("start", start)
-    if into_arc(theta, a) is not None or into_arc(theta, b) is not None:
-        raise InvalidInput(f"start is {theta:g}, inside one of the arcs: start between them")
-    make = partial(killed_chain, circle_map, noise, rest, (a, b), False, every_sample=True)
-    probability, to_map, *others = _compared(make, 0.0, np.array([1.0, 0.0]), theta, tangent, None)
-    return HittingResponse(probability, None if tangent is None else to_map, *others)
-
-
-# -- inside --------------------------------------------------------------------------------------------------
-
-
-def _compared(
-    make: Callable[..., KilledChain], each: float, at: Array, start: float, tangent: Tangent | None, ends: Arc | None
-) -> list[Estimate]:
-    """Value and derivatives on the first nodes, with bounds from the second ones."""
-    (first, sizes), (second, _) = (
-        _responses(make(stretch=stretch).expected(each, at), start, tangent, ends) for stretch in (1.0, _STRETCH)
-    )
-    bounds = 3.0 * np.abs(first - second) + ELIMINATION * sizes
-    return [Estimate(value, bound) for value, bound in zip(first, bounds, strict=True)]
-
-
-def _responses(expected: Expectation, start: float, tangent: Tangent | None, ends: Arc | None) -> tuple[Array, Array]:
-    """X and its derivatives by map, noise, start and, if given, arc ends; and the sums of their terms' sizes."""
+def _responses(chain: KilledChain, start: float, tangent: Tangent | None) -> tuple[Array, Array]:
+    """T and its derivatives by map, noise, start and the arc's ends; and the sums of their terms' sizes."""
+    expected = chain.expected(1.0, np.zeros(len(chain.exits)))
     if not abs(expected.top) < LONGEST:
         raise ConvergenceError("the passage takes more than 1e300 cycles: raise the noise or shorten the arc")
-    chain, here = expected.chain, np.array([start])
-    points = np.append(chain.theta, start)
-    images = np.append(chain.images, chain.map(here))
+    here, density = np.array([start]), chain.noise.line_density if chain.lifted else chain.noise.density
+    points, images = np.append(chain.theta, start), np.append(chain.images, chain.map(here))
     slope = expected.map_slope(images, chain, expected.change)
-    along = slope * (np.zeros_like(points) if tangent is None else _checked(tangent, points))
-    sources = [along, _noise_slope(expected, images)]
-    if ends is not None:
-        sources += _end_slopes(expected, images, ends)
-    table = np.stack(sources, axis=1)
-    last_moves = chain.transitions(images[-1:])[0]
-    spread, size = (_carried(expected, last_moves, part) for part in (table, np.abs(table)))
-    to_start = float(slope[-1] * chain.map.derivative(here)[0])
-    value = expected.value_at(start)
+    pushed = np.zeros_like(points) if tangent is None else np.asarray(tangent(points), dtype=np.float64)
+    if pushed.shape != points.shape or not np.all(np.isfinite(pushed)):
+        raise InvalidInput(
+            f"tangent turns shape {points.shape} into {pushed.shape}: it must act entry by entry, finite"
+        )
+    by_noise = chain.transition_rates(images) @ expected.change
+    by_noise -= expected.top * chain.departure_rates(images).sum(axis=0)
+    # Moving an end outward turns chances of leaving into chances of going to that end.
+    low, high = (density(end - images) * expected.value_at(end) for end in chain.arcs[0])
+    table, last_moves = np.stack([slope * pushed, by_noise, -low, high], axis=1), chain.transitions(images[-1:])[0]
+    # (I - K)⁻¹ of each source at the nodes and, last, at the start: its value there.
+    spread, size = (last_moves @ chain.elimination.solve(part[:-1]) + part[-1] for part in (table, np.abs(table)))
+    to_start, value = float(slope[-1] * chain.map.derivative(here)[0]), expected.value_at(start)
     return np.array([value, *spread[:2], to_start, *spread[2:]]), np.array([value, *size[:2], abs(to_start), *size[2:]])
-
-
-def _carried(expected: Expectation, last_moves: Array, sources: Array) -> Array:
-    """(I - K)⁻¹ of sources at the nodes and, last, at the start: its value there."""
-    chain = expected.chain
-    return np.asarray(last_moves @ chain.elimination.solve(sources[:-1]) + sources[-1])
-
-
-def _noise_slope(expected: Expectation, images: Array) -> Array:
-    chain = expected.chain
-    return np.asarray(
-        (expected.at - expected.top) @ chain.departure_rates(images) + chain.transition_rates(images) @ expected.change
-    )
-
-
-def _end_slopes(expected: Expectation, images: Array, ends: Arc) -> list[Array]:
-    """Moving an end outward turns chances of leaving into chances of going to that end."""
-    chain = expected.chain
-    law = chain.noise.line_density if chain.lifted else chain.noise.density
-    return [sign * law(end - images) * expected.value_at(end) for sign, end in ((-1.0, ends[0]), (1.0, ends[1]))]
-
-
-def _checked(tangent: Tangent, theta: Array) -> Array:
-    values = np.asarray(tangent(theta), dtype=np.float64)
-    if values.shape != theta.shape or not np.all(np.isfinite(values)):
-        raise InvalidInput(f"tangent turns shape {theta.shape} into {values.shape}: it must act entry by entry, finite")
-    return values

@@ -1,4 +1,4 @@
-"""Quasi-stationary laws: where a noisy path is, and how fast it leaves, once it has stayed in an arc for long."""
+"""Quasi-stationary distributions: where a noisy path is, and how fast it leaves, once it has stayed for long."""
 
 from __future__ import annotations
 
@@ -26,7 +26,9 @@ _ENDLESS = "the path stays in the arc for more than 1e300 cycles: raise the nois
 _BLOCK = 2_048  # angles at which the density is evaluated together
 
 
-def quasi_stationary_law(circle_map: CircleMap, noise: Noise, arc: Arc, *, lifted: bool = False) -> QuasiStationaryLaw:
+def quasi_stationary_distribution(
+    circle_map: CircleMap, noise: Noise, arc: Arc, *, lifted: bool = False
+) -> QuasiStationaryDistribution:
     """The law ν of θ given that the path θ' = F(θ) + ξ has stayed in ``arc`` for long.
 
     arc : (start, end), counter-clockwise, radians, length in (0, 2π). lifted : False counts positions mod 2π;
@@ -46,7 +48,7 @@ def quasi_stationary_law(circle_map: CircleMap, noise: Noise, arc: Arc, *, lifte
     1e300 cycles, or when two parts of the arc are left equally slowly, so that the law is not one.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
-    >>> stuck = quasi_stationary_law(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi), (0.0, np.pi / 2))
+    >>> stuck = quasi_stationary_distribution(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi), (0.0, np.pi / 2))
     >>> round(stuck.residence_cycles, 3)
     44.003
     """
@@ -54,8 +56,8 @@ def quasi_stationary_law(circle_map: CircleMap, noise: Noise, arc: Arc, *, lifte
 
 
 @dataclass(frozen=True, eq=False)
-class QuasiStationaryLaw:
-    """Made by ``quasi_stationary_law``.
+class QuasiStationaryDistribution:
+    """Made by ``quasi_stationary_distribution``.
 
     arc : (start, end), radians. lifted : whether positions are on the real line.
     survival : λ, the probability of staying one more cycle. escape_probability : 1 - λ.
@@ -128,7 +130,7 @@ def survival_probabilities(
 # -- inside --------------------------------------------------------------------------------------------------
 
 
-def law_between(circle_map: CircleMap, noise: Noise, ends: Arc, lifted: bool) -> QuasiStationaryLaw:
+def law_between(circle_map: CircleMap, noise: Noise, ends: Arc, lifted: bool) -> QuasiStationaryDistribution:
     """The law on an arc whose ends are sound; on the line it may be up to two turns long."""
     chain, other = (_chain(circle_map, noise, ends, lifted, stretch) for stretch in (1.0, _STRETCH))
     (mass, gone, stay), (mass_other, gone_other, _) = _fixed(chain), _fixed(other)
@@ -147,7 +149,9 @@ def law_between(circle_map: CircleMap, noise: Noise, ends: Arc, lifted: bool) ->
     error = np.abs(_density_at(chain, mass, other.theta) / stay - mass_other / other.weight)
     down, up = leaving[:2] if lifted else (None, None)
     survival = Estimate(1.0 - escape if escape < 0.5 else stay, escape.error_bound)
-    return QuasiStationaryLaw(ends, lifted, survival, escape, up, down, 3.0 * float(np.max(error)), chain, mass)
+    return QuasiStationaryDistribution(
+        ends, lifted, survival, escape, up, down, 3.0 * float(np.max(error)), chain, mass
+    )
 
 
 def _chain(circle_map: CircleMap, noise: Noise, ends: Arc, lifted: bool, stretch: float = 1.0) -> KilledChain:
@@ -230,13 +234,13 @@ def slip_probabilities(
     centre : a stable point, radians on the lift. below, above : the stable points of the zones next to it, at most a
     turn away; None for a turn below and above, the right choice where there is one zone a turn.
 
-    They are the two ways out of (below, above) under the quasi-stationary law of that arc on the line
-    (``quasi_stationary_law``): a slip is complete when the next stable point is reached, so that the many paths that
-    look over the unstable point and fall back do not count. (Kramers 1940; Hänggi, Talkner & Borkovec 1990.) Even
-    1e-100 keeps its digits; what is below 1e-300 may read 0. Bounds: measured, see ``quasi_stationary_law``.
+    They are the two ways out of (below, above) under the quasi-stationary distribution of that arc on the line: a slip
+    is complete when the next stable point is reached, so that the many paths that look over the unstable point and
+    fall back do not count. (Kramers 1940; Hänggi, Talkner & Borkovec 1990.) Even 1e-100 keeps its digits; what is below
+    1e-300 may read 0. Bounds: measured, see ``quasi_stationary_distribution``.
 
     Raises InvalidInput unless the degree is 1 and below < centre < above, each at most a turn away, and
-    InvalidInput and ConvergenceError as ``quasi_stationary_law``.
+    InvalidInput and ConvergenceError as ``quasi_stationary_distribution``.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> slip = slip_probabilities(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), 0.77278)

@@ -59,13 +59,28 @@ def birkhoff_average(
 
 def orbit_angles(circle_map: CircleMap, start: float, count: int) -> Array:
     """The first ``count`` angles of the orbit of ``start``, itself included, radians, each within [0, 2π)."""
-    lift, theta = circle_map.scalar(), start - TWO_PI * floor(start / TWO_PI)
-    visited = []
-    for _ in range(count):
-        visited.append(theta)
-        image = lift(theta)
-        theta = image - TWO_PI * floor(image / TWO_PI)
-    return np.array(visited)
+    return np.asarray(orbits_angles(circle_map, np.array([start]), count)[0])
+
+
+def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
+    """The same of several starts, shape (m,): (m, count); together where the lift knows arrays only."""
+    visited = np.empty((starts.size, count))
+    if not circle_map.has_scalar:
+        theta = starts - TWO_PI * np.floor(starts / TWO_PI)
+        for n in range(count):
+            visited[:, n] = theta
+            image = circle_map(theta)
+            theta = image - TWO_PI * np.floor(image / TWO_PI)
+        return visited
+    lift = circle_map.scalar()
+    for row, start in zip(visited, starts.tolist(), strict=True):
+        angle, passed = start - TWO_PI * floor(start / TWO_PI), []
+        for _ in range(count):
+            passed.append(angle)
+            moved = lift(angle)
+            angle = moved - TWO_PI * floor(moved / TWO_PI)
+        row[:] = passed
+    return visited
 
 
 def weighted_mean(values: Array) -> Estimate:

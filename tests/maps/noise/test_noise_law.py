@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.noise.noise import Noise, WrappedCauchy, WrappedNormal
-from cyclemap.maps.noise.uniform_noise import UniformNoise
-from cyclemap.maps.noise.von_mises import VonMises
+from cyclemap.maps import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
 
 TWO_PI = 2 * np.pi
 SMOOTH = [

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import WrappedNormal
-from cyclemap.maps.operator import fourier_discretisation as module
+from cyclemap.maps import CircleMap, WrappedNormal
+from cyclemap.maps.operator import fourier_basis as module
 from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, WavesInBlocks, waves
 
 MAP, NOISE, MODES = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.2), 40

@@ -6,11 +6,17 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps import CircleMap, WrappedNormal, fixed_points, transfer_operator
-from cyclemap.maps.noise.uniform_noise import UniformNoise
-from cyclemap.maps.operator.metastable_sets import StationaryFlow, best_cuts, leaving_chances, metastable_sets
+from cyclemap.maps import (
+    CircleMap,
+    UniformNoise,
+    WrappedNormal,
+    fixed_points,
+    mean_passage_time,
+    metastable_sets,
+    transfer_operator,
+)
+from cyclemap.maps.operator.metastable_sets import StationaryFlow, best_cuts, leaving_chances
 from cyclemap.maps.passages.killed_chain import killed_chain
-from cyclemap.maps.passages.passage_times import mean_passage_time
 
 TWO_PI = 2 * np.pi
 

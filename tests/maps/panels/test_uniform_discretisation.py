@@ -7,11 +7,8 @@ import pytest
 from scipy.special import jv
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import WrappedNormal
-from cyclemap.maps.noise.uniform_noise import UniformNoise
+from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal, transfer_operator
 from cyclemap.maps.operator.fourier_basis import Discretisation
-from cyclemap.maps.operator.transfer_operator import transfer_operator
 from cyclemap.maps.orbits.scan import monotone_cells
 from cyclemap.maps.uniform.refinement import law_singularities, level_steps
 from cyclemap.maps.uniform.uniform_basis import uniform_discretisation

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.uniform_noise import UniformNoise
+from cyclemap.maps import CircleMap, UniformNoise
 from cyclemap.maps.orbits.scan import monotone_cells
 from cyclemap.maps.uniform.uniform_passage import Intervals, Reach, uniform_hitting_probability, uniform_passage_time
 

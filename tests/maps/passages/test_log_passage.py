@@ -5,11 +5,16 @@ import pytest
 from scipy.special import log_ndtr
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal, fixed_points
-from cyclemap.maps.noise.von_mises import VonMises
+from cyclemap.maps import (
+    CircleMap,
+    UniformNoise,
+    VonMises,
+    WrappedNormal,
+    fixed_points,
+    log10_passage_time,
+    mean_passage_time,
+)
 from cyclemap.maps.passages import log_passage
-from cyclemap.maps.passages.log_passage import log10_passage_time
-from cyclemap.maps.passages.passage_times import mean_passage_time
 
 TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)
