@@ -1,14 +1,11 @@
 """The operator under uniform noise: closed forms, a Fourier route, Monte Carlo, differences for the derivatives."""
 
-import inspect
-
 import numpy as np
 import pytest
 from scipy.special import jv
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal, transfer_operator
-from cyclemap.maps.operator.fourier_basis import Discretisation
 from cyclemap.maps.orbits.scan import monotone_cells
 from cyclemap.maps.uniform.refinement import law_singularities, level_steps
 from cyclemap.maps.uniform.uniform_basis import uniform_discretisation
@@ -192,20 +189,6 @@ def test_a_moving_break_moves_the_law():
 
 
 # -- the parts -----------------------------------------------------------------------------------------------
-
-
-def test_it_has_everything_that_the_protocol_asks_for():
-    basis = uniform_discretisation(JUMPING, UniformNoise(0.5), max_panels=24)
-    wanted = [name for name in vars(Discretisation) if not name.startswith("_")]
-    assert len(wanted) == 13
-    for name in wanted:
-        assert hasattr(basis, name)
-        ours = inspect.getattr_static(basis, name)
-        theirs = inspect.getattr_static(Discretisation, name)
-        if inspect.isfunction(theirs):
-            assert list(inspect.signature(ours).parameters) == list(inspect.signature(theirs).parameters)
-    assert basis.matrix.shape == (basis.size, basis.size)
-    assert basis.mass.shape == basis.uniform.shape == basis.moments(3).shape == (basis.size,)
 
 
 def test_the_rule_and_the_moments_integrate_densities():
