@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from cyclemap.arrays import shorter_way
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_record import PushRecord
 from cyclemap.evidence.simulation.recorded_motion import (
@@ -16,7 +17,6 @@ from cyclemap.evidence.simulation.recorded_motion import (
     Array,
     Recording,
 )
-from cyclemap.maps.arcs import shorter_way
 from cyclemap.mechanics import PushResult
 
 # The rod starts this far (m) before it touches.
