@@ -1,9 +1,22 @@
-"""What every room counts with: arrays of doubles, and a whole turn."""
+"""Arrays of numbers, and angles on the circle: the types and the constant that every room shares."""
 
-import math
+from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+import numpy.typing as npt
 
-Array = NDArray[np.float64]
-TWO_PI = 2.0 * math.pi
+Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.int64]
+Mask = npt.NDArray[np.bool_]
+TWO_PI = 2.0 * np.pi
+
+
+def shorter_way(angle: Any) -> Array:
+    """The same angles, radians, any shape, taken the shorter way round: in [-π, π).
+
+    >>> float(shorter_way(1.75 * np.pi)) == -0.25 * np.pi
+    True
+    """
+    return np.asarray(np.mod(np.asarray(angle) + np.pi, TWO_PI) - np.pi)

@@ -52,10 +52,10 @@ def explore_command(options: LoopOptions, data: Path | None, browser: bool) -> N
         return {"text": begun.moved(_object(asked, "settings")).protocol()}
 
     with ExplorerServer({"start": start, "portrait": portrait, "protocol": protocol}) as server:
-        click.echo(f"exploring {begun.loop.material.name} at {server.address}  (Ctrl-C ends)")
-        if browser:
-            webbrowser.open(server.address)
         try:
+            click.echo(f"exploring {begun.loop.material.name} at {server.address}  (Ctrl-C ends)")
+            if browser:
+                webbrowser.open(server.address)
             server.serve_forever()
         except KeyboardInterrupt:
             click.echo("ended")

@@ -23,6 +23,7 @@ from cyclemap.cli.command_fingerprint import fingerprint_command
 from cyclemap.cli.command_fit import fit_command
 from cyclemap.cli.command_identify import identify_command
 from cyclemap.cli.command_replay import replay_command
+from cyclemap.cli.command_report import report_command
 from cyclemap.cli.command_reset import reset_command
 from cyclemap.cli.command_simulate import simulate_command
 from cyclemap.cli.command_sweep import sweep_command
@@ -51,7 +52,7 @@ for _command in (
     *(cycle_command, portrait_command, staircase_command, fingerprint_command),
     *(explore_command, dynamics_command, experiment_command, figures_command),
     *(simulate_command, fit_command, identify_command, compare_command, replay_command, watch_command),
-    *(reset_command, sweep_command, doctor_command),
+    *(reset_command, report_command, sweep_command, doctor_command),
 ):
     cli.add_command(_command)
 

@@ -21,6 +21,11 @@ if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop, Cycle, CycleSensitivity, CycleTrajectory, run_cycles
     from cyclemap.collection.portrait import Portrait, portrait
     from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
+    from cyclemap.collection.uncertain_directions import (
+        DirectionInterval,
+        DirectionUncertainty,
+        direction_uncertainty,
+    )
     from cyclemap.collection.wearing_loop import drifting_map, worn_loop
 else:
     import_on_first_use(__name__)
@@ -34,6 +39,8 @@ __all__ = [
     "CycleSensitivity",
     "CycleTrajectory",
     "Cycles",
+    "DirectionInterval",
+    "DirectionUncertainty",
     "DynamicCycle",
     "DynamicLoop",
     "DynamicsComparison",
@@ -46,6 +53,7 @@ __all__ = [
     "batch_experiment",
     "check_prediction",
     "compare_dynamics",
+    "direction_uncertainty",
     "drifting_map",
     "fingerprint",
     "isotropic_twin",

@@ -23,7 +23,16 @@ if TYPE_CHECKING:
         parse_footprint,
     )
     from cyclemap.mechanics.friction import EllipseFriction, LimitSurface, worn_friction
-    from cyclemap.mechanics.material import FoundWith, Material, Wear, load_material, material_names
+    from cyclemap.mechanics.material import (
+        CycleNoise,
+        FoundWith,
+        Material,
+        MaterialPosterior,
+        PlatePressure,
+        Wear,
+        load_material,
+        material_names,
+    )
     from cyclemap.mechanics.material_text import material_toml
     from cyclemap.mechanics.outline import Ellipse, Polygon
     from cyclemap.mechanics.protocol import DragBack, Pose, Pusher, SidePush, WorldPush
@@ -36,6 +45,7 @@ else:
 __all__ = [
     "MIT_HITCH",
     "MIT_SHAPE_NAMES",
+    "CycleNoise",
     "DragBack",
     "DragResult",
     "DynamicDrag",
@@ -49,7 +59,9 @@ __all__ = [
     "FoundWith",
     "LimitSurface",
     "Material",
+    "MaterialPosterior",
     "PatchFootprint",
+    "PlatePressure",
     "PointFootprint",
     "Polygon",
     "Pose",

@@ -4,7 +4,6 @@ import json
 import math
 import os
 import shlex
-import shutil
 import signal
 import socket
 import subprocess
@@ -258,50 +257,29 @@ def test_interrupt_ends_it_well(running) -> None:
     assert (running.returncode, told.strip(), fault) == (0, "ended", "")
 
 
-def browser_path():
-    names = ("chromium", "chromium-browser", "google-chrome", "chrome")
-    return next((found for name in names if (found := shutil.which(name))), None)
-
-
-def test_page_in_a_real_browser(running) -> None:
+def test_page_in_a_real_browser(running, open_page) -> None:
     """A slider moved: the fixed points are the mechanics' own, frames advance, nothing is asked outside, no error."""
-    if browser_path() is None:
-        pytest.skip("no Chromium found: the explorer's page is not tested in a browser; install chromium")
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser; install it")
-    with playwright.sync_playwright() as driver:
-        arguments = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
-        browser = driver.chromium.launch(executable_path=browser_path(), args=arguments)
-        page = browser.new_page(viewport={"width": 1400, "height": 1000})
-        page.set_default_timeout(120_000)
-        troubles, asked = [], []
-        page.on("console", lambda message: troubles.append(message.text))
-        page.on("pageerror", lambda error: troubles.append(str(error)))
-        page.on("request", lambda one: asked.append(one.url))
-        replies = []
-        page.on("response", lambda one: replies.append(one) if one.url.endswith("/api/portrait") else None)
-        page.goto(running.address)
-        page.wait_for_selector("body[data-exact=true]")
-        frames = [
-            int(page.evaluate("document.body.dataset.frames")) for _ in range(2) if not page.wait_for_timeout(500)
-        ]
-        assert frames[1] > frames[0], "the animation goes on"
-        page.locator("#hitch_x_mm-number").fill("-9.4")
-        page.locator("#hitch_x_mm-number").press("Enter")
-        page.wait_for_selector("#command:has-text('hitch_x_mm=-9.4')")
-        page.wait_for_selector("body[data-exact=true]")
-        assert "hitch_x_mm=-9.4" in page.url
-        loop = cm.CollectionLoop.from_settings({"hitch_x_mm": -9.4}, cm.CollectionLoop.mit(material="plywood"))
-        shown = page.evaluate("document.getElementById('headline').textContent")
-        points = cm.fixed_points(loop.circle_map())
-        told = json.loads(replies[-1].body())
-        assert [one["theta_deg"] for one in told["fixed_points"]] == [
-            round(math.degrees(p.points[0]), 6) for p in points
-        ]
-        for orbit in points:
-            assert not orbit.stable or f"{math.degrees(orbit.points[0]):.1f}°" in shown
-        for width in (1400, 420):
-            page.set_viewport_size({"width": width, "height": 900})
-            assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
-        assert not troubles
-        assert all(url.startswith((running.address.partition("#")[0], "data:")) for url in asked)
-        browser.close()
+    page, troubles, asked = open_page()
+    replies = []
+    page.on("response", lambda one: replies.append(one) if one.url.endswith("/api/portrait") else None)
+    page.goto(running.address)
+    page.wait_for_selector("body[data-exact=true]")
+    frames = [int(page.evaluate("document.body.dataset.frames")) for _ in range(2) if not page.wait_for_timeout(500)]
+    assert frames[1] > frames[0], "the animation goes on"
+    page.locator("#hitch_x_mm-number").fill("-9.4")
+    page.locator("#hitch_x_mm-number").press("Enter")
+    page.wait_for_selector("#command:has-text('hitch_x_mm=-9.4')")
+    page.wait_for_selector("body[data-exact=true]")
+    assert "hitch_x_mm=-9.4" in page.url
+    loop = cm.CollectionLoop.from_settings({"hitch_x_mm": -9.4}, cm.CollectionLoop.mit(material="plywood"))
+    shown = page.evaluate("document.getElementById('headline').textContent")
+    points = cm.fixed_points(loop.circle_map())
+    told = json.loads(replies[-1].body())
+    assert [one["theta_deg"] for one in told["fixed_points"]] == [round(math.degrees(p.points[0]), 6) for p in points]
+    for orbit in points:
+        assert not orbit.stable or f"{math.degrees(orbit.points[0]):.1f}°" in shown
+    for width in (1400, 420):
+        page.set_viewport_size({"width": width, "height": 900})
+        assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    assert not troubles
+    assert all(url.startswith((running.address.partition("#")[0], "data:")) for url in asked)

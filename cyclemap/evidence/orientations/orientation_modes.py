@@ -10,7 +10,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.orientations.circular_law import orientations
-from cyclemap.maps.operator.density_features import peaks_of
+from cyclemap.maps.operator.transfer_operator import peaks_of
 
 DEFAULT_BANDWIDTH = 0.1  # rad, about 6 degrees
 

@@ -96,20 +96,20 @@ export class Panels {
       also: () => (this.measured && this.measured.staircase ? extremes(this.measured.staircase) : []) }, true);
   }
 
-  show(answer, before = null, measured = null) {
+  show(answer, before = null, measured = null, word = "before") {
     Object.assign(this, { answer, before, measured });
+    const laid = measured ? "; orange: measured" : "";
+    const kept = before ? `; dashed: ${word}` : "";
     const circle = range(361);
     this.cobweb.setData([circle, circle.map(() => null), circle.map(() => null)]);
     this.turn.setData([circle, before ? before.turn : circle.map(() => null), answer.turn]);
     const closed = (one) => (one && one.density ? [...one.density, one.density[0]] : circle.map(() => null));
     this.density.setData([circle, closed(before), closed(answer)]);
-    this.density.caption.textContent = answer.density ? "Where recorded orientations gather (1: uniform)"
+    this.density.caption.textContent = answer.density ? `Where recorded orientations gather (1: uniform)${kept}`
       : "Noise this small does not settle which stable direction is visited how often";
     const { every, turns } = answer.staircase;
     const same = before && before.staircase.every === every;
     this.staircase.setData([turns.map((_, i) => i * every), turns.map((_, i) => (same ? before.staircase.turns[i] ?? null : null)), turns]);
-    const laid = measured ? "; orange: measured" : "";
-    const kept = before ? "; dashed: before" : "";
     this.turn.caption.textContent = `Turn of one cycle; filled points attract, hollow ones repel${kept}${laid}`;
     this.staircase.caption.textContent = `Staircase: θ0 over the pushes, with noise${kept}${measured && measured.staircase ? laid : ""}`;
     this.fit();
