@@ -13,8 +13,7 @@ import numpy as np
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
-from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.friction_wear import worn_friction
+from cyclemap.mechanics.friction import EllipseFriction, worn_friction
 from cyclemap.plain_text import printable
 from cyclemap.suggestions import unknown_name
 from cyclemap.text_files import read_toml

@@ -9,6 +9,7 @@ import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics import (
+    DynamicModel,
     EllipseFriction,
     LimitSurface,
     PatchFootprint,
@@ -18,10 +19,10 @@ from cyclemap.mechanics import (
     Pusher,
     SidePush,
     Slider,
+    dynamic_equations,
+    dynamic_model,
     load_material,
 )
-from cyclemap.mechanics.dynamics import stroke_integrator
-from cyclemap.mechanics.dynamics.dynamic_model import DynamicModel
 
 PLYWOOD = load_material("plywood").friction
 STRONG = EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7)
@@ -62,15 +63,17 @@ def test_the_work_of_the_rod_is_what_friction_dissipates_and_the_spring_keeps(st
 
 def test_half_way_through_a_stroke_the_balance_holds_with_kinetic_energy():
     """Cut where the slider moves: work so far = dissipation + spring + m v^2/2 + I omega^2/2."""
-    from cyclemap.mechanics.dynamics.stroke_record import energy_of
-
-    fast = model(STRONG, speed=0.5, **FINE)
-    moving, _ = fast._run(fast._integrator(fast._scaled(SQUARE.hitch), 10), Pose(0.02, 0.05, 0.4), [
-        np.array(Pose(0.02, 0.05, 0.4).to_world(*SQUARE.hitch)), np.zeros(2)])  # fmt: skip
-    inertia = fast.mass_matrix[2, 2] / (SQUARE.mass * fast.units.length**2)
-    energy = energy_of(moving, fast.froude, inertia, fast.units)
-    assert energy.stored > 0.05 * energy.work
-    assert abs(energy.residual) < 2e-5
+    fast, pose = model(STRONG, speed=0.5, **FINE), Pose(0.02, 0.05, 0.4)
+    length = fast.points.extent
+    start = np.array((*pose.to_world(*SQUARE.centre_of_mass), pose.theta * length, 0.0, 0.0, 0.0)) / length
+    ring = np.array(pose.to_world(*SQUARE.hitch)) / length
+    way = np.hypot(*ring)
+    leg = fast.equations(SQUARE.hitch, 10).run(start, ring, -ring / way, way, fast.physics())
+    inertia = fast.mass_matrix[2, 2] / (SQUARE.mass * length**2)
+    moving = fast.froude / 2.0 * (leg.state[-1, 3:] ** 2) @ (1.0, 1.0, inertia)
+    work, floor, contact = leg.works
+    assert moving + leg.stored[-1] > 0.05 * work
+    assert abs(work - floor - contact - leg.stored[-1] - moving) < 2e-5 * work
 
 
 @pytest.mark.parametrize("stroke", [fine_push, fine_drag])
@@ -85,12 +88,12 @@ def test_forces_change_the_momentum_as_newton_and_euler_say(stroke):
         theta, velocity = course.pose[k, 2], course.velocity[k]
         c, s = math.cos(theta), math.sin(theta)
         turn = np.array(((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0)))
-        floor = -model().weight * turn @ surface.wrench(turn.T @ velocity, frame=theta)
+        floor = -SQUARE.weight * turn @ surface.wrench(turn.T @ velocity, frame=theta)
         lever, force = course.contact_point[k] - course.pose[k, :2], course.contact_force[k]
         contact = np.array((*force, lever[0] * force[1] - lever[1] * force[0]))
         errors.append(contact + floor - model().mass_matrix @ acceleration)
     assert len(errors) > 150
-    wrench_error = np.abs(np.array(errors)) / model().weight / np.array([1.0, 1.0, 0.06])
+    wrench_error = np.abs(np.array(errors)) / SQUARE.weight / np.array([1.0, 1.0, 0.06])
     # Forces are 0.2 weights; kinks of the friction and its regularisation leave more here and there.
     assert np.median(wrench_error) < 2e-5
     assert wrench_error.max() < 5e-3
@@ -224,15 +227,15 @@ def test_strokes_that_cannot_be_are_refused():
 
 
 def test_an_integrator_that_gives_up_says_what_to_try(monkeypatch):
-    monkeypatch.setattr(stroke_integrator, "_MOST_STEPS", 5)
+    monkeypatch.setattr(dynamic_equations, "_MOST_STEPS", 5)
     with pytest.raises(ConvergenceError, match="looser"):
         model(tolerance=1.234e-6).push(Pose(), SHORT)
 
 
 def test_a_slider_that_never_rests_is_told(monkeypatch):
-    monkeypatch.setattr(stroke_integrator, "_REST", 0.0)
-    monkeypatch.setattr(stroke_integrator, "_REST_CREEPS", 0.0)
-    monkeypatch.setattr(stroke_integrator, "_MOST_WAITS", 2)
+    monkeypatch.setattr(dynamic_model, "_REST", 0.0)
+    monkeypatch.setattr(dynamic_model, "_REST_CREEPS", 0.0)
+    monkeypatch.setattr(dynamic_model, "_MOST_WAITS", 2)
     with pytest.raises(ConvergenceError, match="still moves"):
         model().push(Pose(), SHORT)
 

@@ -6,8 +6,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from cyclemap.collection import CollectionLoop, Cycles
-from cyclemap.collection.many_cycles import run_cycles
+from cyclemap.collection import CollectionLoop, Cycles, run_cycles
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics import (
     DragBack,
