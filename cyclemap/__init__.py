@@ -126,7 +126,6 @@ __all__ = [
     "ResetDesign",
     "ResetStrategy",
     "Response",
-    "RestRule",
     "RotationInterval",
     "RotationNumber",
     "RotationNumbers",

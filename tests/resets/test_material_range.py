@@ -14,7 +14,7 @@ PLYWOOD = cm.load_material("plywood")
 
 def test_corners_stretch_axes_against_each_other_and_scale_offsets() -> None:
     about, law = material_range(PLYWOOD), PLYWOOD.friction
-    assert len(about.materials) == 9 and about.nominal.friction == law
+    assert len(about.searched) == 9 and len(about.materials) == 13 and about.nominal.friction == law
     found = set()
     for material in about.others:
         friction = material.friction
@@ -26,16 +26,22 @@ def test_corners_stretch_axes_against_each_other_and_scale_offsets() -> None:
 
 
 def test_offsets_that_are_zero_stay_zero_and_no_range_is_the_material_alone() -> None:
-    assert len(material_range(cm.load_material("isotropic")).materials) == 3
+    assert len(material_range(cm.load_material("isotropic")).searched) == 3
     assert material_range(PLYWOOD, 0.0, 0.0).others == ()
-    assert material_range(PLYWOOD, 0.0, 0.0).inside() == ()
+    assert material_range(PLYWOOD, 0.0, 0.0).materials == (PLYWOOD,)
+
+
+def test_a_surface_that_wears_is_in_its_range_fresh_and_worn() -> None:
+    measured = cm.load_material("plywood-measured")
+    laws = [one.friction for one in material_range(measured).searched]
+    assert len(laws) == 10 and laws[0] == measured.friction and laws[-1] == measured.wear.friction
 
 
 def test_materials_inside_lie_between_the_corners_and_are_the_same_each_time() -> None:
     about = material_range(PLYWOOD)
-    assert [one.friction for one in about.inside()] == [one.friction for one in about.inside()]
-    ratios = [one.friction.mu_a / one.friction.mu_b for one in about.materials]
-    for material in about.inside():
+    assert about.tried == material_range(PLYWOOD).tried and len(about.tried) == 4
+    ratios = [one.friction.mu_a / one.friction.mu_b for one in about.searched]
+    for material in about.tried:
         assert min(ratios) <= material.friction.mu_a / material.friction.mu_b <= max(ratios)
         assert 0.5 - 1e-9 <= material.friction.m0 / PLYWOOD.friction.m0 <= 1.5 + 1e-9
 

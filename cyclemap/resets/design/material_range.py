@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -14,7 +14,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material
 
 AXES, OFFSETS = 0.10, 0.50
-# Materials inside the range that a chosen reset is tried on besides the corners.
+# Materials inside the range that what is found is tried on besides the corners.
 TRIED_INSIDE = 4
 
 
@@ -22,38 +22,37 @@ TRIED_INSIDE = 4
 class MaterialRange:
     """Materials about a nominal one.
 
-    nominal : the first. others : the rest. told : in words, where they came from.
+    nominal : the first. others : with it, those that a reset is searched on. told : in words, where they came from.
+    tried : those that what is found is tried on besides; None: four between the others, weighted means of three drawn
+    ones, the same each time.
     """
 
     nominal: Material
     others: tuple[Material, ...]
     told: str = ""
+    tried: tuple[Material, ...] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "others", tuple(self.others))
-        for material in (self.nominal, *self.others):
+        for material in (self.nominal, *self.others, *(self.tried or ())):
             if not isinstance(material, Material):
                 raise InvalidInput(f"a range is made of materials, as load_material returns them, not of {material!r}")
+        if self.tried is None:
+            object.__setattr__(self, "tried", tuple(_between(self.searched)) if self.others else ())
+
+    @property
+    def searched(self) -> tuple[Material, ...]:
+        """Those that a reset is searched on, the nominal one first."""
+        return (self.nominal, *self.others)
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """The nominal one first."""
-        return (self.nominal, *self.others)
-
-    def inside(self) -> tuple[Material, ...]:
-        """Return materials between the nominal one and the others: weighted means of three drawn ones, seeded."""
-        random, made = np.random.default_rng(0), []
-        for number in range(TRIED_INSIDE if self.others else 0):
-            chosen = random.choice(len(self.materials), min(3, len(self.materials)), replace=False)
-            shares = random.dirichlet(np.ones(len(chosen)))
-            laws = [self.materials[index].friction for index in chosen]
-            name = f"{self.nominal.name}, inside its range ({number + 1})"
-            made.append(replace(self.nominal, name=name, friction=_between(laws, shares.tolist())))
-        return tuple(made)
+        """All of them, the nominal one first."""
+        return (*self.searched, *(self.tried or ()))
 
 
 def material_range(material: Material, axes: float = AXES, offsets: float = OFFSETS) -> MaterialRange:
-    """Return the nominal material and the corners of its range, its wear left out.
+    """Return the nominal material and the corners of its range; of one that wears also the worn one.
 
     The direction of the surface needs no corners: turning it turns the law of the orientations, and no more.
 
@@ -65,7 +64,7 @@ def material_range(material: Material, axes: float = AXES, offsets: float = OFFS
 
     >>> from cyclemap.mechanics import load_material
     >>> about = material_range(load_material("plywood"))
-    >>> len(about.materials), about.materials[1].name
+    >>> len(about.searched), about.searched[1].name
     (9, 'plywood (axis ratio ÷ 1.1, m0 -50 %, n0 -50 %)')
     """
     by_axes, by_offsets = non_negative_number("range of the axes", axes), non_negative_number("of offsets", offsets)
@@ -84,17 +83,19 @@ def material_range(material: Material, axes: float = AXES, offsets: float = OFFS
                 law, mu_a=law.mu_a * root, mu_b=law.mu_b / root, m0=law.m0 * (1 + m0), n0=law.n0 * (1 + n0)
             )
             corners.append(replace(nominal, name=f"{material.name} ({', '.join(told)})", friction=friction))
+    if material.wear is not None:
+        corners.append(replace(nominal, name=f"{material.name} (worn)", friction=material.wear.friction))
     words = f"axis ratio ± {100.0 * by_axes:g} %, offsets ± {100.0 * by_offsets:g} %, any direction"
     return MaterialRange(nominal, tuple(corners), words)
 
 
-def _between(laws: Sequence[EllipseFriction], shares: Sequence[float]) -> EllipseFriction:
-    """A friction ellipse between some: axes by their logarithms, offsets as they are, the direction of the first."""
-    weigh = list(zip(shares, laws, strict=True))
-    return EllipseFriction(
-        math.exp(sum(share * math.log(law.mu_a) for share, law in weigh)),
-        math.exp(sum(share * math.log(law.mu_b) for share, law in weigh)),
-        sum(share * law.m0 for share, law in weigh),
-        sum(share * law.n0 for share, law in weigh),
-        laws[0].phi,
-    )
+def _between(materials: Sequence[Material]) -> Iterator[Material]:
+    """Materials between some: axes weighed by their logarithms, offsets as they are, the direction of one of them."""
+    random = np.random.default_rng(0)
+    for number in range(1, TRIED_INSIDE + 1):
+        laws = [materials[k].friction for k in random.choice(len(materials), min(3, len(materials)), replace=False)]
+        shares = random.dirichlet(np.ones(len(laws)))
+        a, b = np.exp(shares @ np.log([(law.mu_a, law.mu_b) for law in laws])).tolist()
+        m0, n0 = (shares @ [(law.m0, law.n0) for law in laws]).tolist()
+        name = f"{materials[0].name}, inside its range ({number})"
+        yield replace(materials[0], name=name, friction=EllipseFriction(a, b, m0, n0, laws[0].phi))
