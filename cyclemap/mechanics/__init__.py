@@ -20,7 +20,15 @@ if TYPE_CHECKING:
     from cyclemap.mechanics.friction import EllipseFriction
     from cyclemap.mechanics.friction_wear import worn_friction
     from cyclemap.mechanics.limit_surface import LimitSurface
-    from cyclemap.mechanics.material import FoundWith, Material, Wear, load_material, material_names
+    from cyclemap.mechanics.material import (
+        FoundWith,
+        Material,
+        MaterialPosterior,
+        PlatePressure,
+        Wear,
+        load_material,
+        material_names,
+    )
     from cyclemap.mechanics.material_text import material_toml
     from cyclemap.mechanics.outline import Ellipse, Polygon
     from cyclemap.mechanics.protocol import DragBack, Pose, SidePush, WorldPush
@@ -47,7 +55,9 @@ __all__ = [
     "FoundWith",
     "LimitSurface",
     "Material",
+    "MaterialPosterior",
     "PatchFootprint",
+    "PlatePressure",
     "PointFootprint",
     "Polygon",
     "Pose",

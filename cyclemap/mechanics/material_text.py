@@ -40,6 +40,12 @@ def material_toml(material: Material) -> str:
         lines += _table("worn", {"cycles": material.wear.cycles, **_friction(material.wear.friction)})
     found = _found_with(material.found_with)
     lines += _table("found_with", found) if found else []
+    for one in material.plates:
+        lines += _table(f"plates.{_text(one.plate)}", {key: value for key, value in one.shares.items() if value})
+    if material.posterior is not None:
+        names = ", ".join(_text(name) for name in material.posterior.parameters)
+        rows = [f"    [{', '.join(map(repr, row))}]," for row in material.posterior.samples]
+        lines += ["", "[posterior]", f"parameters = [{names}]", "samples = [", *rows, "]"]
     return "\n".join(lines) + "\n"
 
 
