@@ -9,6 +9,7 @@ import pytest
 
 import cyclemap as cm
 from cyclemap.errors import InvalidInput
+from cyclemap.mechanics import MaterialPosterior
 from cyclemap.resets import (
     ResetDemands,
     ResetStrategy,
@@ -115,6 +116,27 @@ def test_demands_that_nothing_meets_are_answered_by_the_nearest_and_what_binds()
         LOOP, replace(kept.demands, abilities=("gripper",)), materials=material_range(LOOP.material, 0.1, 0.0)
     )
     assert able.met and able.chosen.strategy.needs == ("gripper",)
+
+
+def test_a_material_with_a_narrow_posterior_is_designed_for_by_that() -> None:
+    """Where offsets may be half as large only gripper turns in steps of 10 degrees do it; where they are known, four.
+
+    The worst of the samples, against laws made anew from loops on each of them.
+    """
+    law, random = LOOP.material.friction, np.random.default_rng(0)
+    drawn = random.normal(1.0, 0.015, (6, 3)) * [law.mu_a, law.m0, 0.15]
+    known = replace(LOOP.material, posterior=MaterialPosterior(("mu_a", "m0", "pusher_mu"), tuple(drawn.tolist())))
+    demands = ResetDemands(keep_push=True, abilities=("gripper",))
+    wide, narrow = (design_reset(replace(LOOP, material=one), demands) for one in (LOOP.material, known))
+    assert len(wide.chosen.strategy.actions) == 36 and wide.about.told.startswith("axis ratio")
+    assert len(narrow.chosen.strategy.actions) == 4 and narrow.about.told == "6 of the 6 samples of its posterior"
+    worst = []
+    for sample in (known.sample(k) for k in range(6)):
+        loop = cm.CollectionLoop.mit(sample)
+        (turns,) = sample_turns(loop, narrow.chosen.strategy.actions, [sample], 72).refined(1024)
+        worst.append(orientation_law(turns, narrow.chosen.strategy, SIGMA).after)
+    assert narrow.chosen.worst_after == pytest.approx(max(worst), abs=2e-3)
+    assert max(worst) < 0.2 * row_of(wide, "gripper").worst_after
 
 
 @pytest.mark.parametrize(

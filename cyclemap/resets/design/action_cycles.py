@@ -14,6 +14,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.many_cycles import run_cycles
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import Material, Trajectory
+from cyclemap.resets.design.material_range import on_material
 from cyclemap.resets.design.strategy import CycleAction, ResetStrategy
 
 Array = NDArray[np.float64]
@@ -76,7 +77,7 @@ def sample_turns(
     still = [replace(action, turn=0.0) for action in actions]
     distinct = list(dict.fromkeys(still))
     rough = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
-    loops = [action.on(replace(rough, material=material)) for material in materials for action in distinct]
+    loops = [action.on(surface) for surface in [on_material(rough, m) for m in materials] for action in distinct]
     run = run_cycles(loops, theta)
     shape = (len(materials), len(distinct), len(theta))
     places = [distinct.index(action) for action in still]

@@ -179,7 +179,7 @@ def design_reset(
 def _range_of(loop: CollectionLoop, materials: Sequence[Material] | None) -> MaterialRange:
     if materials is None:
         return material_range(loop.material)
-    return MaterialRange(replace(loop.material, wear=None), tuple(materials))
+    return MaterialRange(replace(loop.material, wear=None, posterior=None), tuple(materials))
 
 
 def _pool(
