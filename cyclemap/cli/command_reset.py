@@ -69,14 +69,12 @@ def reset_command(
     **wanted: Any,
 ) -> None:
     """Find a reset that spreads θ0 uniformly on MATERIAL and its likes, and write it as protocol and schedule."""
-    from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
+    from cyclemap.cli.output import file_stem, progress_bar, publish
     from cyclemap.cli.reset_report import predicted, reset_report
     from cyclemap.cli.settings import chosen_collection
     from cyclemap.collection.portrait import DEFAULT_SIGMA
     from cyclemap.resets import ResetDemands, design_reset, write_protocol, write_schedule
     from cyclemap.views.reset_page import reset_page
-    from cyclemap.views.style import render
-    from cyclemap.whole_files import write_whole
 
     reach, contact = (None if length is None else 1e-3 * length for length in (reach_mm, least_push_mm))
     asked, demands = chosen_collection(options), ResetDemands(reach=reach, contact=contact, **wanted)
@@ -94,14 +92,13 @@ def reset_command(
         design = design_reset(
             asked.loop, demands, sigma=sigma, materials=about, given=asked.strategy, seed=seed, progress=report
         )
-    stem = f"reset_{file_stem(asked.loop.material.name)}"
-    picture, protocol, schedule = (out / f"{stem}.{end}" for end in (picture_format, "toml", "csv"))
-    told, strategy = reset_report(design, protocol, schedule), design.chosen.strategy
+    stem, strategy = out / f"reset_{file_stem(asked.loop.material.name)}", design.chosen.strategy
+    protocol, schedule = (stem.with_name(f"{stem.name}.{end}") for end in ("toml", "csv"))
     write_protocol(protocol, design.loop, strategy, noise=sigma, predicted=predicted(design.chosen))
     write_schedule(schedule, design.loop, strategy, cycles, seed)
-    write_whole(picture, render(reset_page(design), picture_format))
-    write_json(out / f"{stem}.json", told)
-    if not publish_json(told, json_target):
+    report_json = reset_report(design, protocol, schedule)
+    picture = publish(report_json, reset_page(design), stem, picture_format, json_target)
+    if picture is not None:
         _print_for_people(design, {"picture": picture, "protocol": protocol, "schedule": schedule})
 
 
@@ -125,8 +122,7 @@ def _print_for_people(design: ResetDesign, files: dict[str, Path]) -> None:
     console = PeopleConsole()
     for sentence in miss_sentences(design):
         console.print(sentence, style="bold red")
-    for place, sentence in enumerate(design_sentences(design)):
-        console.print(sentence, style=None if place else "bold")
+    console.tell(*design_sentences(design))
     table = Table(title="Beside it", title_justify="left")
     for place, column in enumerate(COLUMNS):
         table.add_column(column, justify="left" if place < 2 else "right", no_wrap=place > 1)

@@ -156,26 +156,17 @@ def _conclude(
     json_target: str | None, quiet: bool = False,
 ) -> None:  # fmt: skip
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
-    from cyclemap.cli.output import file_stem, publish_json, write_json
+    from cyclemap.cli.output import file_stem, publish
     from cyclemap.cli.terminal import PeopleConsole
-    from cyclemap.views.style import render
     from cyclemap.views.watch_page import watch_page
     from cyclemap.views.watch_sentences import next_action_sentence, watch_sentences
-    from cyclemap.whole_files import write_whole
 
-    stem = f"watch_{file_stem(file.stem)}"
     told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(reports[-1], chosen)}
-    write_json(out / f"{stem}.json", told)
-    picture = out / f"{stem}.{picture_format}"
-    write_whole(picture, render(watch_page(monitor, reports, file.name), picture_format))
-    if quiet or publish_json(told, json_target):
-        return
-    console = PeopleConsole()
-    for place, sentence in enumerate(watch_sentences(reports[-1])):
-        console.print(sentence, style=None if place else "bold")
-    if chosen is not None:
-        console.print(next_action_sentence(*chosen))
-    console.print(f"picture: {picture}")
+    page, stem = watch_page(monitor, reports, file.name), out / f"watch_{file_stem(file.stem)}"
+    picture = publish(told, page, stem, picture_format, None if quiet else json_target)
+    if picture is not None and not quiet:
+        following = () if chosen is None else (next_action_sentence(*chosen),)
+        PeopleConsole().tell(*watch_sentences(reports[-1]), *following, f"picture: {picture}")
 
 
 def _report(report: BiasReport, chosen: Chosen | None) -> Json:

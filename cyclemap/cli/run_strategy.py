@@ -13,7 +13,7 @@ from rich.table import Table
 from cyclemap.cli.json_numbers import degrees, direction_deg, number
 from cyclemap.cli.json_report import Json, cycle_report, measured_report, steps_report
 from cyclemap.cli.options import RunRequest
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
+from cyclemap.cli.output import file_stem, progress_bar, publish
 from cyclemap.cli.reset_report import actions_report
 from cyclemap.cli.run_cycle import cycle_table
 from cyclemap.cli.terminal import PeopleConsole
@@ -25,8 +25,6 @@ from cyclemap.resets import OrientationLaw, ResetStrategy, map_turns, orientatio
 from cyclemap.resets.design.orientation_law import slowest_factor
 from cyclemap.views.reset_sentences import action_words, recipe
 from cyclemap.views.strategy_page import strategy_page
-from cyclemap.views.style import render
-from cyclemap.whole_files import write_whole
 
 Array = NDArray[np.float64]
 
@@ -95,7 +93,7 @@ def run_strategy_portrait(
         f"In a run of {len(theta) - 1} cycles θ0 moves {math.degrees(mean_turn):.2f}° a cycle on average.",
     )
     figure = strategy_page(words, loop, strategy, theta, measured, turns, law)
-    _publish("portrait", loop, request, told, words, figure, json_target)
+    _finish(f"portrait_{file_stem(loop.material.name)}", request, told, words, figure, json_target)
 
 
 def _stationary(law: OrientationLaw, sigma: float, factor: float) -> Json:
@@ -135,7 +133,8 @@ def run_strategy_staircase(
         f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {request.seed}) it {rests}; "
         f"θ0 moves {math.degrees((theta[-1] - theta[0]) / (len(theta) - 1)):.2f}° a cycle on average.",
     )
-    _publish("staircase", loop, request, told, words, strategy_page(words, loop, strategy, theta, data), json_target)
+    figure = strategy_page(words, loop, strategy, theta, data)
+    _finish(f"staircase_{file_stem(loop.material.name)}", request, told, words, figure, json_target)
 
 
 def _run(
@@ -150,15 +149,9 @@ def _run(
     return theta, {"seed": request.seed, "cycles": cycles, "climb_deg": degrees(float(theta[-1] - theta[0]))}
 
 
-def _publish(
-    command: str, loop: CollectionLoop, request: RunRequest, told: Json, words: Sequence[str], figure: Figure,
-    json_target: str | None,
-) -> None:  # fmt: skip
-    stem = f"{command}_{file_stem(loop.material.name)}"
-    picture = request.out / f"{stem}.{request.picture_format}"
-    write_json(request.out / f"{stem}.json", told)
-    write_whole(picture, render(figure, request.picture_format))
-    if not publish_json(told, json_target):
-        console = PeopleConsole()
-        for place, sentence in enumerate((*words, f"picture: {picture}")):
-            console.print(sentence, style=None if place else "bold")
+def _finish(
+    stem: str, request: RunRequest, told: Json, words: Sequence[str], figure: Figure, json_target: str | None
+) -> None:
+    picture = publish(told, figure, request.out / stem, request.picture_format, json_target)
+    if picture is not None:
+        PeopleConsole().tell(*words, f"picture: {picture}")

@@ -46,7 +46,7 @@ def agreement(design: ResetDesign, material: Material, seed: int) -> str:
     strategy, sigma = design.chosen.strategy, design.sigma
     turn = sample_turns(strategy.prepared(design.loop), strategy.actions, [material], 72).refined(1440)[0]
     law = orientation_law(turn, strategy, sigma)
-    loop = replace(on_material(design.loop, material), accuracy=1e-5)
+    loop = replace(on_material(design.loop, material), accuracy=1e-4)
     start = np.random.default_rng(seed).uniform(0.0, 2.0 * math.pi, RUNS)
     run = run_strategy(loop, strategy, PUSHES + FORGOTTEN, runs=RUNS, start=start, sigma=sigma, seed=seed)
     favoured = law.density > 1.0 / (2.0 * math.pi)
