@@ -58,7 +58,9 @@ def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> No
         middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
         inward = 0.07 * size * (corners.mean(axis=0) - middles) / np.hypot(*(corners.mean(axis=0) - middles).T)[:, None]
         for side, place in enumerate((middles + inward).tolist()):
-            name_tag(axes, place[0], place[1], str(side), fontsize=12, fontweight="bold", color=PREDICTED)
+            axes.text(
+                place[0], place[1], str(side), fontsize=12, fontweight="bold", color=PREDICTED, ha="center", va="center"
+            )
     shares: dict[SidePush, float] = {}
     for action, share in zip(strategy.actions, strategy.shares.tolist(), strict=True):
         push = action.push or prepared.push

@@ -167,9 +167,7 @@ def design_reset(
     if len(roles) > MOST_ROWS:
         # One's own strategy is told in place of what a gripper could do.
         roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
-    report("looking closer", 0.0)
-    rows, course = _assessed(nominal, roles, pool.limits, wanted, about, sigma, seed)
-    report("looking closer", 1.0)
+    rows, course = _assessed(nominal, roles, pool.limits, wanted, about, sigma, seed, report)
     return ResetDesign(
         loop, sigma, wanted, about, rows, not found.misses and not rows[0].misses, binding, considered, too_steep,
         independent_distance(wanted.pushes), **course,
@@ -217,18 +215,23 @@ def _assessed(
     about: MaterialRange,
     sigma: float,
     seed: int,
+    report: Callable[[str, float], None],
 ) -> tuple[tuple[ResetRow, ...], dict[str, Any]]:
     """The rows, from more samples and on all materials of the range, and what is drawn beside them."""
     tried = about.materials
-    cycles = {strategy: _cycles(loop, strategy, tried) for strategy in roles}
+    cycles: dict[ResetStrategy, SampledTurns] = {}
+    for strategy in roles:
+        report("looking closer", 0.8 * len(cycles) / len(roles))
+        cycles[strategy] = _cycles(loop, strategy, tried)
     runs = max(2, min(_RUNS, _MOST_SIMULATED // demands.pushes))
 
     def shares(strategy: ResetStrategy, material: int) -> Array:
         turn = cycles[strategy].refined(_REFINED)[material]
         return histogram_shares(sampled_orientations(turn, strategy, demands.pushes, runs, sigma, seed))
 
-    rows = []
+    rows: list[ResetRow] = []
     for strategy, told in roles.items():
+        report("looking closer", 0.8 + 0.1 * len(rows) / len(roles))
         turns = cycles[strategy].refined(_REFINED)
         nominal = orientation_law(turns[0], strategy, sigma, demands.within)
         modes = min(nominal.modes, _ENOUGH_MODES)
