@@ -120,7 +120,6 @@ __all__ = [
     "ResetDesign",
     "ResetStrategy",
     "Response",
-    "RestRule",
     "RotationInterval",
     "RotationNumber",
     "RotationNumbers",
