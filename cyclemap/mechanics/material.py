@@ -19,7 +19,9 @@ from cyclemap.text_files import read_toml
 # Friction coefficients of dry surfaces are below the one; none is known above the other.
 _USUAL_FRICTION, _LARGEST_FRICTION = 2.0, 10.0
 FRICTION_KEYS = ("mu_a", "mu_b", "m0", "n0", "phi_deg")
-_FILE_KEYS = ("name", "provenance", "misfit", "inferred", "friction", "worn", "found_with")
+FILE_KEYS = ("name", "provenance", "misfit", "inferred", "friction", "worn", "found_with")
+# What a file may hold beside a surface: the object on it, and what is done to it (`cyclemap.collection`).
+_OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation")
 _FOUND_KEYS = {
     "pusher_mu": "pusher_friction",
     "inner_share": "inner_share",
@@ -123,6 +125,7 @@ def load_material(name: str | Path) -> Material:
     `provenance`, `misfit`, `inferred` (true or false), a table [worn] with `cycles` and the friction after them, and a
     table [found_with] of what was identified along with it: pusher_mu, inner_share, rim_share, corner_share,
     hitch_scale, hitch_turn_deg, pin_friction_mm.
+    Tables of object, push, reset, noise and strategy are passed over: `CollectionLoop.from_file` reads those.
     Raises InvalidInput for an unknown name, DataFileError for a file that is missing or is not such a table.
 
     >>> load_material("plywood").friction.mu_a
@@ -161,8 +164,8 @@ def _material_from_file(path: Path) -> Material:
 
 def _material_from_table(table: dict[str, object], name: str) -> Material:
     for key in table:
-        if key not in _FILE_KEYS:
-            raise unknown_name("key in a material file", key, _FILE_KEYS)
+        if key not in (*FILE_KEYS, *_OTHER_TABLES):
+            raise unknown_name("key in a material file", key, (*FILE_KEYS, *_OTHER_TABLES))
     friction = table.get("friction")
     if not isinstance(friction, dict):
         raise InvalidInput("a material file needs a table [friction] with mu_a and mu_b")

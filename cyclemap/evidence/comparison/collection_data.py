@@ -23,6 +23,7 @@ from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.mechanics import SidePush, material_names
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.text_files import read_csv_table
+from cyclemap.whole_files import file_stem
 
 if TYPE_CHECKING:
     import pandas
@@ -36,7 +37,7 @@ FEWEST_CYCLES = 4
 _SAME_LENGTH = 0.5e-3
 _NO_POSES, _EARLY, _OTHER_SET = "no end pose", "among the first", "cycle of another set"
 _NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, or set push_mm"
-_NO_OUTLINE = "its object is no MIT shape"
+_NO_OUTLINE = "its outline is not told: give its material file, or put it with the data as collection.toml"
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,7 +215,7 @@ def _fitting(sets: list[_Rows], loop: CollectionLoop, left_out: Counter[str]) ->
         surface, shape = one.facts["surface"], one.facts["object"]
         if own and surface is not None and surface not in own:
             left_out[f"on {surface}, not {min(own, key=len)}"] += one.rows.size
-        elif shape not in (None, loop.slider.name, *MIT_SHAPE_NAMES):
+        elif shape not in (None, file_stem(loop.slider.name), *MIT_SHAPE_NAMES):
             left_out[_NO_OUTLINE] += one.rows.size
         else:
             fitting.append(one)
@@ -223,7 +224,7 @@ def _fitting(sets: list[_Rows], loop: CollectionLoop, left_out: Counter[str]) ->
 
 def _push_sets(sets: list[_Rows], loop: CollectionLoop, length: float, left_out: Counter[str]) -> list[PushSet]:
     """The sets with end poses whose pushes are as long as is known, each with the pushes that the data tell."""
-    loops, made = {None: loop, loop.slider.name: loop}, []
+    loops, made = {None: loop, file_stem(loop.slider.name): loop}, []
     for rows in sets:
         posed = np.isfinite(rows["dtheta"]) & np.isfinite(rows["dx"])
         far = rows.lengths(length)
@@ -243,7 +244,7 @@ def _push_sets(sets: list[_Rows], loop: CollectionLoop, length: float, left_out:
 
 
 def _with_object(loop: CollectionLoop, facts: Mapping[str, Any]) -> CollectionLoop:
-    if facts["object"] in (None, loop.slider.name):
+    if facts["object"] in (None, file_stem(loop.slider.name)):
         return loop
     return CollectionLoop.from_settings({"shape": facts["object"]}, loop)
 
