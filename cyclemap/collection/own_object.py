@@ -14,7 +14,7 @@ from cyclemap.collection.collection_file import NOISE_KEY, names_surface, read_s
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import Settings, inherited_defaults, layered
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
-from cyclemap.mechanics import Ellipse, Polygon, Slider, load_material
+from cyclemap.mechanics import Ellipse, Polygon, SidePush, Slider, load_material
 from cyclemap.mechanics.outline import Outline
 
 MM = 1000.0
@@ -93,9 +93,16 @@ def _longest_outer_side(outline: Polygon) -> int:
     return max(outer or range(outline.sides), key=lambda side: (round(float(length[side]), 9), -side))
 
 
-def contact_place(loop: CollectionLoop) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return where the rod touches first (2,) m, and the unit vector (2,) of the push, in the object's frame."""
-    outline, push = loop.slider.outline, loop.push
+def first_contact(slider: Slider, push: SidePush, radius: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the centre of the rod as it first touches (2,) m, and the push's unit vector (2,), in the object's frame.
+
+    radius : of the rod, m.
+
+    >>> place, way = first_contact(Slider.mit("rect1"), SidePush(), 0.00475)
+    >>> (1e3 * place).round(6), way.round(6) + 0.0
+    (array([-18.  ,  49.75]), array([ 0., -1.]))
+    """
+    outline = slider.outline
     if isinstance(outline, Ellipse):
         angle = 2.0 * math.pi * push.fraction
         place = np.array([outline.semi_x * math.cos(angle), outline.semi_y * math.sin(angle)])
@@ -106,7 +113,7 @@ def contact_place(loop: CollectionLoop) -> tuple[NDArray[np.float64], NDArray[np
         inward = np.array([first[1] - second[1], second[0] - first[0]])
     x, y = inward / math.hypot(*inward)
     c, s = math.cos(push.angle), math.sin(push.angle)
-    return place, np.array([c * x - s * y, s * x + c * y])
+    return place - radius * np.array([x, y]), np.array([c * x - s * y, s * x + c * y])
 
 
 @dataclass(frozen=True)

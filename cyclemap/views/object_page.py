@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cyclemap.collection.cycle_scene import CycleScene, cycle_scene
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.own_object import CheckedCollection, contact_place
+from cyclemap.collection.own_object import CheckedCollection, first_contact
 from cyclemap.errors import CycleMapError
 from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, new_figure, picture_style
 
@@ -32,11 +32,11 @@ def object_page(checked: CheckedCollection) -> Figure:
         for finding in checked.findings
         for number, line in enumerate(textwrap.wrap(finding.words, _LETTERS))
     ]
-    height = 5.2 + 0.2 * len(lines)
+    height = 5.6 + 0.2 * len(lines)
     with picture_style():
         figure = new_figure(11.0, height)
         panels = figure.subplots(1, 2)
-        figure.subplots_adjust(left=0.07, right=0.98, top=1.0 - 0.5 / height, bottom=(0.75 + 0.2 * len(lines)) / height)
+        figure.subplots_adjust(left=0.07, right=0.98, top=1.0 - 0.5 / height, bottom=(1.15 + 0.2 * len(lines)) / height)
         if loop is not None:
             draw_setup(panels[0], loop)
             _draw_cycle(panels[1], loop)
@@ -54,10 +54,11 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
         axes.text(*(0.37 * reach * way), name, ha="center", va="center", color=QUIET, fontsize=8)
     axes.plot(*(MM * np.array(loop.slider.centre_of_mass)), "+", color=INK, markersize=8, label="centre of mass")
     _number_sides(axes, outline, middle, reach)
-    place, way = contact_place(loop)
-    rod, radius = MM * (place - loop.pusher.radius * way), MM * loop.pusher.radius
+    place, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
+    rod, radius = MM * place, MM * loop.pusher.radius
     length = MM * loop.push.distance
-    axes.add_patch(Circle(tuple(rod), radius, facecolor=INK, zorder=4, label=f"rod, radius {radius:.3g} mm"))
+    axes.add_patch(Circle(tuple(rod), radius, facecolor=INK, zorder=4))
+    axes.plot([], [], "o", color=INK, label=f"rod, radius {radius:.3g} mm")
     _arrow(axes, rod, rod + length * way, FORCE)
     axes.plot([], [], color=FORCE, label=f"push, {length:.4g} mm at side {loop.push.side}")
     ring = MM * np.array(loop.slider.hitch)
@@ -117,7 +118,7 @@ def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
 
 
 def _cycle_title(loop: CollectionLoop) -> str:
-    way = contact_place(loop)[1]
+    way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
     return f"One cycle from orientation 0°, pushed towards {math.degrees(math.atan2(way[1], way[0])):.4g}°"
 
 
