@@ -43,12 +43,13 @@ COMMENTS = (
     "--outline",
     metavar="PATH",
     type=click.Path(path_type=Path),
-    help="SVG, DXF, STL, URDF or CSV: [path]:[layer|link].",
+    help="An SVG, DXF, STL, URDF or CSV file of it.",
 )
 @click.option(
     "--unit", type=click.Choice(["mm", "cm", "m", "inch"]), help="Of the outline file. [default: guessed, said]"
 )
 @click.option("--tolerance-mm", type=float, default=0.1, show_default=True, help="Corners of the outline that may go.")
+@click.option("--underside", is_flag=True, help="The foot print of a mesh, not its silhouette.")
 @click.option("--name", help="Of the object. [default: the file's]")
 @click.option("--surface", default="table", show_default=True, help="Name of the surface.")
 @click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="One fact of the experiment; repeatable.")
@@ -100,7 +101,7 @@ def _outline(asked: dict[str, Any]) -> tuple[Outline, list[str]]:
     if given == ["outline"]:
         from cyclemap.collection.outline_files import read_outline
 
-        found = read_outline(asked["outline"], asked["unit"], 1e-3 * asked["tolerance_mm"])
+        found = read_outline(asked["outline"], asked["unit"], 1e-3 * asked["tolerance_mm"], asked["underside"])
         return found.outline, list(found.words)
     if given == ["shape"]:
         return Slider.mit(asked["shape"]).outline, []

@@ -33,7 +33,7 @@ def run_compare(options: LoopOptions, request: CompareRequest, json_target: str 
     with progress_bar(f"{name} beside {request.data.name}") as report:
         found = compare(
             loop,
-            request.data,
+            request.read,
             noise=None if sigma is None else WrappedNormal(sigma),
             first=request.first,
             select=selected_values(request.select),

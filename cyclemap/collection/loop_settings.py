@@ -46,8 +46,10 @@ def loop_tables(loop: CollectionLoop) -> dict[str, Table]:
     """
     base = CollectionLoop.mit(loop.material)
     shape = _shape(loop.slider, base.slider)
-    start = CollectionLoop.from_settings(_plain(shape), base)
     own = "shape" not in shape
+    # An own object's ring is told in any case: MIT's would lie beside it.
+    ring = _ring(loop.slider, base.slider, own) if own else {}
+    start = CollectionLoop.from_settings(_plain({**shape, **ring}), base)
     tables = {
         "object": {**shape, **_object(loop.slider, start.slider, own), **_footprint(loop, start)},
         "push": _push(loop, start, own),

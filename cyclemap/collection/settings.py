@@ -144,9 +144,9 @@ def _slider(slider: Slider, settings: Settings) -> Slider:
     )
     outline = _outline(settings)
     if "shape" in settings:
-        slider = Slider.mit(str(settings["shape"]))
+        slider = Slider.mit(str(settings["shape"]), hitch)
     elif outline is not None:
-        slider = Slider(outline, slider.mass, name=OWN_OUTLINE)
+        slider = Slider(outline, slider.mass, hitch=hitch, name=OWN_OUTLINE)
     centre = (
         _number(settings, "centre_x_mm", slider.centre_of_mass[0]),
         _number(settings, "centre_y_mm", slider.centre_of_mass[1]),
