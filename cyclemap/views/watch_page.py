@@ -36,15 +36,16 @@ def watch_page(course: WatchedCourse, name: str) -> Figure:
             2, 2, figure, width_ratios=(1.9, 1.0), left=0.06, right=0.975, bottom=0.115, top=0.8, wspace=0.16,
             hspace=0.45,
         )  # fmt: skip
-        _draw_path(figure.add_subplot(grid[0, 0]), course)
+        draw_path(figure.add_subplot(grid[0, 0]), course)
         _draw_evidence(figure.add_subplot(grid[1, 0]), course)
-        _draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), course)
-        _draw_worth(figure.add_subplot(grid[1, 1]), course)
+        draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), course)
+        draw_worth(figure.add_subplot(grid[1, 1]), course)
         _write_words(figure, course, name)
     return figure
 
 
-def _draw_path(axes: Axes, course: WatchedCourse) -> None:
+def draw_path(axes: Axes, course: WatchedCourse) -> None:
+    """Draw the orientations push by push, and the alarm."""
     axes.plot(
         _pushes(course),
         np.degrees(course.theta),
@@ -97,7 +98,7 @@ def _scale_evidence(axes: Axes, course: WatchedCourse) -> None:
     axes.yaxis.set_major_formatter(FuncFormatter(lambda power, _: f"$10^{{{power:.0f}}}$"))
 
 
-def _draw_rose(axes: Axes, course: WatchedCourse) -> None:
+def draw_rose(axes: Axes, course: WatchedCourse) -> None:
     """The histogram of directions with equal areas for equal counts: radii are roots of densities."""
     histogram, aim = course.histogram, course.report.advice.direction
     radii = np.sqrt(histogram.density * 2 * np.pi)
@@ -119,7 +120,8 @@ def _draw_rose(axes: Axes, course: WatchedCourse) -> None:
     axes.legend(loc="upper left", bbox_to_anchor=(-0.75, 0.12))
 
 
-def _draw_worth(axes: Axes, course: WatchedCourse) -> None:
+def draw_worth(axes: Axes, course: WatchedCourse) -> None:
+    """Draw what the pushes recorded so far are worth."""
     pushes = np.arange(1, course.pushes + 1)
     axes.plot([0, course.pushes], [0, course.pushes], color=QUIET, linewidth=0.9, linestyle=":", label="spread evenly")
     axes.plot(pushes, course.effective_pushes, color=INK, linewidth=1.8, label="recorded")

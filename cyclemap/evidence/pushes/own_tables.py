@@ -431,6 +431,8 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
     known = np.isfinite(found["theta0"])
     posed = {"x0", "y0", "theta1", "x1", "y1"} <= set(found)
     number = found.get("repetition", np.arange(known.size, dtype=float))
+    if "theta_next" not in found and not posed and known.all() and (np.diff(number) == 1.0).all() and known.size > 1:
+        return {"theta0": found["theta0"]}, words
     if "theta_next" not in found:
         following = np.append(found["theta0"][1:], math.nan)
         follows = np.append(np.diff(number) == 1.0, False)
