@@ -6,12 +6,14 @@ import math
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
+from cyclemap.collection.own_object import first_contact
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.uncertain_directions import FIRST_ORDER, DirectionInterval, DirectionUncertainty
 from cyclemap.maps import Orbit, StaircaseSummary
 from cyclemap.mechanics import Material
 
 if TYPE_CHECKING:
+    from cyclemap.collection.loop import CollectionLoop
     from cyclemap.evidence import MapAgreement
 
 
@@ -30,6 +32,23 @@ def headline(portrait: Portrait) -> str:
         return told
     worn = [angle(zone.centre) for zone in portrait.worn.zones]
     return f"{told} when fresh, {f'near {_listed(worn)}' if worn else 'nowhere'} when worn"
+
+
+def push_direction(theta: float, loop: CollectionLoop) -> float:
+    """Return towards where the rod goes (rad, world) when it pushes an object of orientation theta."""
+    way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
+    return theta + math.atan2(way[1], way[0])
+
+
+def orientation_and_push(theta: float, loop: CollectionLoop) -> str:
+    """Both answers to "which direction?": the object's orientation, and where the push goes.
+
+    >>> from cyclemap.collection.loop import CollectionLoop
+    >>> orientation_and_push(math.radians(63.2), CollectionLoop.mit())
+    'orientation 63.2°, pushed towards −26.8°'
+    """
+    towards = math.remainder(push_direction(theta, loop), 2.0 * math.pi)
+    return f"orientation {angle(theta)}, pushed towards {angle(towards)}"
 
 
 def _resting(portrait: Portrait) -> str:
