@@ -71,14 +71,24 @@ static const double *piece_of(const Stroke *r, int piece) { return r->object->pi
 
 static int kind_of(const Stroke *r, const Motion *m) { return (int)piece_of(r, m->piece)[PIECE_KIND]; }
 
+/* Cosines and sines of the parameters that are angles. */
+static void face(Motion *m) {
+    double *to = m->p + COSINES;
+    to[0] = cos(m->p[DIRECTION]);
+    to[1] = sin(m->p[DIRECTION]);
+    to[2] = cos(m->p[PHI]);
+    to[3] = sin(m->p[PHI]);
+}
+
 static Motion motion_of(const Stroke *r, int mode, int piece, double z0, double z1) {
     const Object *o = r->object;
     Motion m = {.mode = mode, .piece = piece, .z = {z0, z1}};
-    m.p[0] = r->direction;
+    m.p[DIRECTION] = r->direction;
     m.p[1] = RING <= mode && mode <= RING_STUCK ? 0.0 : o->radius;
     m.p[2] = SIGN[mode] * r->friction;
     memcpy(m.p + 3, o->friction, 7 * sizeof(double));
     memcpy(m.p + 10, piece_of(r, piece) + PIECE_GEOMETRY, 7 * sizeof(double));
+    face(&m);
     return m;
 }
 
@@ -153,7 +163,8 @@ static double torque_at(Search *s, double spin) {
 static double excess_at(Search *s, double tau) {
     double speed = hypot(1.0, tau), smu = s->m->p[2];
     Motion stick = motion_of(s->r, STICK, s->m->piece, s->omega / speed, 0.0);
-    stick.p[0] = s->facing + M_PI - atan(tau);
+    stick.p[DIRECTION] = s->facing + M_PI - atan(tau);
+    face(&stick);
     if (evaluate(s->r, &stick, s->state, s->row, s->report) < 0) return NAN;
     s->omega = stick.z[0] * speed;
     double normal = s->report[NORMAL_FORCE], tangential = s->report[TANGENTIAL_FORCE];
@@ -225,9 +236,7 @@ static int slips_about(const Stroke *r, const Motion *m, const double *state, in
     begin(r, m, state, z, &b);
     /* the friction of all others, and its torque about the point */
     Friction all;
-    memcpy(all.twist, b.twist, sizeof all.twist);
-    memcpy(all.matrix, b.matrix, sizeof all.matrix);
-    begin_sums(&all, 0);
+    begin_sums(&all, b.twist, b.matrix, 0);
     for (int64_t k = 0; k < r->object->pressure.first_row[1]; ++k)
         if (k != index)
             add_point(&all, support(r, k)[ROW_GEOMETRY], support(r, k)[ROW_GEOMETRY + 1], support(r, k)[ROW_LOAD]);

@@ -20,6 +20,7 @@ TINY, TINIEST = 1e-60, 1e-150
 PARAMETERS = (
     *("direction", "radius", "smu", "mu_a", "mu_b", "m0", "n0", "phi", "centre_x", "centre_y"),
     *("geometry_0", "geometry_1", "geometry_2", "geometry_3", "geometry_4", "low", "high"),
+    *("cos_direction", "sin_direction", "cos_phi", "sin_phi"),
 )
 # Those by which a motion is differentiated, after its state (theta, coordinate); and the shares of the pressure.
 VARIED = ("direction", "radius", "smu", "mu_a", "mu_b", "m0", "n0", "phi", "geometry_0", "geometry_1")
@@ -32,7 +33,8 @@ def kernels() -> dict[str, ca.Function]:
     """Return the functions of one piece of pressure, and how those along a motion of M are called: name_toward.
 
     Sides come as the images of their ends in the velocity plane with their distances from the origin, which neighbours
-    share; for the motion of M, as their ends.
+    share, and their sums are those of the velocity plane; for the motion of M, as their ends, and their sums are D and
+    the force.
     """
     twist, matrix, toward = ca.SX.sym("twist", 3), ca.SX.sym("matrix", 4), ca.SX.sym("toward", 4)
     ends, images = ca.SX.sym("ends", 4), ca.SX.sym("images", 6)
@@ -47,9 +49,10 @@ def kernels() -> dict[str, ca.Function]:
     side.tx, side.ty, side.d, side.rise, side.ts, _ = ca.vertsplit(parts)
     side.nx, side.ny = side.ty, -side.tx
     side.set_angle(angle)
-    found["edge"] = _function("edge", [matrix, parts, angle], [ca.vertcat(*_edge(side, twist, matrix))])
+    found["edge"] = _function("edge", [parts, angle], [ca.vertcat(*_edge(side, twist, matrix))])
     for name, sums_of, more in (("edge", _edge, ()), ("lean", _leaning_edge, (lean,)), ("line", _line, ())):
-        whole = ca.vertcat(*sums_of(_Side(own), twist, matrix, *more)[:3]) * (1 if name == "line" else scale)
+        speed, *force = sums_of(_Side(own), twist, matrix, *more)[:3]
+        whole = ca.vertcat(speed, *_transposed(matrix, *force)) * (1 if name == "line" else scale)
         if name != "edge":
             sums = ca.vertcat(*sums_of(_Side(images), twist, matrix, *more))
             found[name] = _function(name, [twist, matrix, images, *more], [sums])
@@ -86,8 +89,8 @@ def _function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Functi
     return ca.Function(name, inputs, ca.cse([ca.densify(output) for output in outputs]))
 
 
-# What one piece of a pressure adds. Twists and M (by columns) come first; `sums` are D, the force and the Hessian by
-# (vx, vy) of pieces whose torque follows from homogeneity, or the wrench and the Hessian's six entries of others.
+# What one piece of a pressure adds. Twists and M (by columns) come first; `sums` are D, the force and the Hessian by w
+# of pieces whose torque follows from homogeneity, or the wrench and the Hessian's six entries of others.
 
 
 def _velocity(twist: ca.SX, matrix: ca.SX, x: ca.SX, y: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -152,16 +155,6 @@ def _patch_scale(twist: ca.SX, matrix: ca.SX) -> ca.SX:
     return 1 / (twist[2] ** 2 * (matrix[0] * matrix[3] - matrix[1] * matrix[2]))
 
 
-def _homogeneous(matrix: ca.SX, speed: ca.SX, fx: ca.SX, fy: ca.SX, curve: tuple[ca.SX, ca.SX, ca.SX]) -> list[ca.SX]:
-    """D, the force and the Hessian by v, from integrals in the velocity plane."""
-    hx, hy = _transposed(matrix, curve[0], curve[1]), _transposed(matrix, curve[1], curve[2])
-    return [
-        *(speed, *_transposed(matrix, fx, fy)),
-        *(matrix[0] * hx[0] + matrix[1] * hy[0], matrix[2] * hx[0] + matrix[3] * hy[0]),
-        matrix[2] * hx[1] + matrix[3] * hy[1],
-    ]
-
-
 def _edge(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
     """What one side adds to an even patch, times the image's area over the patch's, by the divergence theorem:
 
@@ -170,7 +163,7 @@ def _edge(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
     # The rim's (w/|w|) n^T is symmetric as a whole; what is mixed is shared.
     curve = side.across(0, side.rise / 2, side.d * side.angle)
     force = side.length
-    return _homogeneous(matrix, force * side.d / 3, force * side.nx, force * side.ny, curve)
+    return [force * side.d / 3, force * side.nx, force * side.ny, *curve]
 
 
 def _leaning_edge(side: _Side, twist: ca.SX, matrix: ca.SX, lean: ca.SX) -> list[ca.SX]:
@@ -196,7 +189,7 @@ def _leaning_edge(side: _Side, twist: ca.SX, matrix: ca.SX, lean: ca.SX) -> list
     ux, uy = d * angle * side.nx + rise * side.tx, d * angle * side.ny + rise * side.ty
     px, py, lx, ly = level * ux + px, level * uy + py, length * side.nx, length * side.ny
     mixed = (px * side.ny + py * side.nx - lx * sy - ly * sx) / 2
-    return _homogeneous(matrix, speed, fx, fy, (px * side.nx - lx * sx, mixed, py * side.ny - ly * sy))
+    return [speed, fx, fy, px * side.nx - lx * sx, mixed, py * side.ny - ly * sy]
 
 
 def _line(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
@@ -206,16 +199,20 @@ def _line(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
     curve = side.across(sine / side.size, cosine / side.size, (side.angle - sine) / side.size)
     fx = (side.d * side.angle * side.nx + side.rise * side.tx) / side.size
     fy = (side.d * side.angle * side.ny + side.rise * side.ty) / side.size
-    return _homogeneous(matrix, side.length / side.size, fx, fy, curve)
+    return [side.length / side.size, fx, fy, *curve]
 
 
 def _assembled(twist: ca.SX, matrix: ca.SX) -> ca.Function:
     """(twist, matrix, sums) -> wrench and Hessian, by homogeneity: D = V . grad D, hess D . V = 0."""
     sums = ca.SX.sym("sums", 6)
+    fx, fy = _transposed(matrix, sums[1], sums[2])
+    hx, hy = _transposed(matrix, sums[3], sums[4]), _transposed(matrix, sums[4], sums[5])
+    xx, xy = matrix[0] * hx[0] + matrix[1] * hy[0], matrix[2] * hx[0] + matrix[3] * hy[0]
+    yy = matrix[2] * hx[1] + matrix[3] * hy[1]
     vx, vy, omega = twist[0], twist[1], twist[2]
-    cross_x, cross_y = -(sums[3] * vx + sums[4] * vy) / omega, -(sums[4] * vx + sums[5] * vy) / omega
-    wrench = [sums[1], sums[2], (sums[0] - vx * sums[1] - vy * sums[2]) / omega]
-    hessian = [sums[3], sums[4], sums[5], cross_x, cross_y, -(cross_x * vx + cross_y * vy) / omega]
+    cross_x, cross_y = -(xx * vx + xy * vy) / omega, -(xy * vx + yy * vy) / omega
+    wrench = [fx, fy, (sums[0] - vx * fx - vy * fy) / omega]
+    hessian = [xx, xy, yy, cross_x, cross_y, -(cross_x * vx + cross_y * vy) / omega]
     return _function("assembled", [twist, matrix, sums], [ca.vertcat(*wrench, *hessian)])
 
 
@@ -290,19 +287,21 @@ FRAME = (
 )
 
 
-def _begun(kind: str, law: str, state: ca.SX, p: ca.SX, z: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Return twist, matrix and frame of a contact for a rod that travels by one.
+def _begun(kind: str, law: str, state: ca.SX, p: ca.SX, angles: ca.SX, z: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Return twist, matrix and frame of a contact for a rod that travels by one; `angles`: cosines and sines in p.
 
     stick: the contact point moves with the rod; omega is unknown. slide: it moves by -n + tau t, for a unit approach;
     omega and tau are unknown, and the true twist is that one times the approach -n.u, so that the equations stay
     well-conditioned up to the moment when the rod leaves. In ring and wedge the rod's centre stays where it is.
     """
     x, y, c, s, metric = _place(kind, state[1], p[10:15], p[1])
-    ahead, aside = ca.cos(p[0] - state[0]), ca.sin(p[0] - state[0])
+    c0, s0 = ca.cos(state[0]), ca.sin(state[0])
+    cd, sd, cp, sp = ca.vertsplit(angles)
+    ahead, aside = cd * c0 + sd * s0, sd * c0 - cd * s0
     approach, along = -(c * ahead + s * aside), c * aside - s * ahead
     ux, uy = (-c - z[1] * s, -s + z[1] * c) if law == "slide" else (ahead, aside)
     twist = ca.vertcat(ux + z[0] * y, uy - z[0] * x, z[0])
-    ca_, sa = ca.cos(p[7] - state[0]), ca.sin(p[7] - state[0])
+    ca_, sa = cp * c0 + sp * s0, sp * c0 - cp * s0
     matrix = ca.vertcat(p[3] * ca_, -p[4] * sa, p[3] * sa, p[4] * ca_)
     fx, fy = ca_ * p[5] - sa * p[6], sa * p[5] + ca_ * p[6]
     second = (ca.cos(p[13]), ca.sin(p[13])) if kind == "wedge" else (0, 0)
@@ -314,7 +313,7 @@ def _begun(kind: str, law: str, state: ca.SX, p: ca.SX, z: ca.SX) -> tuple[ca.SX
 def _begin(kind: str, law: str) -> ca.Function:
     """(state, parameters, unknowns) -> twist, matrix, frame."""
     state, p, z = ca.SX.sym("state", 2), ca.SX.sym("p", len(PARAMETERS)), ca.SX.sym("z", unknowns(law))
-    return _function(f"begin_{kind}_{law}", [state, p, z], list(_begun(kind, law, state, p, z)))
+    return _function(f"begin_{kind}_{law}", [state, p, z], list(_begun(kind, law, state, p, p[17:], z)))
 
 
 def unknowns(law: str) -> int:
@@ -408,7 +407,9 @@ def _slopes(kind: str, law: str, columns: int) -> ca.Function:
     state, p, z = ca.SX.sym("state", 2), ca.SX.sym("p", len(PARAMETERS)), ca.SX.sym("z", count)
     given, by_law, by_shares = ca.SX.sym("given", 9), ca.SX.sym("by_law", 9), ca.SX.sym("by_shares", 9)
     g = ca.SX.sym("g", 3)
-    twist, _, frame = _begun(kind, law, state, p, z)
+    # Of the angles themselves: they are varied.
+    angles = ca.vertcat(ca.cos(p[0]), ca.sin(p[0]), ca.cos(p[7]), ca.sin(p[7]))
+    twist, _, frame = _begun(kind, law, state, p, angles, z)
     varied = ca.vertcat(state, *(p[PARAMETERS.index(name)] for name in VARIED))[: min(columns, 2 + len(VARIED))]
     residual = _residual(law, frame, p, g)[0]
     by_g, total = ca.jacobian(residual, g), given[:3] + frame[:3]
