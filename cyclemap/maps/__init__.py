@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from cyclemap.maps.mixtures.random_map import RandomMap, sample_random_paths
     from cyclemap.maps.mixtures.start_ensemble import StartEnsemble
     from cyclemap.maps.mixtures.worst_start import ReachTime, WorstStart
+    from cyclemap.maps.noise.local_noise import LocalNoise
     from cyclemap.maps.noise.noise_law import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
     from cyclemap.maps.operator.lyapunov import lyapunov_exponent
     from cyclemap.maps.operator.metastable_sets import MetastableSets, metastable_sets
@@ -86,6 +87,7 @@ __all__ = [
     "HittingResponse",
     "IndependentSum",
     "JumpCrossing",
+    "LocalNoise",
     "MetastableSets",
     "MixtureOperator",
     "Noise",

@@ -33,8 +33,7 @@ def kernels() -> dict[str, ca.Function]:
     """Return the functions of one piece of pressure, and how those along a motion of M are called: name_toward.
 
     Sides come as the images of their ends in the velocity plane with their distances from the origin, which neighbours
-    share, and their sums are those of the velocity plane; for the motion of M, as their ends, and their sums are D and
-    the force.
+    share; for the motion of M, as their ends.
     """
     twist, matrix, toward = ca.SX.sym("twist", 3), ca.SX.sym("matrix", 4), ca.SX.sym("toward", 4)
     ends, images = ca.SX.sym("ends", 4), ca.SX.sym("images", 6)
@@ -49,10 +48,9 @@ def kernels() -> dict[str, ca.Function]:
     side.tx, side.ty, side.d, side.rise, side.ts, _ = ca.vertsplit(parts)
     side.nx, side.ny = side.ty, -side.tx
     side.set_angle(angle)
-    found["edge"] = _function("edge", [parts, angle], [ca.vertcat(*_edge(side, twist, matrix))])
+    found["edge"] = _function("edge", [matrix, parts, angle], [ca.vertcat(*_edge(side, twist, matrix))])
     for name, sums_of, more in (("edge", _edge, ()), ("lean", _leaning_edge, (lean,)), ("line", _line, ())):
-        speed, *force = sums_of(_Side(own), twist, matrix, *more)[:3]
-        whole = ca.vertcat(speed, *_transposed(matrix, *force)) * (1 if name == "line" else scale)
+        whole = ca.vertcat(*sums_of(_Side(own), twist, matrix, *more)[:3]) * (1 if name == "line" else scale)
         if name != "edge":
             sums = ca.vertcat(*sums_of(_Side(images), twist, matrix, *more))
             found[name] = _function(name, [twist, matrix, images, *more], [sums])
@@ -89,8 +87,8 @@ def _function(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Functi
     return ca.Function(name, inputs, ca.cse([ca.densify(output) for output in outputs]))
 
 
-# What one piece of a pressure adds. Twists and M (by columns) come first; `sums` are D, the force and the Hessian by w
-# of pieces whose torque follows from homogeneity, or the wrench and the Hessian's six entries of others.
+# What one piece of a pressure adds. Twists and M (by columns) come first; `sums` are D, the force and the Hessian by
+# (vx, vy) of pieces whose torque follows from homogeneity, or the wrench and the Hessian's six entries of others.
 
 
 def _velocity(twist: ca.SX, matrix: ca.SX, x: ca.SX, y: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -155,6 +153,16 @@ def _patch_scale(twist: ca.SX, matrix: ca.SX) -> ca.SX:
     return 1 / (twist[2] ** 2 * (matrix[0] * matrix[3] - matrix[1] * matrix[2]))
 
 
+def _homogeneous(matrix: ca.SX, speed: ca.SX, fx: ca.SX, fy: ca.SX, curve: tuple[ca.SX, ca.SX, ca.SX]) -> list[ca.SX]:
+    """D, the force and the Hessian by v, from integrals in the velocity plane."""
+    hx, hy = _transposed(matrix, curve[0], curve[1]), _transposed(matrix, curve[1], curve[2])
+    return [
+        *(speed, *_transposed(matrix, fx, fy)),
+        *(matrix[0] * hx[0] + matrix[1] * hy[0], matrix[2] * hx[0] + matrix[3] * hy[0]),
+        matrix[2] * hx[1] + matrix[3] * hy[1],
+    ]
+
+
 def _edge(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
     """What one side adds to an even patch, times the image's area over the patch's, by the divergence theorem:
 
@@ -163,7 +171,7 @@ def _edge(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
     # The rim's (w/|w|) n^T is symmetric as a whole; what is mixed is shared.
     curve = side.across(0, side.rise / 2, side.d * side.angle)
     force = side.length
-    return [force * side.d / 3, force * side.nx, force * side.ny, *curve]
+    return _homogeneous(matrix, force * side.d / 3, force * side.nx, force * side.ny, curve)
 
 
 def _leaning_edge(side: _Side, twist: ca.SX, matrix: ca.SX, lean: ca.SX) -> list[ca.SX]:
@@ -189,7 +197,7 @@ def _leaning_edge(side: _Side, twist: ca.SX, matrix: ca.SX, lean: ca.SX) -> list
     ux, uy = d * angle * side.nx + rise * side.tx, d * angle * side.ny + rise * side.ty
     px, py, lx, ly = level * ux + px, level * uy + py, length * side.nx, length * side.ny
     mixed = (px * side.ny + py * side.nx - lx * sy - ly * sx) / 2
-    return [speed, fx, fy, px * side.nx - lx * sx, mixed, py * side.ny - ly * sy]
+    return _homogeneous(matrix, speed, fx, fy, (px * side.nx - lx * sx, mixed, py * side.ny - ly * sy))
 
 
 def _line(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
@@ -199,20 +207,16 @@ def _line(side: _Side, twist: ca.SX, matrix: ca.SX) -> list[ca.SX]:
     curve = side.across(sine / side.size, cosine / side.size, (side.angle - sine) / side.size)
     fx = (side.d * side.angle * side.nx + side.rise * side.tx) / side.size
     fy = (side.d * side.angle * side.ny + side.rise * side.ty) / side.size
-    return [side.length / side.size, fx, fy, *curve]
+    return _homogeneous(matrix, side.length / side.size, fx, fy, curve)
 
 
 def _assembled(twist: ca.SX, matrix: ca.SX) -> ca.Function:
     """(twist, matrix, sums) -> wrench and Hessian, by homogeneity: D = V . grad D, hess D . V = 0."""
     sums = ca.SX.sym("sums", 6)
-    fx, fy = _transposed(matrix, sums[1], sums[2])
-    hx, hy = _transposed(matrix, sums[3], sums[4]), _transposed(matrix, sums[4], sums[5])
-    xx, xy = matrix[0] * hx[0] + matrix[1] * hy[0], matrix[2] * hx[0] + matrix[3] * hy[0]
-    yy = matrix[2] * hx[1] + matrix[3] * hy[1]
     vx, vy, omega = twist[0], twist[1], twist[2]
-    cross_x, cross_y = -(xx * vx + xy * vy) / omega, -(xy * vx + yy * vy) / omega
-    wrench = [fx, fy, (sums[0] - vx * fx - vy * fy) / omega]
-    hessian = [xx, xy, yy, cross_x, cross_y, -(cross_x * vx + cross_y * vy) / omega]
+    cross_x, cross_y = -(sums[3] * vx + sums[4] * vy) / omega, -(sums[4] * vx + sums[5] * vy) / omega
+    wrench = [sums[1], sums[2], (sums[0] - vx * sums[1] - vy * sums[2]) / omega]
+    hessian = [sums[3], sums[4], sums[5], cross_x, cross_y, -(cross_x * vx + cross_y * vy) / omega]
     return _function("assembled", [twist, matrix, sums], [ca.vertcat(*wrench, *hessian)])
 
 

@@ -68,7 +68,7 @@ static void add_sides(Friction *f, const double *rows, int64_t count, double loa
         }
         for (int i = 0; i < n; ++i) {
             const double *at = row + i * ROW_COLUMNS, *more = at + ROW_GEOMETRY + 4;
-            const double *edge_given[] = {sides[i], angles + i}, *given[] = {f->twist, f->matrix, images[i], more};
+            const double *edge_given[] = {f->matrix, sides[i], angles + i}, *given[] = {f->twist, f->matrix, images[i], more};
             if (kind == EDGE) edge(edge_given, results, 0, 0, 0);
             else if (kind == LEAN) lean(given, results, 0, 0, 0);
             else line(given, results, 0, 0, 0);
@@ -335,13 +335,10 @@ static void begin_sums(Friction *f, const double *twist, const double *matrix, c
 
 static void end_sums(Friction *f) {
     if (!f->is_summed) return;
-    double found[9], *results[] = {found}, *s = f->sums;
-    const double *v = f->twist, *given[] = {v, f->matrix, s}, moved[] = {s[1], s[2], (s[0] - v[0] * s[1] - v[1] * s[2]) / v[2]};
-    if (f->toward) add(f->wrench, moved, 1.0, 3);
-    else {
-        assembled(given, results, 0, 0, 0);
-        add(f->wrench, found, 1.0, 9);
-    }
+    double found[9], *results[] = {found};
+    const double *given[] = {f->twist, f->matrix, f->sums};
+    assembled(given, results, 0, 0, 0);
+    add(f->wrench, found, 1.0, f->toward ? 3 : 9);
 }
 
 static void add_loads(Friction *f, const Pressure *pressure, int is_far) {
