@@ -4,7 +4,8 @@
    pressure.c  wrench and Hessian of friction: what one edge, line, chord or point adds, summed over a pressure
    contact.c   a rod on a piece of its contact curve, in the ring or in a wedge; its unknowns, solved until certain
    step.c      one step of a motion, its error, its length, and how its end varies with its start and parameters
-   phase.c     motions joined: the places where a contact changes, and whole pushes and drags
+   phase.c     a motion until its contact changes
+   stroke.c    phases joined: whole pushes and drags
    cycle.c     pushes and drags in the world, their derivatives, and batches of them
 
    No function keeps anything from one call to the next: any number of threads may call at once. Lengths are in extents
@@ -39,4 +40,5 @@ static double fast_log1p(double x) {
 #include "contact.c"
 #include "step.c"
 #include "phase.c"
+#include "stroke.c"
 #include "cycle.c"

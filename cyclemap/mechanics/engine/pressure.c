@@ -19,8 +19,7 @@ typedef struct {
 
 /* Sums at one twist. toward: a motion of the matrix, for derivatives of the wrench by it; else null. */
 typedef struct {
-    double twist[3], matrix[4];
-    const double *toward;
+    const double *twist, *matrix, *toward;
     double scale; /* of patches: the area over the image's */
     double sums[6], wrench[9];
     int is_summed;
@@ -45,25 +44,25 @@ static inline void image_of(const Friction *f, const double *place, double *imag
 /* Edges, leaning edges or lines, all of one kind. Slow steps of one do not wait for those of another. */
 static void add_sides(Friction *f, const double *rows, int64_t count, double load) {
     enum { AT_ONCE = 16 };
-    double images[AT_ONCE + 1][6], sides[AT_ONCE][6], angles[AT_ONCE], found[6], *results[] = {found};
+    double corners[2 * AT_ONCE][3], sides[AT_ONCE][6], angles[AT_ONCE], found[6], *results[] = {found};
     int kind = (int)rows[ROW_KIND];
     double factor = kind == LINE ? load : load * f->scale;
     f->is_summed = 1;
     for (int64_t first = 0; first < count; first += AT_ONCE) {
-        const double *row = rows + first * ROW_COLUMNS;
-        int n = (int)(count - first < AT_ONCE ? count - first : AT_ONCE);
+        const double *row = rows + first * ROW_COLUMNS, *images[AT_ONCE];
+        int n = (int)(count - first < AT_ONCE ? count - first : AT_ONCE), known = 0;
         for (int i = 0; i < n; ++i) {
-            const double *at = row + i * ROW_COLUMNS, *ends = at + ROW_GEOMETRY;
-            if (i > 0 && ends[-ROW_COLUMNS + 2] == ends[0] && ends[-ROW_COLUMNS + 3] == ends[1])
-                memcpy(images[i], images[i - 1] + 3, 3 * sizeof(double));
-            else image_of(f, ends, images[i]);
-            image_of(f, ends + 2, images[i] + 3);
+            const double *ends = row + i * ROW_COLUMNS + ROW_GEOMETRY;
+            /* neighbours share a corner, and its image */
+            if (i == 0 || ends[-ROW_COLUMNS + 2] != ends[0] || ends[-ROW_COLUMNS + 3] != ends[1])
+                image_of(f, ends, corners[known++]);
+            images[i] = corners[known - 1];
+            image_of(f, ends + 2, corners[known++]);
         }
         if (kind == EDGE) {
             for (int i = 0; i < n; ++i) {
-                const double *given[] = {images[i]};
                 double *to = sides[i];
-                side(given, &to, 0, 0, 0);
+                side(images + i, &to, 0, 0, 0);
             }
             for (int i = 0; i < n; ++i) angles[i] = log1p(sides[i][5]);
         }
@@ -324,7 +323,9 @@ static void add_part(Friction *f, const Pressure *pressure, int part, int is_far
     }
 }
 
-static void begin_sums(Friction *f, const double *toward) {
+static void begin_sums(Friction *f, const double *twist, const double *matrix, const double *toward) {
+    f->twist = twist;
+    f->matrix = matrix;
     f->toward = toward;
     f->is_summed = 0;
     f->scale = patch_scale(f);
@@ -357,10 +358,8 @@ static int is_beyond(const Pressure *pressure, const double *twist, const double
    one, which changes a little late, so that small steps do not cross from one rounding to another. */
 static void friction_at(const Pressure *pressure, const double *twist, const double *matrix, int *is_far, double *wrench) {
     Friction f;
-    memcpy(f.twist, twist, sizeof f.twist);
-    memcpy(f.matrix, matrix, sizeof f.matrix);
     *is_far = pressure->far < INFINITY && is_beyond(pressure, twist, matrix, pressure->far * (*is_far ? 0.7 : 1.7));
-    begin_sums(&f, 0);
+    begin_sums(&f, twist, matrix, 0);
     add_loads(&f, pressure, *is_far);
     memcpy(wrench, f.wrench, sizeof f.wrench);
 }
@@ -373,11 +372,9 @@ static void friction_by_law(const Pressure *pressure, const double *twist, const
                                  {0.0, m[1] / mu_b, 0.0, m[3] / mu_b},
                                  {-m[2], -m[3], m[0], m[1]}};
     Friction f;
-    memcpy(f.twist, twist, sizeof f.twist);
-    memcpy(f.matrix, m, sizeof f.matrix);
     memset(by_law, 0, 9 * sizeof(double));
     for (int k = only_angle ? 2 : 0; k < 3; ++k) {
-        begin_sums(&f, toward[k]);
+        begin_sums(&f, twist, m, toward[k]);
         add_loads(&f, pressure, is_far);
         memcpy(by_law + 3 * k, f.wrench, 3 * sizeof(double));
     }
@@ -389,11 +386,9 @@ static void friction_by_shares(const Pressure *pressure, const double *twist, co
     double even[3] = {0.0};
     memset(by, 0, 3 * SHARES * sizeof(double));
     Friction f;
-    memcpy(f.twist, twist, sizeof f.twist);
-    memcpy(f.matrix, m, sizeof f.matrix);
     for (int part = EVEN; part <= CORNERS; ++part) {
         if (pressure->first_row[part] == pressure->first_row[part + 1]) continue;
-        begin_sums(&f, 0);
+        begin_sums(&f, twist, m, 0);
         add_part(&f, pressure, part, is_far, 1.0);
         if (part == CORNERS) add_part(&f, pressure, BALANCE, is_far, 1.0);
         end_sums(&f);
