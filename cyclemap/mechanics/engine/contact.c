@@ -46,9 +46,9 @@ typedef struct {
 typedef struct {
     int mode, piece;
     double p[PARAMETERS], z[2];
-    /* of the last step: derivatives of the unknowns by the state there, and those of its slopes at its end */
-    double place[4], toward[4], reached[2 * (2 + MOST_VARIED)];
-    int has_place, has_reached;
+    /* at the start of a step: derivatives of the unknowns by the state, and those of the slopes */
+    double toward[4], reached[2 * (2 + MOST_VARIED)];
+    int has_tangent, has_reached;
 } Motion;
 
 static const double SIGN[] = {1.0, 1.0, -1.0, 0.0, 0.0, 1.0, -1.0, 0.0, 1.0, -1.0, 0.0};

@@ -82,7 +82,7 @@ static double goal_of(const Motion *m, int broken) {
 }
 
 /* Shortens a step until the first margin to break is zero: secants on its length inside a bracket; returns which. */
-static int land(Stroke *r, Motion *m, const double *state, const double *slack, Step *taken) {
+static int land(Stroke *r, Motion *m, const double *start, const double *slack, Step *taken) {
     double low = 0.0, high = taken->h, h, slope, place = NAN, before = NAN, z[2] = {m->z[0], m->z[1]}, value;
     int broken = NOTHING, has_kept = 0;
     Step tried, kept;
@@ -90,7 +90,7 @@ static int land(Stroke *r, Motion *m, const double *state, const double *slack, 
     for (int i = 0; broken != NOTHING && i < 400; ++i) {
         h = fmax(h, LEAST_ADVANCE);
         memcpy(m->z, z, sizeof z);
-        int found = attempt(r, m, state, h, 0, &tried);
+        int found = attempt(r, m, start, h, 0, &tried);
         if (found < 0) return found;
         if (!found) {
             high = h;
@@ -162,14 +162,14 @@ static int integrate(Stroke *r, Motion *m, double *state, double length, double 
     memcpy(loose, slack, sizeof loose);
     loose[FIRST] = loose[SECOND] = SLACK_SHARE * sqrt(tolerance);
     if (found < 0 || (found = record(r, m, row)) < 0) return found;
-    m->has_place = m->has_reached = 0;
+    m->has_tangent = m->has_reached = 0;
     for (*done = 0.0; *done < length;) {
         if (r->stop && *r->stop) return STOPPED;
         if (++r->steps > MOST_STEPS) return MANY_STEPS;
         if (h < 1e-15 * length) return UNSOLVED;
         double tried = fmin(fmin(h, length - *done), r->longest), lowest = INFINITY;
         int broken = NOTHING;
-        found = attempt(r, m, state, tried, tried > SHORT * length, taken);
+        found = attempt(r, m, row, tried, tried > SHORT * length, taken);
         if (found < 0) return found;
         if (!found || !(taken->error <= tolerance)) {
             int ended = least(row, slack, &value);
@@ -191,9 +191,10 @@ static int integrate(Stroke *r, Motion *m, double *state, double length, double 
             h = 0.4 * tried;
             continue;
         }
-        if (broken != NOTHING && tried > LEAST_ADVANCE && (broken = land(r, m, state, slack, taken)) < 0) return broken;
+        if (broken != NOTHING && tried > LEAST_ADVANCE && (broken = land(r, m, row, slack, taken)) < 0) return broken;
         memcpy(row, taken->rows[STAGES], sizeof row);
         memcpy(m->z, row + UNKNOWN, sizeof m->z);
+        m->has_tangent = 0;
         if (r->varied && (found = vary_step(r, m, taken)) < 0) return found;
         ++count;
         *done += taken->h;
