@@ -1,5 +1,7 @@
 """The equations of friction as CasADi functions, each for one edge, line, chord or point of a pressure.
 
+What ellipses and points add to the friction itself is summed in ellipse.c and pieces.c, several places at once.
+
 A slider that moves with the twist V = (vx, vy, omega) of its own frame dissipates, per unit load, the mean of |w| over
 its pressure, w(r) = M (v + omega z x r), besides the constant force of the friction ellipse's centre (m0, n0) at the
 centre of pressure; M has the half axes mu_a, mu_b at the angle alpha = phi - theta. G = grad D balances the contact
@@ -41,11 +43,8 @@ def kernels() -> dict[str, ca.Function]:
             found[name] = function_of(name, [twist, matrix, images, *more], [sums])
         moved = ca.jtimes(whole, matrix, toward)
         found[f"{name}_toward"] = function_of(f"{name}_toward", [twist, matrix, ends, *more, toward], [moved])
-    wrench = ca.vertcat(*_point(twist, matrix, place))
-    found["point"] = function_of("point", [twist, matrix, place], [wrench])
-    moved = ca.jtimes(wrench[:3], matrix, toward)
+    moved = ca.jtimes(_point_wrench(twist, matrix, place), matrix, toward)
     found["point_toward"] = function_of("point_toward", [twist, matrix, place, toward], [moved])
-    found["chord"] = function_of("chord", [matrix, chord], [ca.vertcat(*_chord(matrix, chord))])
     moved = ca.vertcat(*_chord_toward(twist, matrix, chord, toward))
     found["chord_toward"] = function_of("chord_toward", [twist, matrix, chord, toward], [moved])
     found["corner"] = function_of("corner", [twist, matrix, place], [_image(twist, matrix, place)])
@@ -190,39 +189,21 @@ def _assembled(twist: ca.SX, matrix: ca.SX) -> ca.Function:
     return function_of("assembled", [twist, matrix, sums], [ca.vertcat(*wrench, *hessian)])
 
 
-def _point(twist: ca.SX, matrix: ca.SX, place: ca.SX) -> list[ca.SX]:
-    """What a unit of load at a point adds: wrench and Hessian (xx, xy, yy, x omega, y omega, omega omega)."""
+def _point_wrench(twist: ca.SX, matrix: ca.SX, place: ca.SX) -> ca.SX:
+    """The wrench of a unit of load at a point."""
     wx, wy = _velocity(twist, matrix, place[0], place[1])
     inverse = 1 / ca.sqrt(wx * wx + wy * wy + TINIEST**2)
-    ux, uy = wx * inverse, wy * inverse
-    fx, fy = _transposed(matrix, ux, uy)
-    bx, by = _transposed(matrix, -uy, ux)
-    spin = place[0] * by - place[1] * bx
-    cx, cy = inverse * bx, inverse * by
-    torque = place[0] * fy - place[1] * fx
-    return [fx, fy, torque, bx * cx, bx * cy, by * cy, spin * cx, spin * cy, inverse * spin * spin]
-
-
-def _chord(matrix: ca.SX, given: ca.SX) -> list[ca.SX]:
-    """What a chord through the centre of rotation adds to an elliptic patch; all of it moves along one direction u.
-
-    Given: u, the chord's middle m and its direction e (places: m + tau e, |tau| <= q), and for a pressure f0 + tau f1
-    the moments of (1, tau) for u and of (1, tau, tau^2) for the curvature across it.
-    """
-    ux, uy, mx, my, ex, ey = (given[i] for i in range(6))
-    fx, fy = _transposed(matrix, ux, uy)
-    bx, by = _transposed(matrix, -uy, ux)
-    middle, along = mx * by - my * bx, ex * by - ey * bx
-    torque = (mx * fy - my * fx) * given[6] + (ex * fy - ey * fx) * given[7]
-    k0, k1, k2 = given[8], given[9], given[10]
-    mixed = k0 * middle + k1 * along
-    hessian = [bx * bx * k0, bx * by * k0, by * by * k0, bx * mixed, by * mixed]
-    hessian.append(k0 * middle * middle + 2 * k1 * middle * along + k2 * along * along)
-    return [fx * given[6], fy * given[6], torque, *hessian]
+    fx, fy = _transposed(matrix, wx * inverse, wy * inverse)
+    return ca.vertcat(fx, fy, place[0] * fy - place[1] * fx)
 
 
 def _chord_toward(twist: ca.SX, matrix: ca.SX, given: ca.SX, toward: ca.SX) -> list[ca.SX]:
-    """Derivative of the wrench as M moves: through M itself, and through how u turns along the chord."""
+    """What a chord through the centre of rotation adds to an elliptic patch's wrench as M moves.
+
+    Through M itself, and through how u, the chord's one direction, turns along it. Given: u, the chord's middle m and
+    its direction e (places: m + tau e, |tau| <= q), and for a pressure f0 + tau f1 the moments of (1, tau) for u and of
+    (1, tau, tau^2) for the curvature across it.
+    """
     ux, uy, mx, my, ex, ey = (given[i] for i in range(6))
     fx, fy = _transposed(toward, ux, uy)
     bx, by = _transposed(matrix, -uy, ux)

@@ -57,6 +57,8 @@ MIDDLE_VALUE = (
     *(-0.06264859328084359, -0.09655820701226067, -0.043937232907102934, -0.06514110415106912, 0.18749999999990288),
 )
 PANEL_ORDER = 12
+# Trapezoidal rules over half a period of an ellipse's integrals, and the exponent that their errors have at most.
+RULES, DIGITS = (8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512), 34.0
 
 
 def write_sources(folder: Path) -> None:
@@ -120,11 +122,21 @@ def _tables() -> str:
         **{f"KIND_{kind.upper()}": i for i, kind in enumerate(contact_equations.KINDS)},
         **{f"LAW_{law.upper()}": i for i, law in enumerate(contact_equations.LAWS)},
         "KINDS": len(contact_equations.KINDS),
+        "RULE_COUNT": len(RULES),
+        "PANEL_ORDER": PANEL_ORDER,
         "LAWS": len(contact_equations.LAWS),
     }
     lines = [f"enum {{ {', '.join(f'{name} = {value}' for name, value in counts.items())} }};"]
     integers = {"STAGE_ORDER": order, "NEAREST_STAGE": nearest, "VARIED_AT": [parameters.index(n) for n in varied]}
+    angles = np.concatenate([(np.arange(count // 2) + 0.5) * np.pi / count for count in RULES])
+    integers["FIRST_NODE"] = np.cumsum([0, *(count // 2 for count in RULES)]).tolist()
+    integers["RULES"] = list(RULES)
     numbers: dict[str, Iterable[float]] = {
+        "NODE_COSINES": np.cos(angles),
+        "NODE_SINES": np.sin(angles),
+        # Squared hyperbolic cosines of the distances at which singularities may be.
+        "PATCH_REACH": np.cosh(DIGITS / (2.0 * np.array(RULES))) ** 2,
+        "RIM_REACH": np.cosh(DIGITS / (4.0 * np.array(RULES))) ** 2,
         "STAGE_PLACES": PLACES[order],
         "B": WEIGHTS,
         "ERROR": np.append(np.subtract(WEIGHTS, LOWER), 0.0),
