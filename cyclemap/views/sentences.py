@@ -50,10 +50,10 @@ def orientation_and_push(theta: float, loop: CollectionLoop) -> str:
 def _resting(portrait: Portrait) -> str:
     """Locked is what neither noise nor wear carries off within the run."""
     run, wears = portrait.staircase.cycles, portrait.worn is not None
-    stays = [(angle(orbit.points[0]), portrait.stay(orbit)) for orbit in portrait.stable_points]
+    stays = [(_place(portrait, orbit), portrait.stay(orbit)) for orbit in portrait.stable_points]
     locked = [place for place, stay in stays if stay is not None and stay >= run and not wears]
     rests = [
-        place if stay is None or stay >= run else f"{place} for {cycles(stay)} at a time"
+        place if stay is None or stay >= run else f"{place}, for {cycles(stay)} at a time"
         for place, stay in stays
         if place not in locked
     ]
@@ -61,6 +61,10 @@ def _resting(portrait: Portrait) -> str:
     told += [f"rests at {_listed(rests)}"] if rests else []
     jumps = [angle(theta) for theta in portrait.gathering_jumps]
     return " and ".join(told) or (f"gathers about {_listed(jumps)}" if jumps else "locks into no direction")
+
+
+def _place(portrait: Portrait, orbit: Orbit) -> str:
+    return orientation_and_push(orbit.points[0], portrait.loop)
 
 
 def worn_rests(worn: StaircaseSummary) -> str:
