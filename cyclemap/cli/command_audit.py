@@ -37,16 +37,16 @@ def audit_command(
     read = readable_data(data, columns, units, out)
     with progress_bar(f"auditing {data.name}") as report:
         found = audit(read, progress=report)
-    alarm, reset = found.course.report.alarm, found.reset
+    alarm, reset = found.report.alarm, found.reset
     told = {
         "data": str(data),
         "headline": audit_headline(found),
         "paragraph": audit_paragraph(found),
-        "pushes": found.course.pushes,
+        "pushes": len(found.theta),
         "pushes_of_other_sets": found.others,
         "order_known": found.ordered,
         "covered_deg": [[direction_deg(low), direction_deg(high)] for low, high in found.covered],
-        "covered_share": found.course.report.coverage.covered,
+        "covered_share": found.report.coverage.covered,
         "locked_from": found.locked_from,
         "locked_towards_deg": [] if alarm is None else [direction_deg(theta) for theta in alarm.directions],
         "worth": found.worth,

@@ -2,7 +2,7 @@
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.collection_file import NOISE_KEY, collection_text
-from cyclemap.collection.found_with import with_found
+from cyclemap.collection.found_with import with_material
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_settings import loop_tables
 from cyclemap.errors import ConvergenceError, InvalidInput
@@ -77,7 +77,7 @@ def _outcome(data: Sequence[Path], request: IdentifyRequest) -> Outcome:
     name = request.name or f"{collected.surface or select.get('surface', 'surface')}-identified"
     since = f" from cycle {request.first} on" if request.first else ""
     sources = [f"{path.name}{since}" for path in data]
-    material = identified_material(found, name, sources, collected.last_cycle)
+    material = identified_material(found, name, sources, collected.last_cycle, collected.loop.slider.name)
     return Outcome(collected, found, derived_quantities(found, seed=request.seed), comparison, material)
 
 
@@ -181,7 +181,7 @@ def _files(outcome: Outcome, request: IdentifyRequest, report: bytes) -> dict[Pa
 
 def _material_text(outcome: Outcome) -> str:
     """The material and, where the experiment is not MIT's own, the object, push and ring that it was found with."""
-    loop = with_found(replace(outcome.data.loop, material=outcome.material), outcome.material.found_with)
+    loop = with_material(outcome.data.loop, outcome.material)
     if loop_tables(loop) == loop_tables(CollectionLoop.mit(outcome.material)):
         return material_toml(outcome.material)
     return collection_text(loop)

@@ -38,7 +38,7 @@ def audit_paragraph(found: Audit) -> str:
 
 
 def _cover(found: Audit) -> str:
-    state, others = found.course.report.coverage, found.others
+    state, others = found.report.coverage, found.others
     of = f" (and {others} pushes of other sets, not looked at)" if others else ""
     if len(found.covered) == 1 and found.covered[0][1] - found.covered[0][0] > 6.28:
         where = (
@@ -48,16 +48,16 @@ def _cover(found: Audit) -> str:
         arcs = ", ".join(f"{angle(low, 0)} to {angle(high % (2 * math.pi), 0)}" for low, high in found.covered[:4])
         more = f" and {len(found.covered) - 4} arcs more" if len(found.covered) > 4 else ""
         where = f"cover {arcs}{more}: {state.covered:.0%} of the circle is within 5° of one"
-    return f"The orientations of the object before {found.course.pushes} pushes{of} {where}."
+    return f"The orientations of the object before {len(found.theta)} pushes{of} {where}."
 
 
 def _lock_in(found: Audit) -> str:
-    alarm = found.course.report.alarm
+    alarm = found.report.alarm
     if not found.ordered:
         return "Their order is not known, so that nothing can be said of when they gathered."
     if alarm is None or found.locked_from is None:
-        return f"Nothing shows that they lock in (at an alarm rate of {found.course.alarm_rate:g})."
-    after, start = found.course.pushes - found.locked_from, found.locked_from
+        return f"Nothing shows that they lock in (at an alarm rate of {found.alarm_rate:g})."
+    after, start = len(found.theta) - found.locked_from, found.locked_from
     how = "lock in" if found.gathered > _LOCKED else "linger again and again"
     where = f"about {directions(alarm.directions)}"
     return (
@@ -67,7 +67,7 @@ def _lock_in(found: Audit) -> str:
 
 
 def _worth(found: Audit) -> str:
-    pushes = found.course.pushes
+    pushes = len(found.theta)
     return f"The {pushes} pushes tell as much of how motion depends on orientation as {found.worth:.0f} spread evenly."
 
 
@@ -87,7 +87,7 @@ def _reset(found: Audit) -> str:
 
 
 def _change(found: Audit) -> str:
-    aim = angle(found.course.report.coverage.least_covered, 0)
+    aim = angle(found.report.coverage.least_covered, 0)
     if found.is_good:
         return f"Nothing needs to change; the orientation least covered is {aim}."
     if found.locked_from is not None and found.gathered > _LOCKED:
@@ -114,9 +114,9 @@ def audit_page(found: Audit) -> Figure:
             wspace=0.16,
             hspace=0.5,
         )
-        draw_path(figure.add_subplot(grid[0, 0]), found.course)
-        draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), found.course)
-        draw_worth(figure.add_subplot(grid[1, 1]), found.course)
+        draw_path(figure.add_subplot(grid[0, 0]), found.theta, found.report)
+        draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), found.theta, found.report)
+        draw_worth(figure.add_subplot(grid[1, 1]), [one.coverage.effective_pushes for one in found.reports])
         _draw_reset(figure.add_subplot(grid[1, 0]), found)
         figure.text(0.015, 0.965, audit_headline(found), fontsize=18, fontweight="bold", va="center")
         told = textwrap.fill(audit_paragraph(found), _LETTERS)

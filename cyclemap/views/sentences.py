@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from cyclemap.collection.own_object import first_contact
 from cyclemap.collection.portrait import Portrait
+from cyclemap.collection.uncertain_directions import FIRST_ORDER, DirectionInterval, DirectionUncertainty
 from cyclemap.maps import Orbit, StaircaseSummary
 from cyclemap.mechanics import Material
 
@@ -24,6 +25,9 @@ MOST_PEAKS = 3
 def headline(portrait: Portrait) -> str:
     """The answer in a line: where this material locks in, or rests until noise or wear carries it on."""
     told = f"{portrait.loop.material.name} {_resting(portrait)}"
+    known = portrait.uncertainty
+    if known is not None and known.is_posterior and 0 < known.locks < known.samples:
+        told += f" (locked in {known.chance:.0%} of what its data allow)"
     if portrait.worn is None:
         return told
     worn = [angle(zone.centre) for zone in portrait.worn.zones]
@@ -36,7 +40,7 @@ def push_direction(theta: float, loop: CollectionLoop) -> float:
     return theta + math.atan2(way[1], way[0])
 
 
-def orientation_and_push(theta: float, loop: CollectionLoop) -> str:
+def orientation_and_push(theta: float, loop: CollectionLoop, decimals: int = 1) -> str:
     """Both answers to "which direction?": the object's orientation, and where the push goes.
 
     >>> from cyclemap.collection.loop import CollectionLoop
@@ -44,7 +48,7 @@ def orientation_and_push(theta: float, loop: CollectionLoop) -> str:
     'orientation 63.2°, pushed towards −26.8°'
     """
     towards = math.remainder(push_direction(theta, loop), 2.0 * math.pi)
-    return f"orientation {angle(theta)}, pushed towards {angle(towards)}"
+    return f"orientation {angle(theta, decimals)}, pushed towards {angle(towards, decimals)}"
 
 
 def _resting(portrait: Portrait) -> str:
@@ -64,7 +68,38 @@ def _resting(portrait: Portrait) -> str:
 
 
 def _place(portrait: Portrait, orbit: Orbit) -> str:
-    return orientation_and_push(orbit.points[0], portrait.loop)
+    """A stable direction, never sharper than its interval: with 95 % of the posterior where the material has one."""
+    known, theta = portrait.uncertainty, orbit.points[0]
+    interval = known.of(theta) if known is not None and known.is_posterior else None
+    if interval is None:
+        return orientation_and_push(theta, portrait.loop)
+    return f"{orientation_and_push(theta, portrait.loop, _decimals(interval))} (95 %: {_ends(interval)})"
+
+
+def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
+    """How well the stable directions of a material are known; empty where nothing is."""
+    if known is None:
+        return ""
+    if not known.is_posterior:
+        told = [f"{angle(one.lower, 0)} to {angle(one.upper % (2 * math.pi), 0)}" for one in known.directions]
+        where = f", the stable direction at {_listed(told)}" if told else ""
+        many = ("neither surface locks in", "one of the two surfaces locks in", "both surfaces lock in")[known.locks]
+        return f"The numbers of {name} come without an error: with the axes' ratio 10 % less or more {many}{where}."
+    how = "to first order" if known.method == FIRST_ORDER else "each run in full"
+    told = [f"{_ends(one)} (in {one.share:.0%} of samples)" for one in known.directions]
+    where = f", 95 % of them at {_listed(told)}" if told else ""
+    of = f"{known.locks} of {known.samples} samples"
+    return f"Of what the data on {name} allow, {of} have a stable direction ({how}){where}."
+
+
+def _ends(one: DirectionInterval) -> str:
+    decimals, low, high = _decimals(one), one.lower, one.upper
+    return f"{angle(low, decimals)} to {angle(high % (2.0 * math.pi) if high > 2.0 * math.pi else high, decimals)}"
+
+
+def _decimals(one: DirectionInterval) -> int:
+    """So many that an interval has a few of its last digits."""
+    return 0 if one.upper - one.lower > math.radians(4.0) else 1
 
 
 def worn_rests(worn: StaircaseSummary) -> str:

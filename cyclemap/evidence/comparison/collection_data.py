@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_law import Array
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, load_pushes
 from cyclemap.evidence.tables.push_sets import selected_pushes
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs

@@ -13,7 +13,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.theta0.covered_arcs import covered_arcs
 from cyclemap.evidence.theta0.theta0_pairs import read_theta0_pairs
-from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, WatchedCollection, WatchedCourse
+from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
 from cyclemap.text_files import read_csv_table
 
 Array = NDArray[np.float64]
@@ -50,27 +50,35 @@ class ResetEffect:
 class Audit:
     """What a data set is worth.
 
-    name : of the data. course : of its orientations, in order. ordered : whether their order is known. covered : arcs
+    name : of the data. theta : its orientations, rad, in order. reports : of the monitor after each, its chance of a
+    false alarm being `alarm_rate`. ordered : whether their order is known. covered : arcs
     (from, to), rad, with no gap of 20 degrees. reset : None where the data do not tell poses before and after pushes.
     others : pushes of other sets in the data, left out.
     """
 
     name: str
-    course: WatchedCourse
+    theta: tuple[float, ...]
+    reports: tuple[BiasReport, ...]
+    alarm_rate: float
     ordered: bool
     covered: tuple[tuple[float, float], ...]
     reset: ResetEffect | None
     others: int
 
     @property
+    def report(self) -> BiasReport:
+        """What the monitor says after the last push."""
+        return self.reports[-1]
+
+    @property
     def worth(self) -> float:
         """How many pushes spread evenly it is worth."""
-        return self.course.report.coverage.effective_pushes
+        return self.report.coverage.effective_pushes
 
     @property
     def locked_from(self) -> int | None:
         """The push from which on it locked in; None where it did not, or its order is unknown."""
-        alarm = self.course.report.alarm
+        alarm = self.report.alarm
         if alarm is None or not self.ordered:
             return None
         return alarm.push if alarm.began is None else alarm.began
@@ -78,17 +86,17 @@ class Audit:
     @property
     def gathered(self) -> float:
         """Share of the pushes from the lock-in on that lie within 10 degrees of its directions; 0 without one."""
-        alarm, start = self.course.report.alarm, self.locked_from
+        alarm, start = self.report.alarm, self.locked_from
         if alarm is None or start is None:
             return 0.0
-        away = [np.abs(np.angle(np.exp(1j * (self.course.theta[start:] - theta)))) for theta in alarm.directions]
+        away = [np.abs(np.angle(np.exp(1j * (np.array(self.theta[start:]) - theta)))) for theta in alarm.directions]
         return float(np.mean(np.min(away, axis=0) < _NEAR))
 
     @property
     def is_good(self) -> bool:
         """Whether nothing speaks for another reset: no lock-in, the circle covered, pushes worth half their number."""
         covers_all = len(self.covered) == 1 and self.covered[0][1] - self.covered[0][0] > 6.28
-        return self.locked_from is None and covers_all and self.worth >= LEAST_WORTH * self.course.pushes
+        return self.locked_from is None and covers_all and self.worth >= LEAST_WORTH * len(self.theta)
 
 
 def audit(
@@ -110,12 +118,12 @@ def audit(
     theta, ordered, reset, others = _orientations(data)
     if theta.size < FEWEST:
         raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
-    watched = WatchedCollection(alarm_rate)
+    monitor, reports = BiasMonitor(alarm_rate), []
     for done, angle in enumerate(theta.tolist(), 1):
-        watched.add(angle)
+        reports.append(monitor.update(angle))
         if progress is not None:
             progress(done / theta.size)
-    return Audit(Path(name).name, watched.course(), ordered, covered_arcs(theta), reset, others)
+    return Audit(Path(name).name, monitor.path, tuple(reports), alarm_rate, ordered, covered_arcs(theta), reset, others)
 
 
 def _orientations(data: str | Path | PushTable) -> tuple[Array, bool, ResetEffect | None, int]:

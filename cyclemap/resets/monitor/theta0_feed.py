@@ -197,7 +197,9 @@ class PushFolderFeed:
             raise DataFileError(f"{self.path}: cannot be read ({reason}); give a folder that can be listed") from error
         theta = self._theta_of(fresh, finished)
         if finished and not self._taken:
-            raise DataFileError(f"{self.path}: the folder holds no recorded push ({', '.join(SUFFIXES)})")
+            below = next((f.parent for f in sorted(self.path.rglob("*")) if f.suffix.lower() in SUFFIXES), None)
+            where = "" if below is None else f"; there are some in {below}: give that"
+            raise DataFileError(f"{self.path}: the folder holds no recorded push ({', '.join(SUFFIXES)}){where}")
         # What was fed stands until there is something to begin anew with.
         began_anew = self._dropped and bool(theta)
         self._dropped = self._dropped and not theta
