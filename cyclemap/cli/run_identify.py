@@ -74,7 +74,7 @@ def _outcome(data: Sequence[Path], request: IdentifyRequest) -> Outcome:
     name = request.name or f"{collected.surface or select.get('surface', 'surface')}-identified"
     since = f" from cycle {request.first} on" if request.first else ""
     sources = [f"{path.name}{since}" for path in data]
-    material = identified_material(found, name, sources, collected.last_cycle)
+    material = identified_material(found, name, sources, collected.last_cycle, collected.loop.slider.name)
     return Outcome(collected, found, derived_quantities(found, seed=request.seed), comparison, material)
 
 

@@ -23,6 +23,11 @@ if TYPE_CHECKING:
     from cyclemap.collection.many_cycles import run_cycles
     from cyclemap.collection.portrait import Portrait, portrait
     from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
+    from cyclemap.collection.uncertain_directions import (
+        DirectionInterval,
+        DirectionUncertainty,
+        direction_uncertainty,
+    )
     from cyclemap.collection.wearing_loop import drifting_map, worn_loop
 else:
     import_on_first_use(__name__)
@@ -36,6 +41,8 @@ __all__ = [
     "CycleSensitivity",
     "CycleTrajectory",
     "Cycles",
+    "DirectionInterval",
+    "DirectionUncertainty",
     "DynamicCycle",
     "DynamicLoop",
     "DynamicsComparison",
@@ -48,6 +55,7 @@ __all__ = [
     "batch_experiment",
     "check_prediction",
     "compare_dynamics",
+    "direction_uncertainty",
     "drifting_map",
     "fingerprint",
     "isotropic_twin",

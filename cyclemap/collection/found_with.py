@@ -1,36 +1,59 @@
-"""A loop with what was identified along with its surface: pusher friction, pressure, the ring's lever and friction."""
+"""A loop on a material, with what was identified along with it: rod, ring, and how the object presses on it."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from cyclemap.mechanics import FoundWith, PatchFootprint, Pose, Slider
+from cyclemap.mechanics import Footprint, Material, PatchFootprint, Pose, Slider
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
 
 
-def with_found(loop: "CollectionLoop", found: FoundWith) -> "CollectionLoop":
-    """Return the loop with all that is not None in `found`.
+def with_material(loop: "CollectionLoop", material: Material) -> "CollectionLoop":
+    """Return the loop on a material, with all that is not None in its `found_with` and its plate's pressure.
 
     >>> from cyclemap.collection.loop import CollectionLoop
-    >>> with_found(CollectionLoop.mit(), FoundWith(pusher_friction=0.2)).pusher.friction
+    >>> slate = replace(CollectionLoop.mit().material, found_with=FoundWith(pusher_friction=0.2))
+    >>> with_material(CollectionLoop.mit(), slate).pusher.friction
     0.2
     """
+    found = material.found_with
+    loop = replace(loop, material=material)
     if found.pusher_friction is not None:
         loop = replace(loop, pusher=replace(loop.pusher, friction=found.pusher_friction))
     if found.hitch_scale is not None or found.hitch_turn is not None:
         loop = replace(loop, slider=_with_lever(loop.slider, found.hitch_scale, found.hitch_turn or 0.0))
-    shares = {name: getattr(found, name) for name in ("inner_share", "rim_share", "corner_share")}
-    if any(value is not None for value in shares.values()):
-        given = {name: value or 0.0 for name, value in shares.items()}
-        footprint = PatchFootprint(loop.slider.outline, **given, centre=loop.slider.centre_of_mass)
-        loop = replace(loop, footprint=footprint)
     if found.pin_friction_radius is not None:
         loop = replace(loop, reset=replace(loop.reset, pin_friction_radius=found.pin_friction_radius))
-    return loop
+    pressure = plate_footprint(material, loop.slider)
+    return loop if pressure is None else replace(loop, footprint=pressure)
+
+
+def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
+    """Return how an object presses on a material that knows its plate by the object's name; None where it does not."""
+    known = material.pressure_of(slider.name)
+    if known is None:
+        return None
+    return PatchFootprint(slider.outline, **known.shares, centre=slider.centre_of_mass)
 
 
 def _with_lever(slider: Slider, scale: float | None, turn: float) -> Slider:
     factor = 1.0 if scale is None else scale
     x, y = Pose(theta=turn).to_world(*slider.hitch)
     return replace(slider, hitch=(factor * x, factor * y))
+
+
+def sampled_loop(loop: "CollectionLoop", number: int) -> "CollectionLoop":
+    """Return the loop on one sample of its material's posterior; what was set otherwise than by the material stays.
+
+    Raises InvalidInput where there is no such sample.
+    """
+    stated, sample = loop.material, loop.material.sample(number)
+    bare = replace(loop, footprint=None)
+    before, after = with_material(bare, stated), with_material(bare, sample)
+    parts = {
+        name: getattr(after, name)
+        for name in ("pusher", "reset", "footprint")
+        if getattr(before, name) == getattr(loop, name)
+    }
+    return replace(loop, material=sample, **parts)

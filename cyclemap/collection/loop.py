@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
 from cyclemap.collection.cycle import Cycles, StrokePair
-from cyclemap.collection.found_with import with_found
+from cyclemap.collection.found_with import with_material
 from cyclemap.collection.settings import apply_settings
 from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.maps import CircleMap
@@ -130,11 +130,11 @@ class CollectionLoop:
         """Return the MIT repeated-push experiment (Yu et al. 2016; Ma & Rodriguez 2018), with fields replaced.
 
         `material`: a built-in name, a TOML file or a `Material`, which brings what was found with it (pusher friction,
-        shares of the weight, lever and friction of the ring); `changes`: any field of the loop, which overrule it.
+        pressure of the plate, lever and friction of the ring); `changes`: any field of the loop, which overrule it.
         """
         surface = material if isinstance(material, Material) else load_material(material)
         slider = changes.pop("slider", None) or Slider.mit("rect1")
-        return replace(with_found(cls(slider, surface), surface.found_with), **changes)
+        return replace(with_material(cls(slider, surface), surface), **changes)
 
     @classmethod
     def from_settings(cls, settings: dict[str, object], base: "CollectionLoop | None" = None) -> "CollectionLoop":

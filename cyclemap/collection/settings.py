@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from cyclemap.checks import finite_array, finite_number
+from cyclemap.collection.found_with import plate_footprint
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import (
     DragBack,
@@ -55,7 +56,8 @@ def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoo
         friction = replace(loop.material.friction, **_numbers(settings, _FRICTION))
     changed = friction != loop.material.friction
     name = f"{loop.material.name} (changed)" if changed else loop.material.name
-    material = Material(name, friction, loop.material.provenance) if changed else loop.material
+    plates = loop.material.plates
+    material = Material(name, friction, loop.material.provenance, plates=plates) if changed else loop.material
     with _blaming(settings, _PUSHER):
         pusher = replace(loop.pusher, **_numbers(settings, _PUSHER))
     with _blaming(settings, _PUSH):
@@ -73,8 +75,9 @@ def _reset(reset: DragBack, settings: Settings) -> DragBack:
 
 
 def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Footprint | None:
-    """Return what is set; `exact` leans as the centre of mass asks; a new outline takes no old footprint along."""
-    found = loop.footprint if slider.outline == loop.slider.outline else None
+    """Return what is set; `exact` leans as the centre of mass asks; a new outline has the pressure its plate has."""
+    same = slider.outline == loop.slider.outline
+    found = loop.footprint if same else plate_footprint(loop.material, slider)
     if "footprint" in settings:
         word = str(settings["footprint"])
         found = None if word == "exact" else parse_footprint(word, slider.outline)

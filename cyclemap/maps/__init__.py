@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
     from cyclemap.maps.lifts.circle_map import CircleMap
     from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
+    from cyclemap.maps.noise.local_noise import LocalNoise
     from cyclemap.maps.noise.noise import Noise, WrappedCauchy, WrappedNormal
     from cyclemap.maps.noise.uniform_noise import UniformNoise
     from cyclemap.maps.noise.von_mises import VonMises
@@ -92,6 +93,7 @@ __all__ = [
     "DriftingMap",
     "Estimate",
     "JumpCrossing",
+    "LocalNoise",
     "LyapunovExponents",
     "MetastableSets",
     "Noise",

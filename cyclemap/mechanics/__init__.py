@@ -20,7 +20,16 @@ if TYPE_CHECKING:
     from cyclemap.mechanics.friction import EllipseFriction
     from cyclemap.mechanics.friction_wear import worn_friction
     from cyclemap.mechanics.limit_surface import LimitSurface
-    from cyclemap.mechanics.material import FoundWith, Material, Wear, load_material, material_names
+    from cyclemap.mechanics.material import (
+        CycleNoise,
+        FoundWith,
+        Material,
+        MaterialPosterior,
+        PlatePressure,
+        Wear,
+        load_material,
+        material_names,
+    )
     from cyclemap.mechanics.material_text import material_toml
     from cyclemap.mechanics.outline import Ellipse, Polygon
     from cyclemap.mechanics.protocol import DragBack, Pose, SidePush, WorldPush
@@ -34,6 +43,7 @@ else:
 __all__ = [
     "MIT_HITCH",
     "MIT_SHAPE_NAMES",
+    "CycleNoise",
     "DragBack",
     "DragResult",
     "DynamicDrag",
@@ -47,7 +57,9 @@ __all__ = [
     "FoundWith",
     "LimitSurface",
     "Material",
+    "MaterialPosterior",
     "PatchFootprint",
+    "PlatePressure",
     "PointFootprint",
     "Polygon",
     "Pose",

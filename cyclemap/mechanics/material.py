@@ -4,11 +4,14 @@ import math
 import re
 import tomllib
 import warnings
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
 
-from cyclemap.checks import finite_number, positive_number
+import numpy as np
+
+from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.friction_wear import worn_friction
@@ -19,12 +22,23 @@ from cyclemap.text_files import read_toml
 # Friction coefficients of dry surfaces are below the one; none is known above the other.
 _USUAL_FRICTION, _LARGEST_FRICTION = 2.0, 10.0
 FRICTION_KEYS = ("mu_a", "mu_b", "m0", "n0", "phi_deg")
-_FILE_KEYS = ("name", "provenance", "misfit", "inferred", "friction", "worn", "found_with")
+SHARE_KEYS = ("inner_share", "rim_share", "corner_share")
+_FILE_KEYS = (
+    "name",
+    "provenance",
+    "misfit",
+    "inferred",
+    "friction",
+    "worn",
+    "found_with",
+    "plates",
+    "posterior",
+    "noise",
+)
+# Rows of a posterior: a sample tells a 95 % interval to a hundredth of its width with less.
+_MOST_SAMPLES = 4096
 _FOUND_KEYS = {
     "pusher_mu": "pusher_friction",
-    "inner_share": "inner_share",
-    "rim_share": "rim_share",
-    "corner_share": "corner_share",
     "hitch_scale": "hitch_scale",
     "hitch_turn_deg": "hitch_turn",
     "pin_friction_mm": "pin_friction_radius",
@@ -35,29 +49,144 @@ _FOUND_KEYS = {
 class FoundWith:
     """What was identified together with a surface's friction; None where it was not: the loop's own value holds.
 
-    pusher_friction : coefficient of rod and object. inner_share, rim_share, corner_share : how the object's weight
-    rests on its underside, which belong to that object. hitch_scale, hitch_turn : the effective hitch is the nominal
-    one times the scale, turned by the angle (rad). pin_friction_radius : m, of the rod in the ring.
+    pusher_friction : coefficient of rod and object. hitch_scale, hitch_turn : the effective hitch is the nominal one
+    times the scale, turned by the angle (rad). pin_friction_radius : m, of the rod in the ring.
     """
 
     pusher_friction: float | None = None
-    inner_share: float | None = None
-    rim_share: float | None = None
-    corner_share: float | None = None
     hitch_scale: float | None = None
     hitch_turn: float | None = None
     pin_friction_radius: float | None = None
 
 
 @dataclass(frozen=True)
+class PlatePressure:
+    """How a plate's weight rests on this surface: shares of the load, the rest even (`PatchFootprint`).
+
+    plate : the name of the `Slider`. inner_share, rim_share, corner_share : from 0 to 1, together at most 1
+    (InvalidInput). They belong to the pair of plate and surface.
+    """
+
+    plate: str
+    inner_share: float = 0.0
+    rim_share: float = 0.0
+    corner_share: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.plate or printable(self.plate) != self.plate:
+            raise InvalidInput(f"a plate's name is {self.plate!r}: it must be the name of a slider, such as rect1")
+        for key in SHARE_KEYS:
+            object.__setattr__(self, key, finite_number(f"{key} of {self.plate}", getattr(self, key)))
+        shares = self.shares
+        if min(shares.values()) < 0.0 or sum(shares.values()) > 1.0 + 1e-12:
+            told = ", ".join(f"{key} {value:g}" for key, value in shares.items())
+            raise InvalidInput(f"{told} of {self.plate}: shares must not be negative, and together be at most 1")
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """The three shares by name."""
+        return {key: getattr(self, key) for key in SHARE_KEYS}
+
+
+@dataclass(frozen=True)
+class MaterialPosterior:
+    """Sets of numbers that the data behind a material allow, drawn from their posterior.
+
+    Samples, not a covariance: the angle of an ellipse is undetermined where it is nearly a circle.
+
+    parameters : names as in a material file, in its units: mu_a, mu_b, m0, n0, phi_deg; the same of the worn friction
+    with `worn.` before them; pusher_mu and what else [found_with] holds; shares of a plate as `rect1.rim_share`.
+    samples : (rows, parameters), 2 to 4096 rows, all alike likely. Raises InvalidInput for a name that is unknown or
+    given twice, rows of another length, and numbers that are not finite.
+
+    >>> MaterialPosterior(("mu_a", "rect1.rim_share"), ((0.25, 0.1), (0.26, 0.3))).row(1)
+    {'mu_a': 0.26, 'rect1.rim_share': 0.3}
+    """
+
+    parameters: tuple[str, ...]
+    samples: tuple[tuple[float, ...], ...]
+
+    def __post_init__(self) -> None:
+        names = tuple(self.parameters)
+        for name in names:
+            plain = name.removeprefix("worn.")
+            if plain in FRICTION_KEYS or name in _FOUND_KEYS or _plate_share(name):
+                continue
+            known = (*FRICTION_KEYS, *(f"worn.{key}" for key in FRICTION_KEYS), *_FOUND_KEYS)
+            raise unknown_name("posterior parameter", name, (*known, *(f"rect1.{key}" for key in SHARE_KEYS)))
+        twice = [name for name in names if names.count(name) > 1]
+        if twice or not names:
+            raise InvalidInput(f"a posterior names {twice[0]} twice" if twice else "a posterior needs parameters")
+        for number, row in enumerate(self.samples):
+            if not isinstance(row, list | tuple) or len(row) != len(names):
+                raise InvalidInput(f"posterior sample {number} must hold {len(names)} numbers, one a parameter")
+        rows = finite_array("posterior samples", self.samples)
+        if not 2 <= len(rows) <= _MOST_SAMPLES:
+            raise InvalidInput(f"a posterior has {len(rows)} samples: it needs from 2 to {_MOST_SAMPLES}")
+        object.__setattr__(self, "parameters", names)
+        object.__setattr__(self, "samples", tuple(map(tuple, rows.tolist())))
+
+    def __len__(self) -> int:
+        return len(self.samples)
+
+    def row(self, number: int) -> dict[str, float]:
+        """Return one sample by name, in the units of the names."""
+        return dict(zip(self.parameters, self.samples[number], strict=True))
+
+    @property
+    def array(self) -> np.ndarray:
+        """The samples as an array (rows, parameters)."""
+        return np.array(self.samples)
+
+
+@dataclass(frozen=True)
 class Wear:
-    """How a surface changes: after `cycles` cycles its friction is `friction`, on a straight way (`worn_friction`)."""
+    """How a surface changes: after `cycles` cycles its friction is `friction`, on a straight way (`worn_friction`).
+
+    course : ((cycles, share), ...), how much of that way is gone after some cycles before the last, both increasing,
+    shares in [0, 1], straight between; without it the pace is even. Raises InvalidInput for another course.
+    """
 
     friction: EllipseFriction
     cycles: float
+    course: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cycles", positive_number("cycles of wear", self.cycles))
+        if len(self.course):
+            course = finite_array("course of wear", self.course, last=2)
+            whole = np.vstack([[0.0, 0.0], np.atleast_2d(course), [self.cycles, 1.0]])
+            if course.ndim != 2 or np.any(np.diff(whole[:, 0]) <= 0.0) or np.any(np.diff(whole[:, 1]) < 0.0):
+                raise InvalidInput(
+                    f"the course of wear {course.tolist()} must be pairs [cycles, share] that increase, between "
+                    f"[0, 0] and [{self.cycles:g}, 1]"
+                )
+            object.__setattr__(self, "course", tuple(map(tuple, course.tolist())))
+
+    def share(self, cycles: float) -> float:
+        """Return how much of the way is gone after some cycles, in [0, 1]."""
+        at, gone = zip((0.0, 0.0), *self.course, (self.cycles, 1.0), strict=True)
+        return float(np.interp(finite_number("cycles", cycles), at, gone))
+
+
+@dataclass(frozen=True)
+class CycleNoise:
+    """What a cycle on this surface scatters by, as measured: log of the standard deviation (rad) over θ0, and memory.
+
+    log_sigma : c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in rad. correlation : in [0, 1), of
+    successive cycles.
+    """
+
+    log_sigma: tuple[float, ...]
+    correlation: float = 0.0
+
+    def __post_init__(self) -> None:
+        numbers = finite_array("log_sigma", self.log_sigma, ndim=1)
+        if numbers.size % 2 == 0:
+            raise InvalidInput(f"log_sigma has {numbers.size} numbers: it takes one, and pairs of cosine and sine")
+        object.__setattr__(self, "log_sigma", tuple(numbers.tolist()))
+        if not 0.0 <= finite_number("correlation", self.correlation) < 1.0:
+            raise InvalidInput(f"correlation of successive cycles is {self.correlation:g}: it must lie in [0, 1)")
 
 
 @dataclass(frozen=True)
@@ -66,7 +195,10 @@ class Material:
 
     misfit : how far the data lie from what the numbers predict, in words. inferred : whether the numbers were inferred
     from how objects moved rather than measured as forces. found_with : what was identified along with the friction.
-    wear : the friction at the end of the data; None where it is taken not to change.
+    wear : the friction at the end of the data; None where it is taken not to change. plates : how plates press on it,
+    those not named evenly. posterior : what else the data allow, of numbers that the material states; None where that
+    is not known. noise : of a cycle, as measured; None where that is not known. Raises InvalidInput where a sample of
+    the posterior is no material.
     """
 
     name: str
@@ -76,8 +208,12 @@ class Material:
     inferred: bool = False
     found_with: FoundWith = FoundWith()
     wear: Wear | None = None
+    plates: tuple[PlatePressure, ...] = ()
+    posterior: MaterialPosterior | None = None
+    noise: CycleNoise | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "plates", tuple(self.plates))
         if not re.search(r"[^\W_]", self.name) or printable(self.name) != self.name or "\n" in self.name:
             raise InvalidInput(
                 f"a material's name is {self.name!r}: it names files and is printed, so it needs a letter or a "
@@ -93,6 +229,56 @@ class Material:
                     DoubtfulInput,
                     stacklevel=3,
                 )
+        names = [one.plate for one in self.plates]
+        if len(set(names)) < len(names):
+            raise InvalidInput(f"a material tells the pressure of a plate twice: {', '.join(names)}")
+        self._check_posterior()
+
+    def _check_posterior(self) -> None:
+        if self.posterior is None:
+            return
+        fresh = {name for name in self.posterior.parameters if name in FRICTION_KEYS}
+        worn = {name.removeprefix("worn.") for name in self.posterior.parameters if name.startswith("worn.")}
+        if worn != (fresh if self.wear is not None else set()):
+            raise InvalidInput(
+                "a posterior names the friction of the worn surface (worn.mu_a, ...) as it does that of the fresh one, "
+                "and only where the surface wears"
+            )
+        plates = {one.plate for one in self.plates}
+        for name in self.posterior.parameters:
+            share = _plate_share(name)
+            if share is not None and share[0] not in plates:
+                raise InvalidInput(f"a posterior of {name} needs a table [plates.{share[0]}] with what is best")
+            if name in _FOUND_KEYS and getattr(self.found_with, _FOUND_KEYS[name]) is None:
+                raise InvalidInput(f"a posterior of {name} needs {name} in [found_with], with what is best")
+        for number in range(len(self.posterior)):
+            try:
+                self.sample(number)
+            except InvalidInput as cause:
+                raise InvalidInput(f"posterior sample {number}: {cause}") from cause
+
+    def sample(self, number: int) -> "Material":
+        """Return the material of one sample of the posterior, without a posterior of its own.
+
+        What the posterior does not name is as in this one. Raises InvalidInput where there is no such sample.
+        """
+        if self.posterior is None or not 0 <= number < len(self.posterior):
+            raise InvalidInput(f"{self.name} has no posterior sample {number}")
+        row = self.posterior.row(number)
+        found = replace(self.found_with, **_found_numbers({key: row[key] for key in row if key in _FOUND_KEYS}))
+        plates = {one.plate: one for one in self.plates}
+        for plate in dict.fromkeys(found_in[0] for found_in in map(_plate_share, row) if found_in):
+            shares = {key: row[f"{plate}.{key}"] for key in SHARE_KEYS if f"{plate}.{key}" in row}
+            plates[plate] = replace(plates[plate], **shares)  # type: ignore[arg-type]
+        wear = self.wear and replace(self.wear, friction=_changed(self.wear.friction, row, "worn."))
+        friction = _changed(self.friction, row)
+        return replace(
+            self, friction=friction, found_with=found, wear=wear, plates=tuple(plates.values()), posterior=None
+        )
+
+    def pressure_of(self, plate: str) -> PlatePressure | None:
+        """Return how a plate (the name of a slider) presses on this surface; None where that is not known."""
+        return next((one for one in self.plates if one.plate == plate), None)
 
     def friction_after(self, cycles: float) -> EllipseFriction:
         """Return the friction after a number of cycles, 0 or more; beyond those of `wear` it stays the worn one.
@@ -102,8 +288,7 @@ class Material:
         """
         if self.wear is None:
             return self.friction
-        share = finite_number("cycles", cycles) / self.wear.cycles
-        return worn_friction(self.friction, self.wear.friction, min(max(share, 0.0), 1.0))
+        return worn_friction(self.friction, self.wear.friction, self.wear.share(cycles))
 
 
 def material_names() -> tuple[str, ...]:
@@ -120,9 +305,11 @@ def load_material(name: str | Path) -> Material:
     """Return a built-in material by name, or one from a TOML file (a path that ends in .toml).
 
     The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and it may hold `name`,
-    `provenance`, `misfit`, `inferred` (true or false), a table [worn] with `cycles` and the friction after them, and a
-    table [found_with] of what was identified along with it: pusher_mu, inner_share, rim_share, corner_share,
-    hitch_scale, hitch_turn_deg, pin_friction_mm.
+    `provenance`, `misfit`, `inferred` (true or false), a table [worn] with `cycles` and the friction after them, a
+    table [found_with] of what was identified along with it: pusher_mu, hitch_scale, hitch_turn_deg, pin_friction_mm,
+    a table [plates.NAME] for each plate with inner_share, rim_share, corner_share, and a table [posterior] with
+    `parameters` and `samples` (`MaterialPosterior`), and a table [noise] with `log_sigma` and `correlation`
+    (`CycleNoise`). [worn] may have a `course`, pairs [cycles, share] (`Wear`).
     Raises InvalidInput for an unknown name, DataFileError for a file that is missing or is not such a table.
 
     >>> load_material("plywood").friction.mu_a
@@ -170,18 +357,72 @@ def _material_from_table(table: dict[str, object], name: str) -> Material:
     if not isinstance(inferred, bool):
         raise InvalidInput(f"inferred is {inferred!r}: it must be true or false")
     words = {key: str(table.get(key, "")) for key in ("provenance", "misfit")}
-    law, found, wear = friction_from_degrees(friction), _found_with(table), _wear(table)
-    return Material(str(table.get("name", name)), law, **words, inferred=inferred, found_with=found, wear=wear)
+    return Material(
+        str(table.get("name", name)),
+        friction_from_degrees(friction),
+        **words,
+        inferred=inferred,
+        found_with=_found_with(table),
+        wear=_wear(table),
+        plates=_plates(table),
+        posterior=_posterior(table),
+        noise=_noise(table),
+    )
 
 
 def _found_with(table: dict[str, object]) -> FoundWith:
     found = _table(table, "found_with")
     for key in found:
+        if key in SHARE_KEYS:
+            raise InvalidInput(f"{key} belongs to a plate: move it to a table [plates.NAME], such as [plates.rect1]")
         if key not in _FOUND_KEYS:
             raise unknown_name("key of [found_with]", key, tuple(_FOUND_KEYS))
+    return FoundWith(**_found_numbers(found))
+
+
+def _found_numbers(found: Mapping[str, object]) -> dict[str, float]:
+    """Fields of `FoundWith` from the keys and units of a file."""
     unit = {"pin_friction_mm": 1e-3, "hitch_turn_deg": math.pi / 180.0}
-    numbers = {key: unit.get(key, 1.0) * finite_number(key, value) for key, value in found.items()}
-    return FoundWith(**{_FOUND_KEYS[key]: value for key, value in numbers.items()})
+    return {_FOUND_KEYS[key]: unit.get(key, 1.0) * finite_number(key, value) for key, value in found.items()}
+
+
+def _plates(table: dict[str, object]) -> tuple[PlatePressure, ...]:
+    plates = _table(table, "plates")
+    found = []
+    for plate in plates:
+        shares = _table(plates, plate)
+        for key in shares:
+            if key not in SHARE_KEYS:
+                raise unknown_name(f"key of [plates.{plate}]", key, SHARE_KEYS)
+        found.append(PlatePressure(plate, **shares))  # type: ignore[arg-type]
+    return tuple(found)
+
+
+def _posterior(table: dict[str, object]) -> MaterialPosterior | None:
+    posterior = _table(table, "posterior")
+    if not posterior:
+        return None
+    for key in posterior:
+        if key not in ("parameters", "samples"):
+            raise unknown_name("key of [posterior]", key, ("parameters", "samples"))
+    names, samples = (posterior.get(key) for key in ("parameters", "samples"))
+    if not (isinstance(names, list) and all(isinstance(name, str) for name in names) and isinstance(samples, list)):
+        raise InvalidInput("a table [posterior] needs parameters, a list of names, and samples, a list of rows")
+    return MaterialPosterior(tuple(names), tuple(samples))
+
+
+def _plate_share(name: str) -> tuple[str, str] | None:
+    """Plate and share of a posterior's parameter such as `rect1.rim_share`; None where it is no such."""
+    plate, _, share = name.rpartition(".")
+    return (plate, share) if plate and plate != "worn" and share in SHARE_KEYS else None
+
+
+def _changed(law: EllipseFriction, row: Mapping[str, float], before: str = "") -> EllipseFriction:
+    """The law with what a row names, its keys after `before`."""
+    given = {key: row[before + key] for key in FRICTION_KEYS if before + key in row}
+    if "phi_deg" in given:
+        given["phi"] = math.radians(given.pop("phi_deg"))
+    return replace(law, **given)
 
 
 def _wear(table: dict[str, object]) -> Wear | None:
@@ -192,8 +433,18 @@ def _wear(table: dict[str, object]) -> Wear | None:
         raise InvalidInput(
             "a table [worn] needs cycles, the number of cycles after which the friction is the one it has"
         )
-    cycles = finite_number("cycles", worn.pop("cycles"))
-    return Wear(friction_from_degrees(worn), cycles)
+    cycles, course = finite_number("cycles", worn.pop("cycles")), worn.pop("course", [])
+    return Wear(friction_from_degrees(worn), cycles, course)  # type: ignore[arg-type]
+
+
+def _noise(table: dict[str, object]) -> CycleNoise | None:
+    noise = _table(table, "noise")
+    for key in noise:
+        if key not in ("log_sigma", "correlation"):
+            raise unknown_name("key of [noise]", key, ("log_sigma", "correlation"))
+    if noise and "log_sigma" not in noise:
+        raise InvalidInput("a table [noise] needs log_sigma, the logarithm of its standard deviation in radians")
+    return CycleNoise(**noise) if noise else None  # type: ignore[arg-type]
 
 
 def _table(table: dict[str, object], name: str) -> dict[str, object]:

@@ -137,7 +137,8 @@ def test_alternatives_are_compared_and_the_best_one_is_taken(here, capsys, monke
     assert "rim_share" in alternatives["explanations"][0]["extra"]
     assert "weight on the rim" in {alternatives["best"], *alternatives["not_told_from_best"]}
     assert {one["name"] for one in report["parameters"]} >= {"offset_x", "rim_share"}
-    assert load_material(here / "out" / "slate-identified.toml").found_with.rim_share == pytest.approx(0.3, abs=0.02)
+    (plate,) = load_material(here / "out" / "slate-identified.toml").plates
+    assert plate.plate == "rect1" and plate.rim_share == pytest.approx(0.3, abs=0.02)
 
 
 def test_alternatives_need_data_that_depend_on_rim_or_ring(monkeypatch, capsys) -> None:

@@ -1,20 +1,32 @@
 """What was identified with a surface's friction reaches the loop, in SI units, from a Material and from a file."""
 
 import math
-from dataclasses import asdict
+import pickle
+import tomllib
+from dataclasses import asdict, replace
 
 import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.mechanics import EllipseFriction, FoundWith, Material, PatchFootprint, Slider, load_material
+from cyclemap.mechanics import (
+    EllipseFriction,
+    FoundWith,
+    Material,
+    MaterialPosterior,
+    PatchFootprint,
+    PlatePressure,
+    Slider,
+    load_material,
+    material_toml,
+)
 
 LAW = EllipseFriction(0.3, 0.25)
 SQUARE = Slider.mit("rect1").outline
 
 
-def loop_with(**found):
-    return CollectionLoop.mit(Material("found", LAW, found_with=FoundWith(**found)))
+def loop_with(**shares):
+    return CollectionLoop.mit(Material("found", LAW, plates=(PlatePressure("rect1", **shares),) if shares else ()))
 
 
 @pytest.mark.parametrize(
@@ -34,31 +46,86 @@ def test_shares_of_the_weight_reach_the_footprint_each_alone_and_together(found,
 
 def test_a_material_with_nothing_found_leaves_the_loop_as_it_is():
     assert loop_with().footprint is None
-    given = Material("found", LAW, found_with=FoundWith(rim_share=0.1))
+    given = Material("found", LAW, plates=(PlatePressure("rect1", rim_share=0.1),))
     assert CollectionLoop.mit(given, footprint=None).footprint is None
+
+
+def test_a_plate_presses_as_its_own_name_says_and_another_evenly():
+    material = Material("floor", LAW, plates=(PlatePressure("rect1", 0.1), PlatePressure("tri3", corner_share=0.4)))
+    tri3 = Slider.mit("tri3")
+    for loop in (
+        CollectionLoop.mit(material, slider=tri3),
+        CollectionLoop.from_settings({"shape": "tri3"}, CollectionLoop.mit(material)),
+        CollectionLoop.from_settings({"shape": "tri3", "mu_a": 0.4}, CollectionLoop.mit(material)),
+    ):
+        assert loop.model.pressure == PatchFootprint(tri3.outline, corner_share=0.4)
+    assert CollectionLoop.mit(material, slider=Slider.mit("hex")).footprint is None
+    assert CollectionLoop.from_settings({"footprint": "exact"}, CollectionLoop.mit(material)).footprint is None
 
 
 def test_every_number_found_is_read_from_a_file_in_its_unit(tmp_path):
     path = tmp_path / "found.toml"
     path.write_text(
-        "[friction]\nmu_a = 0.3\nmu_b = 0.3\n[found_with]\npusher_mu = 0.2\nrim_share = 0.25\nhitch_scale = 1.1\n"
-        "hitch_turn_deg = 90\n"
-        "pin_friction_mm = 2\ninner_share = 0.1\ncorner_share = 0.05\n"
+        "[friction]\nmu_a = 0.3\nmu_b = 0.3\n[found_with]\npusher_mu = 0.2\nhitch_scale = 1.1\n"
+        "hitch_turn_deg = 90\npin_friction_mm = 2\n"
+        "[plates.rect1]\nrim_share = 0.25\ninner_share = 0.1\ncorner_share = 0.05\n"
     )
-    found = load_material(path).found_with
-    assert asdict(found) == {
-        **{"pusher_friction": 0.2, "inner_share": 0.1, "rim_share": 0.25, "corner_share": 0.05, "hitch_scale": 1.1},
-        **{"hitch_turn": math.pi / 2.0, "pin_friction_radius": 0.002},
+    assert asdict(load_material(path).found_with) == {
+        **{"pusher_friction": 0.2, "hitch_scale": 1.1, "hitch_turn": math.pi / 2.0, "pin_friction_radius": 0.002}
     }
     loop = CollectionLoop.mit(path)
     assert loop.model.pressure == PatchFootprint(SQUARE, 0.1, 0.25, 0.05)
     assert loop.reset.pin_friction_radius == 0.002
 
 
-def test_numbers_that_carry_nothing_are_refused(tmp_path):
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("[found_with]\nrim = 0.1", "unknown key of .found_with."),
+        ("[found_with]\nrim_share = 0.1", r"plates.rect1"),
+        ("[plates.rect1]\nrim_share = 0.6\ncorner_share = 0.5", "together be at most 1"),
+        ("[plates.rect1]\nrim_share = -0.1", "must not be negative"),
+        ("[plates.rect1]\nrim = 0.1", "rim_share"),
+        ("[posterior]\nparameters = ['mu_q']\nsamples = [[1.0], [1.0]]", "did you mean"),
+        ("[posterior]\nparameters = ['rim_share']\nsamples = [[1.0], [1.0]]", "rect1.rim_share"),
+        ("[posterior]\nparameters = ['mu_a', 'mu_a']\nsamples = [[1.0, 1.0], [1.0, 1.0]]", "mu_a twice"),
+        ("[posterior]\nparameters = ['mu_a', 'mu_b']\nsamples = [[1.0, 1.0], [1.0]]", "sample 1 must hold 2"),
+        ("[posterior]\nparameters = ['mu_a']\nsamples = [[0.3]]", "has 1 samples"),
+        ("[posterior]\nparameters = ['mu_a']\nsamples = [[0.3], [nan]]", "finite"),
+        ("[posterior]\nparameters = ['mu_a']\nsamples = [[0.3], [-0.3]]", "sample 1: .*mu_a"),
+        (
+            "[posterior]\nparameters = ['rect1.rim_share']\nsamples = [[0.3], [1.3]]\n[plates.rect1]",
+            "sample 1: .*rim_share 1.3",
+        ),
+        ("[posterior]\nparameters = ['worn.mu_a']\nsamples = [[0.3], [0.3]]", "only where the surface wears"),
+        ("[posterior]\nparameters = 3\nsamples = [[0.3], [0.3]]", "a list of names"),
+    ],
+)
+def test_tables_that_carry_nothing_are_refused_in_one_line(text, told, tmp_path):
     path = tmp_path / "found.toml"
-    path.write_text("[friction]\nmu_a = 0.3\nmu_b = 0.3\n[found_with]\nrim = 0.1\n")
-    with pytest.raises(DataFileError, match="rim_share"):
+    path.write_text(f"[friction]\nmu_a = 0.3\nmu_b = 0.3\n{text}\n")
+    with pytest.raises(DataFileError, match=told) as refused:
         load_material(path)
-    with pytest.raises(InvalidInput, match="together they may be 1"):
-        loop_with(rim_share=0.6, corner_share=0.5)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_sample_of_the_posterior_is_a_material_in_si_units_and_leaves_what_it_does_not_name():
+    names = ("mu_a", "phi_deg", "pusher_mu", "pin_friction_mm", "rect1.rim_share", "hex.inner_share")
+    posterior = MaterialPosterior(names, ((0.31, 90.0, 0.2, 1.5, 0.4, 0.3), (0.29, -90.0, 0.1, 0.0, 0.2, 0.1)))
+    given = Material("floor", LAW, plates=(PlatePressure("rect1", 0.1, 0.3), PlatePressure("hex")))
+    with pytest.raises(InvalidInput, match="needs pusher_mu in"):
+        replace(given, posterior=posterior)
+    found = FoundWith(pusher_friction=0.1, pin_friction_radius=0.0)
+    with pytest.raises(InvalidInput, match="needs a table"):
+        replace(given, found_with=found, plates=given.plates[:1], posterior=posterior)
+    given = replace(given, found_with=found, posterior=posterior)
+    first = given.sample(0)
+    assert first.friction == EllipseFriction(0.31, 0.25, phi=math.pi / 2.0)
+    assert first.found_with == FoundWith(pusher_friction=0.2, pin_friction_radius=0.0015)
+    assert first.plates == (PlatePressure("rect1", 0.1, 0.4), PlatePressure("hex", 0.3))
+    assert first.posterior is None and given.sample(1).friction.mu_a == 0.29
+    with pytest.raises(InvalidInput, match="no posterior sample 2"):
+        given.sample(2)
+    # What a file keeps of it comes back to the last bit, and so does a pickle.
+    assert pickle.loads(pickle.dumps(given)) == given
+    assert tomllib.loads(material_toml(given))["posterior"]["samples"] == [list(row) for row in posterior.samples]

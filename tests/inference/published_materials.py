@@ -126,7 +126,7 @@ def inside(name: str, value: float) -> float:
 def inferred_material(name: str, found: Inferred) -> Material:
     """The material as its file holds it: rounded, with provenance, and the misfit of the rounded numbers."""
     material = Material(name, rounded_friction(found.surface.to_friction()), provenance(found), inferred=True)
-    material = replace(material, found_with=rounded_found_with(found_with(found.surface, CollectionLoop.mit().slider)))
+    material = replace(material, found_with=rounded_found_with(found_with(found.surface)))
     return replace(material, misfit=published_comparison(material).sentence)
 
 

@@ -5,7 +5,16 @@ from dataclasses import fields, replace
 
 import pytest
 
-from cyclemap.mechanics import EllipseFriction, FoundWith, Material, Wear, load_material, material_names
+from cyclemap.mechanics import (
+    EllipseFriction,
+    FoundWith,
+    Material,
+    MaterialPosterior,
+    PlatePressure,
+    Wear,
+    load_material,
+    material_names,
+)
 from cyclemap.mechanics.material_text import material_toml
 
 RICH = Material(
@@ -16,6 +25,11 @@ RICH = Material(
     inferred=True,
     found_with=FoundWith(pusher_friction=0.17, pin_friction_radius=0.00123),
     wear=Wear(EllipseFriction(0.29, 0.24, 0.01, -0.02, 1.1), 1500.0),
+    plates=(PlatePressure("rect1", 0.1, 1 / 3), PlatePressure('my "box"', corner_share=0.1 + 0.2)),
+    posterior=MaterialPosterior(
+        ("mu_a", "phi_deg", "worn.mu_a", "worn.phi_deg", "rect1.rim_share"),
+        ((0.1 + 0.2, 1 / 3, 0.2, -1e-17, 0.1), (0.3, 100.0 / 3, 0.2, 7.0, 0.2)),
+    ),
 )
 
 
@@ -46,7 +60,7 @@ def test_a_material_with_everything_comes_back(tmp_path) -> None:
 
 @pytest.mark.parametrize("field", [field.name for field in fields(FoundWith)])
 def test_each_thing_found_with_the_friction_comes_back_alone(field, tmp_path) -> None:
-    given = replace(RICH, found_with=FoundWith(**{field: 0.0123}), wear=None)
+    given = replace(RICH, found_with=FoundWith(**{field: 0.0123}), wear=None, posterior=None)
     assert_same(read_back(given, tmp_path), given)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.found_with import with_found
+from cyclemap.collection.found_with import with_material
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.fourier_interpolation import interpolation
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, kept_rows
@@ -23,7 +23,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     SurfaceParameters,
     share_names,
 )
-from cyclemap.mechanics import FoundWith, Material, Slider
+from cyclemap.mechanics import FoundWith, Material, PlatePressure
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
 
@@ -148,15 +148,16 @@ def cycles_by_unknowns(surface: SurfaceParameters, loop: CollectionLoop, theta: 
 
 def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
     """Return the loop on an identified surface, with the rod, rim and ring that were identified along with it."""
-    changed = replace(loop, material=Material("identified", surface.to_friction()), accuracy=ACCURACY)
-    return with_found(changed, found_with(surface, loop.slider))
+    shares = {name: share for name, share in surface.shares.items() if name in share_names(loop.slider.outline)}
+    plate = PlatePressure(loop.slider.name, **shares)
+    material = Material("identified", surface.to_friction(), found_with=found_with(surface), plates=(plate,))
+    return with_material(replace(loop, accuracy=ACCURACY), material)
 
 
-def found_with(surface: SurfaceParameters, slider: Slider) -> FoundWith:
-    """Return what a surface says of rod, ring and the underside of a slider."""
+def found_with(surface: SurfaceParameters) -> FoundWith:
+    """Return what a surface says of rod and ring."""
     return FoundWith(
         pusher_friction=surface.pusher_friction,
-        **{name: share for name, share in surface.shares.items() if name in share_names(slider.outline)},
         hitch_scale=surface.hitch_scale,
         hitch_turn=surface.hitch_turn,
         pin_friction_radius=surface.pin_friction_radius,

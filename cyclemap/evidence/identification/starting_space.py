@@ -10,7 +10,6 @@ from cyclemap.evidence.identification.parameter_space import Parameter, Paramete
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters, share_unknowns
 from cyclemap.mechanics import Material, PatchFootprint, PointFootprint
 
-SHARES = ("inner_share", "rim_share", "corner_share")
 # A start on a bound goes inside by this share of the way to the other one.
 _INSIDE = 0.01
 
@@ -32,9 +31,9 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
     values |= {name: friction[name] for name in SURFACE.names[:5]}
     found = {field.name: getattr(start.found_with, field.name) for field in fields(start.found_with)}
     told = {name: value for name, value in found.items() if value is not None}
-    shares = {name: told.pop(name) for name in SHARES if name in told}
-    if shares:
-        values |= share_unknowns(PatchFootprint(loop.slider.outline, **shares))
+    pressure = start.pressure_of(loop.slider.name)
+    if pressure is not None:
+        values |= share_unknowns(PatchFootprint(loop.slider.outline, **pressure.shares))  # type: ignore[arg-type]
     values |= {name: value for name, value in told.items() if name in SURFACE.names}
     return ParameterSpace(tuple(_from(one, values[one.name]) for one in SURFACE.parameters))
 

@@ -10,26 +10,27 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.cross_validation import KindErrors
 from cyclemap.evidence.identification.identification import Estimate, Identification
 from cyclemap.evidence.identified.identified_curves import worn_friction_of
-from cyclemap.mechanics import FoundWith, Material, Wear
+from cyclemap.mechanics import FoundWith, Material, PlatePressure, Wear
 
 # Units as people read them, and the factor from SI.
 _READABLE = {"rad": ("°", 57.29577951308232), "m": (" mm", 1e3), "1": ("", 1.0)}
 
 
 def identified_material(
-    found: Identification, name: str, sources: Sequence[str] = (), last_cycle: float = 0.0
+    found: Identification, name: str, sources: Sequence[str] = (), last_cycle: float = 0.0, plate: str = "rect1"
 ) -> Material:
     """Return what was identified as a material, marked as inferred.
 
     sources : what the data were, for the provenance. last_cycle : the number of cycles behind the first after which a
-    surface that wears is the worn one. What the data do not depend on is left open in `found_with`.
+    surface that wears is the worn one. plate : the object whose pressure was identified.
+    What the data do not depend on is left open in `found_with`.
     Raises InvalidInput for an empty name.
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")
     asked = {part for block in found.problem.blocks for part in block.parameters}
-    values = {**found.values, **found.surface.shares}
-    told = {field.name: values[field.name] for field in fields(FoundWith) if field.name in asked}
+    told = {field.name: found.values[field.name] for field in fields(FoundWith) if field.name in asked}
+    shares = {name: share for name, share in found.surface.shares.items() if name in asked}
     worn = worn_friction_of(found)
     return Material(
         name,
@@ -38,6 +39,7 @@ def identified_material(
         misfit_words(found),
         inferred=True,
         found_with=FoundWith(**told),
+        plates=(PlatePressure(plate, **shares),) if shares else (),
         wear=None if worn is None or last_cycle <= 0.0 else Wear(worn, last_cycle),
     )
 

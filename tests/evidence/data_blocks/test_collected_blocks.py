@@ -18,7 +18,7 @@ from cyclemap.evidence.identification.starting_space import starting_space
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
 from cyclemap.evidence.simulation.simulated_collection import simulate_collection
-from cyclemap.mechanics import EllipseFriction, FoundWith, Material, load_material
+from cyclemap.mechanics import EllipseFriction, FoundWith, Material, PlatePressure, load_material
 
 LOOP = CollectionLoop.mit("isotropic")
 SLATE = Material("slate", EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6))
@@ -229,7 +229,9 @@ def test_the_measured_tables_are_recognised_whole(measured_data) -> None:
 
 
 def test_a_material_to_start_from_is_where_every_search_begins() -> None:
-    start = replace(load_material("plywood"), found_with=FoundWith(pusher_friction=0.3, rim_share=0.0))
+    start = replace(
+        load_material("plywood"), found_with=FoundWith(pusher_friction=0.3), plates=(PlatePressure("rect1"),)
+    )
     space = starting_space(LOOP, start)
     wanted = SurfaceParameters.from_friction(start.friction).values()
     assert space["offset_x"].start == space["offset_x"].nominal == wanted["offset_x"]
