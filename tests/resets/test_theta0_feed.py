@@ -242,7 +242,7 @@ def test_an_empty_folder_is_no_collection(tmp_path) -> None:
         feed.look(finished=True)
     (tmp_path / "plywood").mkdir()
     (tmp_path / "plywood" / "push.h5").touch()
-    with pytest.raises(DataFileError, match="there are some in .*plywood: give that"):
+    with pytest.raises(DataFileError, match=r"there are some in .*plywood: give that"):
         feed.look(finished=True)
 
 
