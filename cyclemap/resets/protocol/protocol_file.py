@@ -11,7 +11,6 @@ from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import SETTING_KEYS
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics import SidePush
 from cyclemap.resets.design.strategy import IN_TURN, ORDERS, RANDOM, SHUFFLED, CycleAction, ResetStrategy
 from cyclemap.resets.protocol.file_text import (
@@ -46,7 +45,7 @@ def write_protocol(
     loop: CollectionLoop,
     strategy: ResetStrategy | None,
     *,
-    noise: WrappedNormal | float | None = None,
+    noise: float | None = None,
     predicted: Prediction | None = None,
 ) -> None:
     """Write the protocol of a collection with `strategy` on `loop` as TOML; whole, or not at all.
@@ -54,7 +53,7 @@ def write_protocol(
     The file holds the robot's side of the loop as --set keys (see `loop_tables`; the surface is named in a comment
     only), and the strategy in a table [strategy], from which `read_protocol` makes the equal one. None: no strategy.
     Its first line is a checksum of the rest.
-    noise : of one cycle: a `WrappedNormal`, or its standard deviation in rad. predicted : scores by name (numbers,
+    noise : of one cycle, standard deviation in rad. predicted : scores by name (numbers,
     texts, booleans, lists of them; None is left out), a table that readers pass over.
 
     Raises InvalidInput for a loop that settings cannot say, OSError where the file
@@ -75,14 +74,13 @@ def protocol_text(
     loop: CollectionLoop,
     strategy: ResetStrategy | None,
     *,
-    noise: WrappedNormal | float | None = None,
+    noise: float | None = None,
     predicted: Prediction | None = None,
 ) -> str:
     """Return the text that `write_protocol` writes."""
     tables = loop_tables(loop)
     if noise is not None:
-        sigma = noise.sigma if isinstance(noise, WrappedNormal) else noise
-        tables["noise"] = {NOISE_KEY: math.degrees(positive_number("noise", sigma))}
+        tables["noise"] = {NOISE_KEY: math.degrees(positive_number("noise", noise))}
     if strategy is not None:
         tables[STRATEGY] = _strategy_table(strategy)
     if predicted is not None:
