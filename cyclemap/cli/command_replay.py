@@ -26,13 +26,13 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 @click.option(
     "--pusher-friction",
     type=Real(min=0.0),
-    default=0.25,
-    show_default=True,
-    help="Friction coefficient between rod and object.",
+    help="Friction coefficient between rod and object. [default: the material's, else 0.25]",
 )
 @_results
 def replay_command(json_target: str | None, **request: Any) -> None:
     """Replay recorded pushes along their own tip paths on MATERIAL, and tell how far off each ends.
+
+    How plates press on it is taken from MATERIAL, and errors stand beside those of isotropic friction.
 
     MATERIAL is a name or a TOML file; on an isotropic one the friction coefficient changes no motion.
     """

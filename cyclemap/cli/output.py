@@ -15,7 +15,7 @@ from cyclemap.plain_text import printable
 from cyclemap.whole_files import file_stem as file_stem
 from cyclemap.whole_files import write_whole
 
-PATIENCE_SECONDS, LINE_SECONDS = 2.0, 10.0
+PATIENCE_SECONDS, LINE_SECONDS = 2.0, 5.0
 
 
 def write_json(path: Path, report: Json) -> None:
@@ -44,7 +44,7 @@ def publish_json(report: Json, target: str | None) -> bool:
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
     """A function to report the fraction done to; work that takes long shows on stderr that it goes on.
 
-    A terminal gets a bar once it takes over two seconds, anything else a line every ten seconds.
+    A terminal gets a bar once it takes over two seconds, anything else a line every five seconds.
     """
     from rich.console import Console
     from rich.progress import Progress

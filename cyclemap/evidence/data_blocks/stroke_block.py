@@ -28,8 +28,8 @@ from cyclemap.mechanics.quasi_static import run_strokes
 Array = NDArray[np.float64]
 Rows = tuple[Array, Array]
 
-# Radians (extents): far below what any camera sees.
-ACCURACY = 1e-4
+# Radians (extents): a tenth of what a camera sees.
+ACCURACY = 1e-3
 # A rod that starts further inside the object than this, m, is in another frame: measured poses overlap by tenths of mm.
 _DEEPEST = 0.04
 

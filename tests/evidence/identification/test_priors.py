@@ -3,12 +3,12 @@
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.prior_block import PRIOR_KIND, USUAL, prior_block
 from cyclemap.evidence.identification.identify import identify
+from cyclemap.evidence.identification.priors import PRIOR_KIND, USUAL, prior_block
 
 
 def test_without_data_the_beliefs_and_their_deviations_come_back():
-    found = identify([prior_block(USUAL)], list(USUAL), starts=1, intervals="covariance", noise={PRIOR_KIND: 1.0})
+    found = identify([prior_block(USUAL)], list(USUAL), starts=1, noise={PRIOR_KIND: 1.0})
     assert len(found.estimates) == 8
     for one in found.estimates:
         value, deviation = USUAL[one.name]
