@@ -67,16 +67,16 @@ def first_touches(
             entering.append(on & enters)
             coordinates.append(np.clip(coordinate, piece.low, piece.high))
             owners.append(index)
-    travel, enters = np.array(travels), np.array(entering)
+    crossed, enters = np.array(travels), np.array(entering)
     # Inside, the last crossing behind the start was an entry: that one counts, else the first entry ahead.
-    behind = np.where(travel < -_OVERLAP, travel, -np.inf)
+    behind = np.where(crossed < -_OVERLAP, crossed, -np.inf)
     last, column = np.argmax(behind, axis=0), np.arange(count)
     inside = np.isfinite(behind[last, column]) & enters[last, column]
-    ahead = np.where(enters & (travel >= -_OVERLAP), travel, np.inf)
+    ahead = np.where(enters & (crossed >= -_OVERLAP), crossed, np.inf)
     chosen = np.where(inside, last, np.argmin(ahead, axis=0))
     known = inside | np.isfinite(ahead[chosen, column])
     return (
-        np.where(known, travel[chosen, column], np.nan),
+        np.where(known, crossed[chosen, column], np.nan),
         np.array(owners)[chosen],
         np.array(coordinates)[chosen, column],
     )
