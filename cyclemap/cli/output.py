@@ -1,11 +1,14 @@
 """Where results go: files that appear whole or not at all, the terminal, and a bar for slow work."""
 
+from __future__ import annotations
+
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,6 +17,9 @@ from cyclemap.cli.json_report import Json, json_text
 from cyclemap.plain_text import printable
 from cyclemap.whole_files import file_stem as file_stem
 from cyclemap.whole_files import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PATIENCE_SECONDS, LINE_SECONDS = 2.0, 5.0
 
@@ -38,6 +44,19 @@ def publish_json(report: Json, target: str | None) -> bool:
     if target is not None:
         write_json(Path(target), report)
     return False
+
+
+def publish(report: Json, figure: Figure, stem: Path, picture_format: str, json_target: str | None) -> Path | None:
+    """Write stem.json and the picture beside it, and send the report where --json says.
+
+    Return the picture's path where people are to be told, None where JSON took the terminal.
+    """
+    from cyclemap.views.style import render
+
+    write_json(stem.with_name(f"{stem.name}.json"), report)
+    picture = stem.with_name(f"{stem.name}.{picture_format}")
+    write_whole(picture, render(figure, picture_format))
+    return None if publish_json(report, json_target) else picture
 
 
 @contextmanager

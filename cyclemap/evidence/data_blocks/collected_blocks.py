@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.block_builders import (
     BlockChoices,
@@ -31,6 +32,7 @@ from cyclemap.evidence.data_blocks.scan_forces import ScanForces
 from cyclemap.evidence.identification.data_block import DataBlock
 from cyclemap.evidence.identification.shared_progress import Progress, part_of
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
+from cyclemap.whole_files import file_stem
 
 MOST_STROKES = 2000
 _OWNED = ("rim_share", "corner_share", "inner_share", "tip_offset_x", "tip_offset_y")
@@ -128,7 +130,9 @@ def _object(loop: CollectionLoop, chosen: dict[str, str | float]) -> tuple[Colle
     wanted = chosen.get("object")
     if isinstance(wanted, str):
         return _of_plate(loop, wanted), RowSelection((wanted,), chosen)
-    return loop, RowSelection(MIT_SHAPE_NAMES if loop.slider.name in MIT_SHAPE_NAMES else (), chosen)
+    if loop.slider.name in MIT_SHAPE_NAMES:
+        return loop, RowSelection(MIT_SHAPE_NAMES, chosen)
+    return loop, RowSelection(() if loop.slider.name == OWN_OUTLINE else (file_stem(loop.slider.name),), chosen)
 
 
 def _files(paths: Sequence[str | Path]) -> tuple[list[DataFile], list[UnusedFile]]:

@@ -21,6 +21,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     share_names,
 )
 from cyclemap.mechanics import PatchFootprint, Pose, QuasiStaticModel, Slider
+from cyclemap.mechanics.cycle_batch import derivative_units
 from cyclemap.mechanics.engine.strokes import PARAMETERS, Strokes
 from cyclemap.mechanics.first_touch import first_touches
 from cyclemap.mechanics.quasi_static import run_strokes
@@ -167,7 +168,7 @@ def predicted_push_ends(
     ends[touched, :2] += model.unit * ran.pushed[:, :2] + ring
     ends[touched, 2] = ran.pushed[:, 2]
     found = ran.derivatives[:, :3] * np.array((model.unit, model.unit, 1.0))[:, None]
-    by[touched, :, :-2] = found[..., _columns(names)] * _units(model, names)
+    by[touched, :, :-2] = found[..., _columns(names)] * derivative_units(model, names)
     starting = [_by_shift(model, one, angle) for one, angle in zip(strokes, angles, strict=True)]
     by[touched, :, -2:] = found[..., _columns(("fraction", "angle", "distance"))] @ np.array(starting)
     return ends, by
@@ -203,19 +204,13 @@ def _drag_misfit(block: StrokeBlock, model: QuasiStaticModel, surface: SurfacePa
     ]
     ran = run_strokes(courses, len(PARAMETERS))
     names = (*FRICTION_NAMES, *share_names(block.slider.outline), *HITCH_NAMES, "pin_friction_radius")
-    by = ran.derivatives[:, 5:6][..., _columns(names)] * _units(model, names)
+    by = ran.derivatives[:, 5:6][..., _columns(names)] * derivative_units(model, names)
     measured = np.array([drag.end.theta for drag in block.strokes])
     return (ran.ended[:, 2] - measured)[:, None], surface.chain(by, names, block.parameters, block.slider.hitch)
 
 
 def _columns(names: tuple[str, ...]) -> list[int]:
     return [PARAMETERS.index(name) for name in names]
-
-
-def _units(model: QuasiStaticModel, names: tuple[str, ...]) -> Array:
-    """What derivatives by the engine's parameters are to be multiplied by."""
-    lengths, coefficients = (*HITCH_NAMES, "pin_friction_radius"), FRICTION_NAMES[:4]
-    return np.array([1 / model.unit if n in lengths else 1 / model.scale if n in coefficients else 1.0 for n in names])
 
 
 def _vector(pose: Pose) -> Array:
