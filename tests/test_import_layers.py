@@ -28,6 +28,7 @@ SHARED = {
     "lazy_names": 0,
     "plain_text": 0,
     "checks": 1,
+    "file_text": 1,
     "suggestions": 1,
     "text_files": 1,
     "whole_files": 1,

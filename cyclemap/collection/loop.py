@@ -137,6 +137,13 @@ class CollectionLoop:
         return replace(with_material(cls(slider, surface), surface), **changes)
 
     @classmethod
+    def from_file(cls, path: str | Path, surface: str | Path | None = None) -> "CollectionLoop":
+        """Return the loop of a collection file, such as `cyclemap init` writes; see `read_collection`."""
+        from cyclemap.collection.collection_file import read_collection
+
+        return read_collection(path, surface)
+
+    @classmethod
     def from_settings(cls, settings: dict[str, object], base: "CollectionLoop | None" = None) -> "CollectionLoop":
         """Return `base` (MIT's loop on plywood) with settings in degrees and millimetres, as on the command line."""
         return apply_settings(base or cls.mit(), settings)

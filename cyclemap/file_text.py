@@ -103,8 +103,10 @@ def decimal_text(number: Decimal) -> str:
     return plain.rstrip("0").rstrip(".") if "." in plain else plain
 
 
-def toml_text(tables: Mapping[str, Table], comments: tuple[str, ...] = ()) -> str:
-    """Return named tables as TOML, `comments` before them, one a line.
+def toml_text(
+    tables: Mapping[str, Table], comments: tuple[str, ...] = (), notes: Mapping[str, str] | None = None
+) -> str:
+    """Return named tables as TOML, `comments` before them, one a line, and `notes` on keys of tables above these.
 
     Values are texts, booleans, numbers, lists of them, small tables (written inline) and lists of tables (arrays of
     tables). Decimals keep all their digits. Raises InvalidInput for any other value.
@@ -122,21 +124,22 @@ def toml_text(tables: Mapping[str, Table], comments: tuple[str, ...] = ()) -> st
     """
     lines = [f"# {line}".rstrip() for comment in comments for line in comment.splitlines() or [""]]
     for name, table in tables.items():
-        lines += ["", f"[{_key(name)}]", *_body(_key(name), table)]
+        lines += ["", f"[{_key(name)}]", *_body(_key(name), table, notes or {})]
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
-def _body(path: str, table: Table) -> Iterator[str]:
-    """The lines of one table: its values first, then its arrays of tables."""
+def _body(path: str, table: Table, notes: Mapping[str, str]) -> Iterator[str]:
+    """The lines of one table: its values first, notes above them, then its arrays of tables."""
     nested = {key: value for key, value in table.items() if _is_array_of_tables(value)}
     for key, value in table.items():
         if key not in nested:
+            yield from [f"# {notes[key]}"] if key in notes else []
             yield f"{_key(key)} = {_value(value)}"
     for key, rows in nested.items():
         inner = f"{path}.{_key(key)}"
         assert isinstance(rows, (list, tuple))
         for row in rows:
-            yield from ("", f"[[{inner}]]", *_body(inner, row))
+            yield from ("", f"[[{inner}]]", *_body(inner, row, {}))
 
 
 def _is_array_of_tables(value: object) -> bool:

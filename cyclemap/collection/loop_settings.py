@@ -10,7 +10,9 @@ from decimal import Decimal
 import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import InvalidInput
+from cyclemap.file_text import DEGREES, MILLIMETRES, Unit
 from cyclemap.mechanics import (
     Ellipse,
     PatchFootprint,
@@ -20,7 +22,6 @@ from cyclemap.mechanics import (
     parse_footprint,
 )
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
-from cyclemap.resets.protocol.file_text import DEGREES, MILLIMETRES, Unit
 
 Table = dict[str, object]
 
@@ -32,9 +33,10 @@ _LARGEST_GRID = 64
 def loop_tables(loop: CollectionLoop) -> dict[str, Table]:
     """Return the settings that make of `CollectionLoop.mit(loop.material)` this loop, in tables by their part.
 
-    Object, push and rod are always told. What a material brings along (friction of rod and ring, the ring's lever,
-    the pressure) is told only where the loop has it otherwise, so that another material brings its own. Not told: the
-    friction of the surface, the accuracy, and the moment of inertia of an outline that is not MIT's.
+    Object, push and rod are always told, and of an object that is not MIT's its mass, its ring and the rod's friction,
+    too. What a material brings along (friction of rod and ring, the ring's lever, the pressure) is else told only where
+    the loop has it otherwise, so that another material brings its own. Not told: the friction of the surface, the
+    accuracy, and the moment of inertia of an outline that is not MIT's.
 
     Raises InvalidInput for what no setting can say: support points that are neither corners nor a grid.
 
@@ -44,11 +46,14 @@ def loop_tables(loop: CollectionLoop) -> dict[str, Table]:
     """
     base = CollectionLoop.mit(loop.material)
     shape = _shape(loop.slider, base.slider)
-    start = CollectionLoop.from_settings(_plain(shape), base)
+    own = "shape" not in shape
+    # An own object's ring is told in any case: MIT's would lie beside it.
+    ring = _ring(loop.slider, base.slider, own) if own else {}
+    start = CollectionLoop.from_settings(_plain({**shape, **ring}), base)
     tables = {
-        "object": {**shape, **_object(loop.slider, start.slider), **_footprint(loop, start)},
-        "push": _push(loop, start),
-        "reset": {**_ring(loop.slider, start.slider), **_reset(loop, start)},
+        "object": {**shape, **_object(loop.slider, start.slider, own), **_footprint(loop, start)},
+        "push": _push(loop, start, own),
+        "reset": {**_ring(loop.slider, start.slider, own), **_reset(loop, start)},
     }
     settings = {key: value for table in tables.values() for key, value in table.items()}
     _refuse_what_is_lost(loop, CollectionLoop.from_settings(_plain(settings), base))
@@ -76,19 +81,20 @@ def _setting(unit: Unit, value: float) -> Decimal:
 
 
 def _shape(slider: Slider, base: Slider) -> Table:
-    for name in MIT_SHAPE_NAMES:
-        if Slider.mit(name).outline == slider.outline:
-            return {"shape": name}
+    for shape in MIT_SHAPE_NAMES:
+        if Slider.mit(shape).outline == slider.outline:
+            return {"shape": shape}
+    name: Table = {} if slider.name == OWN_OUTLINE else {"object_name": slider.name}
     if isinstance(slider.outline, Ellipse):
         semi_axes = {"semi_x_mm": slider.outline.semi_x, "semi_y_mm": slider.outline.semi_y}
-        return {key: _setting(MILLIMETRES, value) for key, value in semi_axes.items()}
+        return {key: _setting(MILLIMETRES, value) for key, value in semi_axes.items()} | name
     assert isinstance(slider.outline, Polygon)
     vertices = [[_setting(MILLIMETRES, x) for x in vertex] for vertex in slider.outline.array.tolist()]
-    return {"vertices_mm": vertices}
+    return {"vertices_mm": vertices} | name
 
 
-def _object(slider: Slider, start: Slider) -> Table:
-    told: Table = {} if slider.mass == start.mass else {"mass_kg": slider.mass}
+def _object(slider: Slider, start: Slider, own: bool) -> Table:
+    told: Table = {"mass_kg": slider.mass} if own or slider.mass != start.mass else {}
     for key, value, before in zip(
         ("centre_x_mm", "centre_y_mm"), slider.centre_of_mass, start.centre_of_mass, strict=True
     ):
@@ -97,14 +103,14 @@ def _object(slider: Slider, start: Slider) -> Table:
     return told
 
 
-def _ring(slider: Slider, start: Slider) -> Table:
-    if _same(slider.hitch, start.hitch):
+def _ring(slider: Slider, start: Slider, own: bool) -> Table:
+    if not own and _same(slider.hitch, start.hitch):
         return {}
     keys = ("hitch_x_mm", "hitch_y_mm")
     return {key: _setting(MILLIMETRES, value) for key, value in zip(keys, slider.hitch, strict=True)}
 
 
-def _push(loop: CollectionLoop, start: CollectionLoop) -> Table:
+def _push(loop: CollectionLoop, start: CollectionLoop, own: bool) -> Table:
     push, rod = loop.push, loop.pusher
     told: Table = {
         "side": push.side,
@@ -113,7 +119,7 @@ def _push(loop: CollectionLoop, start: CollectionLoop) -> Table:
         "push_mm": _setting(MILLIMETRES, push.distance),
         "pusher_radius_mm": _setting(MILLIMETRES, rod.radius),
     }
-    return told if rod.friction == start.pusher.friction else {**told, "pusher_mu": rod.friction}
+    return {**told, "pusher_mu": rod.friction} if own or rod.friction != start.pusher.friction else told
 
 
 def _reset(loop: CollectionLoop, start: CollectionLoop) -> Table:
