@@ -44,7 +44,7 @@ def material_toml(material: Material) -> str:
     for one in material.plates:
         lines += _table(f"plates.{_text(one.plate)}", {key: value for key, value in one.shares.items() if value})
     if material.noise is not None:
-        lines += ["", "[noise]", f"log_sigma = {list(material.noise.log_sigma)!r}"]
+        lines += ["", "[cycle_noise]", f"log_sigma = {list(material.noise.log_sigma)!r}"]
         lines += [f"correlation = {material.noise.correlation!r}"]
     if material.posterior is not None:
         names = ", ".join(_text(name) for name in material.posterior.parameters)

@@ -3,15 +3,13 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, MaxNLocator
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.maps import QuasiStationaryDistribution
 from cyclemap.views.panel_curves import PER_DEGREE, density_curve
 from cyclemap.views.panel_parts import THETA, legend_above, small
 from cyclemap.views.sentences import number
 from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, QUIET
-
-Array = NDArray[np.float64]
 
 
 def draw_survival(axes: Axes, probabilities: Array, law: QuasiStationaryDistribution | None = None) -> None:

@@ -40,7 +40,7 @@ def test_a_push_from_the_world_equals_the_one_that_starts_in_contact():
     for seed in range(30):
         case = random_case(seed, accuracy=1e-8)
         side = case.model.push(case.pose, case.push)
-        towards, place = direction_of(side), np.array(case.model.rod_place(case.pose, case.push))
+        towards, place = direction_of(side), side.trajectory.pusher[0]
         direction = math.atan2(towards[1], towards[0])
         for away in (0.0, 0.03):
             start = tuple(place - away * towards)

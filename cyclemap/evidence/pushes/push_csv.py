@@ -33,6 +33,8 @@ _FACTS = {
     "angle": {"angle": 1.0, "t": 1.0},
     "repetition": {"repetition": 1.0, "rep": 1.0},
     "length": {"length": 1.0, "push_mm": 1e-3},
+    "tip_x0": {"tip_x0": 1.0},
+    "tip_y0": {"tip_y0": 1.0},
     "dtheta": {"dtheta": 1.0},
     "theta_next": {"theta_next": 1.0, "th0n": 1.0},
     "force_ratio": {"force_ratio": 1.0},
