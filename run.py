@@ -180,7 +180,7 @@ def run_tests(arguments: list[str]) -> int:
     """
     usual = VENV.name == ".venv"
     codes = [call([PYTHON, "-m", *check], cwd=ROOT) for check in CHECKS if usual]
-    lenient = [] if usual else ["-W", "default::DeprecationWarning", "-W", "default::FutureWarning"]
+    lenient = [] if usual else ["-W", "ignore::DeprecationWarning", "-W", "ignore::FutureWarning"]
     codes.append(call([PYTHON, "-m", "pytest", "-n", "auto", *lenient, *arguments], cwd=ROOT))
     return next((code for code in codes if code), 0)
 

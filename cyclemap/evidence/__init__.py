@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
     from cyclemap.evidence.data_blocks.wrench_twist_block import WrenchTwists, read_wrench_twists, wrench_twist_block
     from cyclemap.evidence.identification.data_block import DataBlock, FunctionBlock
-    from cyclemap.evidence.identification.explanations import compare_explanations
     from cyclemap.evidence.identification.identification import Identification
     from cyclemap.evidence.identification.identify import identify
     from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
@@ -133,7 +132,6 @@ __all__ = [
     "collection_p_values",
     "command_push",
     "compare",
-    "compare_explanations",
     "compare_orientations",
     "comparison_table",
     "contact_force_ratio",

@@ -183,6 +183,7 @@ def parameters_line(portrait: Portrait) -> str:
 def material_line(material: Material) -> str:
     """That a material was inferred and how far it misses its data, and that it wears; empty where there is neither."""
     said = [f"{material.name} was inferred, not measured: {material.misfit}"] if material.inferred else []
+    said += [f"{material.name}: {material.misfit}"] if material.misfit and not material.inferred else []
     if material.wear is not None:
         said.append(f"it wears over {material.wear.cycles:g} cycles")
     return "; ".join(said)

@@ -12,7 +12,6 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import Settings
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, located, toml_text, with_checksum
-from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics import SidePush
 from cyclemap.resets.design.strategy import IN_TURN, ORDERS, RANDOM, SHUFFLED, CycleAction, ResetStrategy
 from cyclemap.suggestions import unknown_name
@@ -33,7 +32,7 @@ def write_protocol(
     loop: CollectionLoop,
     strategy: ResetStrategy | None,
     *,
-    noise: WrappedNormal | float | None = None,
+    noise: float | None = None,
     predicted: Prediction | None = None,
 ) -> None:
     """Write the protocol of a collection with `strategy` on `loop` as TOML; whole, or not at all.
@@ -41,7 +40,7 @@ def write_protocol(
     The file holds the robot's side of the loop as --set keys (see `loop_tables`; the surface is named in a comment
     only), and the strategy in a table [strategy], from which `read_protocol` makes the equal one. None: no strategy.
     Its first line is a checksum of the rest.
-    noise : of one cycle: a `WrappedNormal`, or its standard deviation in rad. predicted : scores by name (numbers,
+    noise : of one cycle, standard deviation in rad. predicted : scores by name (numbers,
     texts, booleans, lists of them; None is left out), a table that readers pass over.
 
     Raises InvalidInput for a loop that settings cannot say, OSError where the file
@@ -62,7 +61,7 @@ def protocol_text(
     loop: CollectionLoop,
     strategy: ResetStrategy | None,
     *,
-    noise: WrappedNormal | float | None = None,
+    noise: float | None = None,
     predicted: Prediction | None = None,
 ) -> str:
     """Return the text that `write_protocol` writes."""
