@@ -15,7 +15,7 @@ from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
-    from cyclemap.evidence.probe import Probe
+    from cyclemap.evidence.push_probe import Probe
 
 
 def _results(command: Any) -> Any:
@@ -81,7 +81,7 @@ def _probed(options: LoopOptions, asked: dict[str, Any]) -> Probe:
     from dataclasses import replace
 
     from cyclemap.cli.settings import chosen_loop
-    from cyclemap.evidence.probe import command_push, probe
+    from cyclemap.evidence.push_probe import command_push, probe
     from cyclemap.mechanics import load_material
 
     given = [name for name in ("data", "program", "python") if asked[name] is not None]
@@ -97,7 +97,7 @@ def _probed(options: LoopOptions, asked: dict[str, Any]) -> Probe:
 
 def _of_data(loop: CollectionLoop, asked: dict[str, Any]) -> Probe:
     from cyclemap.evidence import load_pushes
-    from cyclemap.evidence.probe import OUTCOMES, probe_pushes
+    from cyclemap.evidence.push_probe import OUTCOMES, probe_pushes
 
     table = load_pushes(readable_data(asked["data"], asked["columns"], asked["units"], asked["out"])).table
     table = table.dropna(subset=["theta0", *OUTCOMES])

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
     from cyclemap.collection.fingerprint_prediction import Prediction, predict
     from cyclemap.collection.loop import CollectionLoop, Cycle, CycleSensitivity, CycleTrajectory, run_cycles
+    from cyclemap.collection.outline_files import OutlineFile, read_outline
+    from cyclemap.collection.own_object import CheckedCollection, check_collection
     from cyclemap.collection.portrait import Portrait, portrait
     from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
     from cyclemap.collection.uncertain_directions import (
@@ -34,6 +36,7 @@ __all__ = [
     "Anisotropy",
     "BatchExperiment",
     "BatchRun",
+    "CheckedCollection",
     "CollectionLoop",
     "Cycle",
     "CycleSensitivity",
@@ -45,12 +48,14 @@ __all__ = [
     "DynamicLoop",
     "DynamicsComparison",
     "Fingerprint",
+    "OutlineFile",
     "Portrait",
     "Prediction",
     "PredictionCheck",
     "StaircaseForecast",
     "TurnResponse",
     "batch_experiment",
+    "check_collection",
     "check_prediction",
     "compare_dynamics",
     "direction_uncertainty",
@@ -59,6 +64,7 @@ __all__ = [
     "isotropic_twin",
     "portrait",
     "predict",
+    "read_outline",
     "run_cycles",
     "staircase_forecast",
     "worn_loop",

@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from cyclemap.evidence.orientations.orientation_modes import kernel_modes
     from cyclemap.evidence.orientations.p_value import PValue
     from cyclemap.evidence.published.published_comparison import comparison_table, published_comparison
+    from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
     from cyclemap.evidence.pushes.push_files import read_push_file
     from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
@@ -102,6 +103,7 @@ __all__ = [
     "Parameter",
     "ParameterSpace",
     "PeriodicLaw",
+    "Probe",
     "PushRecord",
     "PushSet",
     "PushStatistics",
@@ -128,6 +130,7 @@ __all__ = [
     "circular_wasserstein",
     "collected_blocks",
     "collection_p_values",
+    "command_push",
     "compare",
     "compare_orientations",
     "comparison_table",
@@ -153,6 +156,8 @@ __all__ = [
     "measured_overlay",
     "measured_staircase",
     "permutation_p_value",
+    "probe",
+    "probe_pushes",
     "published_comparison",
     "push_end_block",
     "push_sets",

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         sampled_orientations,
         steered_orientations,
     )
+    from cyclemap.resets.monitor.audit import Audit, audit
     from cyclemap.resets.monitor.bias_evidence import Rest
     from cyclemap.resets.monitor.bias_monitor import Advice, Alarm, BiasMonitor, BiasReport, watch
     from cyclemap.resets.monitor.coverage import Coverage, CoverageState, NextAction, next_action
@@ -32,6 +33,7 @@ else:
 __all__ = [
     "Advice",
     "Alarm",
+    "Audit",
     "BiasMonitor",
     "BiasReport",
     "Coverage",
@@ -47,6 +49,7 @@ __all__ = [
     "ResetStrategy",
     "Rest",
     "StrategyRun",
+    "audit",
     "design_reset",
     "gripper_turns",
     "histogram_distances",

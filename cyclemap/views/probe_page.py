@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.evidence.probe import ALARM_RATE, OUTCOMES, Probe
+from cyclemap.evidence.push_probe import ALARM_RATE, OUTCOMES, Probe
 from cyclemap.views.sentences import angle, orientation_and_push
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, degree_axis, new_figure, picture_style
 

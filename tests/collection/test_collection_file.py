@@ -50,10 +50,10 @@ def test_the_same_file_on_another_surface_keeps_its_object_and_push(tmp_path) ->
 
 def test_what_was_found_with_a_surface_stays_in_force(tmp_path) -> None:
     """An effective ring and pressure, identified with the surface, are the loop's when the file is read back."""
-    found = FoundWith(pusher_friction=0.2, hitch_scale=0.7, hitch_turn=0.3, rim_share=0.25)
-    from cyclemap.collection.found_with import with_found
+    found = FoundWith(pusher_friction=0.2, hitch_scale=0.7, hitch_turn=0.3)
+    from cyclemap.collection.found_with import with_material
 
-    loop = with_found(replace(own_loop(), material=replace(WALNUT, found_with=found)), found)
+    loop = with_material(own_loop(), replace(WALNUT, found_with=found))
     again = CollectionLoop.from_file(written(tmp_path, collection_text(loop)))
     assert again.slider.hitch == pytest.approx(loop.slider.hitch, abs=1e-12)
     theta = np.linspace(0.0, 6.0, 5)

@@ -9,7 +9,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.probe import command_push, probe, probe_pushes
+from cyclemap.evidence.push_probe import command_push, probe, probe_pushes
 from cyclemap.mechanics import EllipseFriction, Material
 from cyclemap.views.probe_page import probe_page, probe_sentences
 from cyclemap.views.style import render
