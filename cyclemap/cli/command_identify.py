@@ -9,6 +9,7 @@ import click
 
 from cyclemap.cli.number_types import Real, Whole
 from cyclemap.cli.options import decorated, result_options
+from cyclemap.cli.own_data import readable_data, table_options
 
 Decorator = Callable[[Any], Any]
 _PATH = click.Path(path_type=Path)
@@ -108,8 +109,11 @@ def _decorated(command: Callable[..., None]) -> Callable[..., None]:
 
 @click.command("identify")
 @click.argument("data", nargs=-1, required=True, type=_PATH)
+@table_options
 @_decorated
-def identify_command(data: tuple[Path, ...], json_target: str | None, **request: Any) -> None:
+def identify_command(
+    data: tuple[Path, ...], columns: str | None, units: str | None, json_target: str | None, **request: Any
+) -> None:
     """Identify a surface from measured data, and write it as a material.
 
     DATA are files, folders or trees: friction scans and pushes in the MIT layout, and CSV tables of push ends with
@@ -117,4 +121,5 @@ def identify_command(data: tuple[Path, ...], json_target: str | None, **request:
     """
     from cyclemap.cli.run_identify import run_identify
 
+    data = tuple(readable_data(path, columns, units, request["out"]) for path in data)
     run_identify(data, IdentifyRequest(**request), json_target)

@@ -3,17 +3,25 @@
 import math
 
 from cyclemap.cli.json_numbers import degrees, direction_deg, number
-from cyclemap.cli.json_report import Json
+from cyclemap.cli.json_report import Json, uncertainty_report
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
 from cyclemap.collection.fingerprint_check import CheckedDirection, PredictionCheck
 from cyclemap.collection.fingerprint_prediction import PredictedDirection, Prediction
+from cyclemap.collection.uncertain_directions import DirectionUncertainty
 from cyclemap.maps import Orbit
 
 
 def fingerprint_report(
-    found: Fingerprint, prediction: Prediction | None, checked: PredictionCheck | None, name: str
+    found: Fingerprint,
+    prediction: Prediction | None,
+    checked: PredictionCheck | None,
+    name: str,
+    known: DirectionUncertainty | None = None,
 ) -> Json:
-    """The report of `cyclemap fingerprint`: the five numbers, with "prediction" and "full_map" where asked for."""
+    """The report of `cyclemap fingerprint`: the five numbers, with "prediction" and "full_map" where asked for.
+
+    "uncertainty" is of the stable directions of the full map.
+    """
     report: Json = {
         **_response(found.cycle),
         "push": _response(found.push),
@@ -22,6 +30,8 @@ def fingerprint_report(
     }
     if prediction is not None:
         report["prediction"] = _prediction(prediction, name)
+    if known is not None:
+        report["uncertainty"] = uncertainty_report(known)
     if checked is not None:
         report["full_map"] = {
             "fixed_points": [_orbit(orbit) for orbit in checked.fixed_points],

@@ -12,6 +12,7 @@ from cyclemap.collection.portrait import Portrait
 
 if TYPE_CHECKING:
     from cyclemap.collection.staircase_forecast import StaircaseForecast
+    from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
     from cyclemap.maps import SlowZone, StaircaseSummary, Steps
 
@@ -54,6 +55,8 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
         "stationary": _stationary(portrait),
         "staircase": _staircase(portrait.prediction),
     }
+    if portrait.uncertainty is not None:
+        report["uncertainty"] = uncertainty_report(portrait.uncertainty)
     if portrait.worn is not None:
         report["worn"] = _worn(portrait.worn)
     return report if measured is None else {**report, "data": _data(measured)}
@@ -70,6 +73,8 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
         },
         "run": {"seed": forecast.run.seed, **steps_report(forecast.steps)},
     }
+    if forecast.uncertainty is not None:
+        report["uncertainty"] = uncertainty_report(forecast.uncertainty)
     if forecast.worn is not None:
         report["worn"] = _worn(forecast.worn)
     return report if measured is None else {**report, "data": measured_report(measured)}
@@ -78,6 +83,28 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
 def json_text(report: Json) -> str:
     """The text of a report, ending with a line break; NaN and infinities are refused."""
     return json.dumps(report, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def uncertainty_report(found: DirectionUncertainty) -> Json:
+    """How well stable directions are known; `upper_deg` may pass 360. Of no posterior the shares are no chances."""
+    error = found.first_order_error
+    return {
+        "source": found.source,
+        "method": found.method,
+        "first_order_error_deg": degrees(error),
+        "samples": found.samples,
+        "samples_that_lock": found.locks,
+        "chance_of_lock_in": found.chance if found.is_posterior else None,
+        "directions": [
+            {
+                "theta_deg": None if one.theta is None else direction_deg(one.theta),
+                "lower_deg": degrees(one.lower),
+                "upper_deg": degrees(one.upper),
+                "share": one.share,
+            }
+            for one in found.directions
+        ],
+    }
 
 
 def _map(portrait: Portrait) -> Json:

@@ -10,14 +10,15 @@ from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole
-from cyclemap.collection.anisotropy import Anisotropy
-from cyclemap.collection.fingerprint import Fingerprint, fingerprint
+from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint
 from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
 from cyclemap.collection.fingerprint_prediction import Prediction, predict
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.views import fingerprint_sentences as sentences
 from cyclemap.views.fingerprint_page import fingerprint_page
+from cyclemap.views.sentences import uncertainty_sentence
 from cyclemap.views.style import render
 from cyclemap.whole_files import write_whole
 
@@ -42,13 +43,14 @@ def run_fingerprint(options: LoopOptions, request: FingerprintRequest, json_targ
         raise InvalidInput("--check compares a prediction with the full map: name a MATERIAL or set its friction")
     name = loop.material.name if predicts else "protocol"
     found, prediction, checked = _computed(loop, surface if predicts else None, request.check, name)
-    told = fingerprint_report(found, prediction, checked, name)
+    known = direction_uncertainty(loop) if predicts else None
+    told = fingerprint_report(found, prediction, checked, name, known)
     stem = request.out / f"fingerprint_{file_stem(name)}"
     write_json(stem.with_name(f"{stem.name}.json"), told)
     picture = stem.with_name(f"{stem.name}.{request.picture_format}")
     write_whole(picture, render(fingerprint_page(found, prediction, checked, name), request.picture_format))
     if not publish_json(told, json_target):
-        _print_for_people(found, prediction, checked, name)
+        _print_for_people(found, prediction, checked, name, known)
         PeopleConsole().print(f"picture: {picture}")
 
 
@@ -66,7 +68,11 @@ def _computed(
 
 
 def _print_for_people(
-    found: Fingerprint, prediction: Prediction | None, checked: PredictionCheck | None, name: str
+    found: Fingerprint,
+    prediction: Prediction | None,
+    checked: PredictionCheck | None,
+    name: str,
+    known: DirectionUncertainty | None,
 ) -> None:
     console = PeopleConsole()
     table = Table(title="Fingerprint of the protocol", title_justify="left")
@@ -81,5 +87,7 @@ def _print_for_people(
         console.print(sentences.direction_sentence(prediction, name), style="bold")
         for sentence in filter(None, (sentences.lock_in_sentence(prediction), sentences.trust_sentence(prediction))):
             console.print(sentence)
+    if told := uncertainty_sentence(name, known):
+        console.print(told)
     if checked is not None:
         console.print(sentences.check_sentence(checked))

@@ -15,7 +15,10 @@ from cyclemap.cli.output import file_stem, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.collection.collection_file import NOISE_KEY, collection_text
+from cyclemap.collection.found_with import with_material
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_settings import loop_tables
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities
@@ -58,12 +61,12 @@ def run_identify(data: Sequence[Path], request: IdentifyRequest, json_target: st
     for path, content in files.items():
         write_whole(path, content)
     if not publish_json(told, json_target):
-        _print_for_people(outcome, list(files), request)
+        _print_for_people(outcome, list(files))
 
 
 def _outcome(data: Sequence[Path], request: IdentifyRequest) -> Outcome:
     start = None if request.start is None else load_material(request.start)
-    fixed, loop, select = fixed_values(request.fix), _loop(request), selected_facts(request.select)
+    fixed, loop, select = fixed_values(request.fix), _loop(data, request), selected_facts(request.select)
     space = starting_space(loop, start)
     choices: dict[str, Any] = {name: getattr(request, name) for name in ("first", "wear", "most")}
     with progress_bar("reading") as report:
@@ -107,11 +110,11 @@ def _is_shape(pair: str) -> bool:
     return pair.partition("=")[0].strip() == "shape"
 
 
-def _loop(request: IdentifyRequest) -> CollectionLoop:
-    loop, noise = chosen_loop(LoopOptions("isotropic", request.protocol, request.settings))
-    if noise is not None:
+def _loop(data: Sequence[Path], request: IdentifyRequest) -> CollectionLoop:
+    """The experiment of the data, its surface isotropic: the noise is estimated, whatever a file says of it."""
+    if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in request.settings):
         raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
-    return loop
+    return chosen_loop(LoopOptions("isotropic", request.protocol, request.settings), data[0])[0]
 
 
 def _identified(
@@ -170,13 +173,21 @@ def _files(outcome: Outcome, request: IdentifyRequest, report: bytes) -> dict[Pa
     words = sentences.page_sentences(outcome.found, outcome.comparison)
     page = identify_page(sentences.headline(outcome.material.name, outcome.derived), outcome.found, curves, words)
     return {
-        request.out / f"{stem}.toml": material_toml(outcome.material).encode(),
+        request.out / f"{stem}.toml": _material_text(outcome).encode(),
         request.out / f"identify_{stem}.json": report,
         request.out / f"identify_{stem}.{request.picture_format}": render(page, request.picture_format),
     }
 
 
-def _print_for_people(outcome: Outcome, files: list[Path], request: IdentifyRequest) -> None:
+def _material_text(outcome: Outcome) -> str:
+    """The material and, where the experiment is not MIT's own, the object, push and ring that it was found with."""
+    loop = with_material(outcome.data.loop, outcome.material)
+    if loop_tables(loop) == loop_tables(CollectionLoop.mit(outcome.material)):
+        return material_toml(outcome.material)
+    return collection_text(loop)
+
+
+def _print_for_people(outcome: Outcome, files: list[Path]) -> None:
     console = PeopleConsole()
     console.print(sentences.headline(outcome.material.name, outcome.derived), style="bold")
     for note in outcome.data.notes:
@@ -194,15 +205,4 @@ def _print_for_people(outcome: Outcome, files: list[Path], request: IdentifyRequ
     material, _, picture = files
     console.print(f"picture: {picture}")
     console.print(f"material: {material}")
-    console.print(f"next: cyclemap portrait {shlex.quote(str(material))}{_same_experiment(outcome, request)}")
-
-
-def _same_experiment(outcome: Outcome, request: IdentifyRequest) -> str:
-    """The options that put a prediction into the experiment of the data."""
-    words = [] if request.protocol is None else ["--protocol", str(request.protocol)]
-    words += [word for pair in request.settings for word in ("--set", pair)]
-    shape = outcome.data.loop.slider.name
-    selected = selected_facts(request.select).get("object")
-    if selected == shape and shape != "rect1" and not any(pair.startswith("shape") for pair in request.settings):
-        words += ["--set", f"shape={shape}"]
-    return "".join(f" {shlex.quote(word)}" for word in words)
+    console.print(f"next: cyclemap portrait {shlex.quote(str(material))}")

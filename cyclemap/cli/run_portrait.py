@@ -29,18 +29,18 @@ if TYPE_CHECKING:
 def run_portrait(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
     chosen = chosen_collection(options).simplified()
-    loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
+    loop, sigma = chosen.loop, chosen.sigma
     pairs = None if request.data is None else _measured_pairs(request.data)
     if chosen.strategy is None:
         _run_loop(loop, sigma, request, pairs, json_target)
         return
     from cyclemap.cli.run_strategy import run_strategy_portrait
 
-    run_strategy_portrait(loop, chosen.strategy, sigma, request, pairs, json_target)
+    run_strategy_portrait(loop, chosen.strategy, DEFAULT_SIGMA if sigma is None else sigma, request, pairs, json_target)
 
 
 def _run_loop(
-    loop: CollectionLoop, sigma: float, request: RunRequest, pairs: Theta0Pairs | None, json_target: str | None
+    loop: CollectionLoop, sigma: float | None, request: RunRequest, pairs: Theta0Pairs | None, json_target: str | None
 ) -> None:
     """The portrait of a loop that does the same in every cycle."""
     drawn = _compute(loop, sigma, request, pairs)
@@ -54,7 +54,7 @@ def _run_loop(
         _print_for_people(drawn, measured, picture)
 
 
-def _compute(loop: CollectionLoop, sigma: float, request: RunRequest, pairs: Theta0Pairs | None) -> Portrait:
+def _compute(loop: CollectionLoop, sigma: float | None, request: RunRequest, pairs: Theta0Pairs | None) -> Portrait:
     """The portrait; its staircase starts where the data start and is as long, unless told otherwise."""
     path = None if pairs is None else pairs.path
     length = DEFAULT_CYCLES if path is None else len(path) - 1
@@ -96,6 +96,8 @@ def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture
     for sentence in (sentences.lock_sentence(drawn), sentences.noise_sentence(drawn)):
         console.print(sentence)
     console.print(sentences.staircase_sentence(drawn))
+    if told := sentences.uncertainty_sentence(drawn.loop.material.name, drawn.uncertainty):
+        console.print(told)
     if measured is not None:
         console.print(sentences.agreement_sentence(measured.agreement))
     if drawn.fixed_points:

@@ -12,6 +12,7 @@ from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
 from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
 from cyclemap.evidence import MeasuredStaircase, measured_staircase, read_theta0_pairs
 from cyclemap.views import staircase_sentences as sentences
+from cyclemap.views.sentences import uncertainty_sentence
 from cyclemap.views.staircase_page import staircase_page
 from cyclemap.views.style import render
 from cyclemap.whole_files import write_whole
@@ -20,19 +21,21 @@ from cyclemap.whole_files import write_whole
 def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
     """Predict the staircase, set the measured one beside it, draw both, and print them for people or as JSON."""
     chosen = chosen_collection(options).simplified()
-    loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
+    loop, sigma = chosen.loop, chosen.sigma
     measured = None if request.data is None else measured_staircase(read_theta0_pairs(request.data), request.seed)
     if chosen.strategy is None:
         _run_loop(loop, sigma, request, measured, json_target)
         return
     from cyclemap.cli.run_strategy import run_strategy_staircase
 
-    run_strategy_staircase(loop, chosen.strategy, sigma, request, measured, json_target)
+    run_strategy_staircase(
+        loop, chosen.strategy, DEFAULT_SIGMA if sigma is None else sigma, request, measured, json_target
+    )
 
 
 def _run_loop(
     loop: CollectionLoop,
-    sigma: float,
+    sigma: float | None,
     request: RunRequest,
     measured: MeasuredStaircase | None,
     json_target: str | None,
@@ -49,7 +52,7 @@ def _run_loop(
 
 
 def _forecast(
-    loop: CollectionLoop, sigma: float, request: RunRequest, measured: MeasuredStaircase | None
+    loop: CollectionLoop, sigma: float | None, request: RunRequest, measured: MeasuredStaircase | None
 ) -> StaircaseForecast:
     """The forecast; its run starts where the data start and is as long, unless told otherwise."""
     length = DEFAULT_CYCLES if measured is None else len(measured.path) - 1
@@ -63,7 +66,8 @@ def _forecast(
 def _print_for_people(forecast: StaircaseForecast, measured: MeasuredStaircase | None, picture: Path) -> None:
     console = PeopleConsole()
     console.print(sentences.forecast_sentence(forecast), style="bold")
-    for sentence in filter(None, (sentences.worn_sentence(forecast), sentences.run_sentence(forecast))):
+    known = uncertainty_sentence(forecast.loop.material.name, forecast.uncertainty)
+    for sentence in filter(None, (sentences.worn_sentence(forecast), sentences.run_sentence(forecast), known)):
         console.print(sentence)
     if measured is not None:
         console.print(sentences.measured_sentence(measured))

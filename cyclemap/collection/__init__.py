@@ -6,7 +6,6 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.collection.anisotropy import Anisotropy
     from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun, batch_experiment
     from cyclemap.collection.cycle import Cycles
     from cyclemap.collection.dynamic_loop import (
@@ -16,13 +15,17 @@ if TYPE_CHECKING:
         compare_dynamics,
         isotropic_twin,
     )
-    from cyclemap.collection.fingerprint import Fingerprint, TurnResponse, fingerprint
+    from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse, fingerprint
     from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
     from cyclemap.collection.fingerprint_prediction import Prediction, predict
-    from cyclemap.collection.loop import CollectionLoop, Cycle, CycleSensitivity, CycleTrajectory
-    from cyclemap.collection.many_cycles import run_cycles
+    from cyclemap.collection.loop import CollectionLoop, Cycle, CycleSensitivity, CycleTrajectory, run_cycles
     from cyclemap.collection.portrait import Portrait, portrait
     from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
+    from cyclemap.collection.uncertain_directions import (
+        DirectionInterval,
+        DirectionUncertainty,
+        direction_uncertainty,
+    )
     from cyclemap.collection.wearing_loop import drifting_map, worn_loop
 else:
     import_on_first_use(__name__)
@@ -36,6 +39,8 @@ __all__ = [
     "CycleSensitivity",
     "CycleTrajectory",
     "Cycles",
+    "DirectionInterval",
+    "DirectionUncertainty",
     "DynamicCycle",
     "DynamicLoop",
     "DynamicsComparison",
@@ -48,6 +53,7 @@ __all__ = [
     "batch_experiment",
     "check_prediction",
     "compare_dynamics",
+    "direction_uncertainty",
     "drifting_map",
     "fingerprint",
     "isotropic_twin",

@@ -41,3 +41,19 @@ def _with_lever(slider: Slider, scale: float | None, turn: float) -> Slider:
     factor = 1.0 if scale is None else scale
     x, y = Pose(theta=turn).to_world(*slider.hitch)
     return replace(slider, hitch=(factor * x, factor * y))
+
+
+def sampled_loop(loop: "CollectionLoop", number: int) -> "CollectionLoop":
+    """Return the loop on one sample of its material's posterior; what was set otherwise than by the material stays.
+
+    Raises InvalidInput where there is no such sample.
+    """
+    stated, sample = loop.material, loop.material.sample(number)
+    bare = replace(loop, footprint=None)
+    before, after = with_material(bare, stated), with_material(bare, sample)
+    parts = {
+        name: getattr(after, name)
+        for name in ("pusher", "reset", "footprint")
+        if getattr(before, name) == getattr(loop, name)
+    }
+    return replace(loop, material=sample, **parts)

@@ -7,14 +7,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import shorter_way
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.collection.wearing_loop import drift_of
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import (
     CircleMap,
     DriftingMap,
     JumpCrossing,
+    LocalNoise,
     Orbit,
     RotationNumber,
     Staircase,
@@ -28,7 +31,6 @@ from cyclemap.maps import (
     sample_staircase,
     transfer_operator,
 )
-from cyclemap.maps.arcs import shorter_way
 from cyclemap.maps.quadrature import circle_rule, gauss_rule
 
 Array = NDArray[np.float64]
@@ -71,6 +73,7 @@ class Portrait:
     drifting, worn : where the surface wears, its map over the cycles of the run, which then follows it, and what runs
         on the surface of the last cycle are like; all else is of the fresh surface. None where it does not.
     cycle : one noiseless cycle, started at the most visited stable point, or at 0 where there is none.
+    uncertainty : how well the stable directions are known, of the fresh surface; None where the mechanics is not.
     """
 
     loop: CollectionLoop
@@ -86,6 +89,7 @@ class Portrait:
     cycle: Cycle
     drifting: DriftingMap | None = None
     worn: StaircaseSummary | None = None
+    uncertainty: DirectionUncertainty | None = None
 
     @cached_property
     def stable_points(self) -> tuple[Orbit, ...]:
@@ -125,7 +129,7 @@ class Portrait:
 def portrait(
     loop: CollectionLoop,
     *,
-    sigma: float = DEFAULT_SIGMA,
+    sigma: float | None = None,
     cycles: int = DEFAULT_CYCLES,
     start: float = 0.0,
     seed: int = 0,
@@ -134,20 +138,24 @@ def portrait(
 ) -> Portrait:
     """Compute the portrait of `loop`.
 
-    sigma : standard deviation (rad) of the noise of one cycle. cycles, start (rad), seed : of the noisy run.
+    sigma : standard deviation (rad) of the noise of one cycle; None as in `staircase_forecast`.
+    cycles, start (rad), seed : of the noisy run.
     tolerance : of the cycle map (rad). progress : called with the fraction done, in [0, 1].
 
     Raises InvalidInput for values that make no sense, ConvergenceError where a tolerance cannot be met.
     """
-    noise = WrappedNormal(positive_number("sigma", sigma))
+    if sigma is not None:
+        positive_number("sigma", sigma)
     if cycles < 1:
         raise InvalidInput(f"cycles is {cycles}; a staircase needs at least one cycle")
     report = progress or _silent
     # The maps are nearly all of the work; what follows them takes a fixed, small part.
-    share = 0.8 if loop.material.wear is None else 0.2
+    share = 0.6 if loop.material.wear is None else 0.2
     cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(share * fraction))
-    drifting = drift_of(loop, cycles, lambda fraction: report(share + (0.8 - share) * fraction))
+    drifting = drift_of(loop, cycles, lambda fraction: report(share + (0.6 - share) * fraction))
+    uncertainty = known_directions(loop, lambda fraction: report(0.6 + 0.2 * fraction))
     points = tuple(fixed_points(cycle_map))
+    noise, kicks = noises_of(loop, cycle_map, sigma)
     operator = transfer_operator(cycle_map, noise)
     report(0.9)
     result = Portrait(
@@ -159,14 +167,34 @@ def portrait(
         rotation=rotation_number(cycle_map),
         noise=noise,
         operator=operator,
-        staircase=sample_staircase(drifting or cycle_map, noise, cycles, start, seed),
+        staircase=sample_staircase(drifting or cycle_map, kicks, cycles, start, seed),
         prediction=predict_staircase(cycle_map, noise, operator),
         cycle=loop.cycle(_drawn_start(points, operator)),
         drifting=drifting,
         worn=None if drifting is None else predict_staircase(drifting.maps[-1], noise),
+        uncertainty=uncertainty,
     )
     report(1.0)
     return result
+
+
+def known_directions(loop: CollectionLoop, progress: Progress) -> DirectionUncertainty | None:
+    """How well a loop's stable directions are known; None for what stands in for a loop, its map alone being known."""
+    return direction_uncertainty(loop, progress) if isinstance(loop, CollectionLoop) else None
+
+
+def noises_of(
+    loop: CollectionLoop, cycle_map: CircleMap, sigma: float | None
+) -> tuple[WrappedNormal, WrappedNormal | LocalNoise]:
+    """The white noise of what is predicted, and the noise of a run: the material's own, where no other is asked for."""
+    measured = loop.material.noise
+    if sigma is not None or measured is None:
+        white = WrappedNormal(DEFAULT_SIGMA if sigma is None else positive_number("sigma", sigma))
+        return white, white
+    own = LocalNoise(measured.log_sigma, measured.correlation)
+    theta = np.linspace(0.0, FULL_TURN, 720, endpoint=False)
+    slowest = theta[np.argmin(np.abs(shorter_way(cycle_map.turn(theta))))]
+    return WrappedNormal(own.white(float(slowest))), own
 
 
 def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
+from cyclemap.collection.portrait import DEFAULT_CYCLES, known_directions, noises_of
+from cyclemap.collection.uncertain_directions import DirectionUncertainty
 from cyclemap.collection.wearing_loop import drift_of
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import (
@@ -33,12 +33,13 @@ from cyclemap.maps import (
 class StaircaseForecast:
     """A predicted staircase.
 
-    map : the cycle map, θ in rad. noise : added to every cycle. prediction : what runs are like on average.
+    map : the cycle map, θ in rad. noise : white, added to every cycle. prediction : what runs are like on average.
     log10_residences : of each of the prediction's zones, log10 of its mean residence in cycles, beyond every float
     too; None where it could not be certified. run : one noisy run. steps : the dwells and steps found in it.
     comparison : these steps beside the prediction. drifting, worn : where the surface wears, its map over the cycles of
     the run, which then follows it, and what runs on the surface of the last cycle are like; `map`, `prediction` and
-    `comparison` are of the fresh surface.
+    `comparison` are of the fresh surface. uncertainty : how well its stable directions are known, None where the
+    mechanics is not.
     """
 
     loop: CollectionLoop
@@ -51,12 +52,13 @@ class StaircaseForecast:
     comparison: StepComparison
     drifting: DriftingMap | None = None
     worn: StaircaseSummary | None = None
+    uncertainty: DirectionUncertainty | None = None
 
 
 def staircase_forecast(
     loop: CollectionLoop,
     *,
-    sigma: float = DEFAULT_SIGMA,
+    sigma: float | None = None,
     cycles: int = DEFAULT_CYCLES,
     start: float = 0.0,
     seed: int = 0,
@@ -65,26 +67,29 @@ def staircase_forecast(
 ) -> StaircaseForecast:
     """Predict the staircase of `loop`.
 
-    sigma : standard deviation (rad) of the noise of one cycle. cycles, start (rad), seed : of the run.
+    sigma : standard deviation (rad) of the noise of one cycle; None: the run takes the material's own, where it has
+    one, and what is predicted the white noise that carries as far at its slowest place, else 1.1 degrees.
+    cycles, start (rad), seed : of the run.
     tolerance : of the cycle map (rad). progress : called with the fraction done, in [0, 1].
 
     Raises InvalidInput for values that make no sense, ConvergenceError where a tolerance cannot be met.
     """
     report = progress or (lambda fraction: None)
-    noise = WrappedNormal(positive_number("sigma", sigma))
-    share = 0.7 if loop.material.wear is None else 0.2
+    share = 0.6 if loop.material.wear is None else 0.2
     cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(share * fraction))
+    noise, kicks = noises_of(loop, cycle_map, sigma)
     prediction = predict_staircase(cycle_map, noise)
-    drifting = drift_of(loop, cycles, lambda done: report(0.2 + 0.6 * done))
+    drifting = drift_of(loop, cycles, lambda done: report(0.2 + 0.4 * done))
+    uncertainty = known_directions(loop, lambda done: report(0.6 + 0.2 * done))
     report(0.8)
-    run = sample_staircase(drifting or cycle_map, noise, cycles, start, seed)
+    run = sample_staircase(drifting or cycle_map, kicks, cycles, start, seed)
     worn = None if drifting is None else predict_staircase(drifting.maps[-1], noise)
     residences = tuple(_log10_residence(cycle_map, noise, zone) for zone in prediction.zones)
     report(1.0)
     steps = find_steps(run.theta)
     comparison = compare_steps(steps, prediction)
     return StaircaseForecast(
-        loop, cycle_map, noise, prediction, residences, run, steps, comparison, drifting=drifting, worn=worn
+        loop, cycle_map, noise, prediction, residences, run, steps, comparison, drifting, worn, uncertainty
     )
 
 

@@ -8,16 +8,16 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.strokes import PARAMETERS, Strokes
 from cyclemap.mechanics.footprint import PatchFootprint
 from cyclemap.mechanics.outline import Ellipse
 from cyclemap.mechanics.protocol import DragBack, SidePush
-from cyclemap.mechanics.quasi_static import DragResult, PushResult, QuasiStaticModel, refusal, run_strokes
+from cyclemap.mechanics.quasi_static import QuasiStaticModel, refusal, run_strokes
+from cyclemap.mechanics.trajectory import DragResult, PushResult
 from cyclemap.suggestions import unknown_name
-
-Array = NDArray[np.float64]
 
 # What a cycle gives, and what a stroke from a given pose along a given path can be differentiated by.
 CYCLE_OUTPUTS = ("push_turn", "push_dx", "push_dy", "drag_turn", "drag_length", "theta_next")

@@ -13,8 +13,7 @@ import numpy as np
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
-from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.friction_wear import worn_friction
+from cyclemap.mechanics.friction import EllipseFriction, worn_friction
 from cyclemap.plain_text import printable
 from cyclemap.suggestions import unknown_name
 from cyclemap.text_files import read_toml
@@ -23,7 +22,20 @@ from cyclemap.text_files import read_toml
 _USUAL_FRICTION, _LARGEST_FRICTION = 2.0, 10.0
 FRICTION_KEYS = ("mu_a", "mu_b", "m0", "n0", "phi_deg")
 SHARE_KEYS = ("inner_share", "rim_share", "corner_share")
-_FILE_KEYS = ("name", "provenance", "misfit", "inferred", "friction", "worn", "found_with", "plates", "posterior")
+FILE_KEYS = (
+    "name",
+    "provenance",
+    "misfit",
+    "inferred",
+    "friction",
+    "worn",
+    "found_with",
+    "plates",
+    "posterior",
+    "cycle_noise",
+)
+# What a file may hold beside a surface: the object on it, and what is done to it (`cyclemap.collection`).
+_OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation")
 # Rows of a posterior: a sample tells a 95 % interval to a hundredth of its width with less.
 _MOST_SAMPLES = 4096
 _FOUND_KEYS = {
@@ -130,13 +142,52 @@ class MaterialPosterior:
 
 @dataclass(frozen=True)
 class Wear:
-    """How a surface changes: after `cycles` cycles its friction is `friction`, on a straight way (`worn_friction`)."""
+    """How a surface changes: after `cycles` cycles its friction is `friction`, on a straight way (`worn_friction`).
+
+    course : ((cycles, share), ...), how much of that way is gone after some cycles before the last, both increasing,
+    shares in [0, 1], straight between; without it the pace is even. Raises InvalidInput for another course.
+    """
 
     friction: EllipseFriction
     cycles: float
+    course: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cycles", positive_number("cycles of wear", self.cycles))
+        if len(self.course):
+            course = finite_array("course of wear", self.course, last=2)
+            whole = np.vstack([[0.0, 0.0], np.atleast_2d(course), [self.cycles, 1.0]])
+            if course.ndim != 2 or np.any(np.diff(whole[:, 0]) <= 0.0) or np.any(np.diff(whole[:, 1]) < 0.0):
+                raise InvalidInput(
+                    f"the course of wear {course.tolist()} must be pairs [cycles, share] that increase, between "
+                    f"[0, 0] and [{self.cycles:g}, 1]"
+                )
+            object.__setattr__(self, "course", tuple(map(tuple, course.tolist())))
+
+    def share(self, cycles: float) -> float:
+        """Return how much of the way is gone after some cycles, in [0, 1]."""
+        at, gone = zip((0.0, 0.0), *self.course, (self.cycles, 1.0), strict=True)
+        return float(np.interp(finite_number("cycles", cycles), at, gone))
+
+
+@dataclass(frozen=True)
+class CycleNoise:
+    """What a cycle on this surface scatters by, as measured: log of the standard deviation (rad) over θ0, and memory.
+
+    log_sigma : c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in rad. correlation : in [0, 1), of
+    successive cycles.
+    """
+
+    log_sigma: tuple[float, ...]
+    correlation: float = 0.0
+
+    def __post_init__(self) -> None:
+        numbers = finite_array("log_sigma", self.log_sigma, ndim=1)
+        if numbers.size % 2 == 0:
+            raise InvalidInput(f"log_sigma has {numbers.size} numbers: it takes one, and pairs of cosine and sine")
+        object.__setattr__(self, "log_sigma", tuple(numbers.tolist()))
+        if not 0.0 <= finite_number("correlation", self.correlation) < 1.0:
+            raise InvalidInput(f"correlation of successive cycles is {self.correlation:g}: it must lie in [0, 1)")
 
 
 @dataclass(frozen=True)
@@ -146,8 +197,9 @@ class Material:
     misfit : how far the data lie from what the numbers predict, in words. inferred : whether the numbers were inferred
     from how objects moved rather than measured as forces. found_with : what was identified along with the friction.
     wear : the friction at the end of the data; None where it is taken not to change. plates : how plates press on it,
-    those not named evenly. posterior : what else the data allow; None where that is not known. Raises InvalidInput
-    where a sample of it is no material.
+    those not named evenly. posterior : what else the data allow, of numbers that the material states; None where that
+    is not known. noise : of a cycle, as measured; None where that is not known. Raises InvalidInput where a sample of
+    the posterior is no material.
     """
 
     name: str
@@ -159,6 +211,7 @@ class Material:
     wear: Wear | None = None
     plates: tuple[PlatePressure, ...] = ()
     posterior: MaterialPosterior | None = None
+    noise: CycleNoise | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "plates", tuple(self.plates))
@@ -192,6 +245,13 @@ class Material:
                 "a posterior names the friction of the worn surface (worn.mu_a, ...) as it does that of the fresh one, "
                 "and only where the surface wears"
             )
+        plates = {one.plate for one in self.plates}
+        for name in self.posterior.parameters:
+            share = _plate_share(name)
+            if share is not None and share[0] not in plates:
+                raise InvalidInput(f"a posterior of {name} needs a table [plates.{share[0]}] with what is best")
+            if name in _FOUND_KEYS and getattr(self.found_with, _FOUND_KEYS[name]) is None:
+                raise InvalidInput(f"a posterior of {name} needs {name} in [found_with], with what is best")
         for number in range(len(self.posterior)):
             try:
                 self.sample(number)
@@ -210,7 +270,7 @@ class Material:
         plates = {one.plate: one for one in self.plates}
         for plate in dict.fromkeys(found_in[0] for found_in in map(_plate_share, row) if found_in):
             shares = {key: row[f"{plate}.{key}"] for key in SHARE_KEYS if f"{plate}.{key}" in row}
-            plates[plate] = replace(plates.get(plate, PlatePressure(plate)), **shares)  # type: ignore[arg-type]
+            plates[plate] = replace(plates[plate], **shares)  # type: ignore[arg-type]
         wear = self.wear and replace(self.wear, friction=_changed(self.wear.friction, row, "worn."))
         friction = _changed(self.friction, row)
         return replace(
@@ -229,8 +289,7 @@ class Material:
         """
         if self.wear is None:
             return self.friction
-        share = finite_number("cycles", cycles) / self.wear.cycles
-        return worn_friction(self.friction, self.wear.friction, min(max(share, 0.0), 1.0))
+        return worn_friction(self.friction, self.wear.friction, self.wear.share(cycles))
 
 
 def material_names() -> tuple[str, ...]:
@@ -250,7 +309,9 @@ def load_material(name: str | Path) -> Material:
     `provenance`, `misfit`, `inferred` (true or false), a table [worn] with `cycles` and the friction after them, a
     table [found_with] of what was identified along with it: pusher_mu, hitch_scale, hitch_turn_deg, pin_friction_mm,
     a table [plates.NAME] for each plate with inner_share, rim_share, corner_share, and a table [posterior] with
-    `parameters` and `samples` (`MaterialPosterior`).
+    `parameters` and `samples` (`MaterialPosterior`), and a table [cycle_noise] with `log_sigma` and `correlation`
+    (`CycleNoise`). [worn] may have a `course`, pairs [cycles, share] (`Wear`).
+    Tables of object, push, reset, noise and strategy are passed over: `CollectionLoop.from_file` reads those.
     Raises InvalidInput for an unknown name, DataFileError for a file that is missing or is not such a table.
 
     >>> load_material("plywood").friction.mu_a
@@ -289,8 +350,8 @@ def _material_from_file(path: Path) -> Material:
 
 def _material_from_table(table: dict[str, object], name: str) -> Material:
     for key in table:
-        if key not in _FILE_KEYS:
-            raise unknown_name("key in a material file", key, _FILE_KEYS)
+        if key not in (*FILE_KEYS, *_OTHER_TABLES):
+            raise unknown_name("key in a material file", key, (*FILE_KEYS, *_OTHER_TABLES))
     friction = table.get("friction")
     if not isinstance(friction, dict):
         raise InvalidInput("a material file needs a table [friction] with mu_a and mu_b")
@@ -307,6 +368,7 @@ def _material_from_table(table: dict[str, object], name: str) -> Material:
         wear=_wear(table),
         plates=_plates(table),
         posterior=_posterior(table),
+        noise=_noise(table),
     )
 
 
@@ -373,8 +435,18 @@ def _wear(table: dict[str, object]) -> Wear | None:
         raise InvalidInput(
             "a table [worn] needs cycles, the number of cycles after which the friction is the one it has"
         )
-    cycles = finite_number("cycles", worn.pop("cycles"))
-    return Wear(friction_from_degrees(worn), cycles)
+    cycles, course = finite_number("cycles", worn.pop("cycles")), worn.pop("course", [])
+    return Wear(friction_from_degrees(worn), cycles, course)  # type: ignore[arg-type]
+
+
+def _noise(table: dict[str, object]) -> CycleNoise | None:
+    noise = _table(table, "cycle_noise")
+    for key in noise:
+        if key not in ("log_sigma", "correlation"):
+            raise unknown_name("key of [cycle_noise]", key, ("log_sigma", "correlation"))
+    if noise and "log_sigma" not in noise:
+        raise InvalidInput("a table [cycle_noise] needs log_sigma, the logarithm of its standard deviation in radians")
+    return CycleNoise(**noise) if noise else None  # type: ignore[arg-type]
 
 
 def _table(table: dict[str, object], name: str) -> dict[str, object]:

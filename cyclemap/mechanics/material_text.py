@@ -38,10 +38,14 @@ def material_toml(material: Material) -> str:
     lines += _table("friction", _friction(material.friction))
     if material.wear is not None:
         lines += _table("worn", {"cycles": material.wear.cycles, **_friction(material.wear.friction)})
+        lines += [f"course = {[list(pair) for pair in material.wear.course]!r}"] if material.wear.course else []
     found = _found_with(material.found_with)
     lines += _table("found_with", found) if found else []
     for one in material.plates:
         lines += _table(f"plates.{_text(one.plate)}", {key: value for key, value in one.shares.items() if value})
+    if material.noise is not None:
+        lines += ["", "[cycle_noise]", f"log_sigma = {list(material.noise.log_sigma)!r}"]
+        lines += [f"correlation = {material.noise.correlation!r}"]
     if material.posterior is not None:
         names = ", ".join(_text(name) for name in material.posterior.parameters)
         rows = [f"    [{', '.join(map(repr, row))}]," for row in material.posterior.samples]

@@ -9,12 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.collection.portrait_curves import Cobweb, TurnCurve
+from cyclemap.collection.uncertain_directions import DirectionInterval
 from cyclemap.maps import Orbit
 from cyclemap.views.style import (
     INK,
     MEASURED,
     MEASURED_EDGE,
     PREDICTED,
+    PREDICTED_FILL,
     QUIET,
     UNSTABLE,
     degree_axis,
@@ -24,9 +26,18 @@ if TYPE_CHECKING:
     from cyclemap.evidence import Theta0Pairs, TurnBins
 
 
-def draw_turn(axes: Axes, curve: TurnCurve, fixed_points: tuple[Orbit, ...]) -> None:
-    """The turn of one cycle over θ0, with the fixed points on its zero line."""
+def draw_turn(
+    axes: Axes, curve: TurnCurve, fixed_points: tuple[Orbit, ...], known: tuple[DirectionInterval, ...] = ()
+) -> None:
+    """The turn of one cycle over θ0, with the fixed points on its zero line and bands of where they may lie."""
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
+    for number, one in enumerate(known):
+        label = "may lie here" if number == 0 else None
+        for back in (0.0, 360.0) if one.upper > 2 * np.pi else (0.0,):
+            ends = np.clip(np.degrees([one.lower, one.upper]) - back, 0.0, 360.0)
+            axes.axvspan(
+                *ends.tolist(), color=PREDICTED_FILL, linewidth=0.0, label=label if back == 0.0 else None, zorder=0
+            )
     for index, (theta, turn) in enumerate(curve.pieces):
         label = "predicted" if index == 0 else None
         axes.plot(np.degrees(theta), np.degrees(turn), color=PREDICTED, linewidth=2.0, label=label, zorder=3)

@@ -24,6 +24,7 @@ from cyclemap.views.sentences import (
     parameters_line,
     push_line,
     staircase_sentence,
+    uncertainty_sentence,
 )
 from cyclemap.views.style import QUIET, new_figure, picture_style
 
@@ -57,7 +58,8 @@ def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: Measured
 
 
 def _draw_turn_panel(axes: Axes, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None) -> None:
-    draw_turn(axes, curves.turn, portrait.fixed_points)
+    known = portrait.uncertainty
+    draw_turn(axes, curves.turn, portrait.fixed_points, () if known is None else known.directions)
     if measured is not None:
         draw_measured_turns(axes, measured.pairs, measured.bins)
     axes.set_title("Turn of one cycle" + (", fresh" if portrait.worn is not None else ""), y=_TITLE_PLACE)
@@ -104,8 +106,9 @@ def _legend_above(axes: Axes) -> None:
 
 
 def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None) -> None:
+    known = uncertainty_sentence(portrait.loop.material.name, portrait.uncertainty)
     figure.text(0.015, 0.955, headline(portrait), fontsize=18, fontweight="bold", va="center")
-    told = f"{lock_sentence(portrait)} {noise_sentence(portrait)} {staircase_sentence(portrait)}"
+    told = f"{lock_sentence(portrait)} {noise_sentence(portrait)} {staircase_sentence(portrait)} {known}"
     figure.text(0.015, 0.928, fill(told, LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
     inferred = (
         f"{portrait.loop.material.name} was inferred, not measured  ·  " if portrait.loop.material.inferred else ""

@@ -6,11 +6,14 @@ import math
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
+from cyclemap.collection.own_object import first_contact
 from cyclemap.collection.portrait import Portrait
+from cyclemap.collection.uncertain_directions import FIRST_ORDER, DirectionInterval, DirectionUncertainty
 from cyclemap.maps import Orbit, StaircaseSummary
 from cyclemap.mechanics import Material
 
 if TYPE_CHECKING:
+    from cyclemap.collection.loop import CollectionLoop
     from cyclemap.evidence import MapAgreement
 
 
@@ -22,16 +25,36 @@ MOST_PEAKS = 3
 def headline(portrait: Portrait) -> str:
     """The answer in a line: where this material locks in, or rests until noise or wear carries it on."""
     told = f"{portrait.loop.material.name} {_resting(portrait)}"
+    known = portrait.uncertainty
+    if known is not None and known.is_posterior and 0 < known.locks < known.samples:
+        told += f" (locked in {known.chance:.0%} of what its data allow)"
     if portrait.worn is None:
         return told
     worn = [angle(zone.centre) for zone in portrait.worn.zones]
     return f"{told} when fresh, {f'near {_listed(worn)}' if worn else 'nowhere'} when worn"
 
 
+def push_direction(theta: float, loop: CollectionLoop) -> float:
+    """Return towards where the rod goes (rad, world) when it pushes an object of orientation theta."""
+    way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
+    return theta + math.atan2(way[1], way[0])
+
+
+def orientation_and_push(theta: float, loop: CollectionLoop) -> str:
+    """Both answers to "which direction?": the object's orientation, and where the push goes.
+
+    >>> from cyclemap.collection.loop import CollectionLoop
+    >>> orientation_and_push(math.radians(63.2), CollectionLoop.mit())
+    'orientation 63.2°, pushed towards −26.8°'
+    """
+    towards = math.remainder(push_direction(theta, loop), 2.0 * math.pi)
+    return f"orientation {angle(theta)}, pushed towards {angle(towards)}"
+
+
 def _resting(portrait: Portrait) -> str:
     """Locked is what neither noise nor wear carries off within the run."""
     run, wears = portrait.staircase.cycles, portrait.worn is not None
-    stays = [(angle(orbit.points[0]), portrait.stay(orbit)) for orbit in portrait.stable_points]
+    stays = [(_place(portrait, orbit), portrait.stay(orbit)) for orbit in portrait.stable_points]
     locked = [place for place, stay in stays if stay is not None and stay >= run and not wears]
     rests = [
         place if stay is None or stay >= run else f"{place} for {cycles(stay)} at a time"
@@ -42,6 +65,39 @@ def _resting(portrait: Portrait) -> str:
     told += [f"rests at {_listed(rests)}"] if rests else []
     jumps = [angle(theta) for theta in portrait.gathering_jumps]
     return " and ".join(told) or (f"gathers about {_listed(jumps)}" if jumps else "locks into no direction")
+
+
+def _place(portrait: Portrait, orbit: Orbit) -> str:
+    """A stable direction, never sharper than its interval: with 95 % of the posterior where the material has one."""
+    known, theta = portrait.uncertainty, orbit.points[0]
+    interval = known.of(theta) if known is not None and known.is_posterior else None
+    return angle(theta) if interval is None else f"{angle(theta, _decimals(interval))} (95 %: {_ends(interval)})"
+
+
+def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
+    """How well the stable directions of a material are known; empty where nothing is."""
+    if known is None:
+        return ""
+    if not known.is_posterior:
+        told = [f"{angle(one.lower, 0)} to {angle(one.upper % (2 * math.pi), 0)}" for one in known.directions]
+        where = f", the stable direction at {_listed(told)}" if told else ""
+        many = ("neither surface locks in", "one of the two surfaces locks in", "both surfaces lock in")[known.locks]
+        return f"The numbers of {name} come without an error: with the axes' ratio 10 % less or more {many}{where}."
+    how = "to first order" if known.method == FIRST_ORDER else "each run in full"
+    told = [f"{_ends(one)} (in {one.share:.0%} of samples)" for one in known.directions]
+    where = f", 95 % of them at {_listed(told)}" if told else ""
+    of = f"{known.locks} of {known.samples} samples"
+    return f"Of what the data on {name} allow, {of} have a stable direction ({how}){where}."
+
+
+def _ends(one: DirectionInterval) -> str:
+    decimals, low, high = _decimals(one), one.lower, one.upper
+    return f"{angle(low, decimals)} to {angle(high % (2.0 * math.pi) if high > 2.0 * math.pi else high, decimals)}"
+
+
+def _decimals(one: DirectionInterval) -> int:
+    """So many that an interval has a few of its last digits."""
+    return 0 if one.upper - one.lower > math.radians(4.0) else 1
 
 
 def worn_rests(worn: StaircaseSummary) -> str:

@@ -10,6 +10,7 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.collection.staircase_forecast import StaircaseForecast
 from cyclemap.evidence import MeasuredStaircase
 from cyclemap.views.record_panels import draw_staircase
+from cyclemap.views.sentences import uncertainty_sentence
 from cyclemap.views.staircase_sentences import (
     fitted_sentence,
     forecast_sentence,
@@ -64,6 +65,7 @@ def _write_words(figure: Figure, forecast: StaircaseForecast, measured: Measured
     name = forecast.loop.material.name
     figure.text(0.015, 0.955, f"Staircase of {name}", fontsize=18, fontweight="bold", va="center")
     told = [forecast_sentence(forecast), worn_sentence(forecast), run_sentence(forecast)]
+    told += [uncertainty_sentence(name, forecast.uncertainty)]
     if measured is not None:
         told += [measured_sentence(measured), fitted_sentence(measured)]
     figure.text(0.015, 0.928, fill(" ".join(filter(None, told)), LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)

@@ -31,10 +31,10 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
             2, 2, figure, width_ratios=(1.9, 1.0), left=0.06, right=0.975, bottom=0.115, top=0.8, wspace=0.16,
             hspace=0.45,
         )  # fmt: skip
-        _draw_path(figure.add_subplot(grid[0, 0]), monitor.path, last)
+        draw_path(figure.add_subplot(grid[0, 0]), monitor.path, last)
         _draw_evidence(figure.add_subplot(grid[1, 0]), reports, monitor.alarm_rate)
-        _draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), monitor.path, last)
-        _draw_worth(figure.add_subplot(grid[1, 1]), [report.coverage.effective_pushes for report in reports])
+        draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), monitor.path, last)
+        draw_worth(figure.add_subplot(grid[1, 1]), [report.coverage.effective_pushes for report in reports])
         title = "locks in" if last.alarm is not None else "no sign of locking in"
         figure.text(0.015, 0.955, f"{name}: {title}", fontsize=18, fontweight="bold", va="center")
         told = fill(" ".join(watch_sentences(last)), _LETTERS)
@@ -44,7 +44,8 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
     return figure
 
 
-def _draw_path(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
+def draw_path(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
+    """Draw the orientations (rad) push by push, and the alarm."""
     # A few dots must be seen, many must not run into each other.
     size = float(np.clip(90.0 / len(theta), 2.5, 9.0))
     axes.plot(np.degrees(np.mod(theta, 2.0 * np.pi)), ".", color=MEASURED_EDGE, markersize=size, zorder=2)
@@ -79,8 +80,8 @@ def _draw_evidence(axes: Axes, reports: Sequence[BiasReport], alarm_rate: float)
     _push_axis(axes, len(reports))
 
 
-def _draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
-    """The histogram of directions with equal areas for equal counts: radii are roots of densities."""
+def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
+    """Draw the histogram of directions with equal areas for equal counts: radii are roots of densities."""
     histogram, aim = angle_histogram(np.mod(theta, 2.0 * np.pi), _BINS), last.advice.direction
     radii = np.sqrt(histogram.density * 2 * np.pi)
     axes.bar(
@@ -101,7 +102,8 @@ def _draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     axes.legend(loc="upper left", bbox_to_anchor=(-0.75, 0.12))
 
 
-def _draw_worth(axes: Axes, effective: Sequence[float]) -> None:
+def draw_worth(axes: Axes, effective: Sequence[float]) -> None:
+    """Draw what the pushes recorded so far are worth, after each."""
     pushes = len(effective)
     axes.plot([0, pushes], [0, pushes], color=QUIET, linewidth=0.9, linestyle=":", label="spread evenly")
     axes.plot(np.arange(1, pushes + 1), effective, color=INK, linewidth=1.8, label="recorded")

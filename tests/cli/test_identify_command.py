@@ -95,7 +95,7 @@ def test_people_get_a_headline_tables_and_what_to_do_next(here, capsys) -> None:
     assert shown.startswith("my slate: friction ellipse with axes 1.")
     for words in ("6 push ends", "Parameters", "95 % interval", "held", "axis ratio", "left out", "note: "):
         assert words in shown
-    assert "next: cyclemap portrait out/my_slate.toml --set pusher_mu=0.16" in shown
+    assert "next: cyclemap portrait out/my_slate.toml\n" in shown
     assert (here / "out" / "identify_my_slate.svg").read_bytes().startswith(b"<?xml")
     assert CollectionLoop.mit("out/my_slate.toml").pusher.friction == 0.16
 

@@ -3,7 +3,7 @@
 import math
 import pickle
 import tomllib
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import pytest
 
@@ -93,7 +93,10 @@ def test_every_number_found_is_read_from_a_file_in_its_unit(tmp_path):
         ("[posterior]\nparameters = ['mu_a']\nsamples = [[0.3]]", "has 1 samples"),
         ("[posterior]\nparameters = ['mu_a']\nsamples = [[0.3], [nan]]", "finite"),
         ("[posterior]\nparameters = ['mu_a']\nsamples = [[0.3], [-0.3]]", "sample 1: .*mu_a"),
-        ("[posterior]\nparameters = ['rect1.rim_share']\nsamples = [[0.3], [1.3]]", "sample 1: .*rim_share 1.3"),
+        (
+            "[posterior]\nparameters = ['rect1.rim_share']\nsamples = [[0.3], [1.3]]\n[plates.rect1]",
+            "sample 1: .*rim_share 1.3",
+        ),
         ("[posterior]\nparameters = ['worn.mu_a']\nsamples = [[0.3], [0.3]]", "only where the surface wears"),
         ("[posterior]\nparameters = 3\nsamples = [[0.3], [0.3]]", "a list of names"),
     ],
@@ -109,7 +112,13 @@ def test_tables_that_carry_nothing_are_refused_in_one_line(text, told, tmp_path)
 def test_a_sample_of_the_posterior_is_a_material_in_si_units_and_leaves_what_it_does_not_name():
     names = ("mu_a", "phi_deg", "pusher_mu", "pin_friction_mm", "rect1.rim_share", "hex.inner_share")
     posterior = MaterialPosterior(names, ((0.31, 90.0, 0.2, 1.5, 0.4, 0.3), (0.29, -90.0, 0.1, 0.0, 0.2, 0.1)))
-    given = Material("floor", LAW, plates=(PlatePressure("rect1", 0.1, 0.3),), posterior=posterior)
+    given = Material("floor", LAW, plates=(PlatePressure("rect1", 0.1, 0.3), PlatePressure("hex")))
+    with pytest.raises(InvalidInput, match="needs pusher_mu in"):
+        replace(given, posterior=posterior)
+    found = FoundWith(pusher_friction=0.1, pin_friction_radius=0.0)
+    with pytest.raises(InvalidInput, match="needs a table"):
+        replace(given, found_with=found, plates=given.plates[:1], posterior=posterior)
+    given = replace(given, found_with=found, posterior=posterior)
     first = given.sample(0)
     assert first.friction == EllipseFriction(0.31, 0.25, phi=math.pi / 2.0)
     assert first.found_with == FoundWith(pusher_friction=0.2, pin_friction_radius=0.0015)

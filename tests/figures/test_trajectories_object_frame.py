@@ -7,7 +7,7 @@ import pytest
 from drawn_figures import assert_drawn, words_of
 from small_paths import CYCLES, DRAWN, assert_starts_where_the_robot_did, recorded_folder
 
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.trajectories_object_frame import FIGURE, compute, draw
 from cyclemap.maps import WrappedNormal, sample_staircase

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, decimal_text
 from cyclemap.mechanics import DragBack, Ellipse, PatchFootprint, PointFootprint, Polygon, Pusher, SidePush, Slider
 from cyclemap.mechanics.footprint import grid_footprint
 from cyclemap.resets import CycleAction, ResetStrategy, gripper_turns, legs, read_protocol, write_protocol
-from cyclemap.resets.protocol.file_text import DEGREES, MILLIMETRES, NUMBER, decimal_text
 from cyclemap.resets.protocol.protocol_file import protocol_text
 
 LOOP = CollectionLoop.mit()

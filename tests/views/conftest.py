@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from cyclemap.collection.portrait import Portrait, portrait
+from cyclemap.collection import Portrait, portrait
 from cyclemap.collection.portrait_curves import PortraitCurves, portrait_curves
 from cyclemap.evidence import MeasuredOverlay, Theta0Pairs, measured_overlay
 from cyclemap.maps import CircleMap

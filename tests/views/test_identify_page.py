@@ -5,18 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
-from cyclemap.evidence.data_blocks.friction_scan_block import friction_scan_block
-from cyclemap.evidence.data_blocks.measured_strokes import MeasuredDrag, MeasuredPush
+from cyclemap.collection import CollectionLoop
+from cyclemap.evidence import (
+    CyclePairBlock,
+    Identification,
+    MeasuredDrag,
+    MeasuredPush,
+    drag_turn_block,
+    friction_scan_block,
+    identified_material,
+    identify,
+    push_end_block,
+)
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
-from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
 from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities
 from cyclemap.evidence.identification.explanations import Explanation, ExplanationComparison
-from cyclemap.evidence.identification.identification import Identification
-from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identified.identified_curves import IdentifiedCurves, identified_curves
-from cyclemap.evidence.identified.identified_material import identified_material
 from cyclemap.mechanics import EllipseFriction, Pose, Slider
 from cyclemap.views import identify_sentences as sentences
 from cyclemap.views.identify_page import identify_page

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from cyclemap.collection import CollectionLoop
-from cyclemap.collection.portrait import portrait
+from cyclemap.collection import CollectionLoop, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.evidence import MapAgreement
 from cyclemap.maps import Estimate, fixed_points

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.block_builders import (
     BlockChoices,
@@ -31,6 +32,7 @@ from cyclemap.evidence.data_blocks.scan_forces import ScanForces
 from cyclemap.evidence.identification.data_block import DataBlock
 from cyclemap.evidence.identification.shared_progress import Progress, part_of
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
+from cyclemap.whole_files import file_stem
 
 MOST_STROKES = 200
 _ALWAYS = ("friction_scale", "ellipticity_x", "ellipticity_y", "offset_x", "offset_y", "pusher_friction")
@@ -114,8 +116,8 @@ def _object(loop: CollectionLoop, chosen: dict[str, str | float]) -> tuple[Colle
     wanted = chosen.get("object")
     if isinstance(wanted, str) and wanted != loop.slider.name and wanted in MIT_SHAPE_NAMES:
         loop = replace(loop, slider=Slider.mit(wanted, loop.slider.hitch), footprint=None)
-    name = str(wanted) if wanted is not None else loop.slider.name
-    known = wanted is not None or loop.slider.name in MIT_SHAPE_NAMES
+    name = str(wanted) if wanted is not None else file_stem(loop.slider.name)
+    known = wanted is not None or loop.slider.name != OWN_OUTLINE
     return loop, RowSelection(name if known else None, chosen)
 
 

@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import FunctionBlock, Values
-
-Array = NDArray[np.float64]
 
 PRIOR_KIND = "prior (standard deviations)"
 

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.identifiability import student_quantile
@@ -16,7 +16,6 @@ from cyclemap.evidence.identification.identification import Identification
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.mechanics import EllipseFriction
 
-Array = NDArray[np.float64]
 DRAWS = 2000
 # A direction whose draws spread over more than this share of their circle is not known.
 _ALL_AROUND = 0.9

@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.noise_scales import NoiseLaw, estimated_noise, noise_floor, root_mean_square
 from cyclemap.suggestions import unknown_name
-
-Array = NDArray[np.float64]
 
 # What the mechanics raise at parameters for which they have no answer.
 NO_ANSWER = (ConvergenceError, UnsupportedContact, InvalidInput)

@@ -12,16 +12,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
 from cyclemap.mechanics import Ellipse, EllipseFriction, PatchFootprint, Pusher
 from cyclemap.mechanics.outline import Outline
 from cyclemap.suggestions import unknown_name
-
-Array = NDArray[np.float64]
 
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
 HITCH_NAMES = ("hitch_x", "hitch_y")

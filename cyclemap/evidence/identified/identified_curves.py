@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
 from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock
@@ -15,7 +15,6 @@ from cyclemap.evidence.identification.identification import Identification
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.mechanics import EllipseFriction
 
-Array = NDArray[np.float64]
 _AROUND = np.linspace(0.0, 2.0 * np.pi, 181)
 _BAND_DRAWS = 200
 

@@ -152,7 +152,9 @@ class _Runner:
         if name is None:
             raise InvalidInput("its name does not say which object was pushed: it is not of the MIT layout")
         if name not in self._sliders:
-            raise InvalidInput(f"object {name!r} has no outline here: give a slider of this name")
+            raise InvalidInput(
+                f"object {name!r} has no outline: neither the material file nor the data's collection.toml has it"
+            )
         if name not in self._models:
             self._models[name] = QuasiStaticModel(self._sliders[name], self._friction, self._pusher, accuracy=ACCURACY)
         return self._models[name]

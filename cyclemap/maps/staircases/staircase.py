@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import Array
 from cyclemap.maps.lifts.circle_map import CircleMap, Scalar
-from cyclemap.maps.noise.noise_law import Noise
+from cyclemap.maps.noise.local_noise import LocalNoise
+from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.staircases.drifting_map import DriftingMap, Stretch
 from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary, predict_staircase
 
@@ -52,13 +53,17 @@ class Staircase:
 
 
 def sample_staircase(
-    circle_map: CircleMap | DriftingMap, noise: Noise | None, cycles: int, start: float = 0.0, seed: int = 0
+    circle_map: CircleMap | DriftingMap,
+    noise: Noise | LocalNoise | None,
+    cycles: int,
+    start: float = 0.0,
+    seed: int = 0,
 ) -> Staircase:
     """A path of ``cycles`` cycles from ``start`` (radians); ``noise`` None follows the map alone.
 
     A ``DriftingMap`` takes cycle n by its map F_n. The same seed gives the same path. Some million cycles a
     second for sampled and textbook maps, about half that where two of them are blended, a few hundred thousand
-    for maps given by numpy callables.
+    for maps given by numpy callables. Kicks of a ``LocalNoise`` have the size that it has where the cycle starts.
 
     >>> path = sample_staircase(CircleMap.rigid(0.25), None, 4)
     >>> (path.theta / np.pi).round(6).tolist()
@@ -68,6 +73,9 @@ def sample_staircase(
     theta = begin = finite_number("start", start)
     rng = np.random.default_rng(whole_number("seed", seed, least=0))
     _check(circle_map, noise)
+    if isinstance(noise, LocalNoise):
+        path = sample_staircases(circle_map, noise, count, [theta], seed)[0]
+        return Staircase(path, seed, begin)
     path = np.empty(count + 1)
     path[0] = theta
     for at in range(0, count, _CHUNK):
@@ -81,7 +89,7 @@ def sample_staircase(
 
 
 def sample_staircases(
-    circle_map: CircleMap | DriftingMap, noise: Noise | None, cycles: int, starts: Any, seed: int = 0
+    circle_map: CircleMap | DriftingMap, noise: Noise | LocalNoise | None, cycles: int, starts: Any, seed: int = 0
 ) -> Array:
     """Many independent paths at once, one a start: shape (paths, cycles + 1), radians, not wrapped, read-only.
 
@@ -101,23 +109,34 @@ def sample_staircases(
     paths = np.empty((begin.size, count + 1))
     paths[:, 0] = theta = begin
     block = max(1, min(count, _DRAWS // begin.size))
+    kicks = np.zeros((0, begin.size))
     for at in range(0, count, block):
         size = min(block, count - at)
-        kicks = np.zeros((size, begin.size)) if noise is None else noise.sample(rng, (size, begin.size))
+        kicks = _kicks(noise, rng, (size, begin.size), kicks[-1] if at else None)
         visited = np.empty((size, begin.size))
         for part in _stretches(circle_map, at, at + size):
             for n in range(part.first, part.last):
-                theta = _image(part, n, theta) + kicks[n - at]
+                kick = kicks[n - at]
+                theta = _image(part, n, theta) + (noise.sigma(theta) * kick if isinstance(noise, LocalNoise) else kick)
                 visited[n - at] = theta
         paths[:, at + 1 : at + 1 + size] = visited.T
     paths.setflags(write=False)
     return paths
 
 
-def _check(circle_map: CircleMap | DriftingMap, noise: Noise | None) -> None:
+def _kicks(
+    noise: Noise | LocalNoise | None, rng: np.random.Generator, shape: tuple[int, int], before: Array | None
+) -> Array:
+    """The kicks of the next cycles (cycles, paths); of a local noise in its own σ, `before` being those of the last."""
+    if noise is None:
+        return np.zeros(shape)
+    return noise.units(rng, shape, before) if isinstance(noise, LocalNoise) else noise.sample(rng, shape)
+
+
+def _check(circle_map: CircleMap | DriftingMap, noise: Noise | LocalNoise | None) -> None:
     if not isinstance(circle_map, CircleMap | DriftingMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap or a DriftingMap")
-    if noise is not None and not isinstance(noise, Noise):
+    if noise is not None and not isinstance(noise, Noise | LocalNoise):
         raise InvalidInput(f"the noise is {noise!r}: give a noise, for example WrappedNormal(0.02), or None")
 
 

@@ -4,6 +4,8 @@
    zero as landed on: rates are continuous from one law to the next, so that what is wrong is of its square. Where rates
    jump (a rod that leaves while it sticks, a point that passes a corner) it is this share of the tolerance itself. */
 static const double SLACK_SHARE = 0.03, STRICT_SHARE = 0.1;
+/* What a side's ends are told by, extents: their rounding; and speeds along it, over the rod's, that count as none. */
+static const double AT_END = 1e-14, AT_REST = 1e-9;
 /* Forces may lie outside the friction cone by this, over the mean friction coefficient: far more than their rounding. */
 static const double FORCE_SLACK = 4e-10;
 /* Forces that are outside the cone by this when a slip ends tell that it reverses. */
@@ -36,7 +38,7 @@ static int least(const double *row, const double *slack, double *value) {
 }
 
 /* How far below zero each margin may go. The ends of a piece count by the curvature beyond them: arcs have the rod's
-   radius. */
+   radius. A point may come to them from rest, so that its travel is off by the root of what is left. */
 static void set_slack(const Stroke *r, const Motion *m, double *slack) {
     double tolerance = r->object->tolerance, radius = r->object->radius, strict = STRICT_SHARE * tolerance;
     for (int k = 0; k < MARGINS; ++k) slack[k] = SLACK_SHARE * sqrt(tolerance);
@@ -46,7 +48,7 @@ static void set_slack(const Stroke *r, const Motion *m, double *slack) {
     }
     if (m->mode >= WEDGE_LEFT) slack[FIRST] = slack[SECOND] = FORCE_SLACK;
     if (m->mode >= RING) return;
-    double end = fmax(SLACK_SHARE * sqrt(tolerance * fmin(radius, 1.0)), strict);
+    double end = radius > 0.0 ? fmax(SLACK_SHARE * sqrt(tolerance * fmin(radius, 1.0)), strict) : AT_END;
     slack[AFTER_LOW] = slack[BEFORE_HIGH] = kind_of(r, m) == KIND_CORNER ? end / radius : end;
 }
 
@@ -80,7 +82,7 @@ static double goal_of(const Motion *m, int broken) {
 }
 
 /* Shortens a step until the first margin to break is zero: secants on its length inside a bracket; returns which. */
-static int land(Stroke *r, Motion *m, const double *state, const double *slack, Step *taken) {
+static int land(Stroke *r, Motion *m, const double *start, const double *slack, Step *taken) {
     double low = 0.0, high = taken->h, h, slope, place = NAN, before = NAN, z[2] = {m->z[0], m->z[1]}, value;
     int broken = NOTHING, has_kept = 0;
     Step tried, kept;
@@ -88,7 +90,7 @@ static int land(Stroke *r, Motion *m, const double *state, const double *slack, 
     for (int i = 0; broken != NOTHING && i < 400; ++i) {
         h = fmax(h, LEAST_ADVANCE);
         memcpy(m->z, z, sizeof z);
-        int found = attempt(r, m, state, h, 0, &tried);
+        int found = attempt(r, m, start, h, 0, &tried);
         if (found < 0) return found;
         if (!found) {
             high = h;
@@ -97,7 +99,12 @@ static int land(Stroke *r, Motion *m, const double *state, const double *slack, 
             continue;
         }
         *taken = tried;
-        const double *end = taken->rows[STAGES];
+        double *end = taken->rows[STAGES], report[REPORT];
+        if (m->mode == STICK && broken >= FIRST) {
+            /* forces count to their last digits, which coarse steps do not reach */
+            memcpy(m->z, end + UNKNOWN, sizeof m->z);
+            if ((found = evaluate(r, m, end, end, report)) < 0) return found;
+        }
         int worst = least(end, slack, &value);
         if (end[MARGIN + broken] / slack[broken] > 1.0 && value < -1.0) {
             broken = worst;
@@ -155,14 +162,14 @@ static int integrate(Stroke *r, Motion *m, double *state, double length, double 
     memcpy(loose, slack, sizeof loose);
     loose[FIRST] = loose[SECOND] = SLACK_SHARE * sqrt(tolerance);
     if (found < 0 || (found = record(r, m, row)) < 0) return found;
-    m->has_place = m->has_reached = 0;
+    m->has_tangent = m->has_reached = 0;
     for (*done = 0.0; *done < length;) {
         if (r->stop && *r->stop) return STOPPED;
         if (++r->steps > MOST_STEPS) return MANY_STEPS;
         if (h < 1e-15 * length) return UNSOLVED;
         double tried = fmin(fmin(h, length - *done), r->longest), lowest = INFINITY;
         int broken = NOTHING;
-        found = attempt(r, m, state, tried, tried > SHORT * length, taken);
+        found = attempt(r, m, row, tried, tried > SHORT * length, taken);
         if (found < 0) return found;
         if (!found || !(taken->error <= tolerance)) {
             int ended = least(row, slack, &value);
@@ -184,9 +191,10 @@ static int integrate(Stroke *r, Motion *m, double *state, double length, double 
             h = 0.4 * tried;
             continue;
         }
-        if (broken != NOTHING && tried > LEAST_ADVANCE && (broken = land(r, m, state, slack, taken)) < 0) return broken;
+        if (broken != NOTHING && tried > LEAST_ADVANCE && (broken = land(r, m, row, slack, taken)) < 0) return broken;
         memcpy(row, taken->rows[STAGES], sizeof row);
         memcpy(m->z, row + UNKNOWN, sizeof m->z);
+        m->has_tangent = 0;
         if (r->varied && (found = vary_step(r, m, taken)) < 0) return found;
         ++count;
         *done += taken->h;
@@ -234,7 +242,7 @@ static int other_mode(Stroke *r, Motion *m, const double *state, int broken) {
     *m = motion_of(r, STICK, m->piece, touch[0] * m->z[0], 0.0);
     int found = evaluate(r, m, state, row, report);
     if (found < 0) return found;
-    if (is_points(r) && fmin(row[MARGIN + FIRST], row[MARGIN + SECOND]) < -REVERSED) *m = sliding(r, m, state, reversed);
+    if (count_of_points(r) && fmin(row[MARGIN + FIRST], row[MARGIN + SECOND]) < -REVERSED) *m = sliding(r, m, state, reversed);
     return 1;
 }
 
@@ -250,18 +258,33 @@ static int first_motion(Stroke *r, Motion *m, const double *state) {
     return other_mode(r, m, state, first < second ? FIRST : SECOND);
 }
 
-/* Takes another motion at a state; where rates jump, it counts how much later the variation comes there: `later` is the
-   derivative of that by the coordinate, and the coordinate goes on by `ratio`. */
+/* How much later the variation comes to the end of a piece, at which a motion is at this row. A point that has just come
+   to rest there leaves when its force comes to the cone's edge: its rate along the side is zero there, and changes sign;
+   what starts beside the end leaves later by a root. */
+static int delays(Stroke *r, Motion *m, const double *row, double *later) {
+    double at[ROW], by[2 * (2 + MOST_VARIED)];
+    int rests = fabs(row[SLOPE + 1]) <= AT_REST;
+    if (rests && rates_vary(r, m, memcpy(at, row, sizeof at), 0, by) < 0) return UNSOLVED;
+    for (int i = 0; i < r->varied->count; ++i) {
+        const double *w = r->varied->state + 2 * i;
+        if (!rests) later[i] = -w[1] / row[SLOPE + 1];
+        else later[i] = w[1] != 0.0 ? NAN : -(by[1] * w[0] + by[5 + 2 * i]) / (by[1] * row[SLOPE]);
+    }
+    return 1;
+}
+
+/* Takes another motion at a state; where rates jump, it counts how much later the variation comes there; the coordinate
+   goes on by `ratio`. */
 static int change_motion(Stroke *r, Motion *m, Motion following, const double *end, const double *state, double ratio) {
-    double row[ROW], report[REPORT];
+    double row[ROW], report[REPORT], later[MOST_VARIED];
+    int found = r->varied ? delays(r, m, end, later) : NOTHING;
     *m = following;
     if (!r->varied) return NOTHING;
-    int found = evaluate(r, m, state, row, report);
-    if (found < 0) return found;
+    if (found < 0 || (found = evaluate(r, m, state, row, report)) < 0) return found;
     for (int i = 0; i < r->varied->count; ++i) {
-        double *w = r->varied->state + 2 * i, later = -w[1] / end[SLOPE + 1];
-        w[0] += (end[SLOPE] - row[SLOPE]) * later;
-        w[1] = w[1] * ratio + (end[SLOPE + 1] * ratio - row[SLOPE + 1]) * later;
+        double *w = r->varied->state + 2 * i;
+        w[0] += (end[SLOPE] - row[SLOPE]) * later[i];
+        w[1] = w[1] * ratio + (end[SLOPE + 1] * ratio - row[SLOPE + 1]) * later[i];
     }
     return NOTHING;
 }
@@ -382,13 +405,28 @@ static int cross(Stroke *r, Motion *m, const double *end, double *state, int for
     return change_motion(r, m, following, end, state, ratio);
 }
 
+/* The end of its side that a point stands on and is about to slide over, else NOTHING; or why it cannot be told. */
+static int slides_off(Stroke *r, Motion *m, const double *state, double *row) {
+    const double *on = piece_of(r, m->piece);
+    double report[REPORT];
+    if (r->object->radius > 0.0 || !slides(m)) return NOTHING;
+    int low = state[1] - on[PIECE_LOW] <= AT_END, high = on[PIECE_HIGH] - state[1] <= AT_END;
+    if (!low && !high) return NOTHING;
+    int found = evaluate(r, m, state, row, report);
+    if (found < 0) return found;
+    double sense = m->mode == SLIDE_FREE ? row[SLOPE + 1] : SIGN[m->mode];
+    return low && sense < 0.0 ? AFTER_LOW : high && sense > 0.0 ? BEFORE_HIGH : NOTHING;
+}
+
 /* A straight push: why it ended; m, state and last are those of its end. */
 static int run_push(Stroke *r, Motion *m, double *state, double length, double *travel, Step *last) {
     double h = FIRST_PUSH_STEP, left = length, done;
     int found = first_motion(r, m, state);
     if (found < 0) return found;
     for (int phase = 0; phase < MOST_PHASES; ++phase) {
-        int broken = integrate(r, m, state, left, &h, &done, last);
+        int broken = phase > 0 ? slides_off(r, m, state, last->rows[STAGES]) : NOTHING;
+        done = 0.0;
+        if (broken == NOTHING) broken = integrate(r, m, state, left, &h, &done, last);
         if (broken < 0 && broken != NOTHING) return broken;
         *travel += done;
         left -= done;

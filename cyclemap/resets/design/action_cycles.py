@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.checks import whole_number
-from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.many_cycles import run_cycles
+from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import Material, Trajectory
 from cyclemap.resets.design.material_range import on_material

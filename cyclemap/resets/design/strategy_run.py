@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.checks import finite_number, non_negative_number, read_only, whole_number
-from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.many_cycles import run_cycles
+from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.resets.design.action_cycles import TWO_PI
 from cyclemap.resets.design.strategy import ResetStrategy

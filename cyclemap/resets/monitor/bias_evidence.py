@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.maps.arcs import TWO_PI
+from cyclemap.arrays import TWO_PI
 
 Array = NDArray[np.float64]
 

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.periodic_basis import fourier_columns
 from cyclemap.maps import CircleMap
-from cyclemap.maps.arcs import TWO_PI
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, Protocol
 
-from cyclemap.errors import DataFileError
+from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import SUFFIXES, read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord
@@ -41,8 +41,17 @@ class Theta0Feed(Protocol):
 
 
 def theta0_feed(path: str | Path) -> Theta0Feed:
-    """The feed of a CSV file with a column theta0_deg (or theta0_accum_deg), or of a folder of pushes, MIT layout."""
-    return PushFolderFeed(Path(path)) if Path(path).is_dir() else Theta0CsvFeed(Path(path))
+    """The feed of a CSV file with a column theta0_deg (or theta0_accum_deg), or of a folder of pushes, MIT layout.
+
+    Of a tree with pushes in one folder it is that one's; InvalidInput where several hold some.
+    """
+    place = Path(path)
+    if not place.is_dir():
+        return Theta0CsvFeed(place)
+    homes = sorted({file.parent for file in place.rglob("*") if push_facts(file) is not None} or {place})
+    if len(homes) > 1 and place not in homes:
+        raise InvalidInput(f"{place}: several folders below hold pushes: watch one, such as {homes[0]}")
+    return PushFolderFeed(place if place in homes else homes[0])
 
 
 class Theta0CsvFeed:

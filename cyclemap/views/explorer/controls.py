@@ -12,8 +12,8 @@ from cyclemap.checks import finite_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
+from cyclemap.file_text import toml_text
 from cyclemap.mechanics import PatchFootprint
-from cyclemap.resets.protocol.file_text import toml_text
 from cyclemap.suggestions import unknown_name
 
 Settings = dict[str, object]

@@ -1,0 +1,126 @@
+"""Intervals of stable directions hold the directions of further draws, and say which way they were found."""
+
+import math
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cyclemap.cli.json_report import uncertainty_report
+from cyclemap.collection import CollectionLoop, DirectionUncertainty, direction_uncertainty
+from cyclemap.collection.found_with import sampled_loop
+from cyclemap.maps import fixed_points
+from cyclemap.mechanics import EllipseFriction, FoundWith, Material, MaterialPosterior, PlatePressure, load_material
+from cyclemap.mechanics.cycle_batch import run_batch
+
+NAMES = ("mu_a", "mu_b", "m0", "n0", "phi_deg", "pusher_mu", "rect1.rim_share")
+
+
+def drawn(base: Material, size: float, rows: int, seed: int) -> Material:
+    """The material with a posterior of normal errors, `size` times a few per cent."""
+    law, z = base.friction, np.random.default_rng(seed).normal(size=(rows, len(NAMES)))
+    middle = np.array([law.mu_a, law.mu_b, law.m0, law.n0, math.degrees(law.phi), 0.15, 0.2])
+    samples = middle + size * z * (0.005, 0.005, 0.004, 0.004, 3.0, 0.015, 0.04)
+    found = FoundWith(pusher_friction=0.15)
+    base = replace(base, found_with=found, plates=(PlatePressure("rect1", rim_share=0.2),))
+    return replace(base, posterior=MaterialPosterior(NAMES, tuple(map(tuple, samples.tolist()))))
+
+
+def loops_of(loop: CollectionLoop) -> list[CollectionLoop]:
+    assert loop.material.posterior is not None
+    return [sampled_loop(loop, number) for number in range(len(loop.material.posterior))]
+
+
+def on(material: Material, ring: float = 1.0) -> CollectionLoop:
+    loop = CollectionLoop.mit(material)
+    x, y = loop.slider.hitch
+    return replace(loop, slider=replace(loop.slider, hitch=(ring * x, ring * y)))
+
+
+def inside(found: DirectionUncertainty, theta: np.ndarray) -> float:
+    (one,) = found.directions
+    return float(np.mean(np.mod(theta - one.lower, 2.0 * math.pi) <= one.upper - one.lower))
+
+
+def test_the_first_order_interval_holds_the_directions_of_further_draws() -> None:
+    """Truth by Newton's method on the cycle itself, for 800 draws that the interval has not seen."""
+    plywood = load_material("plywood")
+    found = direction_uncertainty(on(drawn(plywood, 0.5, 400, 1)))
+    assert found.method == "first order" and found.chance == 1.0
+    loops = loops_of(on(drawn(plywood, 0.5, 800, 2)))
+    theta = np.full((len(loops), 1), found.directions[0].theta)
+    for _ in range(6):
+        batch = run_batch(loops, theta, 1)
+        step = (batch.theta_next - theta) / (1.0 - batch.jacobian[:, :, -1, 0])
+        theta = theta + step
+    assert np.abs(step).max() < 1e-6
+    assert 0.93 <= inside(found, theta.ravel()) <= 0.97
+
+
+def test_near_the_saddle_node_samples_are_run_and_tell_how_many_lock_in() -> None:
+    """Truth by the certified fixed points of each draw's own map."""
+    plywood = load_material("plywood")
+    found = direction_uncertainty(on(drawn(plywood, 1.0, 240, 1), 0.72))
+    assert found.method == "samples" and 0.0 < found.chance < 1.0
+    assert found.first_order_error is not None and found.first_order_error > math.radians(1.0)
+    maps = [loop.circle_map(1e-3) for loop in loops_of(on(drawn(plywood, 1.0, 240, 2), 0.72))]
+    stable = [[float(orbit.points[0]) for orbit in fixed_points(one) if orbit.stable] for one in maps]
+    locked = [row[0] for row in stable if row]
+    # Two shares of 240 each: three standard errors of their difference.
+    assert len(locked) / 240 == pytest.approx(found.chance, abs=3.0 * math.sqrt(0.5 / 240))
+    assert 0.93 <= inside(found, np.array(locked)) <= 0.97
+
+
+def test_both_ways_agree_where_errors_are_small_and_where_the_ellipse_is_nearly_a_circle(monkeypatch) -> None:
+    round_floor = Material("round", EllipseFriction(0.2501, 0.25, 0.04, 0.01, 0.3))
+    for material in (load_material("plywood"), round_floor):
+        loop = on(drawn(material, 0.1, 60, 3))
+        first = direction_uncertainty(loop)
+        monkeypatch.setattr("cyclemap.collection.uncertain_directions._LEAST", -1.0)
+        monkeypatch.setattr("cyclemap.collection.uncertain_directions._SHARE", -1.0)
+        full = direction_uncertainty(loop)
+        monkeypatch.undo()
+        assert (first.method, full.method) == ("first order", "samples")
+        (one,), (other,) = first.directions, full.directions
+        width = other.upper - other.lower
+        assert (one.lower, one.upper) == pytest.approx((other.lower, other.upper), abs=0.06 * width)
+
+
+def test_a_turned_surface_has_its_intervals_turned() -> None:
+    base = drawn(load_material("plywood"), 0.5, 40, 4)
+    turned = replace(base, friction=base.friction.turned(1.0))
+    rows = [(*row[:4], row[4] + math.degrees(1.0), *row[5:]) for row in base.posterior.samples]
+    turned = replace(turned, posterior=MaterialPosterior(NAMES, tuple(rows)))
+    (one,), (other,) = (direction_uncertainty(on(material)).directions for material in (base, turned))
+    assert (other.lower - one.lower, other.upper - one.upper) == pytest.approx((1.0, 1.0), abs=1e-3)
+
+
+def test_what_was_set_otherwise_than_by_the_material_stays_as_set() -> None:
+    material = drawn(load_material("plywood"), 1.0, 3, 5)
+    assert sampled_loop(CollectionLoop.mit(material), 1).pusher.friction == material.posterior.row(1)["pusher_mu"]
+    loop = CollectionLoop.from_settings({"pusher_mu": 0.3, "rim_share": 0.7}, CollectionLoop.mit(material))
+    sample = sampled_loop(loop, 1)
+    assert (sample.pusher, sample.footprint) == (loop.pusher, loop.footprint)
+    assert sample.material.friction == material.sample(1).friction != loop.material.friction
+
+
+def test_a_material_without_posterior_tells_what_its_axes_would_do_and_no_chance() -> None:
+    found = direction_uncertainty(CollectionLoop.mit("plywood"))
+    assert (found.source, found.samples, found.locks) == ("axis ratio", 2, 2)
+    law, ends = CollectionLoop.mit("plywood").material.friction, []
+    for ratio in (1.0 / 1.1, 1.0, 1.1):
+        friction = replace(law, mu_a=law.mu_a * math.sqrt(ratio), mu_b=law.mu_b / math.sqrt(ratio))
+        points = fixed_points(CollectionLoop.mit(Material("varied", friction)).circle_map())
+        ends += [float(orbit.points[0]) for orbit in points if orbit.stable]
+    (one,) = found.directions
+    assert (one.lower, one.upper) == pytest.approx((min(ends), max(ends)), abs=3e-4)
+    assert uncertainty_report(found)["chance_of_lock_in"] is None
+
+
+def test_it_is_a_value_that_travels() -> None:
+    found = direction_uncertainty(on(drawn(load_material("plywood"), 0.5, 20, 6)))
+    assert pickle.loads(pickle.dumps(found)) == found
+    told = uncertainty_report(found)
+    assert told["chance_of_lock_in"] == 1.0 and told["samples"] == 20 and told["method"] == "first order"
+    assert told["directions"][0]["lower_deg"] < told["directions"][0]["theta_deg"] < told["directions"][0]["upper_deg"]
