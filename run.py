@@ -145,6 +145,8 @@ def install(testing: bool, afresh: bool = False) -> bool:
     command = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     command += ["--force-reinstall"] if afresh else []
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    extras = [name for name in project["project"]["optional-dependencies"] if name != "peers"]
+    package = f"{ROOT}[{','.join(extras)}]" if testing else ROOT
     tools = [tool for group in project["dependency-groups"].values() for tool in group] if testing else []
     pins = (ROOT / "constraints.txt").read_text(encoding="utf-8") if PINS != "newest" else ""
     if PINS == "floors":
@@ -155,7 +157,7 @@ def install(testing: bool, afresh: bool = False) -> bool:
     file.write_text(pins, encoding="utf-8")
     # By the environment, they hold for what builds the package, too. Standard output belongs to what follows.
     surroundings = {**os.environ, "PIP_CONSTRAINT": str(file), "PIP_BUILD_CONSTRAINT": str(file)}
-    made = subprocess.run([*command, "--editable", ROOT, *tools], stdout=sys.stderr, env=surroundings, check=False)
+    made = subprocess.run([*command, "--editable", package, *tools], stdout=sys.stderr, env=surroundings, check=False)
     return made.returncode == 0
 
 
@@ -178,7 +180,7 @@ def run_tests(arguments: list[str]) -> int:
     """
     usual = VENV.name == ".venv"
     codes = [call([PYTHON, "-m", *check], cwd=ROOT) for check in CHECKS if usual]
-    lenient = [] if usual else ["-W", "default::DeprecationWarning", "-W", "default::FutureWarning"]
+    lenient = [] if usual else ["-W", "ignore::DeprecationWarning", "-W", "ignore::FutureWarning"]
     codes.append(call([PYTHON, "-m", "pytest", "-n", "auto", *lenient, *arguments], cwd=ROOT))
     return next((code for code in codes if code), 0)
 

@@ -176,7 +176,6 @@ __all__ = [
     "collection_p_values",
     "compare",
     "compare_dynamics",
-    "compare_explanations",
     "compare_orientations",
     "compare_steps",
     "comparison_table",

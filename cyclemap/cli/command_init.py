@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -76,17 +77,22 @@ def init_command(file: Path, json_target: str | None, **asked: Any) -> None:
 
 def _ask(asked: dict[str, Any]) -> None:
     """Ask people what was not said; InvalidInput where nobody answers."""
-    if not click.get_text_stream("stdin").isatty():
+    if not _is_asked():
         raise InvalidInput(
             "say what the object is: --rectangle-mm 120,60, --ellipse-mm 80,80, --shape NAME or --outline FILE"
         )
     kind = click.prompt("The object", type=click.Choice(["rectangle", "ellipse", "mit", "file"]), default="rectangle")
-    key = {"rectangle": "rectangle_mm", "ellipse": "ellipse_mm", "mit": "shape", "file": "outline"}[kind]
+    key: str = {"rectangle": "rectangle_mm", "ellipse": "ellipse_mm", "mit": "shape", "file": "outline"}[kind]
     words = {"rectangle_mm": "Its width,height in mm", "ellipse_mm": "Its widths along x,y in mm", "shape": "Its name"}
     answer = click.prompt(words.get(key, "The file"), default="rect1" if key == "shape" else None)
     asked[key] = Path(answer) if key == "outline" else answer
     asked["name"] = asked["name"] or (None if key == "shape" else click.prompt("A name for it", default="object"))
     asked["surface"] = click.prompt("A name for the surface", default=asked["surface"])
+
+
+def _is_asked() -> bool:
+    """Whether people sit at the other end."""
+    return sys.stdin is not None and sys.stdin.isatty()
 
 
 def _outline(asked: dict[str, Any]) -> tuple[Outline, list[str]]:

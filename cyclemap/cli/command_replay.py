@@ -28,8 +28,9 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 def replay_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
     """Replay recorded pushes along their own tip paths on MATERIAL, and tell how far off each ends.
 
-    The object is the data's: MIT's by its name in them, any other from MATERIAL, --protocol or the collection.toml
-    beside the data. On an isotropic surface the friction coefficient changes no motion.
+    How plates press on it is taken from MATERIAL, and errors stand beside those of isotropic friction. The object is
+    the data's: MIT's by its name in them, any other from MATERIAL, --protocol or the collection.toml beside the data.
+    On an isotropic surface the friction coefficient changes no motion.
     """
     from cyclemap.cli.run_replay import ReplayRequest, run_replay
 

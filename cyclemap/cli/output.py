@@ -21,7 +21,7 @@ from cyclemap.whole_files import write_whole
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PATIENCE_SECONDS, LINE_SECONDS = 2.0, 10.0
+PATIENCE_SECONDS, LINE_SECONDS = 2.0, 5.0
 
 
 def write_json(path: Path, report: Json) -> None:
@@ -63,7 +63,7 @@ def publish(report: Json, figure: Figure, stem: Path, picture_format: str, json_
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
     """A function to report the fraction done to; work that takes long shows on stderr that it goes on.
 
-    A terminal gets a bar once it takes over two seconds, anything else a line every ten seconds.
+    A terminal gets a bar once it takes over two seconds, anything else a line every five seconds.
     """
     from rich.console import Console
     from rich.progress import Progress

@@ -22,7 +22,8 @@ from cyclemap.whole_files import write_whole
 # Files left out are told by name up to this many, and counted beyond.
 MOST_NAMED = 10
 COLUMNS = (
-    "surface", "object", "pushes", "error (mm)", "median", "motion (mm)", "share", "turn error (°)", "median",
+    "surface", "object", "pushes", "error (mm)", "median", "isotropic", "motion (mm)", "share",
+    "turn error (°)", "median", "isotropic",
     "turn (°)", "share",
 )  # fmt: skip
 
@@ -41,12 +42,15 @@ def run_replay(options: LoopOptions, request: ReplayRequest, json_target: str | 
     """Replay the pushes, write picture and JSON, and print for people or as JSON."""
     loop, told = chosen_loop(options, request.data)[0], told_settings(options, request.data)[1]
     material, pusher = loop.material, loop.pusher
-    if request.pusher_friction is not None or "pusher_mu" not in told:
+    found = material.found_with.pusher_friction
+    if request.pusher_friction is not None or ("pusher_mu" not in told and found is None):
         named = request.pusher_friction
         pusher = replace(pusher, friction=DATASET_PUSHER.friction if named is None else named)
     sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
     with progress_bar(f"replaying {request.data.name}") as report:
-        replayed = replay_pushes(request.data, material.friction, pusher=pusher, sliders=sliders, progress=report)
+        replayed = replay_pushes(
+            request.data, material.friction, pusher=pusher, sliders=sliders, plates=material.plates, progress=report
+        )
     if not replayed.replays:
         raise CycleMapError(f"{request.data}: no push could be replayed: {_reasons(replayed)}")
     report_json = replay_report(replayed, material.name, pusher.friction)
@@ -83,10 +87,13 @@ def _cells(row: dict[Any, Any]) -> tuple[str, ...]:
         str(row["surface"]),
         str(row["object"]),
         str(row["count"]),
-        *(f"{1e3 * row[name]:.2f}" for name in ("mean_error", "median_error")),
+        *(f"{1e3 * row[name]:.2f}" for name in ("mean_error", "median_error", "isotropic_mean_error")),
         f"{1e3 * row['mean_motion']:.1f}",
         f"{100 * row['relative_error']:.0f} %",
-        *(f"{math.degrees(row[name]):.2f}" for name in ("mean_turn_error", "median_turn_error")),
+        *(
+            f"{math.degrees(row[name]):.2f}"
+            for name in ("mean_turn_error", "median_turn_error", "isotropic_mean_turn_error")
+        ),
         f"{math.degrees(row['mean_turn']):.1f}",
         f"{100 * row['relative_turn_error']:.0f} %",
     )

@@ -277,7 +277,7 @@ def _geometry(geometry: Any, path: Path) -> Array:
         file = next((place for place in places if place.is_file()), None)
         if file is None:
             raise DataFileError(f"{path}: its mesh {name} is not there: put it beside the URDF")
-        return _loaded_mesh(file) * np.array(_numbers(shape.get("scale") or "1 1 1"))
+        return np.asarray(_loaded_mesh(file) * np.array(_numbers(shape.get("scale") or "1 1 1")))
     raise DataFileError(f"{path}: a {shape.tag} has no flat underside: give a box, cylinder or mesh")
 
 

@@ -96,13 +96,15 @@ def _longest_outer_side(outline: Polygon) -> int:
 def first_contact(slider: Slider, push: SidePush, radius: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the centre of the rod as it first touches (2,) m, and the push's unit vector (2,), in the object's frame.
 
-    radius : of the rod, m.
+    radius : of the rod, m. Raises InvalidInput for a side that is not there.
 
     >>> place, way = first_contact(Slider.mit("rect1"), SidePush(), 0.00475)
     >>> (1e3 * place).round(6), way.round(6) + 0.0
     (array([-18.  ,  49.75]), array([ 0., -1.]))
     """
     outline = slider.outline
+    if push.side >= outline.sides:
+        raise InvalidInput(f"there is no side {push.side}: the object has sides 0 to {outline.sides - 1}")
     if isinstance(outline, Ellipse):
         angle = 2.0 * math.pi * push.fraction
         place = np.array([outline.semi_x * math.cos(angle), outline.semi_y * math.sin(angle)])
@@ -147,10 +149,11 @@ def check_collection(path: str | Path) -> CheckedCollection:
         try:
             material = load_material(path if names_surface(path) else "isotropic")
             loop = CollectionLoop.from_settings(layered(settings), CollectionLoop.mit(material))
+            first_contact(loop.slider, loop.push, loop.pusher.radius)
             _ = loop.model
         except InvalidInput as error:
             return CheckedCollection(None, (Finding(True, str(error)), *told))
-    told += [Finding(False, str(doubt.message)) for doubt in doubts]
+    told += [Finding(False, words) for words in dict.fromkeys(str(doubt.message) for doubt in doubts)]
     told += [Finding(False, words) for words in (*_sizes(loop.slider), *_friction(loop))]
     return CheckedCollection(loop, (*_strokes(loop), *told))
 

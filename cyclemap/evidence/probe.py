@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import optimize, stats
 
 from cyclemap.checks import finite_array, whole_number
-from cyclemap.collection.anisotropy import Anisotropy
+from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import fit_linear
@@ -47,7 +47,7 @@ _AROUND = np.linspace(0.0, 2.0 * math.pi, 721)
 
 @dataclass(frozen=True)
 class Harmonic:
-    """How much of an outcome goes with cos and sin of `order` times the orientation, with its 95 % interval (m, rad)."""
+    """How much of an outcome goes with `order` times the orientation, with its 95 % interval (m, rad)."""
 
     outcome: str
     order: int
@@ -123,7 +123,7 @@ def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
     for angle in theta.tolist():
         given = push(angle)
         try:
-            changes.append(finite_array("a pose change", given, last=3, ndim=1))  # type: ignore[arg-type]
+            changes.append(finite_array("a pose change", given, last=3, ndim=1))
         except InvalidInput as error:
             raise InvalidInput(f"from theta = {angle:.4g} rad: {error}; give (dx, dy, dtheta) in m and rad") from error
     return probe_pushes(theta, np.array(changes), loop)
@@ -133,7 +133,7 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
     """Look at pushes from orientations (n,), rad, and how each moved the object, (n, 3): see `Probe`.
 
     Each outcome is fitted by harmonics of the orientation up to the fourth (as the pushes allow), and the ellipse by
-    least squares of the loop's own pushes, its mean motion left free: neither the mean friction nor how the object rests
+    least squares of the loop's own pushes, its mean motion left free: neither mean friction nor how the object rests
     matters much then. Outcomes are weighted by the scatter that the harmonics leave. Intervals take noise as normal and
     independent from push to push. Raises InvalidInput for fewer than 12 pushes, or ones that leave gaps of a quarter
     turn.

@@ -174,15 +174,19 @@ def _turned_by(push: PushResult) -> float:
     return push.start.theta if push.course.strokes.from_target else 0.0
 
 
+def derivative_units(model: QuasiStaticModel, names: tuple[str, ...]) -> Array:
+    """Return what derivatives by the engine's parameters `names` are to be multiplied by, (k,), to be those by SI."""
+    factors = ((1.0 / model.unit, _LENGTHS), (1.0 / model.scale, _FRICTION))
+    return np.array([next((factor for factor, members in factors if name in members), 1.0) for name in names])
+
+
 def _units(model: QuasiStaticModel, names: tuple[str, ...]) -> Array:
-    """What derivatives by normalised parameters are to be multiplied by; nan for shares that there cannot be."""
-    footprint, factors = model.pressure, []
-    for name in names:
-        factor = 1.0 / model.unit if name in _LENGTHS else 1.0 / model.scale if name in _FRICTION else 1.0
+    """The same; nan for shares that there cannot be."""
+    footprint, units = model.pressure, derivative_units(model, names)
+    for index, name in enumerate(names):
         if name.endswith("_share"):
             has = isinstance(footprint, PatchFootprint) and (
                 footprint.has_frame if name != "corner_share" else not isinstance(footprint.outline, Ellipse)
             )
-            factor = 1.0 if has else math.nan
-        factors.append(factor)
-    return np.array(factors)
+            units[index] = 1.0 if has else math.nan
+    return units

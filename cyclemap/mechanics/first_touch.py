@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.mechanics.contact_curve import CornerPiece, OutlinePiece, SidePiece
+from cyclemap.mechanics.contact_curve import CornerPiece, EllipsePiece, OutlinePiece, SidePiece
 from cyclemap.mechanics.outline import Ellipse, Outline
 
 Array = NDArray[np.float64]
@@ -18,6 +18,8 @@ _SEAM, _WEDGE_SEAM = 1e-12, 1e-8
 _SAME_TRAVEL = 1e-12
 # A rod this far inside still counts as touching.
 _OVERLAP = 1e-9
+# Halvings that find an angle to rounding.
+_HALVINGS = 54
 
 
 def first_touch(pieces: tuple[OutlinePiece, ...], radius: float, start: Array, direction: float) -> Touch | None:
@@ -41,6 +43,95 @@ def first_touch(pieces: tuple[OutlinePiece, ...], radius: float, start: Array, d
     first = min(travel for _, (travel, _, _) in touches)
     travel, index, coordinate = min(touch for touch in touches if touch[1][0] <= first + _SAME_TRAVEL)[1]
     return max(travel, 0.0), index, coordinate
+
+
+def first_touches(
+    pieces: tuple[OutlinePiece, ...], radius: float, starts: NDArray[np.float64], directions: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
+    """Return travel, piece and coordinate (n,) of the first touches of rods from starts (n, 2) in directions (n,), rad.
+
+    A rod that starts inside touched behind its start: its travel is negative. nan where a rod meets nothing.
+    Otherwise as `first_touch`, many at once.
+    """
+    count = len(starts)
+    toward = np.column_stack([np.cos(directions), np.sin(directions)])
+    travels, entering, coordinates, owners = [], [], [], []
+    for index, piece in enumerate(pieces):
+        for travel, coordinate, enters in _crossings(piece, radius, starts, toward):
+            beyond = np.maximum(np.maximum(piece.low - coordinate, coordinate - piece.high), 0.0)
+            on = np.isfinite(travel) & (beyond <= _SEAM + _WEDGE_SEAM * radius)
+            travels.append(np.where(on, travel, np.nan))
+            entering.append(on & enters)
+            coordinates.append(np.clip(coordinate, piece.low, piece.high))
+            owners.append(index)
+    crossed, enters = np.array(travels), np.array(entering)
+    # Inside, the last crossing behind the start was an entry: that one counts, else the first entry ahead.
+    behind = np.where(crossed < -_OVERLAP, crossed, -np.inf)
+    last, column = np.argmax(behind, axis=0), np.arange(count)
+    inside = np.isfinite(behind[last, column]) & enters[last, column]
+    ahead = np.where(enters & (crossed >= -_OVERLAP), crossed, np.inf)
+    chosen = np.where(inside, last, np.argmin(ahead, axis=0))
+    known = inside | np.isfinite(ahead[chosen, column])
+    return (
+        np.where(known, crossed[chosen, column], np.nan),
+        np.array(owners)[chosen],
+        np.array(coordinates)[chosen, column],
+    )
+
+
+def _crossings(
+    piece: OutlinePiece, radius: float, starts: NDArray[np.float64], toward: NDArray[np.float64]
+) -> list[tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]]:
+    """Where lines cross a piece of the contact curve: travel, coordinate, and whether they enter there, (n,) each."""
+    if isinstance(piece, SidePiece):
+        normal = np.array((math.cos(piece.normal), math.sin(piece.normal)))
+        closing = toward @ normal
+        with np.errstate(divide="ignore", invalid="ignore"):
+            travel = ((np.asarray(piece.start) - starts) @ normal + radius) / closing
+            place = starts + travel[:, None] * toward
+        return [(travel, (place - piece.start) @ np.asarray(piece.direction), closing < 0.0)]
+    if isinstance(piece, CornerPiece):
+        lever = starts - np.asarray(piece.corner)
+        along = np.sum(lever * toward, axis=1)
+        with np.errstate(invalid="ignore"):
+            half = np.sqrt(along**2 - np.sum(lever * lever, axis=1) + radius**2)
+        found, middle = [], 0.5 * (piece.low + piece.high)
+        for sign in (-1.0, 1.0):
+            x, y = (lever + (sign * half - along)[:, None] * toward).T
+            angle = middle + np.remainder(np.arctan2(y, x) - middle + np.pi, 2.0 * np.pi) - np.pi
+            found.append((sign * half - along, angle, np.full(len(starts), sign < 0.0)))
+        return found
+    a, b, found = piece.semi_x, piece.semi_y, []
+    for sign in (-1.0, 1.0):
+        # Between the two tangents along the path the distance from it changes sign once.
+        middle = np.arctan2(sign * toward[:, 1], sign * toward[:, 0])
+        low = np.arctan2(b * np.sin(middle - np.pi / 2.0), a * np.cos(middle - np.pi / 2.0))
+        high = np.arctan2(b * np.sin(middle + np.pi / 2.0), a * np.cos(middle + np.pi / 2.0))
+        high = low + np.remainder(high - low, 2.0 * np.pi)
+        aside, _ = _from_line(piece, radius, low, starts, toward)
+        meets = aside * _from_line(piece, radius, high, starts, toward)[0] < 0.0
+        for _ in range(_HALVINGS):
+            angle = 0.5 * (low + high)
+            same = _from_line(piece, radius, angle, starts, toward)[0] * aside > 0.0
+            low, high = np.where(same, angle, low), np.where(same, high, angle)
+        travel = _from_line(piece, radius, angle, starts, toward)[1]
+        found.append((np.where(meets, travel, np.nan), angle, np.full(len(starts), sign < 0.0)))
+    return found
+
+
+def _from_line(
+    piece: EllipsePiece,
+    radius: float,
+    angle: NDArray[np.float64],
+    starts: NDArray[np.float64],
+    toward: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """How far the rod's centre at an eccentric angle is beside the line, and along it."""
+    c, s = np.cos(angle), np.sin(angle)
+    speed = np.hypot(piece.semi_y * c, piece.semi_x * s)
+    x = piece.semi_x * c + radius * piece.semi_y * c / speed - starts[:, 0]
+    y = piece.semi_y * s + radius * piece.semi_x * s / speed - starts[:, 1]
+    return toward[:, 0] * y - toward[:, 1] * x, toward[:, 0] * x + toward[:, 1] * y
 
 
 def overlaps(outline: Outline, radius: float, place: Array) -> bool:

@@ -17,6 +17,8 @@ from cyclemap.views.watch_page import draw_path, draw_rose, draw_worth
 from cyclemap.views.watch_sentences import directions
 
 _LETTERS = 165
+# Of the pushes behind an alarm, so many near its direction are a lock-in; fewer come and go.
+_LOCKED = 0.8
 
 
 def audit_headline(found: Audit) -> str:
@@ -24,7 +26,8 @@ def audit_headline(found: Audit) -> str:
     if found.is_good:
         return f"{found.name}: the orientations are spread well"
     if found.locked_from is not None:
-        return f"{found.name}: locks in from push {found.locked_from} on"
+        how = "locks in" if found.gathered > _LOCKED else "lingers"
+        return f"{found.name}: {how} from push {found.locked_from} on"
     return f"{found.name}: the orientations are not spread over the circle"
 
 
@@ -54,9 +57,13 @@ def _lock_in(found: Audit) -> str:
         return "Their order is not known, so that nothing can be said of when they gathered."
     if alarm is None or found.locked_from is None:
         return f"Nothing shows that they lock in (at an alarm rate of {found.alarm_rate:g})."
-    rest = len(found.theta) - found.locked_from
+    after, start = len(found.theta) - found.locked_from, found.locked_from
+    how = "lock in" if found.gathered > _LOCKED else "linger again and again"
     where = f"about {directions(alarm.directions)}"
-    return f"From push {found.locked_from} on they lock in {where}: {rest} pushes follow, {rest / len(found.theta):.0%} of all."
+    return (
+        f"From push {start} on they {how} {where}: {found.gathered:.0%} of the {after} pushes from there on lie within "
+        "10° of it."
+    )
 
 
 def _worth(found: Audit) -> str:
@@ -74,8 +81,8 @@ def _reset(found: Audit) -> str:
     )
     moved = angle(float((reset.push_turn + reset.reset_turn).mean()))
     return (
-        f"A push turned the object by {push}, the reset behind it by {back}: it took back {reset.undone:.0%} of the turn, so "
-        f"that the next push began {moved} farther on average."
+        f"A push turned the object by {push}, the reset behind it by {back}: that took {reset.undone:.0%} back, "
+        f"so that the next push began {moved} farther on average."
     )
 
 
@@ -83,12 +90,12 @@ def _change(found: Audit) -> str:
     aim = angle(found.report.coverage.least_covered, 0)
     if found.is_good:
         return f"Nothing needs to change; the orientation least covered is {aim}."
-    if found.locked_from is not None:
+    if found.locked_from is not None and found.gathered > _LOCKED:
         return (
-            f"Weigh what follows push {found.locked_from} less, or leave it out; for more data change the reset (cyclemap "
-            f"reset finds one) and begin at {aim}, the orientation least covered."
+            f"Weigh what follows push {found.locked_from} less, or leave it out; for more data change the reset "
+            f"(cyclemap reset finds one) and begin at {aim}, the orientation least covered."
         )
-    return f"For more data begin pushes at {aim}, the orientation least covered, or let cyclemap reset find a reset that spreads."
+    return f"For more data begin at {aim}, the orientation least covered, or with a reset that cyclemap reset finds."
 
 
 def audit_page(found: Audit) -> Figure:

@@ -51,7 +51,7 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     axes.add_patch(Polygon(outline, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6))
     for way, name in ((np.array([1.0, 0.0]), "x"), (np.array([0.0, 1.0]), "y")):
         _arrow(axes, np.zeros(2), 0.3 * reach * way, QUIET)
-        axes.text(*(0.37 * reach * way), name, ha="center", va="center", color=QUIET, fontsize=8)
+        axes.text(0.37 * reach * way[0], 0.37 * reach * way[1], name, ha="center", va="center", color=QUIET, fontsize=8)
     axes.plot(*(MM * np.array(loop.slider.centre_of_mass)), "+", color=INK, markersize=8, label="centre of mass")
     _number_sides(axes, outline, middle, reach)
     place, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
@@ -79,12 +79,12 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
 
 def _number_sides(axes: Axes, outline: Array, middle: Array, reach: float) -> None:
     if len(outline) - 1 > _MOST_NUMBERS:
-        axes.text(*(middle - (0.0, 0.5 * reach)), "one curve: side 0", ha="center", color=QUIET, fontsize=8)
+        axes.text(middle[0], middle[1] - 0.5 * reach, "one curve: side 0", ha="center", color=QUIET, fontsize=8)
         return
     edge = np.diff(outline, axis=0)
     outward = np.stack([edge[:, 1], -edge[:, 0]], axis=-1) / np.hypot(*edge.T)[:, None]
-    for number, place in enumerate(0.5 * (outline[:-1] + outline[1:]) + 0.1 * reach * outward):
-        axes.text(*place, f"side {number}" if number == 0 else str(number), ha="center", va="center", fontsize=8)
+    for number, (x, y) in enumerate((0.5 * (outline[:-1] + outline[1:]) + 0.1 * reach * outward).tolist()):
+        axes.text(x, y, f"side {number}" if number == 0 else str(number), ha="center", va="center", fontsize=8)
 
 
 def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:

@@ -1,4 +1,4 @@
-"""A probe in sentences and on one page: what of each outcome goes with the orientation, and the ellipse that does so."""
+"""A probe in sentences and on one page: what goes with the orientation, and the ellipse that does the same."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ def probe_sentences(found: Probe) -> tuple[str, ...]:
             f"{found.offset[2]:.2g} of the mean radius off (95 % confidence).",
         )
     return (
-        f"Pushes depend on their direction: by {turn} and {place} (p = {found.p_value:.2g}, {found.theta.size} pushes).",
-        f"A friction ellipse with axes {found.ratio[0]:.4g} : 1 ({found.ratio[1]:.4g} to {found.ratio[2]:.4g}), the longer "
-        f"along {angle(found.anisotropy.ellipse_direction)}, its centre {found.offset[0]:.2g} of the mean radius off "
-        f"({found.offset[1]:.2g} to {found.offset[2]:.2g}), accounts for {100.0 * found.explained:.0f} % of that; {noise}.",
+        f"Pushes depend on direction: by {turn} and {place} (p = {found.p_value:.2g}, {len(found.theta)} pushes).",
+        f"A friction ellipse with axes {found.ratio[0]:.4g} : 1 ({found.ratio[1]:.4g} to {found.ratio[2]:.4g}), longer "
+        f"along {angle(found.anisotropy.ellipse_direction)}, its centre {found.offset[0]:.2g} of the mean radius "
+        f"off ({found.offset[1]:.2g} to {found.offset[2]:.2g}), explains {found.explained:.0%} of that; {noise}.",
         _lock_in(found),
     )
 
@@ -48,7 +48,7 @@ def _lock_in(found: Probe) -> str:
         where = " and at ".join(orientation_and_push(theta, found.loop) for theta in found.stable)
         return f"A push-and-drag-back collection on such a surface locks in at {where}."
     low, high = (angle(turn) for turn in found.turns)
-    return f"A push-and-drag-back collection on such a surface locks in nowhere: a cycle turns the object by {low} to {high}."
+    return f"A push-and-drag-back collection on such a surface locks in nowhere: a cycle turns it by {low} to {high}."
 
 
 def probe_page(found: Probe) -> Figure:

@@ -40,7 +40,7 @@ def push_direction(theta: float, loop: CollectionLoop) -> float:
     return theta + math.atan2(way[1], way[0])
 
 
-def orientation_and_push(theta: float, loop: CollectionLoop) -> str:
+def orientation_and_push(theta: float, loop: CollectionLoop, decimals: int = 1) -> str:
     """Both answers to "which direction?": the object's orientation, and where the push goes.
 
     >>> from cyclemap.collection.loop import CollectionLoop
@@ -48,7 +48,7 @@ def orientation_and_push(theta: float, loop: CollectionLoop) -> str:
     'orientation 63.2°, pushed towards −26.8°'
     """
     towards = math.remainder(push_direction(theta, loop), 2.0 * math.pi)
-    return f"orientation {angle(theta)}, pushed towards {angle(towards)}"
+    return f"orientation {angle(theta, decimals)}, pushed towards {angle(towards, decimals)}"
 
 
 def _resting(portrait: Portrait) -> str:
@@ -57,7 +57,7 @@ def _resting(portrait: Portrait) -> str:
     stays = [(_place(portrait, orbit), portrait.stay(orbit)) for orbit in portrait.stable_points]
     locked = [place for place, stay in stays if stay is not None and stay >= run and not wears]
     rests = [
-        place if stay is None or stay >= run else f"{place} for {cycles(stay)} at a time"
+        place if stay is None or stay >= run else f"{place}, for {cycles(stay)} at a time"
         for place, stay in stays
         if place not in locked
     ]
@@ -71,7 +71,9 @@ def _place(portrait: Portrait, orbit: Orbit) -> str:
     """A stable direction, never sharper than its interval: with 95 % of the posterior where the material has one."""
     known, theta = portrait.uncertainty, orbit.points[0]
     interval = known.of(theta) if known is not None and known.is_posterior else None
-    return angle(theta) if interval is None else f"{angle(theta, _decimals(interval))} (95 %: {_ends(interval)})"
+    if interval is None:
+        return orientation_and_push(theta, portrait.loop)
+    return f"{orientation_and_push(theta, portrait.loop, _decimals(interval))} (95 %: {_ends(interval)})"
 
 
 def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
@@ -181,6 +183,7 @@ def parameters_line(portrait: Portrait) -> str:
 def material_line(material: Material) -> str:
     """That a material was inferred and how far it misses its data, and that it wears; empty where there is neither."""
     said = [f"{material.name} was inferred, not measured: {material.misfit}"] if material.inferred else []
+    said += [f"{material.name}: {material.misfit}"] if material.misfit and not material.inferred else []
     if material.wear is not None:
         said.append(f"it wears over {material.wear.cycles:g} cycles")
     return "; ".join(said)

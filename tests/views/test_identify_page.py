@@ -19,7 +19,6 @@ from cyclemap.evidence import (
 )
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
 from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities
-from cyclemap.evidence.identification.explanations import Explanation, ExplanationComparison
 from cyclemap.evidence.identified.identified_curves import IdentifiedCurves, identified_curves
 from cyclemap.mechanics import EllipseFriction, Pose, Slider
 from cyclemap.views import identify_sentences as sentences
@@ -59,7 +58,7 @@ def found() -> Identification:
         drag_turn_block(drags, slider),
     ]
     fixed = {"worn_ellipticity_x": 0.2, "worn_offset_y": 0.1}
-    return identify(blocks, ["friction_scale"], fixed, starts=1, intervals="covariance")
+    return identify(blocks, ["friction_scale"], fixed, starts=1)
 
 
 @pytest.fixture(scope="module")
@@ -102,21 +101,6 @@ def test_a_material_carries_wear_and_what_the_data_depend_on(found) -> None:
     assert "in a.csv" in material.provenance and "scan force" in material.misfit
     alone = identified_material(identify(found.problem.blocks[:1], ["friction_scale"], starts=1), "slate")
     assert alone.wear is None and alone.found_with.hitch_scale is None
-
-
-def explained(name: str, worse: float, error: float, found: Identification | None) -> Explanation:
-    return Explanation(name, (), found, worse, worse, error, "" if found else "it fell over")
-
-
-def test_the_comparison_says_what_is_best_worse_open_and_lost(found) -> None:
-    told = [explained("rim", 0.0, 0.0, found), explained("ring", 5.0, 4.0, found), explained("even", 90.0, 9.0, found)]
-    said = sentences.comparison_sentences(ExplanationComparison((*told, explained("odd", 0.0, 0.0, None)), ()))
-    assert said == [
-        "Of the explanations, “rim” predicts data left out best.",
-        "Worse by more than the error: “even” (by 90 ± 9).",
-        "Not told from it, the difference being within its error: “ring”. This remains open.",
-        "odd: no fit was found (it fell over).",
-    ]
 
 
 def test_no_headline_is_sharper_than_its_interval(found) -> None:

@@ -23,6 +23,7 @@ from cyclemap.suggestions import unknown_name
 
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
 HITCH_NAMES = ("hitch_x", "hitch_y")
+SHARE_NAMES = ("rim_share", "corner_share", "inner_share")
 
 # An ellipse rounder than this (log of the axis ratio) counts as this round: phi then stays defined, and no motion or
 # force changes by more than a millionth.

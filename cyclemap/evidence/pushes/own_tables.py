@@ -334,15 +334,16 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
     if "theta1" in meaning and "theta1" not in told and not places:
         after = meaning["theta1"]
         raise DataFileError(
-            f"{path}: is {after} the orientation after the push, or before the next one? Say --columns theta1={after} or "
-            f"theta_next={after}"
+            f"{path}: is {after} the orientation after the push, or before the next one? Say --columns theta1={after} "
+            f"or theta_next={after}"
         )
     quaternion = set(_QUATERNION) & set(meaning)
     if quaternion and quaternion != set(_QUATERNION):
         raise DataFileError(f"{path}: of a quaternion all of qx, qy, qz, qw are wanted; it has {have}")
     if not {"theta0", "theta", "qw"} & set(meaning):
         raise DataFileError(
-            f"{path}: no column of the object's orientation before each push: say which, --columns theta0=NAME; it has {have}"
+            f"{path}: no column of the object's orientation before each push: say which, --columns theta0=NAME; it has "
+            f"{have}"
         )
     return meaning
 
@@ -360,10 +361,8 @@ def _factor(name: str, column: str, values: Array, units: Sequence[str]) -> tupl
         return UNITS[named], f" in {named}, by its name"
     known = values[np.isfinite(values)]
     reach = float(np.abs(known).max()) if known.size else 0.0
-    if name in ANGLES:
-        unit = "deg" if reach > _NO_RADIANS else "rad"
-    else:
-        unit = "mm" if reach > _NO_METRES else "m"
+    small, large, limit = ("rad", "deg", _NO_RADIANS) if name in ANGLES else ("m", "mm", _NO_METRES)
+    unit = large if reach > limit else small
     return UNITS[unit], f" in {unit}, guessed: it reaches {reach:.4g}"
 
 
@@ -448,8 +447,8 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
         raise DataFileError(
             f"{path}: {int(kept.sum())} pushes with an orientation and what follows it; two or more are wanted"
         )
-    names = ("x0", "y0", "theta0", "x1", "y1", "theta1", "theta_next", "repetition", "side", "fraction", "length")
-    names = names if posed else ("theta0", "theta_next")
+    poses = ("x0", "y0", "theta0", "x1", "y1", "theta1", "theta_next", "repetition", "side", "fraction", "length")
     if posed and "repetition" not in found:
         found["repetition"] = number
-    return {name: found[name][kept] for name in names if name in found}, words
+    named = [name for name in (poses if posed else ("theta0", "theta_next")) if name in found]
+    return {name: found[name][kept] for name in named}, words

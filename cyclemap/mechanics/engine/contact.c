@@ -71,14 +71,24 @@ static const double *piece_of(const Stroke *r, int piece) { return r->object->pi
 
 static int kind_of(const Stroke *r, const Motion *m) { return (int)piece_of(r, m->piece)[PIECE_KIND]; }
 
+/* Cosines and sines of the parameters that are angles. */
+static void face(Motion *m) {
+    double *to = m->p + COSINES;
+    to[0] = cos(m->p[DIRECTION]);
+    to[1] = sin(m->p[DIRECTION]);
+    to[2] = cos(m->p[PHI]);
+    to[3] = sin(m->p[PHI]);
+}
+
 static Motion motion_of(const Stroke *r, int mode, int piece, double z0, double z1) {
     const Object *o = r->object;
     Motion m = {.mode = mode, .piece = piece, .z = {z0, z1}};
-    m.p[0] = r->direction;
+    m.p[DIRECTION] = r->direction;
     m.p[1] = RING <= mode && mode <= RING_STUCK ? 0.0 : o->radius;
     m.p[2] = SIGN[mode] * r->friction;
     memcpy(m.p + 3, o->friction, 7 * sizeof(double));
     memcpy(m.p + 10, piece_of(r, piece) + PIECE_GEOMETRY, 7 * sizeof(double));
+    face(&m);
     return m;
 }
 
@@ -153,7 +163,8 @@ static double torque_at(Search *s, double spin) {
 static double excess_at(Search *s, double tau) {
     double speed = hypot(1.0, tau), smu = s->m->p[2];
     Motion stick = motion_of(s->r, STICK, s->m->piece, s->omega / speed, 0.0);
-    stick.p[0] = s->facing + M_PI - atan(tau);
+    stick.p[DIRECTION] = s->facing + M_PI - atan(tau);
+    face(&stick);
     if (evaluate(s->r, &stick, s->state, s->row, s->report) < 0) return NAN;
     s->omega = stick.z[0] * speed;
     double normal = s->report[NORMAL_FORCE], tangential = s->report[TANGENTIAL_FORCE];
@@ -239,9 +250,7 @@ static int slips_about(const Stroke *r, const Motion *m, const double *state, in
     int is_far = 0;
     friction_at(p, b.twist, b.matrix, &is_far, wrench);
     Friction own;
-    memcpy(own.twist, b.twist, sizeof own.twist);
-    memcpy(own.matrix, b.matrix, sizeof own.matrix);
-    begin_sums(&own, 0);
+    begin_sums(&own, b.twist, b.matrix, 0);
     add_point(&own, pin[0], pin[1], load);
     double fx = wrench[0] - own.wrench[0], fy = wrench[1] - own.wrench[1], turning = wrench[2] - own.wrench[2];
     double gx = fx + f[0], gy = fy + f[1], torque = turning + f[2] - (pin[0] * gy - pin[1] * gx);

@@ -160,6 +160,7 @@ static int slopes_by_differences(Stroke *r, const Motion *m, const double *row, 
             double state[] = {row[0], row[1]}, found[ROW], report[REPORT];
             memcpy(moved.z, row + UNKNOWN, sizeof moved.z);
             *(j < 2 ? state + j : moved.p + VARIED_AT[j - 2]) += side * DIFFERENCE;
+            face(&moved);
             if (evaluate(r, &moved, state, found, report) < 0) return UNSOLVED;
             for (int c = 0; c < 2; ++c) slopes[2 * j + c] += side * found[SLOPE + c] / (2.0 * DIFFERENCE);
         }

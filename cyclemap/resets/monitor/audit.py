@@ -21,15 +21,14 @@ Array = NDArray[np.float64]
 # Pushes worth less than this share of as many spread evenly want another reset.
 LEAST_WORTH = 0.5
 FEWEST = 10
+_NEAR = np.radians(10.0)
 
 
 @dataclass(frozen=True, eq=False)
 class ResetEffect:
     """What the resets of a data set did to the orientation, over n of them.
 
-    push_turn, reset_turn : (n,) rad, of each push and of what followed it until the next. undone : the share of a push's
-    mean turn that the reset takes back. slope : of a reset's turn on its push's turn: -1 where it undoes each push
-    whatever it was, 0 where it does not depend on it.
+    push_turn, reset_turn : (n,) rad, of each push and of what followed it until the next.
     """
 
     push_turn: Array
@@ -42,8 +41,8 @@ class ResetEffect:
 
     @property
     def slope(self) -> float:
-        """Of the reset's turn on the push's; nan where all pushes turn alike."""
-        spread = float(np.var(self.push_turn))
+        """Of a reset's turn on its push's: -1 where it undoes each push, 0 where it knows none."""
+        spread = float(np.var(self.push_turn, ddof=1))
         return float(np.cov(self.push_turn, self.reset_turn)[0, 1] / spread) if spread > 0.0 else float("nan")
 
 
@@ -85,8 +84,17 @@ class Audit:
         return alarm.push if alarm.began is None else alarm.began
 
     @property
+    def gathered(self) -> float:
+        """Share of the pushes from the lock-in on that lie within 10 degrees of its directions; 0 without one."""
+        alarm, start = self.report.alarm, self.locked_from
+        if alarm is None or start is None:
+            return 0.0
+        away = [np.abs(np.angle(np.exp(1j * (np.array(self.theta[start:]) - theta)))) for theta in alarm.directions]
+        return float(np.mean(np.min(away, axis=0) < _NEAR))
+
+    @property
     def is_good(self) -> bool:
-        """Whether nothing speaks for another reset: no lock-in, the circle covered, the pushes worth half their number."""
+        """Whether nothing speaks for another reset: no lock-in, the circle covered, pushes worth half their number."""
         covers_all = len(self.covered) == 1 and self.covered[0][1] - self.covered[0][0] > 6.28
         return self.locked_from is None and covers_all and self.worth >= LEAST_WORTH * len(self.theta)
 
@@ -96,8 +104,8 @@ def audit(
 ) -> Audit:
     """Look at the orientations of a data set, and at the poses where it has them.
 
-    data : a path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several sets pushed alike the
-    one of most pushes is taken. Raises InvalidInput for fewer than 10 pushes, DataFileError for a bad file.
+    data : a path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several sets pushed alike
+    the one of most pushes is taken. Raises InvalidInput for fewer than 10 pushes, DataFileError for a bad file.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as place:
@@ -119,7 +127,7 @@ def audit(
 
 
 def _orientations(data: str | Path | PushTable) -> tuple[Array, bool, ResetEffect | None, int]:
-    """The orientations of the largest set in order, whether that is known, what its resets did, and the other pushes."""
+    """The orientations of the largest set, whether in order, what its resets did, and the number of other pushes."""
     if isinstance(data, (str, Path)) and Path(data).is_file() and Path(data).suffix.lower() == ".csv":
         header = read_csv_table(data).header
         if not {"x0", "x1"} <= set(header):
@@ -139,9 +147,6 @@ def _orientations(data: str | Path | PushTable) -> tuple[Array, bool, ResetEffec
     followed = rows.dropna(subset=["theta1", "theta_next"])
     reset = None
     if len(followed) >= FEWEST:
-        turns = (
-            (followed["theta1"] - followed["theta0"]).to_numpy(),
-            (followed["theta_next"] - followed["theta1"]).to_numpy(),
-        )
-        reset = ResetEffect(*turns)
+        before, after, then = (followed[name].to_numpy() for name in ("theta0", "theta1", "theta_next"))
+        reset = ResetEffect(after - before, then - after)
     return rows["theta0"].to_numpy(), ordered, reset, len(table) - len(rows)

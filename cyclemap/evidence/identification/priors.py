@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -36,17 +36,29 @@ def prior_block(beliefs: Mapping[str, tuple[float, float]], name: str = "priors"
     return FunctionBlock(name, names, function, np.arange(len(names)), np.full(len(names), PRIOR_KIND))
 
 
-# What single pushes and drags of the same laboratory say of rod, rim and ring, and how anisotropic a floor may be:
-# wide enough that numbers which know better overrule them.
+# What is usual: how anisotropic floors are, rods and rings of steel on steel, how plates press, how well the frames of
+# a robot and a camera agree. Wide enough that data which know better overrule it.
 USUAL = MappingProxyType(
     {
         "ellipticity_x": (0.0, 0.2),
         "ellipticity_y": (0.0, 0.2),
         "offset_x": (0.0, 0.15),
         "offset_y": (0.0, 0.15),
-        "pusher_friction": (0.15, 0.03),
-        "rim_share": (0.3, 0.3),
-        "hitch_scale": (1.0, 0.15),
+        "pusher_friction": (0.15, 0.05),
+        "rim_share": (0.2, 0.3),
+        "corner_share": (0.1, 0.3),
+        "inner_share": (0.2, 0.4),
         "pin_friction_radius": (1.5e-3, 1e-3),
+        "tip_offset_x": (0.0, 1.5e-3),
+        "tip_offset_y": (0.0, 1.5e-3),
     }
 )
+
+
+def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Return what is usual (value, standard deviation) of those parameters of which it is known, of any plate.
+
+    >>> usual_beliefs(["rim_share[hex]", "friction_scale"])
+    {'rim_share[hex]': (0.2, 0.3)}
+    """
+    return {name: USUAL[plain] for name in names if (plain := name.partition("[")[0]) in USUAL}
