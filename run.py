@@ -4,11 +4,13 @@
     python3 run.py portrait plywood     install what is needed, then run `cyclemap portrait plywood`
     python3 run.py COMMAND ...          the same for any command of cyclemap
     python3 run.py test [PYTEST ...]    install the test tools too, check style and types, run the tests
+    python3 run.py test --floors ...    run the tests on the oldest packages that pyproject.toml allows
+    python3 run.py test --newest ...    run the tests on the newest packages there are
     python3 run.py docs [SPHINX ...]    build the documentation into docs/_build/html
 
-The packages go into the folder .venv beside this file. It is made on the first run, brought up to date when
-pyproject.toml or Python changes, and repaired when an earlier run was cut short. The compiled engine is built anew
-when its sources change.
+The packages of constraints.txt go into the folder .venv beside this file; --floors and --newest have folders of their
+own. A folder is made on the first run, brought up to date when pyproject.toml, constraints.txt or Python changes, and
+repaired when an earlier run was cut short. The compiled engine is built anew when its sources change.
 """
 
 from __future__ import annotations
@@ -20,12 +22,15 @@ import os
 import runpy
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 STAMP = VENV / "cyclemap-installed.json"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+# What pins the versions: the tested set, the floors of pyproject.toml, or nothing.
+PINS = "constraints.txt"
 ENGINE = ROOT / "cyclemap" / "mechanics" / "engine"
 BUILDING = ROOT / "building"
 OLDEST = (3, 11)
@@ -47,13 +52,15 @@ def main(arguments: list[str]) -> int:
     if not arguments or arguments[0] in ("-h", "--help"):
         print(__doc__.strip())
         return 0 if arguments else 2
-    tools = {"test": run_tests, "docs": build_docs}
+    command, *rest = arguments
     try:
         check_python()
-        ensure_installed(testing=arguments[0] in tools)
-        if arguments[0] in tools:
-            return tools[arguments[0]](arguments[1:])
-        return call([PYTHON, "-m", "cyclemap", *arguments])
+        if command == "test" and rest[:1] in (["--floors"], ["--newest"]):
+            move_to(rest.pop(0).removeprefix("--"))
+        ensure_installed(testing=command in ("test", "docs"))
+        if command == "test":
+            return run_tests(rest)
+        return build_docs(rest) if command == "docs" else call([PYTHON, "-m", "cyclemap", *arguments])
     except InstallError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -71,8 +78,16 @@ def check_python() -> None:
         raise InstallError(f"this Python has no module {missing[0]}; install it (on Debian: python3-venv)")
 
 
+def move_to(pins: str) -> None:
+    """Work in the environment of the `floors` or of the `newest` packages instead of the tested set."""
+    global VENV, STAMP, PYTHON, PINS
+    place = VENV.with_name(f".venv-{pins}")
+    STAMP, PYTHON = place / STAMP.relative_to(VENV), place / PYTHON.relative_to(VENV)
+    VENV, PINS = place, pins
+
+
 def ensure_installed(testing: bool) -> None:
-    """Make .venv hold the package, and the test tools if `testing`; do nothing where it already does."""
+    """Make the environment hold the package, and the test tools if `testing`; do nothing where it already does."""
     stamp = read_stamp()
     fresh = stamp.get("key") == install_key()
     if fresh and (stamp.get("testing") or not testing) and PYTHON.exists():
@@ -84,7 +99,7 @@ def ensure_installed(testing: bool) -> None:
     # Without a stamp the last run was cut short: what pip believes to be there may not be whole.
     if not (pip_works() and install(testing, afresh=not stamp)):
         if stamp and pip_works():
-            raise InstallError(f"pip could not bring .venv up to date; {MEND}")
+            raise InstallError(f"pip could not bring {VENV.name} up to date; {MEND}")
         rebuild()
         if not install(testing):
             raise InstallError(f"pip could not install the packages; {MEND}")
@@ -93,7 +108,7 @@ def ensure_installed(testing: bool) -> None:
 
 def install_key() -> str:
     """What an installation depends on: the project's metadata, how it is built, the Python, and the place."""
-    files = [ROOT / "pyproject.toml", *sorted(BUILDING.glob("*.py"))]
+    files = [ROOT / "pyproject.toml", ROOT / "constraints.txt", *sorted(BUILDING.glob("*.py"))]
     parts = (*(path.read_bytes() for path in files), sys.version.encode(), os.fsencode(ROOT))
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
@@ -119,19 +134,31 @@ def pip_works() -> bool:
 
 
 def rebuild() -> None:
-    """Make .venv from nothing."""
+    """Make the environment from nothing."""
     made = subprocess.run([sys.executable, "-m", "venv", "--clear", VENV], stdout=sys.stderr, check=False)
     if made.returncode:
         raise InstallError(f"could not make {VENV} (see above); remove that folder and run again")
 
 
 def install(testing: bool, afresh: bool = False) -> bool:
-    """Install the package, editable, at the versions pyproject.toml pins; whether that worked."""
+    """Install the package, editable, and the tools if `testing`, at the pinned versions; whether that worked."""
     command = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     command += ["--force-reinstall"] if afresh else []
-    command += ["--editable", f"{ROOT}[test]" if testing else str(ROOT)]
-    # Standard output belongs to the command that follows.
-    return subprocess.run(command, stdout=sys.stderr, check=False).returncode == 0
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    extras = [name for name in project["project"]["optional-dependencies"] if name != "peers"]
+    package = f"{ROOT}[{','.join(extras)}]" if testing else ROOT
+    tools = [tool for group in project["dependency-groups"].values() for tool in group] if testing else []
+    pins = (ROOT / "constraints.txt").read_text(encoding="utf-8") if PINS != "newest" else ""
+    if PINS == "floors":
+        floors = dict(one.split(">=") for one in project["project"]["dependencies"])
+        kept = [line for line in pins.splitlines() if line.split("==")[0].lower() not in floors]
+        pins = "\n".join([*kept, *(f"{name}=={version}" for name, version in floors.items())])
+    file = VENV / "constraints.txt"
+    file.write_text(pins, encoding="utf-8")
+    # By the environment, they hold for what builds the package, too. Standard output belongs to what follows.
+    surroundings = {**os.environ, "PIP_CONSTRAINT": str(file), "PIP_BUILD_CONSTRAINT": str(file)}
+    made = subprocess.run([*command, "--editable", package, *tools], stdout=sys.stderr, env=surroundings, check=False)
+    return made.returncode == 0
 
 
 def engine_is_built() -> bool:
@@ -146,9 +173,15 @@ def build_engine() -> bool:
 
 
 def run_tests(arguments: list[str]) -> int:
-    """Run every check and then the tests, whose summary comes last; the first exit code that is not 0."""
-    codes = [call([PYTHON, "-m", *check], cwd=ROOT) for check in CHECKS]
-    codes.append(call([PYTHON, "-m", "pytest", "-n", "auto", *arguments], cwd=ROOT))
+    """Run every check and then the tests, whose summary comes last; the first exit code that is not 0.
+
+    Style and types are those of the tested set: other versions of the packages have other type stubs, and warn of what
+    they deprecate in each other.
+    """
+    usual = VENV.name == ".venv"
+    codes = [call([PYTHON, "-m", *check], cwd=ROOT) for check in CHECKS if usual]
+    lenient = [] if usual else ["-W", "ignore::DeprecationWarning", "-W", "ignore::FutureWarning"]
+    codes.append(call([PYTHON, "-m", "pytest", "-n", "auto", *lenient, *arguments], cwd=ROOT))
     return next((code for code in codes if code), 0)
 
 

@@ -21,7 +21,7 @@ ENGINE = ROOT / "cyclemap" / "mechanics" / "engine"
 ZIGLANG = "ziglang==0.17.1"
 # Rounding stays as written: results depend neither on the compiler nor on the machine.
 FLAGS = (
-    *("-O2", "-fPIC", "-shared", "-fvisibility=hidden"),
+    *("-O3", "-fPIC", "-shared", "-fvisibility=hidden"),
     *("-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"),
 )
 # zig compiles for the processor at hand unless told otherwise.

@@ -90,7 +90,7 @@ def test_a_portrait_loads_nothing_that_it_does_not_use(tmp_path: Path) -> None:
         "cyclemap.resets",
         "cyclemap.sweeps",
         "cyclemap.figures",
-        "cyclemap.mechanics.dynamics",
+        "cyclemap.mechanics.dynamic_model",
     )
     assert loaded(code, (*slow, *rooms, "matplotlib.pyplot", "matplotlib.figure")) == ["matplotlib.figure"]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["portrait_plywood.json", "portrait_plywood.png"]

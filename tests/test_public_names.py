@@ -12,7 +12,14 @@ PROMISED = (
     *("CollectionLoop", "CircleMap", "fixed_points", "periodic_orbits", "rotation_number", "rotation_interval"),
     *("lyapunov_exponent", "transfer_operator", "WrappedNormal", "WrappedCauchy", "CycleMapError"),
     *("VonMises", "UniformNoise", "Orbit", "periodic_points", "basins", "slow_passages", "compose", "inverse"),
-    *("saddle_nodes", "tongue", "rotation_numbers", "rotation_plane", "metastable_sets", "quasi_stationary_law"),
+    *(
+        "saddle_nodes",
+        "tongue",
+        "rotation_numbers",
+        "rotation_plane",
+        "metastable_sets",
+        "quasi_stationary_distribution",
+    ),
     *("slip_probabilities", "passage_response", "sample_staircase", "DriftingMap", "find_steps", "compare_steps"),
 )
 

@@ -29,6 +29,7 @@ class Installer:
         }.items():
             monkeypatch.setattr(run, name, value)
         (folder / "pyproject.toml").write_text("[project]\n")
+        (folder / "constraints.txt").touch()
         self.pip, self.engine = False, True
 
     def pip_works(self) -> bool:
@@ -118,6 +119,36 @@ def test_failed_first_installation_leaves_no_stamp(installer, run) -> None:
     with pytest.raises(run.InstallError, match="could not install"):
         installer.ensure()
     assert not run.STAMP.exists()
+
+
+@pytest.mark.parametrize(("pins", "numpy"), [("constraints.txt", "2.4.6"), ("floors", "2.0.0"), ("newest", None)])
+def test_each_environment_pins_what_it_says(run, monkeypatch, tmp_path, pins, numpy) -> None:
+    """The tested set, the lower bounds of pyproject.toml, or nothing: for what is installed and what builds it."""
+    (tmp_path / "pyproject.toml").write_text(
+        '[project]\ndependencies = ["numpy>=2.0.0"]\n[dependency-groups]\ntest = ["pytest>=9"]\n'
+    )
+    (tmp_path / "constraints.txt").write_text("numpy==2.4.6\npytest==9.2.0\n")
+    made = []
+    monkeypatch.setattr(run, "ROOT", tmp_path)
+    monkeypatch.setattr(run, "VENV", tmp_path / ".venv")
+    monkeypatch.setattr(run, "STAMP", tmp_path / ".venv" / "stamp.json")
+    monkeypatch.setattr(run, "PYTHON", tmp_path / ".venv" / "bin" / "python")
+    if pins != "constraints.txt":
+        run.move_to(pins)
+        assert {path.parts[len(tmp_path.parts)] for path in (run.VENV, run.STAMP, run.PYTHON)} == {f".venv-{pins}"}
+    run.VENV.mkdir()
+    monkeypatch.setattr(
+        run.subprocess,
+        "run",
+        lambda command, env, **_: made.append((command, env)) or run.subprocess.CompletedProcess(command, 0),
+    )
+    assert run.install(testing=True)
+    [(command, surroundings)] = made
+    assert command[-1] == "pytest>=9"
+    for name in ("PIP_CONSTRAINT", "PIP_BUILD_CONSTRAINT"):
+        pinned = dict(line.split("==") for line in Path(surroundings[name]).read_text().split())
+        assert pinned.get("numpy") == numpy
+        assert pinned.get("pytest") == (None if pins == "newest" else "9.2.0")
 
 
 @pytest.mark.parametrize(

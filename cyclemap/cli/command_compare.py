@@ -9,6 +9,7 @@ import click
 
 from cyclemap.cli.number_types import Whole
 from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
+from cyclemap.cli.own_data import readable_data, table_options
 
 Decorator = Callable[[Any], Any]
 
@@ -18,6 +19,7 @@ class CompareRequest:
     """What is compared, how, and where results go."""
 
     data: Path
+    read: Path
     first: int
     select: tuple[str, ...]
     runs: int
@@ -47,13 +49,17 @@ def _data_options() -> list[Decorator]:
 
 @click.command("compare")
 @loop_options
+@table_options
 @_compare_options
 def compare_command(
     options: LoopOptions,
+    columns: str | None,
+    units: str | None,
     json_target: str | None,
     **request: Any,
 ) -> None:
     """Set the prediction of a material beside measured data, and say where they agree."""
     from cyclemap.cli.run_compare import run_compare
 
+    request["read"] = readable_data(request["data"], columns, units, request["out"])
     run_compare(options, CompareRequest(**request), json_target)

@@ -1,6 +1,20 @@
-"""The command `cyclemap doctor`: its options."""
+"""The command `cyclemap doctor`: what is installed, and whether the engine comes to the right numbers."""
+
+from __future__ import annotations
+
+import math
+import platform
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from cyclemap.cli.json_report import Json
+
+PACKAGES = ("cyclemap", "numpy", "scipy", "casadi", "matplotlib")
+UNHEALTHY = 1
 
 
 @click.command("doctor")
@@ -10,6 +24,73 @@ def doctor_command(json_target: str | None) -> None:
 
     The exit code is 1 where something that should work does not.
     """
-    from cyclemap.cli.run_doctor import run_doctor
+    from cyclemap.cli.output import publish_json
+    from cyclemap.mechanics.engine import library, sources
 
-    run_doctor(json_target)
+    problems: list[str] = []
+    data = _data_folder(problems)
+    engine, error = _engine(problems)
+    report: Json = {
+        "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
+        "machine": f"{platform.system()} {platform.machine()}",
+        "engine": str(sources.library_path(Path(library.__file__).parent)),
+        "engine_version": engine,
+        "self_check_error_deg": None if error is None else math.degrees(error),
+        "data_folder": data,
+        "problems": problems,
+        "healthy": not problems,
+    }
+    if not publish_json(report, json_target):
+        _tell(report, problems)
+    if problems:
+        raise click.exceptions.Exit(UNHEALTHY)
+
+
+def _data_folder(problems: list[str]) -> str | None:
+    from cyclemap.errors import InvalidInput
+    from cyclemap.figures.measured_folder import MeasuredFolder
+
+    try:
+        path = MeasuredFolder.found().path
+    except InvalidInput as error:
+        problems.append(str(error))
+        return None
+    return None if path is None else str(path)
+
+
+def _engine(problems: list[str]) -> tuple[str | None, float | None]:
+    """The engine's version and its largest difference from the independent solver, rad; None without an engine."""
+    from cyclemap.collection import self_check
+    from cyclemap.errors import EngineNotBuilt
+    from cyclemap.mechanics.engine import library
+
+    try:
+        told = library.load().cm_version().decode()
+    except EngineNotBuilt as missing:
+        problems.append(str(missing))
+        return None, None
+    error = self_check.reference_error()
+    if not error <= self_check.REFERENCE_ERROR:
+        problems.append(f"turns in MIT's loop are {math.degrees(error):.1e}° off those of an independent solver")
+    return told, error
+
+
+def _tell(report: Json, problems: list[str]) -> None:
+    from rich.table import Table
+
+    from cyclemap.cli.terminal import PeopleConsole
+
+    table = Table(title="cyclemap on this machine", title_justify="left", show_header=False)
+    versions, error = report["versions"], report["self_check_error_deg"]
+    assert isinstance(versions, dict)
+    table.add_row("versions", ", ".join(f"{name} {number}" for name, number in versions.items()))
+    table.add_row("machine", str(report["machine"]))
+    table.add_row("engine", f"{report['engine']}, {report['engine_version'] or 'not to be used'}")
+    if isinstance(error, float):
+        table.add_row("self-check", f"4 cycles within {error:.1e}° of an independent solver's")
+    table.add_row("measured data", str(report["data_folder"] or "not found: set CYCLEMAP_DATA where it is needed"))
+    console = PeopleConsole()
+    console.print_table(table)
+    for problem in problems:
+        console.print(f"PROBLEM: {problem}")
+    console.print("healthy" if report["healthy"] else "not healthy")

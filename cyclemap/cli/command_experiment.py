@@ -1,12 +1,19 @@
-"""The command `cyclemap experiment`: its arguments and options."""
+"""The command `cyclemap experiment`: the paper's numerical experiment in sentences, as JSON, and as a picture."""
+
+from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from cyclemap.cli.number_types import MOST_CYCLES, Real, Whole
 from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
+
+if TYPE_CHECKING:
+    from cyclemap.cli.json_report import Json
+    from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun
 
 
 def _results(command: Callable[..., None]) -> Callable[..., None]:
@@ -22,8 +29,13 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 @_results
 def experiment_command(
     options: LoopOptions,
+    batches: int,
+    cycles: int,
+    speed_mm_s: float,
+    quasi_static: bool,
+    out: Path,
+    picture_format: str,
     json_target: str | None,
-    **request: Any,
 ) -> None:
     """Run the paper's numerical experiment: batches of cycles from several θ0, and on isotropic friction.
 
@@ -31,6 +43,59 @@ def experiment_command(
     footprint if it is made of points, else on points that carry its pressure: the paper's grid:8 where it is even,
     weighted and with points along the rim where it leans or has parts.
     """
-    from cyclemap.cli.run_experiment import ExperimentRequest, run_experiment
+    from cyclemap.cli.output import file_stem, progress_bar, publish
+    from cyclemap.cli.settings import chosen_loop
+    from cyclemap.cli.terminal import PeopleConsole
+    from cyclemap.collection.batch_experiment import batch_experiment
+    from cyclemap.collection.dynamic_loop import DynamicLoop
+    from cyclemap.views import experiment_sentences as sentences
+    from cyclemap.views.experiment_page import experiment_page
 
-    run_experiment(options, ExperimentRequest(**request), json_target)
+    loop, _ = chosen_loop(options)
+    run = loop if quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
+    with progress_bar(f"batches of cycles on {loop.material.name}") as report:
+        experiment = batch_experiment(run, batches, cycles, report)
+    stem = out / f"experiment_{file_stem(loop.material.name)}"
+    picture = publish(_report(experiment), experiment_page(experiment), stem, picture_format, json_target)
+    if picture is not None:
+        told = (sentences.spread_sentence, sentences.isotropic_sentence, sentences.method_line)
+        words = (sentence(experiment) for sentence in told)
+        PeopleConsole().tell(sentences.experiment_headline(experiment), *words, f"picture: {picture}")
+
+
+def _report(experiment: BatchExperiment) -> Json:
+    """The experiment as JSON; theta0_deg on the lift, one entry more than cycles."""
+    from cyclemap.cli.json_numbers import degrees, number
+    from cyclemap.collection.batch_experiment import WITHIN
+
+    return {
+        "model": "quasi-static" if experiment.speed is None else "dynamic",
+        "speed_mm_s": None if experiment.speed is None else number(1e3 * experiment.speed),
+        "cycles": experiment.cycles,
+        "within_deg": degrees(WITHIN),
+        "anisotropic": _run(experiment.anisotropic),
+        "isotropic": _run(experiment.isotropic),
+    }
+
+
+def _run(run: BatchRun) -> Json:
+    import numpy as np
+
+    from cyclemap.cli.json_numbers import degrees, direction_deg, number, numbers
+
+    directions, settled = run.directions(), run.settled_after()
+    return {
+        "directions_deg": [direction_deg(direction) for direction in directions],
+        "all_agree": len(directions) == 1,
+        "spread_mm": number(1e3 * run.spread),
+        "batches": [
+            {
+                "start_deg": degrees(theta[0]),
+                "final_deg": direction_deg(theta[-1]),
+                "last_step_deg": degrees(step),
+                "settled_after_cycles": int(cycles) if directions else None,
+                "theta0_deg": numbers(np.degrees(theta)),
+            }
+            for theta, step, cycles in zip(run.theta, run.last_step, settled, strict=True)
+        ],
+    }

@@ -9,6 +9,7 @@ import click
 
 from cyclemap.cli.number_types import Real, Whole
 from cyclemap.cli.options import decorated, result_options
+from cyclemap.cli.own_data import readable_data, table_options
 
 Decorator = Callable[[Any], Any]
 _PATH = click.Path(path_type=Path)
@@ -27,11 +28,10 @@ class IdentifyRequest:
     first: int
     most: int
     wear: bool
-    alternatives: bool
+    no_priors: bool
     name: str | None
-    intervals: str
     folds: int | None
-    student: float | None
+    student: float
     starts: int
     seed: int
     out: Path
@@ -58,9 +58,9 @@ def _data_options() -> list[Decorator]:
         click.option(
             "--most",
             type=Whole(min=2),
-            default=200,
+            default=2000,
             show_default=True,
-            help="Pushes or drags of a file, at most.",
+            help="Pushes or drags of an object and file, at most.",
         ),
     ]
 
@@ -74,7 +74,7 @@ def _model_options() -> list[Decorator]:
         ),
         click.option("--fix", metavar="NAME=VALUE", multiple=True, help="Hold a parameter (SI units); repeatable."),
         click.option("--wear", is_flag=True, help="Let the friction change over the cycles."),
-        click.option("--alternatives", is_flag=True, help="Compare weight on the rim, another lever, ring friction."),
+        click.option("--no-priors", is_flag=True, help="Believe nothing beforehand: the data alone speak."),
     ]
 
 
@@ -82,20 +82,15 @@ def _method_options() -> list[Decorator]:
     """How."""
     whole = Whole(min=0)
     return [
-        click.option(
-            "--intervals",
-            type=click.Choice(["covariance", "profile"]),
-            default="covariance",
-            show_default=True,
-            help="How 95 % intervals are found; profile takes many fits.",
-        ),
         click.option("--folds", type=whole, help="Parts for cross-validation; 0: none. [default: 5]"),
         click.option(
             "--student",
             type=Real(min=1.0, min_open=True),
-            help="Freedom of Student noise: outliers count less.",
+            default=4.0,
+            show_default=True,
+            help="Freedom of Student noise, which lets outliers count less; a large one is normal noise.",
         ),
-        click.option("--starts", type=Whole(min=1), default=3, show_default=True, help="Searches."),
+        click.option("--starts", type=Whole(min=1), default=2, show_default=True, help="Searches."),
         click.option("--seed", type=whole, default=0, show_default=True, help="Seed of starts, folds and draws."),
     ]
 
@@ -108,13 +103,18 @@ def _decorated(command: Callable[..., None]) -> Callable[..., None]:
 
 @click.command("identify")
 @click.argument("data", nargs=-1, required=True, type=_PATH)
+@table_options
 @_decorated
-def identify_command(data: tuple[Path, ...], json_target: str | None, **request: Any) -> None:
+def identify_command(
+    data: tuple[Path, ...], columns: str | None, units: str | None, json_target: str | None, **request: Any
+) -> None:
     """Identify a surface from measured data, and write it as a material.
 
     DATA are files, folders or trees: friction scans and pushes in the MIT layout, and CSV tables of push ends with
-    tip, of drag-backs, of θ0, or of wrenches and twists. All are explained by one friction ellipse.
+    tip, of drag-backs, of θ0, or of wrenches and twists, of any number of objects on one surface. All are explained at
+    once: friction is the surface's, pressure each object's, the shift between robot and camera each data set's.
     """
     from cyclemap.cli.run_identify import run_identify
 
+    data = tuple(readable_data(path, columns, units, request["out"]) for path in data)
     run_identify(data, IdentifyRequest(**request), json_target)

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from cyclemap.cli.number_types import Real
-from cyclemap.cli.options import decorated, result_options
+from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
 
 
 def _results(command: Callable[..., None]) -> Callable[..., None]:
@@ -15,7 +15,7 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 
 
 @click.command("replay")
-@click.argument("material")
+@loop_options
 @click.option(
     "--data",
     metavar="PATH",
@@ -23,19 +23,15 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
     type=click.Path(path_type=Path),
     help="Recorded pushes in the MIT layout: a file, a folder or a tree.",
 )
-@click.option(
-    "--pusher-friction",
-    type=Real(min=0.0),
-    default=0.25,
-    show_default=True,
-    help="Friction coefficient between rod and object.",
-)
+@click.option("--pusher-friction", type=Real(min=0.0), help="Friction of rod and object. [default: 0.25, or as set]")
 @_results
-def replay_command(json_target: str | None, **request: Any) -> None:
+def replay_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
     """Replay recorded pushes along their own tip paths on MATERIAL, and tell how far off each ends.
 
-    MATERIAL is a name or a TOML file; on an isotropic one the friction coefficient changes no motion.
+    How plates press on it is taken from MATERIAL, and errors stand beside those of isotropic friction. The object is
+    the data's: MIT's by its name in them, any other from MATERIAL, --protocol or the collection.toml beside the data.
+    On an isotropic surface the friction coefficient changes no motion.
     """
     from cyclemap.cli.run_replay import ReplayRequest, run_replay
 
-    run_replay(ReplayRequest(**request), json_target)
+    run_replay(options, ReplayRequest(**request), json_target)

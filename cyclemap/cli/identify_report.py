@@ -7,7 +7,6 @@ from cyclemap.cli.json_numbers import number
 from cyclemap.cli.json_report import Json
 from cyclemap.evidence.identification.cross_validation import KindErrors
 from cyclemap.evidence.identification.derived_quantities import Derived
-from cyclemap.evidence.identification.explanations import Explanation, ExplanationComparison
 from cyclemap.evidence.identification.identification import Estimate, Identification
 from cyclemap.evidence.identified.identified_material import readable_kind, readable_unit
 from cyclemap.mechanics import EllipseFriction, Material
@@ -21,21 +20,21 @@ def identify_report(
     data: Sequence[str],
     found: Identification,
     derived: Sequence[Derived],
-    comparison: ExplanationComparison | None,
 ) -> Json:
-    """The report of an identification; `alternatives` is null where none were compared."""
+    """The report of an identification."""
     return {
         **_material(material),
         "converged": found.converged,
         "level": found.level,
         "parameters": [_parameter(one) for one in found.estimates],
+        "plates": {one.plate: {key: number(value) for key, value in one.shares.items()} for one in material.plates},
+        "priors": {name: [number(value) for value in belief] for name, belief in found.priors.items()},
         "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
         "derived": [_derived(one) for one in derived],
         "errors": [_errors(one) for one in found.errors],
         "starts": _starts(found),
         "notes": list(found.notes),
         "data": list(data),
-        "alternatives": None if comparison is None else _alternatives(comparison),
     }
 
 
@@ -68,7 +67,6 @@ def _parameter(one: Estimate) -> Json:
         "standard_error": number(factor * one.standard_error),
         "identifiable": bool(one.identifiable),
         "at_bound": one.at_bound or None,
-        "method": one.method,
     }
 
 
@@ -81,32 +79,10 @@ def _derived(one: Derived) -> Json:
 def _errors(one: KindErrors) -> Json:
     kind, unit, factor = readable_kind(one.kind)
     sizes = ("mean", "median", "rms", "left_out_mean", "left_out_median", "left_out_rms")
+    sizes = (*sizes, "isotropic_mean", "isotropic_median")
     told = {name: number(factor * getattr(one, name)) for name in sizes}
     return {"block": one.block, "kind": kind, "unit": _NAMES.get(unit, unit.strip()), "rows": one.rows, **told}
 
 
 def _starts(found: Identification) -> Json:
     return {"count": len(found.starts.starts), "arrived": found.starts.arrived, "failed": found.starts.failed}
-
-
-def _alternatives(comparison: ExplanationComparison) -> Json:
-    return {
-        "free": list(comparison.free),
-        "best": comparison.best.name,
-        "not_told_from_best": [one.name for one in comparison.equals],
-        "explanations": [_explanation(one) for one in comparison.explanations],
-    }
-
-
-def _explanation(one: Explanation) -> Json:
-    return {
-        "name": one.name,
-        "extra": list(one.extra),
-        "problem": one.problem or None,
-        "deviance_above_best": number(one.deviance),
-        "loss_above_best": number(one.worse),
-        "standard_error": number(one.standard_error),
-        "told_from_best": bool(one.told_apart),
-        "parameters": [] if one.found is None else [_parameter(estimate) for estimate in one.found.estimates],
-        "errors": [] if one.found is None else [_errors(errors) for errors in one.found.errors],
-    }

@@ -1,13 +1,11 @@
-"""The tables of `cyclemap identify`: parameters, what follows from them, errors, and rival explanations."""
+"""The tables of `cyclemap identify`: parameters, what follows from them, and errors."""
 
 import math
 from collections.abc import Sequence
 
 from rich.table import Table
 
-from cyclemap.evidence.identification.cross_validation import KindErrors
 from cyclemap.evidence.identification.derived_quantities import Derived
-from cyclemap.evidence.identification.explanations import Explanation, ExplanationComparison
 from cyclemap.evidence.identification.identification import Estimate, Identification
 from cyclemap.evidence.identified.identified_material import readable_kind, readable_unit
 
@@ -47,56 +45,17 @@ def derived_table(derived: Sequence[Derived]) -> Table:
 
 
 def error_table(found: Identification) -> Table:
-    """How far predictions lie from the data, in the sample and for data left out."""
-    columns = [("data", "left"), ("error", "left"), ("values", "right"), ("mean", "right"), ("RMS", "right")]
-    columns += [("mean, left out", "right"), ("RMS, left out", "right")]
+    """How far predictions lie from the data: in the sample, left out, and those of isotropic friction."""
+    columns = [("data", "left"), ("error", "left"), ("values", "right"), ("mean", "right"), ("median", "right")]
+    columns += [("mean, left out", "right"), ("median", "right"), ("mean, isotropic", "right"), ("median", "right")]
     table = _table("Errors, predicted less measured", *columns)
     for one in found.errors:
         kind, unit, factor = readable_kind(one.kind)
-        sizes = (one.mean, one.rms, one.left_out_mean, one.left_out_rms)
+        sizes = (one.mean, one.median, one.left_out_mean, one.left_out_median, one.isotropic_mean, one.isotropic_median)
         told = [f"{_digits(factor * size)}{unit}" if math.isfinite(size) else NOTHING for size in sizes]
         table.add_row(one.block, kind, str(one.rows), *told)
+    table.caption = "isotropic: the same friction all around, weight spread evenly, nothing identified"
     return table
-
-
-def explanation_table(comparison: ExplanationComparison) -> Table:
-    """The explanations, the best first: free numbers, errors by kind in and out of the sample, and what they free."""
-    kinds = _kinds(comparison.explanations)
-    headings = [(f"{block}\n{readable_kind(kind)[0]}{_bracket(kind)}", "right") for block, kind in kinds]
-    columns = [("explanation", "left"), ("free", "right"), *headings, ("loss above best", "right"), ("found", "left")]
-    table = _table("Explanations, the best first: RMS in the sample / left out", *columns)
-    for one in comparison.explanations:
-        if one.found is None:
-            table.add_row(one.name, NOTHING, *[NOTHING] * len(kinds), NOTHING, one.problem)
-            continue
-        errors = {(error.block, error.kind): error for error in one.found.errors}
-        worse = f"{one.worse:.1f} ± {one.standard_error:.1f}" if one is not comparison.best else "0"
-        found = ", ".join(_found(one, name) for name in one.extra)
-        table.add_row(one.name, str(len(one.found.estimates)), *(_both(errors[key]) for key in kinds), worse, found)
-    return table
-
-
-def _kinds(explanations: Sequence[Explanation]) -> list[tuple[str, str]]:
-    first = next(one.found for one in explanations if one.found is not None)
-    return [(error.block, error.kind) for error in first.errors]
-
-
-def _bracket(kind: str) -> str:
-    unit = readable_kind(kind)[1].strip()
-    return f" ({unit})" if unit else ""
-
-
-def _both(error: KindErrors) -> str:
-    factor = readable_kind(error.kind)[2]
-    return f"{_digits(factor * error.rms)} / {_digits(factor * error.left_out_rms)}"
-
-
-def _found(one: Explanation, name: str) -> str:
-    assert one.found is not None
-    estimate = one.found[name]
-    unit, factor = readable_unit(estimate.unit)
-    ends = f"{_digits(factor * estimate.lower)} to {_digits(factor * estimate.upper)}"
-    return f"{name} {_digits(factor * estimate.value)}{unit} ({ends})"
 
 
 def _interval(found: Identification) -> str:

@@ -13,15 +13,21 @@ from typing import NoReturn
 
 import click
 
+from cyclemap.cli.command_audit import audit_command
+from cyclemap.cli.command_check import check_command
 from cyclemap.cli.command_compare import compare_command
 from cyclemap.cli.command_doctor import doctor_command
 from cyclemap.cli.command_dynamics import dynamics_command
 from cyclemap.cli.command_experiment import experiment_command
+from cyclemap.cli.command_explore import explore_command
 from cyclemap.cli.command_figures import figures_command
 from cyclemap.cli.command_fingerprint import fingerprint_command
 from cyclemap.cli.command_fit import fit_command
 from cyclemap.cli.command_identify import identify_command
+from cyclemap.cli.command_init import init_command
+from cyclemap.cli.command_probe import probe_command
 from cyclemap.cli.command_replay import replay_command
+from cyclemap.cli.command_report import report_command
 from cyclemap.cli.command_reset import reset_command
 from cyclemap.cli.command_simulate import simulate_command
 from cyclemap.cli.command_sweep import sweep_command
@@ -47,10 +53,11 @@ def cli() -> None:
 
 
 for _command in (
+    *(init_command, check_command, audit_command, probe_command),
     *(cycle_command, portrait_command, staircase_command, fingerprint_command),
-    *(dynamics_command, experiment_command, figures_command),
+    *(explore_command, dynamics_command, experiment_command, figures_command),
     *(simulate_command, fit_command, identify_command, compare_command, replay_command, watch_command),
-    *(reset_command, sweep_command, doctor_command),
+    *(reset_command, report_command, sweep_command, doctor_command),
 ):
     cli.add_command(_command)
 

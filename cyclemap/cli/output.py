@@ -1,11 +1,14 @@
 """Where results go: files that appear whole or not at all, the terminal, and a bar for slow work."""
 
+from __future__ import annotations
+
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -15,7 +18,10 @@ from cyclemap.plain_text import printable
 from cyclemap.whole_files import file_stem as file_stem
 from cyclemap.whole_files import write_whole
 
-PATIENCE_SECONDS, LINE_SECONDS = 2.0, 10.0
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PATIENCE_SECONDS, LINE_SECONDS = 2.0, 5.0
 
 
 def write_json(path: Path, report: Json) -> None:
@@ -40,11 +46,24 @@ def publish_json(report: Json, target: str | None) -> bool:
     return False
 
 
+def publish(report: Json, figure: Figure, stem: Path, picture_format: str, json_target: str | None) -> Path | None:
+    """Write stem.json and the picture beside it, and send the report where --json says.
+
+    Return the picture's path where people are to be told, None where JSON took the terminal.
+    """
+    from cyclemap.views.style import render
+
+    write_json(stem.with_name(f"{stem.name}.json"), report)
+    picture = stem.with_name(f"{stem.name}.{picture_format}")
+    write_whole(picture, render(figure, picture_format))
+    return None if publish_json(report, json_target) else picture
+
+
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
     """A function to report the fraction done to; work that takes long shows on stderr that it goes on.
 
-    A terminal gets a bar once it takes over two seconds, anything else a line every ten seconds.
+    A terminal gets a bar once it takes over two seconds, anything else a line every five seconds.
     """
     from rich.console import Console
     from rich.progress import Progress

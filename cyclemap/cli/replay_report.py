@@ -17,7 +17,7 @@ _MILLIMETRES = {
         name: f"{name}_mm"
         for name in (
             "error", "rms_error", "measured_motion", "predicted_motion", "shift", "start_gap", "straightness",
-            "mean_error", "median_error", "mean_motion", "mean_rms_error",
+            "mean_error", "median_error", "mean_motion", "mean_rms_error", "isotropic_error", "isotropic_mean_error",
         )
     },
 }  # fmt: skip
@@ -25,7 +25,7 @@ _DEGREES = {
     name: f"{name}_deg"
     for name in (
         "angle", "turn_error", "rms_turn_error", "measured_turn", "predicted_turn", "mean_turn_error",
-        "median_turn_error", "mean_turn",
+        "median_turn_error", "mean_turn", "isotropic_turn_error", "isotropic_mean_turn_error",
     )
 }  # fmt: skip
 

@@ -10,7 +10,7 @@ from cyclemap.cli.compare_report import compare_report
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.run_fit import selected_values
-from cyclemap.cli.settings import chosen_loop, protocol_of, set_settings
+from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait_curves import turn_curve
@@ -28,16 +28,16 @@ SYMBOLS = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
 
 def run_compare(options: LoopOptions, request: CompareRequest, json_target: str | None) -> None:
     """Compare the loop's prediction with the data, draw both, and print the answers for people or as JSON."""
-    loop, sigma = chosen_loop(options)
+    loop, sigma = chosen_loop(options, request.data)
     name = loop.material.name
     with progress_bar(f"{name} beside {request.data.name}") as report:
         found = compare(
             loop,
-            request.data,
+            request.read,
             noise=None if sigma is None else WrappedNormal(sigma),
             first=request.first,
             select=selected_values(request.select),
-            push_length=_push_length(options, loop),
+            push_length=_push_length(options, request.data, loop),
             runs=request.runs,
             seed=request.seed,
             progress=report,
@@ -52,10 +52,9 @@ def run_compare(options: LoopOptions, request: CompareRequest, json_target: str 
         _print_for_people(name, found, picture)
 
 
-def _push_length(options: LoopOptions, loop: CollectionLoop) -> float | None:
+def _push_length(options: LoopOptions, data: Path, loop: CollectionLoop) -> float | None:
     """How far the rod moves, m, where the options say so: MIT's own 150 mm are no answer for data that do not tell."""
-    said = {**protocol_of(options)[0], **set_settings(options.settings)}
-    return loop.push.distance if "push_mm" in said else None
+    return loop.push.distance if "push_mm" in told_settings(options, data)[1] else None
 
 
 def _print_for_people(name: str, found: Comparison, picture: Path) -> None:

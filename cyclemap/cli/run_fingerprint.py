@@ -10,8 +10,7 @@ from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole
-from cyclemap.collection.anisotropy import Anisotropy
-from cyclemap.collection.fingerprint import Fingerprint, fingerprint
+from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint
 from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
 from cyclemap.collection.fingerprint_prediction import Prediction, predict
 from cyclemap.collection.loop import CollectionLoop

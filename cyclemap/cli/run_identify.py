@@ -1,5 +1,6 @@
 """`cyclemap identify`: from measured data to a material file, with tables, sentences, JSON and a picture."""
 
+import math
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,25 +9,24 @@ from typing import Any
 
 from cyclemap.cli.command_identify import IdentifyRequest
 from cyclemap.cli.identify_report import identify_report
-from cyclemap.cli.identify_tables import derived_table, error_table, explanation_table, parameter_table
+from cyclemap.cli.identify_tables import derived_table, error_table, parameter_table
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.collection.collection_file import NOISE_KEY, collection_text
+from cyclemap.collection.found_with import with_material
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_settings import loop_tables
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities
-from cyclemap.evidence.identification.explanations import (
-    OPEN_QUESTIONS,
-    ExplanationComparison,
-    compare_explanations,
-)
 from cyclemap.evidence.identification.identification import Identification
 from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.parameter_space import ParameterSpace
+from cyclemap.evidence.identification.priors import usual_beliefs
 from cyclemap.evidence.identification.starting_space import starting_space
 from cyclemap.evidence.identified.identified_curves import identified_curves
 from cyclemap.evidence.identified.identified_material import identified_material
@@ -46,36 +46,35 @@ class Outcome:
     data: CollectedBlocks
     found: Identification
     derived: tuple[Derived, ...]
-    comparison: ExplanationComparison | None
     material: Material
 
 
 def run_identify(data: Sequence[Path], request: IdentifyRequest, json_target: str | None) -> None:
     """Read the data, identify the surface, write material, JSON and picture, and print for people or as JSON."""
     outcome = _outcome(data, request)
-    told = identify_report(outcome.material, outcome.data.notes, outcome.found, outcome.derived, outcome.comparison)
+    told = identify_report(outcome.material, outcome.data.notes, outcome.found, outcome.derived)
     files = _files(outcome, request, json_text(told).encode())
     for path, content in files.items():
         write_whole(path, content)
     if not publish_json(told, json_target):
-        _print_for_people(outcome, list(files), request)
+        _print_for_people(outcome, list(files))
 
 
 def _outcome(data: Sequence[Path], request: IdentifyRequest) -> Outcome:
     start = None if request.start is None else load_material(request.start)
-    fixed, loop, select = fixed_values(request.fix), _loop(request), selected_facts(request.select)
+    fixed, loop, select = fixed_values(request.fix), _loop(data, request), selected_facts(request.select)
     space = starting_space(loop, start)
     choices: dict[str, Any] = {name: getattr(request, name) for name in ("first", "wear", "most")}
     with progress_bar("reading") as report:
         collected = collected_blocks(data, loop, select, progress=report, **choices)
-    found, comparison = _identified(collected, request, space, fixed)
+    found = _identified(collected, request, space, fixed)
     if not found.converged:
         raise ConvergenceError(f"no start converged: {found.fit.message}; take more --starts, or free fewer parameters")
     name = request.name or f"{collected.surface or select.get('surface', 'surface')}-identified"
     since = f" from cycle {request.first} on" if request.first else ""
     sources = [f"{path.name}{since}" for path in data]
     material = identified_material(found, name, sources, collected.last_cycle, collected.loop.slider.name)
-    return Outcome(collected, found, derived_quantities(found, seed=request.seed), comparison, material)
+    return Outcome(collected, found, derived_quantities(found, seed=request.seed), material)
 
 
 def selected_facts(pairs: tuple[str, ...]) -> dict[str, str | float]:
@@ -107,76 +106,58 @@ def _is_shape(pair: str) -> bool:
     return pair.partition("=")[0].strip() == "shape"
 
 
-def _loop(request: IdentifyRequest) -> CollectionLoop:
-    loop, noise = chosen_loop(LoopOptions("isotropic", request.protocol, request.settings))
-    if noise is not None:
+def _loop(data: Sequence[Path], request: IdentifyRequest) -> CollectionLoop:
+    """The experiment of the data, its surface isotropic: the noise is estimated, whatever a file says of it."""
+    if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in request.settings):
         raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
-    return loop
+    return chosen_loop(LoopOptions("isotropic", request.protocol, request.settings), data[0])[0]
 
 
 def _identified(
     data: CollectedBlocks, request: IdentifyRequest, space: ParameterSpace, fixed: dict[str, float]
-) -> tuple[Identification, ExplanationComparison | None]:
-    """The identification, and the comparison of explanations where it is asked for; its best one is then taken."""
-    free, folds = _free(data, request, fixed), _folds(data, request)
-    options: dict[str, Any] = {name: getattr(request, name) for name in ("starts", "student", "seed")}
-    options["space"] = space
-    comparison = None
-    if request.alternatives:
-        with progress_bar("comparing explanations") as report:
-            comparison = compare_explanations(
-                data.blocks, free, _alternatives(data), fixed, folds=max(folds, 2), progress=report, **options
-            )
-        best = comparison.best
-        if request.free is None:
-            if best.found is not None and request.intervals == "covariance":
-                return best.found, comparison
-            free = (*comparison.free, *best.extra)
+) -> Identification:
+    free = tuple(name.strip() for name in (request.free or "").split(",") if name.strip())
+    free = free or tuple(name for name in telling_parameters(data.blocks) if name not in fixed)
+    groups = sum(len(set(block.groups.tolist())) for block in data.blocks)
+    folds = request.folds if request.folds is not None else min(5, groups) if groups > 1 else 0
     held = {name: value for name, value in fixed.items() if name not in free}
     with progress_bar("identifying") as report:
-        found = identify(data.blocks, free, held, intervals=request.intervals, folds=folds, progress=report, **options)
-    return found, comparison
-
-
-def _free(data: CollectedBlocks, request: IdentifyRequest, fixed: dict[str, float]) -> tuple[str, ...]:
-    if request.free is not None:
-        return tuple(name.strip() for name in request.free.split(",") if name.strip())
-    return tuple(name for name in telling_parameters(data.blocks) if name not in fixed)
-
-
-def _folds(data: CollectedBlocks, request: IdentifyRequest) -> int:
-    """As asked, or five, or as many as there are groups of rows."""
-    if request.folds is not None:
-        return request.folds
-    groups = sum(len(set(block.groups.tolist())) for block in data.blocks)
-    return min(5, groups) if groups > 1 else 0
-
-
-def _alternatives(data: CollectedBlocks) -> dict[str, tuple[str, ...]]:
-    """The explanations that the data can speak to."""
-    asked = {name for block in data.blocks for name in block.parameters}
-    found = {name: extra for name, extra in OPEN_QUESTIONS.items() if asked >= set(extra)}
-    if len(found) < 2:
-        raise InvalidInput(
-            "--alternatives: the data do not depend on the rim or the ring; give pushes, drags or cycles"
+        return identify(
+            data.blocks,
+            free,
+            held,
+            priors={} if request.no_priors else usual_beliefs(free),
+            folds=folds,
+            starts=request.starts,
+            student=None if request.student == math.inf else request.student,
+            seed=request.seed,
+            space=space,
+            progress=report,
         )
-    return found
 
 
 def _files(outcome: Outcome, request: IdentifyRequest, report: bytes) -> dict[Path, bytes]:
     """Every file with its content, all of it made before the first is written."""
     stem = file_stem(outcome.material.name)
     curves = identified_curves(outcome.found, outcome.data.scans, request.seed)
-    words = sentences.page_sentences(outcome.found, outcome.comparison)
+    words = sentences.page_sentences(outcome.found)
     page = identify_page(sentences.headline(outcome.material.name, outcome.derived), outcome.found, curves, words)
     return {
-        request.out / f"{stem}.toml": material_toml(outcome.material).encode(),
+        request.out / f"{stem}.toml": _material_text(outcome).encode(),
         request.out / f"identify_{stem}.json": report,
         request.out / f"identify_{stem}.{request.picture_format}": render(page, request.picture_format),
     }
 
 
-def _print_for_people(outcome: Outcome, files: list[Path], request: IdentifyRequest) -> None:
+def _material_text(outcome: Outcome) -> str:
+    """The material and, where the experiment is not MIT's own, the object, push and ring that it was found with."""
+    loop = with_material(outcome.data.loop, outcome.material)
+    if loop_tables(loop) == loop_tables(CollectionLoop.mit(outcome.material)):
+        return material_toml(outcome.material)
+    return collection_text(loop)
+
+
+def _print_for_people(outcome: Outcome, files: list[Path]) -> None:
     console = PeopleConsole()
     console.print(sentences.headline(outcome.material.name, outcome.derived), style="bold")
     for note in outcome.data.notes:
@@ -185,24 +166,9 @@ def _print_for_people(outcome: Outcome, files: list[Path], request: IdentifyRequ
     if outcome.derived:
         console.print_table(derived_table(outcome.derived))
     console.print_table(error_table(outcome.found))
-    if outcome.comparison is not None:
-        console.print_table(explanation_table(outcome.comparison))
-        for sentence in sentences.comparison_sentences(outcome.comparison):
-            console.print(sentence)
     for sentence in sentences.note_sentences(outcome.found):
         console.print(sentence)
     material, _, picture = files
     console.print(f"picture: {picture}")
     console.print(f"material: {material}")
-    console.print(f"next: cyclemap portrait {shlex.quote(str(material))}{_same_experiment(outcome, request)}")
-
-
-def _same_experiment(outcome: Outcome, request: IdentifyRequest) -> str:
-    """The options that put a prediction into the experiment of the data."""
-    words = [] if request.protocol is None else ["--protocol", str(request.protocol)]
-    words += [word for pair in request.settings for word in ("--set", pair)]
-    shape = outcome.data.loop.slider.name
-    selected = selected_facts(request.select).get("object")
-    if selected == shape and shape != "rect1" and not any(pair.startswith("shape") for pair in request.settings):
-        words += ["--set", f"shape={shape}"]
-    return "".join(f" {shlex.quote(word)}" for word in words)
+    console.print(f"next: cyclemap portrait {shlex.quote(str(material))}")

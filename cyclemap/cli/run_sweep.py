@@ -11,9 +11,10 @@ import click
 
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json
-from cyclemap.cli.settings import protocol_of, set_settings
+from cyclemap.cli.settings import set_settings, told_settings
 from cyclemap.cli.sweep_report import status_report, sweep_report
 from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.collection.settings import layered, warn_of_defaults
 from cyclemap.errors import InvalidInput
 from cyclemap.suggestions import unknown_name
 from cyclemap.sweeps.point_sets import Grid, Sample
@@ -76,21 +77,19 @@ def sweep_plan(options: LoopOptions, request: SweepRequest) -> SweepPlan:
     """The plan that the options ask for: what is swept overrules the protocol file, as --set does."""
     over = tuple(parse_over(text) for text in request.over)
     swept = {one.key for one in over}
-    protocol = {key: value for key, value in _protocol_settings(options).items() if key not in swept}
-    settings = {**protocol, **set_settings(options.settings)}
-    tolerance = {} if request.tolerance_deg is None else {"tolerance": math.radians(request.tolerance_deg)}
-    numbers = PortraitNumbers(_words(request.quantities), rotation_tolerance=request.rotation_tolerance, **tolerance)
-    return SweepPlan(_points(over, request), options.material, settings, numbers)
-
-
-def _protocol_settings(options: LoopOptions) -> dict[str, object]:
-    """The settings of a protocol file; InvalidInput where it has a strategy, which no --over could change."""
-    settings, strategy = protocol_of(options)
+    material, told, strategy = told_settings(options)
     if strategy is not None:
         raise InvalidInput(
-            f"{options.protocol}: a sweep is about one push and one drag back: take the table [strategy] out of it"
+            f"{options.protocol or material}: a sweep is about one push and one drag back: take the table [strategy] "
+            "out of it"
         )
-    return settings
+    # What is swept takes the place of what a file says, as --set does.
+    settings = {key: value for key, value in layered(told, dict.fromkeys(swept)).items() if key not in swept}
+    settings |= set_settings(options.settings)
+    warn_of_defaults(settings)
+    tolerance = {} if request.tolerance_deg is None else {"tolerance": math.radians(request.tolerance_deg)}
+    numbers = PortraitNumbers(_words(request.quantities), rotation_tolerance=request.rotation_tolerance, **tolerance)
+    return SweepPlan(_points(over, request), material, settings, numbers)
 
 
 def _points(over: tuple[SweptKey, ...], request: SweepRequest) -> Grid | Sample:

@@ -1,6 +1,7 @@
 """From the options of a command to the loop it is about, and the strategy of its cycles.
 
-What is said later wins: MIT's defaults, then the material, then the protocol file, then each --set in order.
+What is said later wins: MIT's defaults, the folder of the data, the material (a file may tell of object, push and
+reset, too), the protocol file, then each --set in order.
 """
 
 from __future__ import annotations
@@ -8,20 +9,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cyclemap.checks import positive_number
 from cyclemap.cli.options import LoopOptions
+from cyclemap.collection.collection_file import NOISE_KEY, data_settings, names_surface, read_settings
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import SETTING_KEYS
+from cyclemap.collection.settings import SETTING_KEYS, layered, warn_of_defaults
 from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import json_value, plain_number
 from cyclemap.suggestions import unknown_name
 
 if TYPE_CHECKING:
     from cyclemap.resets import ResetStrategy
-
-NOISE_KEY = "noise_deg"
 
 
 @dataclass(frozen=True)
@@ -46,12 +47,12 @@ class ChosenCollection:
         return self if fixed is None else ChosenCollection(fixed, self.sigma, None)
 
 
-def chosen_loop(options: LoopOptions) -> tuple[CollectionLoop, float | None]:
-    """The loop that `options` ask for, and the noise of a cycle (rad) where they name one.
+def chosen_loop(options: LoopOptions, data: Path | None = None) -> tuple[CollectionLoop, float | None]:
+    """The loop that `options` ask for, and the noise of a cycle (rad) where they name one; data: see below.
 
     A strategy that does the same in every cycle is part of the loop; InvalidInput for any other.
     """
-    chosen = chosen_collection(options).simplified()
+    chosen = chosen_collection(options, data).simplified()
     if chosen.strategy is not None:
         why = "turns the object by a gripper" if len(chosen.strategy.actions) == 1 else "differs from cycle to cycle"
         raise InvalidInput(
@@ -61,31 +62,55 @@ def chosen_loop(options: LoopOptions) -> tuple[CollectionLoop, float | None]:
     return chosen.loop, chosen.sigma
 
 
-def chosen_collection(options: LoopOptions) -> ChosenCollection:
-    """The loop, noise and strategy that `options` ask for; InvalidInput for a --set that the strategy overrules."""
-    settings, strategy = protocol_of(options)
+def chosen_collection(options: LoopOptions, data: Path | None = None) -> ChosenCollection:
+    """The loop, noise and strategy that `options` ask for; InvalidInput for a --set that the strategy overrules.
+
+    data : measured; what their folder says of object, push and reset holds where `options` do not say otherwise.
+    """
+    material, settings, strategy = told_settings(options, data)
     own = set_settings(options.settings)
-    settings.update(own)
     for key in settings:
         if key not in (*SETTING_KEYS, NOISE_KEY):
             raise unknown_name("setting", key, (*SETTING_KEYS, NOISE_KEY))
     noise_deg = settings.pop(NOISE_KEY, None)
     sigma = None if noise_deg is None else math.radians(positive_number(NOISE_KEY, noise_deg))
-    base = CollectionLoop.mit(material=options.material or "isotropic")
+    base = CollectionLoop.mit(material=material or "isotropic")
+    warn_of_defaults(settings)
     loop = CollectionLoop.from_settings(settings, base)
     if strategy is not None:
         _refuse_overruled(strategy, own)
     return ChosenCollection(loop, sigma, strategy)
 
 
+def told_settings(
+    options: LoopOptions, data: Path | None = None
+) -> tuple[str | Path | None, dict[str, object], ResetStrategy | None]:
+    """The material where one is named, the settings that are said anywhere, and the strategy.
+
+    Of a file that is a material and a collection in one, both count; a surface in the protocol file only where no
+    material is named.
+    """
+    layers = [] if data is None else [data_settings(data)]
+    if options.material is not None and options.material.endswith(".toml"):
+        layers.append(read_settings(options.material))
+    told, strategy = protocol_of(options)
+    material: str | Path | None = options.material
+    if material is None and options.protocol is not None and names_surface(options.protocol):
+        material = options.protocol
+    return material, layered(*layers, told, set_settings(options.settings)), strategy
+
+
 def protocol_of(options: LoopOptions) -> tuple[dict[str, object], ResetStrategy | None]:
-    """The settings and the strategy of the protocol file; none where `options` name no file."""
-    if options.protocol is None:
+    """The settings and the strategy of the protocol file, else of the material's; none where there is no file."""
+    is_file = options.material is not None and options.material.endswith(".toml")
+    path = options.protocol or (Path(str(options.material)) if is_file else None)
+    if path is None:
         return {}, None
-    # Strategies take a while to load, and only a protocol can name one.
+    # Strategies take a while to load, and only a file can name one.
     from cyclemap.resets.protocol.protocol_file import read_protocol
 
-    return read_protocol(options.protocol)
+    settings, strategy = read_protocol(path)
+    return (settings if path == options.protocol else {}), strategy
 
 
 def _refuse_overruled(strategy: ResetStrategy, own: Iterable[str]) -> None:

@@ -27,6 +27,12 @@ class PeopleConsole(Console):
         """Return a text, or a field of a table, as it is shown: names and paths hold what their givers like."""
         return super().render_str(printable(text), **options)
 
+    def tell(self, headline: str, *sentences: str) -> None:
+        """Print a headline in bold, and sentences below it."""
+        self.print(headline, style="bold")
+        for sentence in sentences:
+            self.print(sentence)
+
     def print_table(self, table: Table) -> None:
         """Print a table at its own width: squeezed into a narrow terminal it would lose its numbers."""
         before, room = self.width, self.options.update(width=_WIDEST)

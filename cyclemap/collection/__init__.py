@@ -6,7 +6,6 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.collection.anisotropy import Anisotropy
     from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun, batch_experiment
     from cyclemap.collection.cycle import Cycles
     from cyclemap.collection.dynamic_loop import (
@@ -16,11 +15,10 @@ if TYPE_CHECKING:
         compare_dynamics,
         isotropic_twin,
     )
-    from cyclemap.collection.fingerprint import Fingerprint, TurnResponse, fingerprint
+    from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse, fingerprint
     from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
     from cyclemap.collection.fingerprint_prediction import Prediction, predict
-    from cyclemap.collection.loop import CollectionLoop, Cycle, CycleSensitivity, CycleTrajectory
-    from cyclemap.collection.many_cycles import run_cycles
+    from cyclemap.collection.loop import CollectionLoop, Cycle, CycleSensitivity, CycleTrajectory, run_cycles
     from cyclemap.collection.portrait import Portrait, portrait
     from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
     from cyclemap.collection.uncertain_directions import (

@@ -1,21 +1,18 @@
 """Samples a circle map with its slope until polynomials reproduce it, and finds its kinks and jumps."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby, pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number
-from cyclemap.collection.hermite_pieces import HermitePolynomial, Node, left_out_error
 from cyclemap.maps import CircleMap
 
-Sample = Callable[[float], tuple[float, float]]
-SampleMany = Callable[[NDArray[np.float64]], tuple[NDArray[np.float64], NDArray[np.float64]]]
+Sample = Callable[[Array], tuple[Array, Array]]
 
-_FULL_TURN = 2.0 * math.pi
 _FIRST_INTERVALS = 24
 # Halving an interval divides the error of a cubic by 16 where the map is smooth. None of that is counted on when a half
 # is accepted, since a single sample may flatter; an error that does not fall by this much is suspect.
@@ -37,6 +34,87 @@ _SIDE_SHARE = 0.2
 # Intervals that are tried at one more place at the end, the least certain first; where in them, as a share, by the
 # number of their inner nodes: where polynomials through these are off by nearly the most.
 _CHECKED, _OFF_NODES = 12, {0: 0.3, 1: 0.3, 3: 0.1}
+# Cubics are compared at these shares of their width; they are put this much closer than what is seen there asks for.
+_COMPARED, _CLOSER = (0.25, 0.5, 0.75), 1.15
+
+
+@dataclass(frozen=True)
+class Node:
+    """A sample of a function: place, value, slope."""
+
+    theta: float
+    value: float
+    slope: float
+
+    def along_tangent(self, theta: float) -> float:
+        """Value of the tangent at another place."""
+        return self.value + self.slope * (theta - self.theta)
+
+
+@dataclass(frozen=True)
+class HermitePolynomial:
+    """The polynomial of degree 2 k - 1 with the values and slopes of k nodes, by divided differences (Davis 1975, 3.1).
+
+    nodes : ascending, no place twice. differences : Newton's coefficients, to places that come twice each.
+
+    >>> nodes = [Node(x, x**5, 5.0 * x**4) for x in (0.0, 0.5, 2.0)]
+    >>> HermitePolynomial.through(nodes).at(1.5) == (1.5**5, 5.0 * 1.5**4)
+    True
+    """
+
+    nodes: tuple[Node, ...]
+    differences: tuple[float, ...]
+
+    @classmethod
+    def through(cls, nodes: Sequence[Node]) -> "HermitePolynomial":
+        """Return the polynomial that has the values and slopes of the nodes."""
+        places = [node.theta for node in nodes for _ in (0, 1)]
+        column = [node.value for node in nodes for _ in (0, 1)]
+        differences = column[:1]
+        for order in range(1, len(places)):
+            rises = [column[i + 1] - column[i] for i in range(len(column) - 1)]
+            if order == 1:
+                column = [
+                    rise / (places[i + 1] - places[i]) if i % 2 else nodes[i // 2].slope for i, rise in enumerate(rises)
+                ]
+            else:
+                column = [rise / (places[i + order] - places[i]) for i, rise in enumerate(rises)]
+            differences.append(column[0])
+        return cls(tuple(nodes), tuple(differences))
+
+    def at(self, theta: float) -> tuple[float, float]:
+        """Value and slope at a place."""
+        value = slope = 0.0
+        for k in reversed(range(len(self.differences))):
+            off = theta - self.nodes[k // 2].theta
+            slope = slope * off + value
+            value = value * off + self.differences[k]
+        return value, slope
+
+    def refined(self, error: float) -> Iterator[Node]:
+        """Its nodes, and so many between them that cubics from one to the next are within `error` of it."""
+        for low, high in pairwise(self.nodes):
+            count = max(1, math.ceil(_CLOSER * (self._off_cubic(low, high) / error) ** 0.25))
+            width = (high.theta - low.theta) / count
+            yield low
+            for theta in (low.theta + k * width for k in range(1, count)):
+                yield Node(theta, *self.at(theta))
+        yield self.nodes[-1]
+
+    def _off_cubic(self, low: Node, high: Node) -> float:
+        # A cubic between two places misses q by q'''' (s (1 - s) h^2)^2 / 24 at the share s of its width h.
+        width, off = high.theta - low.theta, 0.0
+        for s in _COMPARED:
+            tangents = width * s * (1.0 - s) * ((1.0 - s) * low.slope - s * high.slope)
+            cubic = low.value + s**2 * (3.0 - 2.0 * s) * (high.value - low.value) + tangents
+            off = max(off, abs(cubic - self.at(low.theta + s * width)[0]) / (16.0 * (s * (1.0 - s)) ** 2))
+        return off
+
+
+def left_out_error(nodes: Sequence[Node], number: int) -> float:
+    """Return by how much the polynomial through all nodes but one misses the value of that one."""
+    left = nodes[number]
+    return abs(HermitePolynomial.through([*nodes[:number], *nodes[number + 1 :]]).at(left.theta)[0] - left.value)
 
 
 @dataclass(frozen=True)
@@ -72,7 +150,6 @@ class _Sampler:
     """Work in progress: counts and reports samples, keeps what is finished."""
 
     sample: Sample
-    sample_many: SampleMany | None
     tolerance: float
     progress: Callable[[float], None]
     finished: list[_Interval] = field(default_factory=list)
@@ -84,32 +161,27 @@ class _Sampler:
         return self.nodes([theta])[0]
 
     def nodes(self, theta: list[float]) -> list[Node]:
-        """The nodes at several places: those not known yet in one call, where there is one for that."""
+        """The nodes at several places: those not known yet in one call."""
         new = [t for t in theta if t not in self.known]
-        self.taken += len(new)
-        if self.sample_many is not None and len(new) > 1:
-            value, slope = self.sample_many(np.array(new))
-            found = list(zip(value.tolist(), slope.tolist(), strict=True))
-        else:
-            found = [self.sample(t) for t in new]
-        self.known.update((t, Node(t, *one)) for t, one in zip(new, found, strict=True))
+        if new:
+            self.taken += len(new)
+            columns = (column.tolist() for column in self.sample(np.array(new)))
+            self.known.update((node[0], Node(*node)) for node in zip(new, *columns, strict=True))
         return [self.known[t] for t in theta]
 
     def finish(self, *intervals: _Interval) -> None:
         self.finished.extend(intervals)
         self.covered += sum(interval.width for interval in intervals)
-        self.progress(min(self.covered / _FULL_TURN, 1.0))
+        self.progress(min(self.covered / TWO_PI, 1.0))
 
 
 def sample_circle_map(
     sample: Sample,
-    value: Callable[[float], float],
     tolerance: float,
     progress: Callable[[float], None] | None = None,
     sample_error: float = 0.0,
-    sample_many: SampleMany | None = None,
 ) -> CircleMap:
-    """Return the circle map of degree one that `sample` (theta -> lifted value, slope) gives; `value` gives the first.
+    """Return the circle map of degree one that `sample` gives: thetas (n,), rad -> lifted values (n,), slopes (n,).
 
     Intervals are halved until a polynomial through values and slopes agrees with samples that it does not go through to
     `tolerance` (rad): a cubic or a quintic with the next ones, one of degree nine through five nodes as those through
@@ -118,19 +190,18 @@ def sample_circle_map(
 
     The map's `max_error` is the largest error estimate, checked at further places, plus `sample_error`; it exceeds the
     tolerance where that could not be reached, as on stretches so steep that they cannot be told from a jump.
-    `sample_many`, if given, samples several places at once: thetas (n,) -> values, slopes (n,).
 
-    >>> lift = lambda theta: theta + 0.5 + 0.1 * math.sin(theta)
-    >>> circle = sample_circle_map(lambda theta: (lift(theta), 1.0 + 0.1 * math.cos(theta)), lift, 1e-6)
+    >>> lift = lambda theta: theta + 0.5 + 0.1 * np.sin(theta)
+    >>> circle = sample_circle_map(lambda theta: (lift(theta), 1.0 + 0.1 * np.cos(theta)), 1e-6)
     >>> bool(abs(circle(1.0) - lift(1.0)) < 1e-6), len(circle.breaks)
     (True, 0)
     """
     interpolated = (1.0 - _LOCATED) * positive_number("tolerance", tolerance)
-    sampler = _Sampler(sample, sample_many, interpolated, progress or (lambda fraction: None))
-    nodes = sampler.nodes([_FULL_TURN * k / _FIRST_INTERVALS for k in range(_FIRST_INTERVALS)])
-    nodes.append(Node(_FULL_TURN, nodes[0].value + _FULL_TURN, nodes[0].slope))
+    sampler = _Sampler(sample, interpolated, progress or (lambda fraction: None))
+    nodes = sampler.nodes([TWO_PI * k / _FIRST_INTERVALS for k in range(_FIRST_INTERVALS)])
+    nodes.append(Node(TWO_PI, nodes[0].value + TWO_PI, nodes[0].slope))
     _resolve(sampler, [_Interval(low, high, math.inf) for low, high in pairwise(nodes)])
-    _check(sampler, value)
+    _check(sampler)
     intervals = sorted(sampler.finished, key=lambda interval: interval.low.theta)
     located = _LOCATED * tolerance
     largest = max(interval.error for interval in intervals)
@@ -243,27 +314,22 @@ def _side(low: Node, middle: Node, high: Node, gap: float) -> int:
     return -1 if from_low < from_high else 1
 
 
-def _check(sampler: _Sampler, value: Callable[[float], float]) -> None:
+def _check(sampler: _Sampler) -> None:
     """Try the least certain intervals, and some spread over the circle, off their middle; resolve those that fail."""
     by_error = sorted(sampler.finished, key=lambda interval: interval.error, reverse=True)
     spread = sampler.finished[:: max(1, len(sampler.finished) // _CHECKED)]
     chosen = {id(interval): interval for interval in [*by_error[:_CHECKED], *spread]}
     wide = [interval for interval in chosen.values() if interval.width > 2.0 * _NARROWEST]
     places = [interval.low.theta + _OFF_NODES[len(interval.inner)] * interval.width for interval in wide]
-    for interval, theta, found in zip(wide, places, _values(sampler, value, places), strict=True):
-        error = abs(interval.polynomial.at(theta)[0] - found) + (_FILLED * sampler.tolerance if interval.inner else 0.0)
+    for interval, found in zip(wide, sampler.nodes(places), strict=True):
+        error = abs(interval.polynomial.at(found.theta)[0] - found.value) + (
+            _FILLED * sampler.tolerance if interval.inner else 0.0
+        )
         sampler.finished = [other for other in sampler.finished if other is not interval]
         if error <= sampler.tolerance:
             sampler.finish(replace(interval, error=max(error, interval.error)))
         else:
             _resolve(sampler, [_Interval(interval.low, interval.high, math.inf)])
-
-
-def _values(sampler: _Sampler, value: Callable[[float], float], theta: list[float]) -> list[float]:
-    if sampler.sample_many is None:
-        sampler.taken += len(theta)
-        return [value(t) for t in theta]
-    return [node.value for node in sampler.nodes(theta)]
 
 
 def _assemble(intervals: list[_Interval], max_error: float, filled: float) -> CircleMap:

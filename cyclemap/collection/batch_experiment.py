@@ -6,15 +6,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, whole_number
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.dynamic_loop import DynamicLoop, isotropic_twin
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
-
-Array = NDArray[np.float64]
 
 # Ma & Rodriguez (2018): 600 cycles in 6 batches.
 BATCHES, CYCLES = 6, 100
@@ -84,12 +82,12 @@ class BatchRun:
                 found.append(np.array([end]))
         return tuple(sorted(float(np.angle(np.exp(1j * group).mean()) % (2.0 * np.pi)) for group in found))
 
-    def settled_after(self, within: float = WITHIN) -> Array:
-        """Return the number of cycles (batches,) after which each batch stays `within` (rad) of its last orientation.
+    def settled_after(self) -> Array:
+        """Return the number of cycles (batches,) after which each batch stays within WITHIN (rad) of where it ends.
 
         Where a batch still moves (`directions` is empty) that is no time of settling.
         """
-        off = np.abs(self.theta - self.theta[:, -1:]) > positive_number("within", within)
+        off = np.abs(self.theta - self.theta[:, -1:]) > WITHIN
         return np.array([int(np.flatnonzero(row)[-1]) + 1 if row.any() else 0 for row in off])
 
     @cached_property

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.mechanics import Trajectory
-
-Array = NDArray[np.float64]
 
 OUTLINE_POINTS = 400
 # Where along the rod's path a force is shown.

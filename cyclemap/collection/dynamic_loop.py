@@ -5,18 +5,16 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number
 from cyclemap.collection.cycle import Cycles, StrokePair
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PointFootprint
-from cyclemap.mechanics.dynamics.dynamic_model import GRID, SAMPLES, DynamicModel
-from cyclemap.mechanics.dynamics.dynamic_results import DynamicDrag, DynamicPush, DynamicTrajectory
+from cyclemap.mechanics.dynamic_model import GRID, SAMPLES, DynamicDrag, DynamicModel, DynamicPush, DynamicTrajectory
 from cyclemap.mechanics.pressure_points import pressure_points
-
-Array = NDArray[np.float64]
 
 # What a comparison tells of both models.
 QUANTITIES = ("push_turn", "drag_turn", "theta_next", "push_displacement")
@@ -49,7 +47,7 @@ class DynamicLoop:
 
     loop : the protocol; it stands on its own support points, or else on those that carry its patch's pressure
         (`on_points`).
-    speed (m/s), stiffness (N/m), damping, regularisation, tolerance : as `DynamicModel` takes and checks them.
+    speed (m/s), stiffness (N/m), regularisation, tolerance : as `DynamicModel` takes and checks them.
 
     >>> cycle = DynamicLoop(CollectionLoop.mit()).cycle(0.0)
     >>> round(math.degrees(cycle.push_turn), 1), round(math.degrees(cycle.drag_turn), 1)
@@ -59,7 +57,6 @@ class DynamicLoop:
     loop: CollectionLoop
     speed: float = 0.02
     stiffness: float = 1e6
-    damping: float = 1.0
     regularisation: float = 1e-4
     tolerance: float = 1e-7
 
@@ -74,9 +71,15 @@ class DynamicLoop:
     @cached_property
     def model(self) -> DynamicModel:
         """The mechanics. Raises InvalidInput where the parts do not fit each other."""
-        numbers = (self.speed, self.stiffness, self.damping, self.regularisation, self.tolerance)
         return DynamicModel(
-            self.loop.slider, self.loop.material.friction, self.loop.pusher, on_points(self.loop).footprint, *numbers
+            self.loop.slider,
+            self.loop.material.friction,
+            self.loop.pusher,
+            on_points(self.loop).footprint,
+            self.speed,
+            self.stiffness,
+            regularisation=self.regularisation,
+            tolerance=self.tolerance,
         )
 
     def cycle(self, theta: float, samples: int = SAMPLES) -> DynamicCycle:

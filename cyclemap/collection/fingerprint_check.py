@@ -1,4 +1,4 @@
-"""The full cycle map of a loop, to hold a fingerprint's prediction against."""
+"""The full cycle map of a loop, to hold a fingerprint's prediction against: its fixed points, where it locks in."""
 
 import math
 from collections.abc import Callable
@@ -6,11 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.collection.anisotropy import Anisotropy
-from cyclemap.collection.fingerprint_prediction import PredictedDirection, Prediction
+from cyclemap.arrays import TWO_PI
+from cyclemap.checks import positive_number
+from cyclemap.collection.fingerprint import Anisotropy, with_anisotropy
+from cyclemap.collection.fingerprint_prediction import LockIn, PredictedDirection, Prediction
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, Orbit, fixed_points
+
+# How far (rad) from the first order's place the full map's extremum is looked for.
+_REACH = 0.6
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,3 +97,44 @@ def _checked(direction: PredictedDirection, points: tuple[Orbit, ...]) -> Checke
 
 def _distance(orbit: Orbit, theta: float) -> float:
     return abs(math.remainder(float(orbit.points[0]) - theta, 2.0 * math.pi))
+
+
+def full_lock_in(loop: CollectionLoop, anisotropy: Anisotropy, near: LockIn, tolerance: float = 1e-6) -> LockIn:
+    """Return where the full map begins to lock in, near a first-order prediction.
+
+    The turn's extremum within 0.6 rad of near.theta is followed as the scale varies by a factor of two either
+    way, until it meets a whole number of turns, to `tolerance` in the scale's relative value. Some 100 cycles.
+
+    Raises ConvergenceError where it meets none there, or the extremum goes farther.
+    """
+    from scipy.optimize import brentq, minimize_scalar
+
+    positive_number("scale of a lock-in", near.scale)
+    isotropic = float(with_anisotropy(loop, anisotropy.scaled(0.0)).next_theta(0.0))
+    whole = TWO_PI * round(isotropic / TWO_PI)
+    sign = 1.0 if isotropic > whole else -1.0
+
+    def nearest(scale: float) -> tuple[float, float]:
+        surface = with_anisotropy(loop, anisotropy.scaled(scale))
+        ends = near.theta - _REACH, near.theta + _REACH
+        found = minimize_scalar(
+            lambda theta: sign * (surface.cycle(theta).theta_next - theta - whole),
+            bounds=ends,
+            method="bounded",
+            options={"xatol": 3e-4},
+        )
+        return float(found.fun), float(found.x)
+
+    try:
+        scale = float(brentq(lambda s: nearest(s)[0], 0.5 * near.scale, 2.0 * near.scale, rtol=tolerance))
+    except ValueError as cause:
+        raise ConvergenceError(
+            f"no lock-in between {near.scale / 2:g} and {2 * near.scale:g} of it: {cause}"
+        ) from cause
+    theta = nearest(scale)[1]
+    if abs(theta - near.theta) > 0.99 * _REACH:
+        raise ConvergenceError(
+            f"the turn's extremum goes farther than {_REACH:g} rad from {near.theta:g} rad: the first order does not "
+            "tell where this surface locks in"
+        )
+    return LockIn(scale, theta % TWO_PI)

@@ -1,4 +1,4 @@
-"""What a fingerprint predicts of a surface: its stable directions, with the error of stopping at first order."""
+"""What a fingerprint predicts of a surface: stable directions with their error, and how much of it locks in."""
 
 import cmath
 import math
@@ -6,25 +6,95 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cyclemap.collection.anisotropy import Anisotropy
-from cyclemap.collection.fingerprint import Fingerprint
-from cyclemap.collection.fingerprint_lock_in import FULL_TURN, LockIn, first_order_lock_in, harmonics
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.checks import finite_array
+from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, Orbit, fixed_points, is_nondecreasing, rotation_number
 from cyclemap.mechanics import EllipseFriction
-
-Array = NDArray[np.float64]
 
 # Error over first order, beyond which a first-order law is not to be trusted.
 TRUSTED_RATIO = 0.5
 # The hessian's asymmetry over its largest entry, beyond which differences did not find it: usual protocols
 # have below 0.002, a rod without friction 0.03.
 _KNOWN = 0.02
-_ANGLES = np.arange(7200) * (FULL_TURN / 7200)
+_ANGLES = np.arange(7200) * (TWO_PI / 7200)
 
 LOCKS, DRIFTS, UNDECIDED = "locks", "drifts", "undecided"
+
+
+@dataclass(frozen=True)
+class LockIn:
+    """Where lock-in begins as an anisotropy grows in proportion: a saddle-node at orientation `theta`, rad.
+
+    scale : factor of the anisotropy from which there is a fixed point; inf where no factor gives one (theta nan).
+    """
+
+    scale: float
+    theta: float
+
+
+def first_order_lock_in(response: TurnResponse, anisotropy: Anisotropy) -> LockIn:
+    """Return where the first-order map begins to lock in, exactly.
+
+    Its turn is Ω + scale·h(θ) with h of mean zero: it first meets a whole number of turns at the least or greatest h.
+    For one harmonic that is |Ω| = scale·offset·A₁, Ω taken between -π and π.
+
+    >>> one = TurnResponse(0.1, [2.0, 0.0, 0.0, 0.0], np.zeros((4, 4)))
+    >>> round(first_order_lock_in(one, Anisotropy(1.0, 0.0, 0.0, 0.0)).scale, 12)
+    0.05
+    """
+    theta = stationary_angles(response, anisotropy)
+    if not theta.size:
+        return LockIn(math.inf, math.nan)
+    part = response.first_order(anisotropy.seen_from(theta))
+    low, high = int(np.argmin(part)), int(np.argmax(part))
+    ahead = response.turn % TWO_PI
+    found = (
+        LockIn(float(-ahead / part[low]), float(theta[low])),
+        LockIn(float((TWO_PI - ahead) / part[high]), float(theta[high])),
+    )
+    return min(found, key=lambda lock_in: lock_in.scale)
+
+
+def stationary_angles(response: TurnResponse, anisotropy: Anisotropy) -> Array:
+    """Return angles (k,) in [0, 2π), sorted, among them all extrema of the first-order turn; none where it is constant.
+
+    With z = exp(iθ) the turn is Re(p z + q z²), and its derivative vanishes where 2q z⁴ + p z³ - p̄ z - 2q̄ = 0.
+    """
+    p, q = harmonics(response, anisotropy)
+    largest = max(abs(p), abs(q))
+    if largest == 0.0:
+        return np.zeros(0)
+    p, q = p / largest, q / largest
+    roots = np.roots([2.0 * q, p, 0.0, -p.conjugate(), -2.0 * q.conjugate()])
+    # Roots off the unit circle are no extrema; an angle too many does no harm where the least turn is sought.
+    return np.sort(np.angle(roots[np.abs(roots) > 0.0]) % TWO_PI)
+
+
+def harmonics(response: TurnResponse, anisotropy: Anisotropy) -> tuple[complex, complex]:
+    """Return (p, q), rad: the first-order turn less Ω is Re(p exp(iθ) + q exp(2iθ))."""
+    u_x, u_y, v_x, v_y = anisotropy.seen_from(0.0).tolist()
+    g_x, g_y, k_x, k_y = response.gradient.tolist()
+    return complex(g_x, g_y) * complex(u_x, -u_y), complex(k_x, k_y) * complex(v_x, -v_y)
+
+
+def lock_in_boundary(
+    response: TurnResponse, offset_direction: float, ellipse_direction: float, shares: ArrayLike
+) -> Array:
+    """Return points (..., 2) of (offset, ellipticity) on the lock-in boundary of the first-order map; inf where none.
+
+    `shares` (...): angles in [0, π/2] of rays in that plane, 0 being offset alone. Directions in rad.
+    """
+    rays = finite_array("shares", shares)
+    points = []
+    for angle in rays.ravel().tolist():
+        ray = Anisotropy(max(math.cos(angle), 0.0), offset_direction, max(math.sin(angle), 0.0), ellipse_direction)
+        scale = first_order_lock_in(response, ray).scale
+        points.append([scale * part if part else 0.0 for part in (ray.offset, ray.ellipticity)])
+    return np.array(points).reshape((*rays.shape, 2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +196,7 @@ class Prediction:
     def verdict(self) -> str:
         """`locks` or `drifts` where every map within the error does, else `undecided`."""
         turn, error = self.turn(_ANGLES), self.turn_error(_ANGLES)
-        wholes = FULL_TURN * np.arange(np.floor(turn.min() / FULL_TURN), np.ceil(turn.max() / FULL_TURN) + 1.0)
+        wholes = TWO_PI * np.arange(np.floor(turn.min() / TWO_PI), np.ceil(turn.max() / TWO_PI) + 1.0)
         away = turn[:, None] - wholes
         if np.any(np.any(away > error[:, None], axis=0) & np.any(away < -error[:, None], axis=0)):
             return LOCKS
@@ -135,7 +205,7 @@ class Prediction:
     @cached_property
     def mean_turn(self) -> float | None:
         """Turn of a cycle on the long average, rad; None where the first-order map is folded."""
-        return FULL_TURN * rotation_number(self.map).value if is_nondecreasing(self.map) else None
+        return TWO_PI * rotation_number(self.map).value if is_nondecreasing(self.map) else None
 
     @cached_property
     def slowest(self) -> float:
@@ -173,7 +243,7 @@ class Prediction:
         scaled = Prediction(self.fingerprint, self.anisotropy.scaled(factor))
         part = float(self.fingerprint.cycle.first_order(self.anisotropy.seen_from(self.lock_in.theta)))
         side = -math.copysign(1.0, part)
-        ahead = (side * self.fingerprint.turn) % FULL_TURN
+        ahead = (side * self.fingerprint.turn) % TWO_PI
         turn = ahead + side * (scaled.turn(_ANGLES) - self.fingerprint.turn)
         return float(np.min(turn + sign * scaled.turn_error(_ANGLES)))
 
@@ -238,4 +308,4 @@ def _two_harmonic_map(turn: float, p: complex, q: complex) -> CircleMap:
 
 def _wrapped(angle: ArrayLike) -> Array:
     """Angles (...) in [-π, π)."""
-    return np.asarray((np.asarray(angle, dtype=float) + math.pi) % FULL_TURN - math.pi)
+    return np.asarray((np.asarray(angle, dtype=float) + math.pi) % TWO_PI - math.pi)

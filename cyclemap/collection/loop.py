@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -137,6 +137,13 @@ class CollectionLoop:
         return replace(with_material(cls(slider, surface), surface), **changes)
 
     @classmethod
+    def from_file(cls, path: str | Path, surface: str | Path | None = None) -> "CollectionLoop":
+        """Return the loop of a collection file, such as `cyclemap init` writes; see `read_collection`."""
+        from cyclemap.collection.collection_file import read_collection
+
+        return read_collection(path, surface)
+
+    @classmethod
     def from_settings(cls, settings: dict[str, object], base: "CollectionLoop | None" = None) -> "CollectionLoop":
         """Return `base` (MIT's loop on plywood) with settings in degrees and millimetres, as on the command line."""
         return apply_settings(base or cls.mit(), settings)
@@ -207,22 +214,43 @@ class CollectionLoop:
         sample_error = max(0.1 * tolerance, 1e-10)
         fine = replace(self, accuracy=min(sample_error, 1e-6))
 
-        def value(theta: float) -> float:
-            return fine.cycle(theta).theta_next
+        def sample(theta: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+            batch = run_batch((fine,), theta[None], 1)
+            return batch.theta_next[0], batch.jacobian[0, :, -1, 0]
 
-        return sample_circle_map(
-            fine._value_and_slope, value, 0.9 * tolerance, progress, sample_error, fine._values_and_slopes
-        )
-
-    def _value_and_slope(self, theta: float) -> tuple[float, float]:
-        value, slope = self._values_and_slopes(np.array([theta]))
-        return float(value[0]), float(slope[0])
-
-    def _values_and_slopes(self, theta: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return theta_next and its derivative by theta at orientations (n,)."""
-        batch = run_batch((self,), theta[None], 1)
-        return batch.theta_next[0], batch.jacobian[0, :, -1, 0]
+        return sample_circle_map(sample, 0.9 * tolerance, progress, sample_error)
 
     def strokes(self, theta: float, longest_step: float = math.inf) -> tuple[PushResult, DragResult]:
         """Run the push and the drag of a cycle, their steps no longer than `longest_step` (m)."""
         return self.model.cycle(theta, self.push, self.reset, longest_step)
+
+
+def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
+    """Run one push and reset of each of k loops from each of n orientations: `Cycles` with the axes (k, n).
+
+    Parameters
+    ----------
+    loops : any mixture of materials, protocols, objects and accuracies.
+    theta : (n,), rad, orientations that all loops start from, or (k, n), those of each.
+
+    All of it is one call of the engine, on as many threads as CYCLEMAP_THREADS tells, else one a core; the results do
+    not depend on how many, nor on what else is in the call: they are the numbers of `CollectionLoop.cycle` to the bit.
+
+    Raises what `CollectionLoop.cycle` raises where a cycle is refused, telling which loop and orientation; InvalidInput
+    for loops that are none, or thetas in another shape.
+
+    >>> loops = [CollectionLoop.mit(material) for material in ("plywood", "delrin")]
+    >>> np.degrees(run_cycles(loops, [0.0, 1.0, 2.0]).push_turn).round(2)
+    array([[73.65, 73.93, 70.46],
+           [71.82, 74.22, 71.53]])
+    """
+    for number, loop in enumerate(loops):
+        if not isinstance(loop, CollectionLoop):
+            raise InvalidInput(f"loop {number} must be a CollectionLoop, not {loop!r}")
+    values = finite_array("theta", theta)
+    if values.ndim not in (1, 2) or (values.ndim == 2 and len(values) != len(loops)):
+        raise InvalidInput(
+            f"theta must have shape (n,) for all loops or ({len(loops)}, n), one row a loop, not {values.shape}"
+        )
+    values = np.broadcast_to(values, (len(loops), values.shape[-1])).copy()
+    return Cycles.of_batch(values, run_batch(loops, values))

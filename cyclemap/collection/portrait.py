@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import shorter_way
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
@@ -30,7 +31,6 @@ from cyclemap.maps import (
     sample_staircase,
     transfer_operator,
 )
-from cyclemap.maps.arcs import shorter_way
 from cyclemap.maps.quadrature import circle_rule, gauss_rule
 
 Array = NDArray[np.float64]

@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.cycle_scene import CycleScene, cycle_scene
 from cyclemap.collection.portrait import FULL_TURN, Portrait
 from cyclemap.maps import CircleMap, transfer_operator
-
-Array = NDArray[np.float64]
 
 CURVE_SAMPLES = 1440
 # Surfaces, from fresh to worn, whose densities are averaged.

@@ -1,6 +1,7 @@
 """Settings in degrees and millimetres, by name: what the command line and protocol files change of a loop."""
 
 import math
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -8,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from cyclemap.checks import finite_array, finite_number
 from cyclemap.collection.found_with import plate_footprint
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.mechanics import (
     DragBack,
     Ellipse,
@@ -22,23 +23,71 @@ from cyclemap.mechanics import (
 )
 from cyclemap.mechanics.outline import Outline
 from cyclemap.suggestions import unknown_name
+from cyclemap.whole_files import file_stem
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
 
 Settings = dict[str, object]
 
+# What an outline that is not MIT's is called until it is given a name.
+OWN_OUTLINE = "own outline"
 _FRICTION = {"mu_a": "mu_a", "mu_b": "mu_b", "m0": "m0", "n0": "n0", "phi_deg": "phi"}
 _PUSHER = {"pusher_mu": "friction", "pusher_radius_mm": "radius"}
 _PUSH = {"side": "side", "fraction": "fraction", "angle_deg": "angle", "push_mm": "distance"}
 _OUTLINE = ("shape", "vertices_mm", "semi_x_mm", "semi_y_mm")
-_OTHER = ("hitch_x_mm", "hitch_y_mm", "centre_x_mm", "centre_y_mm", "mass_kg")
+_OTHER = ("object_name", "hitch_x_mm", "hitch_y_mm", "centre_x_mm", "centre_y_mm", "mass_kg")
 _RESET = ("way_points_mm", "pin_friction_mm")
 _SHARES = ("inner_share", "rim_share", "corner_share")
 _PRESSURE = ("footprint", *_SHARES)
 
 
 SETTING_KEYS = (*_FRICTION, *_PUSHER, *_PUSH, *_OUTLINE, *_OTHER, *_RESET, *_PRESSURE)
+
+
+# What an experiment with an own object would else take over from MIT's without a word: keys, and words for them.
+_TO_BE_TOLD = {
+    "the ring": ("hitch_x_mm", "hitch_y_mm"),
+    "the mass": ("mass_kg",),
+    "the pushed side": ("side",),
+    "the place on it": ("fraction",),
+    "the length of the push": ("push_mm",),
+    "the rod": ("pusher_radius_mm",),
+}
+
+
+def layered(*layers: Settings) -> Settings:
+    """Return settings of which later ones win; an outline takes the place of one that was said in another way.
+
+    >>> layered({"shape": "hex", "side": 1}, {"semi_x_mm": 40, "semi_y_mm": 50})
+    {'side': 1, 'semi_x_mm': 40, 'semi_y_mm': 50}
+    """
+    found: Settings = {}
+    for layer in layers:
+        if any(key in layer for key in _OUTLINE):
+            found = {key: value for key, value in found.items() if key not in (*_OUTLINE, "object_name")}
+        found |= layer
+    return found
+
+
+def inherited_defaults(settings: Settings) -> dict[str, tuple[str, ...]]:
+    """Return what the settings of an object that is not MIT's leave to MIT's experiment: words, and the keys.
+
+    >>> inherited_defaults({"semi_x_mm": 40, "semi_y_mm": 50, "side": 0, "fraction": 0.2, "push_mm": 80, "mass_kg": 1})
+    {'the ring': ('hitch_x_mm', 'hitch_y_mm'), 'the rod': ('pusher_radius_mm',)}
+    """
+    if not {"vertices_mm", "semi_x_mm"} & set(settings):
+        return {}
+    return {words: keys for words, keys in _TO_BE_TOLD.items() if not set(keys) & set(settings)}
+
+
+def warn_of_defaults(settings: Settings) -> None:
+    """Warn (`DoubtfulInput`), once, of what an own object takes over from MIT's experiment."""
+    left = inherited_defaults(settings)
+    if left:
+        keys = ", ".join(key for group in left.values() for key in group)
+        told = f"the object is not MIT's, but {', '.join(left)} still are: give {keys}, or begin with cyclemap init"
+        warnings.warn(told, DoubtfulInput, stacklevel=3)
 
 
 def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoop":
@@ -98,14 +147,16 @@ def _slider(slider: Slider, settings: Settings) -> Slider:
     )
     outline = _outline(settings)
     if "shape" in settings:
-        slider = Slider.mit(str(settings["shape"]))
+        slider = Slider.mit(str(settings["shape"]), hitch)
     elif outline is not None:
-        slider = Slider(outline, slider.mass, name="own outline")
+        slider = Slider(outline, slider.mass, hitch=hitch, name=OWN_OUTLINE)
     centre = (
         _number(settings, "centre_x_mm", slider.centre_of_mass[0]),
         _number(settings, "centre_y_mm", slider.centre_of_mass[1]),
     )
-    return replace(slider, hitch=hitch, centre_of_mass=centre, mass=_number(settings, "mass_kg", slider.mass))
+    mass, name = _number(settings, "mass_kg", slider.mass), str(settings.get("object_name", slider.name))
+    file_stem(name)
+    return replace(slider, hitch=hitch, centre_of_mass=centre, mass=mass, name=name)
 
 
 def _outline(settings: Settings) -> Outline | None:

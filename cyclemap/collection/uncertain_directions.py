@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.collection.found_with import sampled_loop
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics.cycle_batch import run_batch
@@ -24,7 +25,6 @@ FIRST_ORDER, SAMPLES = "first order", "samples"
 LEVEL = 0.95
 # The axes' ratio of a material without posterior is varied by this share to tell how much depends on it.
 VARIED = 0.10
-_FULL_TURN = 2.0 * math.pi
 # Nodes of every map, and places of each cell at which its cubic is looked at.
 _NODES, _INSIDE = 48, 16
 # Samples run in full to judge the first order; what it may be off by: a share of the interval's width, at least rad.
@@ -139,7 +139,7 @@ def _with_ratio(loop: CollectionLoop, factor: float) -> CollectionLoop:
 
 def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[Array]:
     """The stable points of each loop's map to first order about that of `loop`."""
-    theta = _FULL_TURN * np.arange(_NODES) / _NODES
+    theta = TWO_PI * np.arange(_NODES) / _NODES
     batch = run_batch((loop,), theta[None], len(PARAMETERS))
     by = dict(zip(PARAMETERS, batch.jacobian[0, :, -1].T, strict=True))
     law = loop.material.friction
@@ -159,7 +159,7 @@ def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[
     slope = batch.jacobian[0, :, -1, 0] - 1.0 + change @ slopes
     number, node = np.indices(turn.shape)
     after = (node + 1) % _NODES
-    cells = np.stack([theta[node], np.full(turn.shape, _FULL_TURN / _NODES), turn, turn[number, after]], -1)
+    cells = np.stack([theta[node], np.full(turn.shape, TWO_PI / _NODES), turn, turn[number, after]], -1)
     cells = np.concatenate([cells, np.stack([slope, slope[number, after]], -1)], -1)
     return _roots(number.ravel(), cells.reshape(-1, 6), len(loops))
 
@@ -203,10 +203,10 @@ def _stable_points(loops: Sequence[CollectionLoop], report: Callable[[float], No
     All maps at once: cells between nodes, each a cubic through values and slopes, are halved where one comes near zero
     turn and is not good enough yet.
     """
-    theta = np.tile(_FULL_TURN * np.arange(_NODES // 2) / (_NODES // 2), (len(loops), 1))
+    theta = np.tile(TWO_PI * np.arange(_NODES // 2) / (_NODES // 2), (len(loops), 1))
     batch = run_batch(loops, theta, 1)
     turn, slope = batch.theta_next - theta, batch.jacobian[:, :, -1, 0] - 1.0
-    width = np.full(theta.shape, _FULL_TURN / theta.shape[1])
+    width = np.full(theta.shape, TWO_PI / theta.shape[1])
     ends = (theta, width, turn, np.roll(turn, -1, 1), slope, np.roll(slope, -1, 1))
     cells, number = np.stack(ends, -1).reshape(-1, 6), np.repeat(np.arange(len(loops)), theta.shape[1])
     done, owner = [], []
@@ -244,7 +244,7 @@ def _cubic(cells: Array, share: Array) -> Array:
 def _offset(cells: Array) -> Array:
     """Turns (n, k) of cells at evenly spread shares of the width, counted from the whole turn nearest to each cell."""
     turn = _cubic(cells, np.linspace(0.0, 1.0, _INSIDE + 1))
-    return np.asarray(turn - _FULL_TURN * np.round(turn[:, [_INSIDE // 2]] / _FULL_TURN))
+    return np.asarray(turn - TWO_PI * np.round(turn[:, [_INSIDE // 2]] / TWO_PI))
 
 
 def _roots(number: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
@@ -256,9 +256,7 @@ def _roots(number: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
     step = cells[cell, 1] / _INSIDE
     theta = cells[cell, 0] + step * (place + high / (high - low))
     stable = (low - high) / step > -2.0
-    found: list[Array] = [
-        np.sort(np.mod(theta[stable & (number[cell] == index)], _FULL_TURN)) for index in range(count)
-    ]
+    found: list[Array] = [np.sort(np.mod(theta[stable & (number[cell] == index)], TWO_PI)) for index in range(count)]
     return found
 
 
@@ -285,7 +283,7 @@ def _intervals(nominal: Array, points: Sequence[Array], span: bool = False) -> t
             told = np.zeros(1)
         ends = (0.0, 1.0) if span else (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL))
         low, high = np.quantile(told, ends, method="linear" if span else "weibull")
-        lower = float((centre + low) % _FULL_TURN)
+        lower = float((centre + low) % TWO_PI)
         theta = float(centre) if nominal.size else None
         found.append(DirectionInterval(theta, lower, lower + float(high - low), len(away) / len(points)))
     return tuple(found)
@@ -296,10 +294,10 @@ def _clusters(points: Array) -> Array:
     if not points.size:
         return points
     order = np.sort(points)
-    gaps = np.diff(order, append=order[0] + _FULL_TURN)
+    gaps = np.diff(order, append=order[0] + TWO_PI)
     order = np.roll(order, -1 - int(np.argmax(gaps)))
-    cuts = np.flatnonzero(np.mod(np.diff(order), _FULL_TURN) > _APART) + 1
-    return np.array([np.angle(np.exp(1j * group).mean()) % _FULL_TURN for group in np.split(order, cuts)])
+    cuts = np.flatnonzero(np.mod(np.diff(order), TWO_PI) > _APART) + 1
+    return np.array([np.angle(np.exp(1j * group).mean()) % TWO_PI for group in np.split(order, cuts)])
 
 
 def _distance(first: Array, other: Array) -> float:
@@ -312,4 +310,4 @@ def _distance(first: Array, other: Array) -> float:
 
 
 def _wrapped(angle: Array | float) -> Array:
-    return np.asarray((np.asarray(angle) + math.pi) % _FULL_TURN - math.pi)
+    return np.asarray((np.asarray(angle) + math.pi) % TWO_PI - math.pi)

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
     from cyclemap.evidence.data_blocks.wrench_twist_block import WrenchTwists, read_wrench_twists, wrench_twist_block
     from cyclemap.evidence.identification.data_block import DataBlock, FunctionBlock
-    from cyclemap.evidence.identification.explanations import compare_explanations
     from cyclemap.evidence.identification.identification import Identification
     from cyclemap.evidence.identification.identify import identify
     from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
@@ -130,7 +129,6 @@ __all__ = [
     "collected_blocks",
     "collection_p_values",
     "compare",
-    "compare_explanations",
     "compare_orientations",
     "comparison_table",
     "contact_force_ratio",

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.harmonic_map import HarmonicMap, harmonic_map
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
@@ -19,8 +19,6 @@ from cyclemap.maps import (
     predict_staircase,
     sample_staircase,
 )
-
-Array = NDArray[np.float64]
 
 # Radians: no angle is measured better than this.
 LEAST_SCATTER = 1e-9

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.dynamic_loop import DynamicLoop, DynamicsComparison, compare_dynamics, isotropic_twin
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.figures.exhibit import BEYOND, PaperFigure
@@ -16,8 +16,6 @@ from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.views.dynamics_page import draw_place_differences, draw_turn_differences, largest
 from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import FORCE, PREDICTED, QUIET, new_figure, picture_style
-
-Array = NDArray[np.float64]
 
 ORIENTATIONS = 12
 # Of the rod, m/s.

@@ -7,22 +7,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only
-from cyclemap.collection.anisotropy import Anisotropy
-from cyclemap.collection.fingerprint import Fingerprint, fingerprint, with_anisotropy
-from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
-from cyclemap.collection.fingerprint_lock_in import first_order_lock_in, full_lock_in, lock_in_boundary
-from cyclemap.collection.fingerprint_prediction import Prediction
+from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, with_anisotropy
+from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction, full_lock_in
+from cyclemap.collection.fingerprint_prediction import Prediction, first_order_lock_in, lock_in_boundary
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.figures.exhibit import BEYOND, PaperFigure
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.views.fingerprint_page import draw_prediction
 from cyclemap.views.panel_parts import legend_above, name_tag
 from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, new_figure, picture_style
-
-Array = NDArray[np.float64]
 
 INCHES = (13.333, 4.6)
 SCALES = 2.0 ** -np.arange(0.0, 6.0)

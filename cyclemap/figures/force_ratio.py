@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.force_ratio_block import SLIDING, STICKING, SlidingForces, sliding_forces
@@ -28,7 +29,6 @@ from cyclemap.mechanics import (
 )
 from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
 
-Array = NDArray[np.float64]
 Chosen = NDArray[np.bool_]
 MM = 1000.0
 FOLDER = "mit_files"

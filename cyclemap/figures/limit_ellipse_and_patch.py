@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.patches import Polygon
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.friction_scan_block import friction_ellipse_from_scans
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
@@ -34,7 +34,6 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-Array = NDArray[np.float64]
 MM = 1000.0
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly away from it.
 SLIDING = math.radians(100.0)

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.errors import ConvergenceError
@@ -15,7 +15,6 @@ from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import Polygon, Trajectory
 
-Array = NDArray[np.float64]
 START = math.radians(215.0)
 # Radians from the stable direction at which the robot counts as locked in.
 LOCKED = math.radians(0.5)

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import FuncFormatter, MultipleLocator
-from numpy.typing import NDArray
 
 from cyclemap.figures.animation import figure_pixels
 from cyclemap.figures.exhibit import Frame
@@ -30,7 +29,6 @@ from cyclemap.views.style import (
 if TYPE_CHECKING:
     from cyclemap.figures.locking_in import LockingIn, Moment
 
-Array = NDArray[np.float64]
 MM = 1000.0
 INCHES, DPI = (7.2, 4.1), 100
 RING_MM, MARGIN_MM = 7.0, 12.0

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import CircleMap, ParametricLift
 
-Array = NDArray[np.float64]
 Range = tuple[float, float]
 LoopAt = Callable[..., CollectionLoop]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cyclemap.checks import non_negative_number, positive_number
-from cyclemap.collection.anisotropy import Anisotropy
+from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.figures.loop_family import LoopAt

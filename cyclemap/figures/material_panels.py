@@ -47,7 +47,7 @@ def draw_materials(materials: Sequence[One], draw_one: Callable[[Axes, One], Non
     return figure
 
 
-def as_simulated(axes: Axes, columns: int = 2) -> None:
+def as_simulated(axes: Axes) -> None:
     """Show what a view drew as measured for what it is here: simulated, in grey, in the legend too."""
     for artist in axes.get_children():
         if artist.get_label() != "measured":
@@ -57,7 +57,7 @@ def as_simulated(axes: Axes, columns: int = 2) -> None:
             artist.set_color(QUIET)
         elif isinstance(artist, Patch):
             artist.set(facecolor=SIMULATED_FILL, edgecolor=QUIET)
-    legend_above(axes, columns)
+    legend_above(axes, 2)
 
 
 def foot_note(figure: Figure, words: str) -> None:

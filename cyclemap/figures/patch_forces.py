@@ -6,12 +6,10 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import PointFootprint, grid_footprint
-
-Array = NDArray[np.float64]
 
 GRID = 8
 # The instant is after this share of the push's way.
@@ -39,7 +37,7 @@ class PatchForces:
     outline: Array
 
 
-def patch_forces(loop: CollectionLoop, theta: float = 0.0, share: float = SHARE) -> PatchForces:
+def patch_forces(loop: CollectionLoop, theta: float = 0.0) -> PatchForces:
     """Return the forces on the 8 x 8 grid of `loop` during its push from `theta` (rad).
 
     The twist is the slope of the computed course, by central differences; that it balances the rod is not used.
@@ -47,7 +45,7 @@ def patch_forces(loop: CollectionLoop, theta: float = 0.0, share: float = SHARE)
     footprint = grid_footprint(loop.slider.outline, GRID)
     gridded = replace(loop, footprint=footprint)
     course = gridded.model.push(gridded.start_pose(theta), loop.push, loop.push.distance / _STEPS).trajectory
-    at = int(np.searchsorted(course.path, share * course.path[-1]))
+    at = int(np.searchsorted(course.path, SHARE * course.path[-1]))
     pose = course.pose[at]
     slope = (course.pose[at + 1] - course.pose[at - 1]) / (course.path[at + 1] - course.path[at - 1])
     twist = np.array([*_turned_back(slope[:2], pose[2]), slope[2]])

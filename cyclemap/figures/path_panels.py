@@ -7,13 +7,12 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.figures.measured_sets import listed, not_found
 from cyclemap.figures.pushed_paths import MEASURED_THETA0, RECORDED, SIMULATED, PushedPaths
 from cyclemap.figures.simulated_collections import NOISE
 
-Array = NDArray[np.float64]
 MM = 1000.0
 ORIGINS = (RECORDED, MEASURED_THETA0, SIMULATED)
 # From a blue that still shows on white to nearly black: a darker shade is a larger turn, in a grey print too.

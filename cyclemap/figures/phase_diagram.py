@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
 
-from cyclemap.collection.anisotropy import Anisotropy
-from cyclemap.collection.fingerprint import TurnResponse, fingerprint
-from cyclemap.collection.fingerprint_lock_in import first_order_lock_in
+from cyclemap.arrays import Array
+from cyclemap.collection.fingerprint import Anisotropy, TurnResponse, fingerprint
+from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.figures.exhibit import BEYOND, PaperFigure
 from cyclemap.figures.loop_family import LoopFamily, chebyshev_nodes, loop_family
@@ -24,7 +24,6 @@ from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.maps import RotationPlane, rotation_plane
 from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE, new_figure, picture_style
 
-Array = NDArray[np.float64]
 MM = 1000.0
 RADII, SCALES = (0.006, 0.034), (0.0, 1.5)
 # Turns a cycle, to which the shade is computed.

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
@@ -22,8 +23,6 @@ from cyclemap.figures.measured_sets import measured_run, measured_theta0
 from cyclemap.figures.push_records import push_file_names, readable_pushes
 from cyclemap.figures.simulated_collections import NOISE, STANDS_FOR
 from cyclemap.maps import DriftingMap, sample_staircase
-
-Array = NDArray[np.float64]
 
 CYCLES, DRAWN = 2000, 250
 RECORDED, MEASURED_THETA0, SIMULATED = "recorded", "from measured θ0", "simulated"

@@ -12,6 +12,7 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import FuncFormatter, NullFormatter
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.figures.exhibit import BEYOND, PaperFigure
@@ -21,7 +22,6 @@ from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
 from cyclemap.views.style import INK, MEASURED, PREDICTED, QUIET, UNSTABLE, degree_axis, new_figure, picture_style
 
-Array = NDArray[np.float64]
 MM = 1000.0
 RADII = (0.008, 0.0155)
 SHOWN = (0.013, 0.0085)

@@ -9,15 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.patches import Circle, Polygon
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, cycle_scene, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.figures.exhibit import PaperFigure
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET, new_figure, picture_style
 
-Array = NDArray[np.float64]
 MM = 1000.0
 # Where the first cycle starts: there the cycle turns the object enough to be seen.
 START = math.radians(270.0)

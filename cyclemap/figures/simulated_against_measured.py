@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
@@ -33,7 +33,6 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-Array = NDArray[np.float64]
 SURFACE = "plywood"
 # As in the paper.
 GRID = 8

@@ -7,8 +7,9 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
@@ -28,8 +29,6 @@ from cyclemap.maps import (
     sample_staircase,
     transfer_operator,
 )
-
-Array = NDArray[np.float64]
 
 # The material that stands for each of the paper's: for plywood the one inferred from the measured staircase, since it
 # alone wears and climbs as the robot saw it; Table I's plywood locks in and stays.

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import ConvergenceError, InvalidInput
@@ -45,7 +45,6 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-Array = NDArray[np.float64]
 # The ring, in metres, a tenth of a millimetre inside the saddle-node; cycles drawn as a staircase.
 RADIUS, DRAWN = 0.0097, 800
 SAMPLED = "#9db8d2"

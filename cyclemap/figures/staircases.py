@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.evidence.tables.turn_pace import full_turns
 from cyclemap.figures.exhibit import PaperFigure
 from cyclemap.figures.material_panels import draw_materials
@@ -23,8 +23,6 @@ from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.record_panels import draw_staircase
 from cyclemap.views.style import PREDICTED_FILL
 
-Array = NDArray[np.float64]
-FULL_TURN = 2 * np.pi
 DEFAULT_RUNS = 200
 # A path has left a direction when it is further from it than this (rad).
 AWAY = float(np.deg2rad(30.0))
@@ -45,7 +43,7 @@ class Climb:
     @property
     def turns(self) -> float:
         """Full turns from the first push to the last."""
-        return float(self.path[-1] - self.path[0]) / FULL_TURN
+        return float(self.path[-1] - self.path[0]) / TWO_PI
 
     @property
     def first_stay(self) -> int:
@@ -96,7 +94,7 @@ def _material(measured: MeasuredFolder, surface: str, run: SampledRun, runs: int
     starts = np.full(runs, run.run.start)
     paths = sample_staircases(run.map, NOISE, run.run.cycles - 1, starts, run.run.seed + 1)
     lower, upper = np.quantile(paths, [0.025, 0.975], axis=0)
-    turns = (paths[:, -1] - paths[:, 0]) / FULL_TURN
+    turns = (paths[:, -1] - paths[:, 0]) / TWO_PI
     pairs = measured_theta0(measured, surface)
     path = None if pairs is None else pairs.path
     recorded = None if path is None else climb_of(beside(path, run.run.start), level)
@@ -109,7 +107,7 @@ def beside(path: Array, start: float) -> Array:
     >>> beside(np.array([6.4, 6.5]), 0.0).round(3).tolist()
     [0.117, 0.217]
     """
-    return np.asarray(path - FULL_TURN * np.round((path[0] - start) / FULL_TURN))
+    return np.asarray(path - TWO_PI * np.round((path[0] - start) / TWO_PI))
 
 
 def climb_of(path: Array, level: float) -> Climb:

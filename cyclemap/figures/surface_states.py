@@ -7,13 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.maps import CircleMap
-
-Array = NDArray[np.float64]
 
 # Radians: accuracy of the cycle maps, far below the noise of a cycle.
 MAP_TOLERANCE = 1e-4

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.evidence import PushStatistics, push_statistics
 from cyclemap.evidence.published.published_statistics import PUBLISHED_CYCLES
 from cyclemap.figures.exhibit import PaperTable
@@ -14,8 +14,6 @@ from cyclemap.figures.material_pushes import QUANTITIES, MaterialPushes, absent,
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.measured_sets import not_found
 from cyclemap.figures.simulated_collections import PAPER, Sampling
-
-Array = NDArray[np.float64]
 
 _COLUMNS = [word for name, unit, _ in QUANTITIES for word in (f"{name} mean ({unit})", f"std ({unit})", "% of mean")]
 HEADER = ("material", "source", "pushes", *_COLUMNS)

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
 from cyclemap.figures.exhibit import PaperFigure
 from cyclemap.figures.material_panels import draw_materials
@@ -20,7 +21,6 @@ from cyclemap.views.panel_parts import legend_above, name_tag
 from cyclemap.views.record_panels import PER_DEGREE, draw_measured_histogram
 from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis
 
-Array = NDArray[np.float64]
 UNIFORM = 1.0 / (2 * np.pi)
 # A maximum of the density counts as a peak from this many times the uniform density on.
 LEAST_PEAK = 0.5
@@ -65,14 +65,14 @@ class DirectionHistograms:
     materials: tuple[MaterialDirections, ...]
 
 
-def share_near(theta: ArrayLike, directions: ArrayLike, reach: float = NEAR) -> float:
-    """The share of the angles (n,), rad, within ``reach`` (rad) of one of the directions (k,).
+def share_near(theta: ArrayLike, directions: ArrayLike) -> float:
+    """The share of the angles (n,), rad, within NEAR (rad) of one of the directions (k,).
 
     >>> share_near([0.1, 3.0, 6.2], [0.0])
     0.6666666666666666
     """
     apart = np.cos(np.subtract.outer(np.asarray(theta, dtype=float), np.asarray(directions, dtype=float)))
-    return float(np.mean((apart >= np.cos(reach)).any(axis=-1)))
+    return float(np.mean((apart >= np.cos(NEAR)).any(axis=-1)))
 
 
 def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> DirectionHistograms:

@@ -5,16 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.evidence.published.published_statistics import published_statistics
 from cyclemap.figures.exhibit import PaperFigure
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.path_panels import MM, draw_paths, material_sentence, panel_title, shade_bar, turn_shades
 from cyclemap.figures.pushed_paths import CYCLES, DRAWN, PushedPaths, paths_on_four_surfaces
 from cyclemap.views.style import QUIET, new_figure, picture_style
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

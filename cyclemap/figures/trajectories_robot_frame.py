@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.evidence.orientations.orientation_modes import angle_between
 from cyclemap.evidence.theta0.theta0_statistics import angle_histogram
 from cyclemap.figures.exhibit import PaperFigure
@@ -16,7 +16,6 @@ from cyclemap.figures.path_panels import MM, draw_paths, material_sentence, pane
 from cyclemap.figures.pushed_paths import CYCLES, DRAWN, PushedPaths, crossing_pairs, paths_on_four_surfaces
 from cyclemap.views.style import FORCE, QUIET, new_figure, picture_style
 
-Array = NDArray[np.float64]
 Arc = tuple[float, float]
 
 # A direction is crowded where it is recorded this many times as often as if all were recorded alike.

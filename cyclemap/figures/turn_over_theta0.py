@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.evidence.tables.law_table import MotionLaw
 from cyclemap.figures.exhibit import PaperFigure
 from cyclemap.figures.material_panels import as_simulated, draw_materials
@@ -19,7 +19,6 @@ from cyclemap.views.fit_panels import CIRCLE, draw_law
 from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import INK, QUIET
 
-Array = NDArray[np.float64]
 # Share of the pushes whose arc is told.
 MOST = 0.95
 

@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.wearing_loop import worn_loop
@@ -30,7 +30,6 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-Array = NDArray[np.float64]
 MATERIAL = "plywood-measured"
 AGES = (250, 1000, 1750)
 # Cycles: pushes that far from an age say where the measured map of that age is known.

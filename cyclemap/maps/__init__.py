@@ -20,21 +20,21 @@ if TYPE_CHECKING:
         saddle_nodes,
     )
     from cyclemap.maps.families.continuation import OrbitBranch, follow_orbit
+    from cyclemap.maps.families.orbit_diagram import (
+        LyapunovExponents,
+        OrbitDiagram,
+        lyapunov_exponents,
+        orbit_diagram,
+    )
     from cyclemap.maps.families.parameter_tangent import ParameterTangent, parameter_tangent
     from cyclemap.maps.families.special_points import Bifurcation
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
     from cyclemap.maps.lifts.circle_map import CircleMap
     from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
-    from cyclemap.maps.mixtures.fourier_law import FourierLaw
-    from cyclemap.maps.mixtures.independent_sum import IndependentSum
-    from cyclemap.maps.mixtures.law_evolution import law_after, stationary_fourier_law
-    from cyclemap.maps.mixtures.mixture_operator import MixtureOperator, mixture_operator
-    from cyclemap.maps.mixtures.periodic_schedule import PeriodicSchedule
-    from cyclemap.maps.mixtures.random_map import RandomMap, sample_random_paths
-    from cyclemap.maps.mixtures.start_ensemble import StartEnsemble
-    from cyclemap.maps.mixtures.worst_start import ReachTime, WorstStart
     from cyclemap.maps.noise.local_noise import LocalNoise
-    from cyclemap.maps.noise.noise_law import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
+    from cyclemap.maps.noise.noise import Noise, WrappedCauchy, WrappedNormal
+    from cyclemap.maps.noise.uniform_noise import UniformNoise
+    from cyclemap.maps.noise.von_mises import VonMises
     from cyclemap.maps.operator.lyapunov import lyapunov_exponent
     from cyclemap.maps.operator.metastable_sets import MetastableSets, metastable_sets
     from cyclemap.maps.operator.response import Response
@@ -42,29 +42,38 @@ if TYPE_CHECKING:
     from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
     from cyclemap.maps.orbits.basins import Basin, basins
     from cyclemap.maps.orbits.diagonal import JumpCrossing
-    from cyclemap.maps.orbits.periodic_orbits import Orbit, crossings_by_jump, fixed_points, periodic_orbits
-    from cyclemap.maps.orbits.periodic_points import PeriodicPoints, periodic_points
+    from cyclemap.maps.orbits.periodic_points import (
+        Orbit,
+        PeriodicPoints,
+        crossings_by_jump,
+        fixed_points,
+        periodic_orbits,
+        periodic_points,
+    )
     from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
     from cyclemap.maps.passages.log_passage import log10_passage_time
-    from cyclemap.maps.passages.passage_response import (
-        HittingResponse,
+    from cyclemap.maps.passages.passage_times import (
         PassageResponse,
-        hitting_response,
+        hitting_probability,
+        mean_passage_time,
         passage_response,
     )
-    from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
-    from cyclemap.maps.passages.quasi_stationary import QuasiStationaryLaw, quasi_stationary_law, survival_probabilities
-    from cyclemap.maps.passages.slips import Slip, slip_probabilities
-    from cyclemap.maps.rotation.birkhoff import birkhoff_average
+    from cyclemap.maps.passages.quasi_stationary import (
+        QuasiStationaryDistribution,
+        Slip,
+        quasi_stationary_distribution,
+        slip_probabilities,
+        survival_probabilities,
+    )
     from cyclemap.maps.rotation.envelopes import is_nondecreasing, lower_envelope, upper_envelope
-    from cyclemap.maps.rotation.rotation_batch import RotationNumbers, rotation_numbers
     from cyclemap.maps.rotation.rotation_number import (
         RotationInterval,
         RotationNumber,
+        birkhoff_average,
         rotation_interval,
         rotation_number,
     )
-    from cyclemap.maps.rotation.rotation_plane import RotationPlane, rotation_plane
+    from cyclemap.maps.rotation.rotation_numbers import RotationNumbers, RotationPlane, rotation_numbers, rotation_plane
     from cyclemap.maps.staircases.drifting_map import DriftingMap, DriftSummary, predict_drift
     from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary, predict_staircase
     from cyclemap.maps.staircases.staircase import Staircase, sample_staircase, sample_staircases
@@ -83,24 +92,19 @@ __all__ = [
     "DriftSummary",
     "DriftingMap",
     "Estimate",
-    "FourierLaw",
-    "HittingResponse",
-    "IndependentSum",
     "JumpCrossing",
     "LocalNoise",
+    "LyapunovExponents",
     "MetastableSets",
-    "MixtureOperator",
     "Noise",
     "Orbit",
     "OrbitBranch",
+    "OrbitDiagram",
     "ParameterTangent",
     "ParametricLift",
     "PassageResponse",
     "PeriodicPoints",
-    "PeriodicSchedule",
-    "QuasiStationaryLaw",
-    "RandomMap",
-    "ReachTime",
+    "QuasiStationaryDistribution",
     "Response",
     "RotationInterval",
     "RotationNumber",
@@ -112,7 +116,6 @@ __all__ = [
     "Spectrum",
     "Staircase",
     "StaircaseSummary",
-    "StartEnsemble",
     "StepComparison",
     "Steps",
     "Tongue",
@@ -120,7 +123,6 @@ __all__ = [
     "TransferOperator",
     "UniformNoise",
     "VonMises",
-    "WorstStart",
     "WrappedCauchy",
     "WrappedNormal",
     "basins",
@@ -136,18 +138,17 @@ __all__ = [
     "fixed_points",
     "follow_orbit",
     "hitting_probability",
-    "hitting_response",
     "inverse",
     "is_nondecreasing",
-    "law_after",
     "log10_passage_time",
     "lower_envelope",
     "lyapunov_exponent",
+    "lyapunov_exponents",
     "mean_passage_time",
     "metastable_sets",
-    "mixture_operator",
     "nth_iterate",
     "orbit_branches",
+    "orbit_diagram",
     "parameter_tangent",
     "passage_response",
     "period_doublings",
@@ -156,19 +157,17 @@ __all__ = [
     "predict_drift",
     "predict_staircase",
     "preimages",
-    "quasi_stationary_law",
+    "quasi_stationary_distribution",
     "rotation_interval",
     "rotation_number",
     "rotation_numbers",
     "rotation_plane",
     "saddle_nodes",
-    "sample_random_paths",
     "sample_staircase",
     "sample_staircases",
     "shifted",
     "slip_probabilities",
     "slow_passages",
-    "stationary_fourier_law",
     "survival_probabilities",
     "tongue",
     "tongues",

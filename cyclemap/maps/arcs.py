@@ -1,19 +1,17 @@
-"""Arcs of the circle, and the array type and full turn that this room shares."""
+"""Arcs of the circle."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.checks import finite_array, finite_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.rounding import ANGLE
+from cyclemap.maps.estimate import ANGLE
 
-Array = npt.NDArray[np.float64]
 Arc = tuple[float, float]
-TWO_PI = 2.0 * np.pi
 
 
 def arc_ends(arc: Any, name: str, whole: bool = False) -> tuple[float, float]:
@@ -54,8 +52,3 @@ def arcs_between(a: Arc, b: Arc) -> tuple[Arc, ...]:
         raise InvalidInput(f"arc_a {a} and arc_b {b} overlap: give disjoint arcs")
     rest = [(a[1], begin), (finish, a[0] + TWO_PI)]
     return tuple(ends for ends in rest if ends[1] - ends[0] > 1e-14)
-
-
-def shorter_way(angle: Any) -> Array:
-    """The same angles, radians, any shape, taken the shorter way round: in [-π, π)."""
-    return np.asarray(np.mod(np.asarray(angle) + np.pi, TWO_PI) - np.pi)

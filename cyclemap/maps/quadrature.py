@@ -11,12 +11,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.lifts.circle_map import SNAP, CircleMap
-from cyclemap.maps.orbits.bracketing import bracketed_root
-from cyclemap.maps.orbits.scan import Cells, monotone_cells
+from cyclemap.maps.orbits.scan import Cells, bracketed_root, monotone_cells
 
 MAX_NODES = 400_000
 _PANELS = 8  # panels a turn at least, where the map is given by formulas

@@ -6,8 +6,13 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.mechanics.dynamics.dynamic_model import DynamicModel
-    from cyclemap.mechanics.dynamics.dynamic_results import DynamicDrag, DynamicPush, DynamicTrajectory, EnergyBalance
+    from cyclemap.mechanics.dynamic_model import (
+        DynamicDrag,
+        DynamicModel,
+        DynamicPush,
+        DynamicTrajectory,
+        EnergyBalance,
+    )
     from cyclemap.mechanics.footprint import (
         Footprint,
         PatchFootprint,
@@ -17,9 +22,7 @@ if TYPE_CHECKING:
         load_footprint,
         parse_footprint,
     )
-    from cyclemap.mechanics.friction import EllipseFriction
-    from cyclemap.mechanics.friction_wear import worn_friction
-    from cyclemap.mechanics.limit_surface import LimitSurface
+    from cyclemap.mechanics.friction import EllipseFriction, LimitSurface, worn_friction
     from cyclemap.mechanics.material import (
         CycleNoise,
         FoundWith,
@@ -32,11 +35,10 @@ if TYPE_CHECKING:
     )
     from cyclemap.mechanics.material_text import material_toml
     from cyclemap.mechanics.outline import Ellipse, Polygon
-    from cyclemap.mechanics.protocol import DragBack, Pose, SidePush, WorldPush
-    from cyclemap.mechanics.pusher import Pusher
-    from cyclemap.mechanics.quasi_static import DragResult, PushResult, QuasiStaticModel
+    from cyclemap.mechanics.protocol import DragBack, Pose, Pusher, SidePush, WorldPush
+    from cyclemap.mechanics.quasi_static import QuasiStaticModel
     from cyclemap.mechanics.slider import MIT_HITCH, MIT_SHAPE_NAMES, Slider
-    from cyclemap.mechanics.trajectory import Trajectory
+    from cyclemap.mechanics.trajectory import DragResult, PushResult, Trajectory
 else:
     import_on_first_use(__name__)
 

@@ -8,16 +8,16 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.strokes import PARAMETERS, Strokes
 from cyclemap.mechanics.footprint import PatchFootprint
 from cyclemap.mechanics.outline import Ellipse
 from cyclemap.mechanics.protocol import DragBack, SidePush
-from cyclemap.mechanics.quasi_static import DragResult, PushResult, QuasiStaticModel, refusal, run_strokes
+from cyclemap.mechanics.quasi_static import QuasiStaticModel, refusal, run_strokes
+from cyclemap.mechanics.trajectory import DragResult, PushResult
 from cyclemap.suggestions import unknown_name
-
-Array = NDArray[np.float64]
 
 # What a cycle gives, and what a stroke from a given pose along a given path can be differentiated by.
 CYCLE_OUTPUTS = ("push_turn", "push_dx", "push_dy", "drag_turn", "drag_length", "theta_next")
@@ -174,15 +174,19 @@ def _turned_by(push: PushResult) -> float:
     return push.start.theta if push.course.strokes.from_target else 0.0
 
 
+def derivative_units(model: QuasiStaticModel, names: tuple[str, ...]) -> Array:
+    """Return what derivatives by the engine's parameters `names` are to be multiplied by, (k,), to be those by SI."""
+    factors = ((1.0 / model.unit, _LENGTHS), (1.0 / model.scale, _FRICTION))
+    return np.array([next((factor for factor, members in factors if name in members), 1.0) for name in names])
+
+
 def _units(model: QuasiStaticModel, names: tuple[str, ...]) -> Array:
-    """What derivatives by normalised parameters are to be multiplied by; nan for shares that there cannot be."""
-    footprint, factors = model.pressure, []
-    for name in names:
-        factor = 1.0 / model.unit if name in _LENGTHS else 1.0 / model.scale if name in _FRICTION else 1.0
+    """The same; nan for shares that there cannot be."""
+    footprint, units = model.pressure, derivative_units(model, names)
+    for index, name in enumerate(names):
         if name.endswith("_share"):
             has = isinstance(footprint, PatchFootprint) and (
                 footprint.has_frame if name != "corner_share" else not isinstance(footprint.outline, Ellipse)
             )
-            factor = 1.0 if has else math.nan
-        factors.append(factor)
-    return np.array(factors)
+            units[index] = 1.0 if has else math.nan
+    return units

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from cyclemap.mechanics.contact_curve import CornerPiece, EllipsePiece, OutlinePiece, SidePiece
 from cyclemap.mechanics.outline import Ellipse, Outline
 
+Array = NDArray[np.float64]
 Touch = tuple[float, int, float]
 
 # Pieces reach this far over their ends, so that rounding leaves no gap where they meet; by the second, per radius, as
@@ -17,11 +18,11 @@ _SEAM, _WEDGE_SEAM = 1e-12, 1e-8
 _SAME_TRAVEL = 1e-12
 # A rod this far inside still counts as touching.
 _OVERLAP = 1e-9
+# Halvings that find an angle to rounding.
+_HALVINGS = 54
 
 
-def first_touch(
-    pieces: tuple[OutlinePiece, ...], radius: float, start: NDArray[np.float64], direction: float
-) -> Touch | None:
+def first_touch(pieces: tuple[OutlinePiece, ...], radius: float, start: Array, direction: float) -> Touch | None:
     """Return (travel, piece, coordinate) of the first touch, None if there is none; everything in the slider's frame.
 
     The rod must not overlap the object at its start. Where it touches two pieces at once, in a wedge, one of them is
@@ -29,109 +30,149 @@ def first_touch(
     """
     toward = np.array((math.cos(direction), math.sin(direction)))
     seam = _SEAM + _WEDGE_SEAM * radius
-    touches: list[tuple[Touch, float]] = []
+    touches: list[tuple[float, Touch]] = []
     for index, piece in enumerate(pieces):
         for travel, coordinate in _meetings(piece, radius, start, toward):
             contact, _ = piece.contact(coordinate, radius)
             enters = math.cos(contact.normal - direction) < 0.0
-            ahead = travel >= -_OVERLAP
             beyond = max(piece.low - coordinate, coordinate - piece.high, 0.0)
-            if ahead and enters and beyond <= seam:
-                touches.append(((travel, index, min(max(coordinate, piece.low), piece.high)), beyond))
+            if travel >= -_OVERLAP and enters and beyond <= seam:
+                touches.append((beyond, (travel, index, min(max(coordinate, piece.low), piece.high))))
     if not touches:
         return None
-    first = min(touch[0] for touch, _ in touches)
-    same = [(beyond, touch) for touch, beyond in touches if touch[0] <= first + _SAME_TRAVEL]
-    travel, index, coordinate = min(same)[1]
+    first = min(travel for _, (travel, _, _) in touches)
+    travel, index, coordinate = min(touch for touch in touches if touch[1][0] <= first + _SAME_TRAVEL)[1]
     return max(travel, 0.0), index, coordinate
 
 
-def overlaps(outline: Outline, radius: float, place: NDArray[np.float64]) -> bool:
+def first_touches(
+    pieces: tuple[OutlinePiece, ...], radius: float, starts: NDArray[np.float64], directions: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
+    """Return travel, piece and coordinate (n,) of the first touches of rods from starts (n, 2) in directions (n,), rad.
+
+    A rod that starts inside touched behind its start: its travel is negative. nan where a rod meets nothing.
+    Otherwise as `first_touch`, many at once.
+    """
+    count = len(starts)
+    toward = np.column_stack([np.cos(directions), np.sin(directions)])
+    travels, entering, coordinates, owners = [], [], [], []
+    for index, piece in enumerate(pieces):
+        for travel, coordinate, enters in _crossings(piece, radius, starts, toward):
+            beyond = np.maximum(np.maximum(piece.low - coordinate, coordinate - piece.high), 0.0)
+            on = np.isfinite(travel) & (beyond <= _SEAM + _WEDGE_SEAM * radius)
+            travels.append(np.where(on, travel, np.nan))
+            entering.append(on & enters)
+            coordinates.append(np.clip(coordinate, piece.low, piece.high))
+            owners.append(index)
+    crossed, enters = np.array(travels), np.array(entering)
+    # Inside, the last crossing behind the start was an entry: that one counts, else the first entry ahead.
+    behind = np.where(crossed < -_OVERLAP, crossed, -np.inf)
+    last, column = np.argmax(behind, axis=0), np.arange(count)
+    inside = np.isfinite(behind[last, column]) & enters[last, column]
+    ahead = np.where(enters & (crossed >= -_OVERLAP), crossed, np.inf)
+    chosen = np.where(inside, last, np.argmin(ahead, axis=0))
+    known = inside | np.isfinite(ahead[chosen, column])
+    return (
+        np.where(known, crossed[chosen, column], np.nan),
+        np.array(owners)[chosen],
+        np.array(coordinates)[chosen, column],
+    )
+
+
+def _crossings(
+    piece: OutlinePiece, radius: float, starts: NDArray[np.float64], toward: NDArray[np.float64]
+) -> list[tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]]:
+    """Where lines cross a piece of the contact curve: travel, coordinate, and whether they enter there, (n,) each."""
+    if isinstance(piece, SidePiece):
+        normal = np.array((math.cos(piece.normal), math.sin(piece.normal)))
+        closing = toward @ normal
+        with np.errstate(divide="ignore", invalid="ignore"):
+            travel = ((np.asarray(piece.start) - starts) @ normal + radius) / closing
+            place = starts + travel[:, None] * toward
+        return [(travel, (place - piece.start) @ np.asarray(piece.direction), closing < 0.0)]
+    if isinstance(piece, CornerPiece):
+        lever = starts - np.asarray(piece.corner)
+        along = np.sum(lever * toward, axis=1)
+        with np.errstate(invalid="ignore"):
+            half = np.sqrt(along**2 - np.sum(lever * lever, axis=1) + radius**2)
+        found, middle = [], 0.5 * (piece.low + piece.high)
+        for sign in (-1.0, 1.0):
+            x, y = (lever + (sign * half - along)[:, None] * toward).T
+            angle = middle + np.remainder(np.arctan2(y, x) - middle + np.pi, 2.0 * np.pi) - np.pi
+            found.append((sign * half - along, angle, np.full(len(starts), sign < 0.0)))
+        return found
+    a, b, found = piece.semi_x, piece.semi_y, []
+    for sign in (-1.0, 1.0):
+        # Between the two tangents along the path the distance from it changes sign once.
+        middle = np.arctan2(sign * toward[:, 1], sign * toward[:, 0])
+        low = np.arctan2(b * np.sin(middle - np.pi / 2.0), a * np.cos(middle - np.pi / 2.0))
+        high = np.arctan2(b * np.sin(middle + np.pi / 2.0), a * np.cos(middle + np.pi / 2.0))
+        high = low + np.remainder(high - low, 2.0 * np.pi)
+        aside, _ = _from_line(piece, radius, low, starts, toward)
+        meets = aside * _from_line(piece, radius, high, starts, toward)[0] < 0.0
+        for _ in range(_HALVINGS):
+            angle = 0.5 * (low + high)
+            same = _from_line(piece, radius, angle, starts, toward)[0] * aside > 0.0
+            low, high = np.where(same, angle, low), np.where(same, high, angle)
+        travel = _from_line(piece, radius, angle, starts, toward)[1]
+        found.append((np.where(meets, travel, np.nan), angle, np.full(len(starts), sign < 0.0)))
+    return found
+
+
+def _from_line(
+    piece: EllipsePiece,
+    radius: float,
+    angle: NDArray[np.float64],
+    starts: NDArray[np.float64],
+    toward: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """How far the rod's centre at an eccentric angle is beside the line, and along it."""
+    c, s = np.cos(angle), np.sin(angle)
+    speed = np.hypot(piece.semi_y * c, piece.semi_x * s)
+    x = piece.semi_x * c + radius * piece.semi_y * c / speed - starts[:, 0]
+    y = piece.semi_y * s + radius * piece.semi_x * s / speed - starts[:, 1]
+    return toward[:, 0] * y - toward[:, 1] * x, toward[:, 0] * x + toward[:, 1] * y
+
+
+def overlaps(outline: Outline, radius: float, place: Array) -> bool:
     """Whether a rod at a place reaches into an outline."""
-    if bool(outline.contains(place)):
-        return True
-    if isinstance(outline, Ellipse):
-        gap, _ = _distance_from_ellipse(EllipsePiece(outline.semi_x, outline.semi_y), place)
-    else:
-        gap = outline.distance((float(place[0]), float(place[1])))
-    return gap < radius - _OVERLAP
+    inside = bool(outline.contains(place))
+    return inside or outline.distance((float(place[0]), float(place[1]))) < radius - _OVERLAP
 
 
-def _meetings(
-    piece: OutlinePiece, radius: float, start: NDArray[np.float64], toward: NDArray[np.float64]
-) -> list[tuple[float, float]]:
+def _meetings(piece: OutlinePiece, radius: float, start: Array, toward: Array) -> list[tuple[float, float]]:
     """(travel, coordinate) of the places where the rod's path meets a piece of the contact curve, or its extension."""
     if isinstance(piece, SidePiece):
-        return _meet_side(piece, radius, start, toward)
+        normal = np.array((math.cos(piece.normal), math.sin(piece.normal)))
+        closing = float(normal @ toward)
+        if closing >= 0.0:
+            return []
+        travel = float(normal @ (np.asarray(piece.start) - start) + radius) / closing
+        return [(travel, float((start + travel * toward - piece.start) @ np.asarray(piece.direction)))]
     if isinstance(piece, CornerPiece):
-        return _meet_corner(piece, radius, start, toward)
-    return _meet_ellipse(piece, radius, start, toward)
-
-
-def _meet_side(
-    piece: SidePiece, radius: float, start: NDArray[np.float64], toward: NDArray[np.float64]
-) -> list[tuple[float, float]]:
-    normal = np.array((math.cos(piece.normal), math.sin(piece.normal)))
-    closing = float(normal @ toward)
-    if closing >= 0.0:
-        return []
-    travel = float(normal @ (np.asarray(piece.start) - start) + radius) / closing
-    return [(travel, float((start + travel * toward - piece.start) @ np.asarray(piece.direction)))]
-
-
-def _meet_corner(
-    piece: CornerPiece, radius: float, start: NDArray[np.float64], toward: NDArray[np.float64]
-) -> list[tuple[float, float]]:
-    lever = start - np.asarray(piece.corner)
-    along = float(lever @ toward)
-    under = along**2 - float(lever @ lever) + radius**2
-    if under < 0.0:
-        return []
-    travel = -along - math.sqrt(under)
-    x, y = lever + travel * toward
-    angle = math.atan2(y, x)
-    # The piece's angles may lie a turn away from atan2's.
-    return [(travel, angle + 2.0 * math.pi * turn) for turn in (-1, 0, 1)]
-
-
-def _meet_ellipse(
-    piece: EllipsePiece, radius: float, start: NDArray[np.float64], toward: NDArray[np.float64]
-) -> list[tuple[float, float]]:
-    """The distance to a convex outline is convex along the path: its minimum splits the two places where it is r."""
-
+        lever = start - np.asarray(piece.corner)
+        along = float(lever @ toward)
+        under = along**2 - float(lever @ lever) + radius**2
+        if under < 0.0:
+            return []
+        travel = -along - math.sqrt(under)
+        x, y = lever + travel * toward
+        # The piece's angles may lie a turn away from atan2's.
+        return [(travel, math.atan2(y, x) + 2.0 * math.pi * turn) for turn in (-1, 0, 1)]
+    # The distance to a convex outline is convex along the path: its minimum splits the two places where it is r.
     from scipy.optimize import brentq, minimize_scalar
 
+    ellipse = Ellipse(piece.semi_x, piece.semi_y)
+
     def gap(travel: float) -> float:
-        return _distance_from_ellipse(piece, start + travel * toward)[0] - radius
+        place = start + travel * toward
+        distance, _ = ellipse.nearest((float(place[0]), float(place[1])))
+        return (-distance if ellipse.contains(place) else distance) - radius
 
     reach = float(np.hypot(*start)) + piece.semi_x + piece.semi_y + radius
     nearest = minimize_scalar(gap, bounds=(-2.0 * reach, 2.0 * reach), method="bounded", options={"xatol": 1e-9}).x
     if gap(nearest) >= 0.0:
         return []
     travel = float(brentq(gap, nearest - 4.0 * reach, nearest, xtol=1e-15, rtol=1e-14))
-    return [(travel, _distance_from_ellipse(piece, start + travel * toward)[1])]
-
-
-def _distance_from_ellipse(piece: EllipsePiece, place: NDArray[np.float64]) -> tuple[float, float]:
-    """Return signed distance (negative inside) and eccentric angle of the nearest point of an ellipse."""
-    from scipy.optimize import brentq
-
-    x, y = place.tolist()
-
-    def slope(angle: float) -> float:
-        c, s = math.cos(angle), math.sin(angle)
-        return float((piece.semi_x * c - x) * -piece.semi_x * s + (piece.semi_y * s - y) * piece.semi_y * c)
-
-    # The nearest point lies in the place's own quadrant, where the slope changes sign once.
-    quadrant = math.floor(math.atan2(y, x) / (math.pi / 2.0)) * math.pi / 2.0
-    low, high = quadrant, quadrant + math.pi / 2.0
-    if slope(low) * slope(high) < 0.0:
-        angle = float(brentq(slope, low, high, xtol=1e-15, rtol=1e-14))
-    else:
-        angle = low if _square(piece, low, x, y) < _square(piece, high, x, y) else high
-    inside = math.hypot(x / piece.semi_x, y / piece.semi_y) < 1.0
-    return (-1.0 if inside else 1.0) * math.sqrt(_square(piece, angle, x, y)), angle
-
-
-def _square(piece: EllipsePiece, angle: float, x: float, y: float) -> float:
-    return (piece.semi_x * math.cos(angle) - x) ** 2 + (piece.semi_y * math.sin(angle) - y) ** 2
+    x, y = (start + travel * toward).tolist()
+    return [(travel, ellipse.nearest((x, y))[1])]

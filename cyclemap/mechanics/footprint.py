@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from cyclemap.checks import finite_array, finite_number, point, whole_number
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.mechanics.area_quadrature import area_quadrature
-from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
+from cyclemap.mechanics.outline import Ellipse, Outline, Polygon, area_quadrature
 from cyclemap.text_files import read_csv_table, require_columns
 
 # The outline scaled by this about its centroid carries the inner share.

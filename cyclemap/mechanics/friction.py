@@ -1,4 +1,4 @@
-"""Point friction: the offset limit ellipse of Ma & Rodriguez (2018), Eq. 1-2."""
+"""Friction: of one point, the offset limit ellipse of Ma & Rodriguez (2018), as it wears, and of a whole footprint."""
 
 import math
 from dataclasses import dataclass
@@ -6,8 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.checks import finite_number, positive_number
+from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import InvalidInput
+from cyclemap.mechanics.engine.strokes import friction_values
+from cyclemap.mechanics.footprint import Footprint
+from cyclemap.mechanics.pressure_tables import pressure_tables
 
 
 @dataclass(frozen=True)
@@ -92,3 +95,88 @@ class EllipseFriction:
             raise InvalidInput(f"velocities must be finite with shape (..., 2), not {v.shape}: {velocity!r}")
         c, k = math.cos(self.phi - frame), math.sin(self.phi - frame)
         return c * v[..., 0] + k * v[..., 1], -k * v[..., 0] + c * v[..., 1]
+
+
+def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -> EllipseFriction:
+    """Return the friction a `share` (0 to 1) of the way from `fresh` to `worn`.
+
+    A limit ellipse (Ma & Rodriguez 2018, Eq. 1) is its centre c = R(φ)(m0, n0) and its shape matrix
+    S = R(φ) diag(mu_a², mu_b²) R(φ)ᵀ in the surface's own axes; both go in a straight line, so that angles that name
+    the same ellipse (φ, φ + π; φ + π/2 with the axes exchanged) make no difference. S stays positive definite, and
+    cᵀ S⁻¹ c, which must be below one, is jointly convex in (c, S): it stays below the larger of its ends. The ends
+    are returned as they were given; between them mu_a belongs to the axis nearest to that of `fresh`.
+
+    >>> between = worn_friction(EllipseFriction(0.3, 0.3), EllipseFriction(0.4, 0.3, m0=0.1), 0.5)
+    >>> round(between.mu_a, 6), between.mu_b, between.m0
+    (0.353553, 0.3, 0.05)
+    """
+    share = finite_number("share of wear", share)
+    if not 0.0 <= share <= 1.0:
+        raise InvalidInput(f"share of wear is {share:g}: it runs from 0 (fresh) to 1 (worn)")
+    if share in (0.0, 1.0) or fresh == worn:
+        return worn if share == 1.0 else fresh
+    centres, shapes = [], []
+    for law in (fresh, worn):
+        c, s = math.cos(law.phi), math.sin(law.phi)
+        rotation = np.array([[c, -s], [s, c]])
+        centres.append(rotation @ (law.m0, law.n0))
+        shapes.append(rotation @ np.diag([law.mu_a**2, law.mu_b**2]) @ rotation.T)
+    squares, axes = np.linalg.eigh((1.0 - share) * shapes[0] + share * shapes[1])
+    first = np.array([math.cos(fresh.phi), math.sin(fresh.phi)])
+    nearest = int(np.argmax(np.abs(first @ axes)))
+    x, y = np.copysign(1.0, axes[:, nearest] @ first) * axes[:, nearest]
+    m0, n0 = np.array([[x, y], [-y, x]]) @ ((1.0 - share) * centres[0] + share * centres[1])
+    mu_a, mu_b = math.sqrt(squares[nearest]), math.sqrt(squares[1 - nearest])
+    return EllipseFriction(mu_a, mu_b, float(m0), float(n0), math.atan2(float(y), float(x)))
+
+
+@dataclass(frozen=True)
+class LimitSurface:
+    """Friction of a whole footprint, in its own frame, per unit load.
+
+    The dissipation D(V) is convex and homogeneous of degree one in the twist V = (vx, vy, omega) of the frame's
+    origin; the friction wrench on the object is -grad D (maximum dissipation; Goyal, Ruina & Papadopoulos 1991).
+    Exact footprints are accurate to 1e-10 relative where the outline is at least 1 % as thick as it is long; thinner
+    ones, and those that lean, lose digits in proportion: to 1e-6 at 1e-4, the thinnest that there may be.
+
+    >>> from cyclemap.mechanics import Ellipse, PatchFootprint
+    >>> surface = LimitSurface(PatchFootprint(Ellipse(1.0, 1.0)), EllipseFriction.isotropic(0.3))
+    >>> round(float(surface.dissipation([0.0, 0.0, 1.0])), 12)  # pure spin of a disc: 2/3 mu R
+    0.2
+    """
+
+    footprint: Footprint
+    friction: EllipseFriction
+
+    def dissipation(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
+        """Return D at twists (..., 3) (m/s, m/s, rad/s), in m/s; `frame` is the orientation of the object, rad."""
+        return self._evaluate(twist, frame)[..., 0]
+
+    def wrench(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
+        """Return grad D, (..., 3): (fx, fy) and the torque (m) about the frame's origin that keep the object moving."""
+        return self._evaluate(twist, frame)[..., 1:4]
+
+    def hessian(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
+        """Return the second derivatives of D, (..., 3, 3)."""
+        values = self._evaluate(twist, frame)[..., 4:]
+        return values.reshape(*values.shape[:-1], 3, 3)
+
+    def _evaluate(self, twist: ArrayLike, frame: float) -> NDArray[np.float64]:
+        twists = finite_array("twist", twist, last=3)
+        size, law = self.footprint.extent, self.friction
+        # Lengths in extents: (v, omega) -> (v, omega size), D unchanged, derivatives by omega times size.
+        scale = np.array([1.0, 1.0, size])
+        columns = (twists * scale).reshape(-1, 3)
+        if np.any(np.all(columns == 0.0, axis=1)):
+            raise InvalidInput("friction is not unique at rest: a twist is zero")
+        c, s = math.cos(law.phi - frame), math.sin(law.phi - frame)
+        matrix = (law.mu_a * c, -law.mu_b * s, law.mu_a * s, law.mu_b * c)
+        values = friction_values(pressure_tables(self.footprint), matrix, columns)
+        # The ellipse's centre (m0, n0) acts as one constant force at the centre of pressure.
+        fx, fy = c * law.m0 - s * law.n0, s * law.m0 + c * law.n0
+        x, y = np.divide(self.footprint.centre, size)
+        constant = np.array((fx, fy, x * fy - y * fx))
+        dissipation, wrench = values[:, 0] + columns @ constant, values[:, 1:4] + constant
+        hessian = values[:, [4, 5, 7, 5, 6, 8, 7, 8, 9]] * np.outer(scale, scale).ravel()
+        found = np.column_stack([dissipation, wrench * scale, hessian])
+        return np.asarray(found.reshape(*twists.shape[:-1], 13))

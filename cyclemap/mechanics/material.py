@@ -13,8 +13,7 @@ import numpy as np
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
-from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.friction_wear import worn_friction
+from cyclemap.mechanics.friction import EllipseFriction, worn_friction
 from cyclemap.plain_text import printable
 from cyclemap.suggestions import unknown_name
 from cyclemap.text_files import read_toml
@@ -23,7 +22,7 @@ from cyclemap.text_files import read_toml
 _USUAL_FRICTION, _LARGEST_FRICTION = 2.0, 10.0
 FRICTION_KEYS = ("mu_a", "mu_b", "m0", "n0", "phi_deg")
 SHARE_KEYS = ("inner_share", "rim_share", "corner_share")
-_FILE_KEYS = (
+FILE_KEYS = (
     "name",
     "provenance",
     "misfit",
@@ -33,8 +32,10 @@ _FILE_KEYS = (
     "found_with",
     "plates",
     "posterior",
-    "noise",
+    "cycle_noise",
 )
+# What a file may hold beside a surface: the object on it, and what is done to it (`cyclemap.collection`).
+_OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation")
 # Rows of a posterior: a sample tells a 95 % interval to a hundredth of its width with less.
 _MOST_SAMPLES = 4096
 _FOUND_KEYS = {
@@ -308,8 +309,9 @@ def load_material(name: str | Path) -> Material:
     `provenance`, `misfit`, `inferred` (true or false), a table [worn] with `cycles` and the friction after them, a
     table [found_with] of what was identified along with it: pusher_mu, hitch_scale, hitch_turn_deg, pin_friction_mm,
     a table [plates.NAME] for each plate with inner_share, rim_share, corner_share, and a table [posterior] with
-    `parameters` and `samples` (`MaterialPosterior`), and a table [noise] with `log_sigma` and `correlation`
+    `parameters` and `samples` (`MaterialPosterior`), and a table [cycle_noise] with `log_sigma` and `correlation`
     (`CycleNoise`). [worn] may have a `course`, pairs [cycles, share] (`Wear`).
+    Tables of object, push, reset, noise and strategy are passed over: `CollectionLoop.from_file` reads those.
     Raises InvalidInput for an unknown name, DataFileError for a file that is missing or is not such a table.
 
     >>> load_material("plywood").friction.mu_a
@@ -348,8 +350,8 @@ def _material_from_file(path: Path) -> Material:
 
 def _material_from_table(table: dict[str, object], name: str) -> Material:
     for key in table:
-        if key not in _FILE_KEYS:
-            raise unknown_name("key in a material file", key, _FILE_KEYS)
+        if key not in (*FILE_KEYS, *_OTHER_TABLES):
+            raise unknown_name("key in a material file", key, (*FILE_KEYS, *_OTHER_TABLES))
     friction = table.get("friction")
     if not isinstance(friction, dict):
         raise InvalidInput("a material file needs a table [friction] with mu_a and mu_b")
@@ -438,12 +440,12 @@ def _wear(table: dict[str, object]) -> Wear | None:
 
 
 def _noise(table: dict[str, object]) -> CycleNoise | None:
-    noise = _table(table, "noise")
+    noise = _table(table, "cycle_noise")
     for key in noise:
         if key not in ("log_sigma", "correlation"):
-            raise unknown_name("key of [noise]", key, ("log_sigma", "correlation"))
+            raise unknown_name("key of [cycle_noise]", key, ("log_sigma", "correlation"))
     if noise and "log_sigma" not in noise:
-        raise InvalidInput("a table [noise] needs log_sigma, the logarithm of its standard deviation in radians")
+        raise InvalidInput("a table [cycle_noise] needs log_sigma, the logarithm of its standard deviation in radians")
     return CycleNoise(**noise) if noise else None  # type: ignore[arg-type]
 
 

@@ -47,7 +47,7 @@ def material_toml(material: Material) -> str:
         name = one.plate if bare else _text(one.plate)
         lines += _table(f"plates.{name}", {key: value for key, value in one.shares.items() if value})
     if material.noise is not None:
-        lines += ["", "[noise]", f"log_sigma = {list(material.noise.log_sigma)!r}"]
+        lines += ["", "[cycle_noise]", f"log_sigma = {list(material.noise.log_sigma)!r}"]
         lines += [f"correlation = {material.noise.correlation!r}"]
     if material.posterior is not None:
         names = ", ".join(_text(name) for name in material.posterior.parameters)

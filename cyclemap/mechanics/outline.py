@@ -1,12 +1,14 @@
-"""Outlines of sliders in their own frame: simple polygons and ellipses."""
+"""Outlines of sliders in their own frame: simple polygons and ellipses, and the mean over the area inside."""
 
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number
 from cyclemap.errors import InvalidInput
 
@@ -36,7 +38,7 @@ class Polygon:
         object.__setattr__(self, "vertices", tuple(map(tuple, points.tolist())))
 
     @cached_property
-    def array(self) -> NDArray[np.float64]:
+    def array(self) -> Array:
         """The vertices as an array (k, 2), m."""
         return np.array(self.vertices)
 
@@ -85,11 +87,11 @@ class Polygon:
         apart = not any(_segments_meet(*side, *another) for side in sides for another in others)
         return apart and bool(self.contains(other.array).all())
 
-    def points(self, count: int) -> NDArray[np.float64]:
+    def points(self, count: int) -> Array:
         """Return the closed outline as a polyline (k + 1, 2), m; a polygon needs no more than its corners."""
         return np.vstack([self.array, self.array[:1]])
 
-    def contains(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def contains(self, points: Array) -> NDArray[np.bool_]:
         """Whether points (..., 2) lie inside (even-odd rule)."""
         a, b = self.array, np.roll(self.array, -1, axis=0)
         x, y = points[..., 0, None], points[..., 1, None]
@@ -154,61 +156,102 @@ class Ellipse:
         """Return the ellipse scaled about its centroid."""
         return self.scaled(factor)
 
-    def points(self, count: int) -> NDArray[np.float64]:
+    def points(self, count: int) -> Array:
         """Return the closed outline as a polyline (count + 1, 2), m."""
         angle = np.linspace(0.0, 2.0 * np.pi, count + 1)
         return np.stack([self.semi_x * np.cos(angle), self.semi_y * np.sin(angle)], axis=-1)
 
-    def contains(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def contains(self, points: Array) -> NDArray[np.bool_]:
         """Whether points (..., 2) lie inside."""
         return np.asarray(np.hypot(points[..., 0] / self.semi_x, points[..., 1] / self.semi_y) < 1.0)
+
+    def distance(self, point: tuple[float, float]) -> float:
+        """Return the distance (m) of a point from the outline."""
+        return self.nearest(point)[0]
+
+    def nearest(self, point: tuple[float, float]) -> tuple[float, float]:
+        """Return the distance (m) of a point from the outline, and the eccentric angle of the place nearest to it."""
+        from scipy.optimize import brentq
+
+        (x, y), a, b = point, self.semi_x, self.semi_y
+
+        def slope(angle: float) -> float:
+            c, s = math.cos(angle), math.sin(angle)
+            return float((a * c - x) * -a * s + (b * s - y) * b * c)
+
+        def distance(angle: float) -> float:
+            return math.hypot(a * math.cos(angle) - x, b * math.sin(angle) - y)
+
+        # The nearest place lies in the point's own quadrant, where the slope changes sign once.
+        low = math.floor(math.atan2(y, x) / (math.pi / 2.0)) * math.pi / 2.0
+        high = low + math.pi / 2.0
+        if slope(low) * slope(high) < 0.0:
+            angle = float(brentq(slope, low, high, xtol=1e-15, rtol=1e-14))
+        else:
+            angle = min(low, high, key=distance)
+        return distance(angle), angle
 
 
 Outline = Polygon | Ellipse
 
 
-def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+def area_quadrature(outline: Outline, order: int = 6) -> tuple[Array, Array]:
+    """Return points (k, 2) and weights (k,) of the mean over an outline, exact up to degree 2 order - 2."""
+    if isinstance(outline, Ellipse):
+        # Gauss in the squared radius, equal angles around.
+        count = 2 * order + 4
+        node, weight = np.polynomial.legendre.leggauss(order + 2)
+        radius, angle = np.meshgrid(
+            np.sqrt((node + 1.0) / 2.0), np.arange(count) * 2.0 * math.pi / count, indexing="ij"
+        )
+        places = np.stack([outline.semi_x * radius * np.cos(angle), outline.semi_y * radius * np.sin(angle)], axis=-1)
+        return places.reshape(-1, 2), np.repeat(weight / 2.0 / count, count)
+    # Collapsed Gauss rules on the signed fan of triangles from vertex 0 (two weights may differ in sign).
+    node, weight = np.polynomial.legendre.leggauss(order)
+    s, t = np.meshgrid((node + 1.0) / 2.0, (node + 1.0) / 2.0, indexing="ij")
+    share = np.outer(weight, weight) / 4.0 * s
+    apex, points, weights = outline.array[0], [], []
+    for a, b in zip(outline.array[1:-1], outline.array[2:], strict=True):
+        e, f = a - apex, b - apex
+        points.append(apex + s[..., None] * e + (s * t)[..., None] * (f - e))
+        weights.append(share * (e[0] * f[1] - e[1] * f[0]) / outline.area)
+    return np.concatenate([p.reshape(-1, 2) for p in points]), np.concatenate([w.ravel() for w in weights])
+
+
+def _cross(a: Array, b: Array) -> Array:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
-def _signed_area(points: NDArray[np.float64]) -> float:
+def _signed_area(points: Array) -> float:
     shifted = points - points[0]
     return float(0.5 * _cross(shifted, np.roll(shifted, -1, axis=0)).sum())
 
 
-def _refuse_crossing(points: NDArray[np.float64]) -> None:
+def _refuse_crossing(points: Array) -> None:
     size = float(np.ptp(points, axis=0).max())
     edge = np.roll(points, -1, axis=0) - points
     short = np.flatnonzero(np.hypot(*edge.T) <= 1e-9 * size)
     if size == 0.0 or short.size:
         raise InvalidInput(f"polygon vertices {short.tolist()} coincide with the next one: leave one of each out")
-    across = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[-1]
-    if across <= 1e-9 * size:
+    if np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[-1] <= 1e-9 * size:
         raise InvalidInput("the polygon has no area: its vertices lie on a line")
-    for i in range(len(points)):
-        for j in range(i + 1, len(points)):
-            if _sides_touch(points, i, j):
-                raise InvalidInput(f"the polygon's sides {i} and {j} cross or touch: order the vertices around it")
+    sides, k = _sides(points), len(points)
+    for i, j in combinations(range(k), 2):
+        if (j - i) % k in (1, k - 1):
+            # Neighbours share a corner: they may not run back along each other.
+            first, second = (edge[i], edge[j]) if j == i + 1 else (edge[j], edge[i])
+            meet = _cross(first, second) == 0.0 and first @ second < 0.0
+        else:
+            meet = _segments_meet(*sides[i], *sides[j])
+        if meet:
+            raise InvalidInput(f"the polygon's sides {i} and {j} cross or touch: order the vertices around it")
 
 
-def _sides_touch(points: NDArray[np.float64], i: int, j: int) -> bool:
-    """Whether two sides meet anywhere but in the corner that neighbours share."""
-    k = len(points)
-    a, b, c, d = points[i], points[(i + 1) % k], points[j], points[(j + 1) % k]
-    if (i + 1) % k == j:
-        return bool(_cross(b - a, d - c) == 0.0 and np.dot(b - a, d - c) < 0.0)
-    if (j + 1) % k == i:
-        return bool(_cross(d - c, b - a) == 0.0 and np.dot(d - c, b - a) < 0.0)
-    return _segments_meet(a, b, c, d)
-
-
-def _sides(points: NDArray[np.float64]) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+def _sides(points: Array) -> list[tuple[Array, Array]]:
     return list(zip(points, np.roll(points, -1, axis=0), strict=True))
 
 
-def _segments_meet(
-    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], d: NDArray[np.float64]
-) -> bool:
+def _segments_meet(a: Array, b: Array, c: Array, d: Array) -> bool:
     """Whether the segments a-b and c-d have a point in common."""
     sides = [_cross(b - a, c - a), _cross(b - a, d - a), _cross(d - c, a - c), _cross(d - c, b - c)]
     if sides[0] * sides[1] < 0.0 and sides[2] * sides[3] < 0.0:

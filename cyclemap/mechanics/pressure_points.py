@@ -3,13 +3,11 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.footprint import INNER, Footprint, PatchFootprint, PointFootprint, grid_footprint, side_arms
 from cyclemap.mechanics.outline import Ellipse
-
-Array = NDArray[np.float64]
 
 # Loads up to this share of an even one count as none: rounding may leave them below zero.
 _ROUNDING = 1e-9

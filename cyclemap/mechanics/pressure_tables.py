@@ -4,13 +4,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.mechanics.area_quadrature import area_quadrature
+from cyclemap.arrays import Array
 from cyclemap.mechanics.footprint import INNER, Footprint, PointFootprint, side_arms
-from cyclemap.mechanics.outline import Ellipse, Polygon
-
-Array = NDArray[np.float64]
+from cyclemap.mechanics.outline import Ellipse, Polygon, area_quadrature
 
 # Kinds of pieces, and the parts of a pressure, in the order of pressure.c.
 EDGE, LEAN, LINE, POINT, CHORD, ARC = map(float, range(6))

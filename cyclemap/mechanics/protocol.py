@@ -1,10 +1,26 @@
-"""What the robot does with the rod: a push by side or from a place in the world, and the way back in the ring."""
+"""The rod, and what the robot does with it: a push by side or from a place in the world, the way back in the ring."""
 
 import math
 from dataclasses import dataclass
 
 from cyclemap.checks import finite_number, non_negative_number, point, positive_number
 from cyclemap.errors import InvalidInput
+
+
+@dataclass(frozen=True)
+class Pusher:
+    """A vertical rod: radius in m (zero: a point) and its Coulomb friction coefficient with the slider.
+
+    >>> Pusher().radius
+    0.00475
+    """
+
+    radius: float = 0.00475
+    friction: float = 0.15
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", non_negative_number("pusher radius", self.radius))
+        object.__setattr__(self, "friction", non_negative_number("pusher friction", self.friction))
 
 
 @dataclass(frozen=True)

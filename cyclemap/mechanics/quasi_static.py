@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, non_negative_number, positive_number
 from cyclemap.errors import (
     ConvergenceError,
@@ -25,73 +25,16 @@ from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.outline import Ellipse, Outline
 from cyclemap.mechanics.pressure_tables import pressure_tables
-from cyclemap.mechanics.protocol import DragBack, Pose, SidePush, WorldPush
-from cyclemap.mechanics.pusher import Pusher
+from cyclemap.mechanics.protocol import DragBack, Pose, Pusher, SidePush, WorldPush
 from cyclemap.mechanics.slider import Slider
-from cyclemap.mechanics.trajectory import Course, Trajectory
+from cyclemap.mechanics.trajectory import Course, DragResult, PushResult
 
-Array = NDArray[np.float64]
-
-# Standard gravity, m/s^2.
-GRAVITY = 9.80665
 # What a step may be off by, as a share of the accuracy asked of the whole motion; measured in tests/mechanics.
 _STEP_SHARE = 0.05
 # Footprints smaller than this share of the outline's extent carry no object.
 _LEAST_FOOTPRINT = 1e-3
 # The reset's target, in every loop's frame.
 _TARGET = (0.0, 0.0)
-
-
-@dataclass(frozen=True)
-class PushResult:
-    """A push: poses before and after, rod travel in contact (m), and why it ended: `distance`, or `left`.
-
-    A rod leaves where it no longer approaches; one that still sticks then could pull the object along by friction for
-    a while: here it leaves. `course` is what was run.
-    """
-
-    start: Pose
-    end: Pose
-    ended: str
-    travel: float
-    course: Course
-
-    @property
-    def turn(self) -> float:
-        """Turn of the object, rad."""
-        return self.end.theta - self.start.theta
-
-    @property
-    def displacement(self) -> Array:
-        """Displacement of the object's origin in its initial frame, (2,), m."""
-        return np.array(self.start.to_object(self.end.x, self.end.y))
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """The course of the push in the world."""
-        return self.course.trajectory(of_push=True)
-
-
-@dataclass(frozen=True)
-class DragResult:
-    """A drag: poses before and after, and the path of the ring, m (0 where the ring was already there)."""
-
-    start: Pose
-    end: Pose
-    length: float
-    course: Course
-
-    @property
-    def turn(self) -> float:
-        """Turn of the object, rad."""
-        return self.end.theta - self.start.theta
-
-    @cached_property
-    def trajectory(self) -> Trajectory:
-        """The course of the drag in the world."""
-        if self.length == 0.0:
-            raise InvalidInput("this drag has no length, so that it has no trajectory")
-        return self.course.trajectory(of_push=False)
 
 
 @dataclass(frozen=True)
@@ -173,7 +116,7 @@ class QuasiStaticModel:
     @property
     def weight(self) -> float:
         """The slider's weight, N."""
-        return self.slider.mass * GRAVITY
+        return self.slider.weight
 
     @cached_property
     def _still(self) -> Strokes:
@@ -199,8 +142,7 @@ class QuasiStaticModel:
         without bound, ConvergenceError where the contact cannot be solved.
         """
         course = self.course(self.push_strokes(pose, push), pose, longest_step)
-        ran = run_strokes([course])
-        return self._push_result(pose, ran, 0, course)
+        return self._pushed(pose, run_strokes([course]), course)
 
     def drag(
         self,
@@ -221,7 +163,7 @@ class QuasiStaticModel:
         an orientation where the ring does: raises UnsupportedContact there.
         """
         course = self.course(self.drag_strokes(way_points, pin_friction_radius), pose, longest_step)
-        return self._drag_result(pose, run_strokes([course]), 0, course)
+        return self._dragged(pose, run_strokes([course]), course)
 
     def cycle(
         self, theta: float, push: SidePush, reset: DragBack, longest_step: float = math.inf
@@ -231,8 +173,8 @@ class QuasiStaticModel:
         pose = Pose(-x, -y, theta)
         course = self.course(self.cycle_strokes(push, reset), pose, longest_step)
         ran = run_strokes([course])
-        pushed = self._push_result(pose, ran, 0, course)
-        return pushed, self._drag_result(pushed.end, ran, 0, course)
+        pushed = self._pushed(pose, ran, course)
+        return pushed, self._dragged(pushed.end, ran, course)
 
     def cycle_strokes(self, push: SidePush, reset: DragBack) -> Strokes:
         """Return what the engine is asked for in a cycle. Raises InvalidInput where push and object do not fit."""
@@ -244,30 +186,30 @@ class QuasiStaticModel:
         """Return where the ring is in the world at a pose, m."""
         return pose.to_world(*self.slider.hitch)
 
-    @property
-    def ring_lever(self) -> float:
-        """Distance of the ring from the centre of pressure, m."""
-        return math.dist(self.slider.hitch, self.pressure.centre)
-
-    def rod_place(self, pose: Pose, push: SidePush) -> tuple[float, float]:
-        """Return where the rod's centre is in the world (m) when a push starts."""
-        index, coordinate = side_coordinate(self._outline, self.pieces, push.side, push.fraction)
-        contact, _ = self.pieces[index].contact(coordinate, self.radius)
-        x, y = contact.rod_centre(self.radius)
-        return pose.to_world(self.unit * x, self.unit * y)
-
     def push_strokes(self, pose: Pose, push: SidePush | WorldPush) -> Strokes:
         """Return what the engine is asked for in a push from a pose; raises as `push` where they do not fit."""
-        length, by_fraction = push.distance / self.unit, 0.0
         if isinstance(push, SidePush):
             index, coordinate = side_coordinate(self._outline, self.pieces, push.side, push.fraction)
             contact, _ = self.pieces[index].contact(coordinate, self.radius)
-            direction = pose.theta + contact.normal + math.pi + push.angle
-            by_fraction = self._side_length(push.side)
+            direction, length = pose.theta + contact.normal + math.pi + push.angle, push.distance / self.unit
+            # Derivative of the coordinate by the fraction.
+            by_fraction = 2.0 * math.pi
+            if not isinstance(self._outline, Ellipse):
+                corners = self._outline.vertices
+                by_fraction = math.dist(corners[push.side], corners[(push.side + 1) % len(corners)])
         else:
-            direction = push.direction
-            travel, index, coordinate = self._touch(pose, push)
-            length -= travel
+            direction, by_fraction = push.direction, 0.0
+            start = np.array(pose.to_object(*push.start)) / self.unit
+            if overlaps(self._outline, self.radius, start):
+                raise RodInsideObject(f"the rod starts inside the object, at {push.start} m: move its start outside")
+            touch = first_touch(self.pieces, self.radius, start, push.direction - pose.theta)
+            if touch is None:
+                raise RodMissesObject(
+                    f"the rod never touches the object: from {push.start} m its path in direction "
+                    f"{push.direction:.6g} rad passes it by or points away"
+                )
+            travel, index, coordinate = touch
+            length = push.distance / self.unit - travel
             if length <= 0.0:
                 raise RodMissesObject(
                     f"the rod stops {-length * self.unit * 1e3:.3g} mm short of the object: lengthen the push"
@@ -290,38 +232,21 @@ class QuasiStaticModel:
         )
         return replace(self._still, goals=goals, pin_friction=radius)
 
-    def _touch(self, pose: Pose, push: WorldPush) -> tuple[float, int, float]:
-        start = np.array(pose.to_object(*push.start)) / self.unit
-        if overlaps(self._outline, self.radius, start):
-            raise RodInsideObject(f"the rod starts inside the object, at {push.start} m: move its start outside")
-        touch = first_touch(self.pieces, self.radius, start, push.direction - pose.theta)
-        if touch is None:
-            raise RodMissesObject(
-                f"the rod never touches the object: from {push.start} m its path in direction {push.direction:.6g} rad "
-                "passes it by or points away"
-            )
-        return touch
-
-    def _side_length(self, side: int) -> float:
-        """Derivative of the start's coordinate by the fraction, extents."""
-        if isinstance(self._outline, Ellipse):
-            return 2.0 * math.pi
-        corners = self._outline.array
-        return math.dist(corners[side], corners[(side + 1) % len(corners)])
-
     def course(self, strokes: Strokes, pose: Pose, longest_step: float = math.inf) -> Course:
         """Return strokes of this model from a pose, as `run_strokes` takes them; `longest_step` in m."""
         place = (pose.x / self.unit, pose.y / self.unit, pose.theta)
         return Course(strokes, place, self.unit, self.weight, self.scale, longest_step / self.unit)
 
-    def _push_result(self, pose: Pose, ran: Ran, index: int, course: Course) -> PushResult:
-        x, y, theta = ran.pushed[index].tolist()
-        ended = "left" if ran.left[index] else "distance"
-        return PushResult(pose, Pose(self.unit * x, self.unit * y, theta), ended, self.unit * ran.travel[index], course)
+    def _pushed(self, pose: Pose, ran: Ran, course: Course) -> PushResult:
+        ended = "left" if ran.left[0] else "distance"
+        return PushResult(pose, self._pose(ran.pushed[0]), ended, self.unit * ran.travel[0], course)
 
-    def _drag_result(self, pose: Pose, ran: Ran, index: int, course: Course) -> DragResult:
-        x, y, theta = ran.ended[index].tolist()
-        return DragResult(pose, Pose(self.unit * x, self.unit * y, theta), self.unit * float(ran.way[index]), course)
+    def _dragged(self, pose: Pose, ran: Ran, course: Course) -> DragResult:
+        return DragResult(pose, self._pose(ran.ended[0]), self.unit * float(ran.way[0]), course)
+
+    def _pose(self, row: Array) -> Pose:
+        x, y, theta = row.tolist()
+        return Pose(self.unit * x, self.unit * y, theta)
 
 
 def run_strokes(courses: Sequence[Course], derivatives: int = 0) -> Ran:

@@ -11,6 +11,8 @@ from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 from cyclemap.suggestions import unknown_name
 
+# Standard gravity, m/s^2.
+GRAVITY = 9.80665
 # A ring is on the object, or on an arm of it: not ten times as far out as the object reaches.
 _FARTHEST_RING = 10.0
 # A ring 15 mm from the centre, towards the corner between sides 0 and 1 of rect1.
@@ -27,10 +29,7 @@ def _right_triangle(leg_x: float, leg_y: float) -> Polygon:
     return Polygon(((corner, corner), (corner - leg_x, corner), (corner, corner - leg_y)))
 
 
-def _hexagon(radius: float) -> Polygon:
-    return Polygon(tuple((radius * math.cos(k * math.pi / 3), radius * math.sin(k * math.pi / 3)) for k in range(6)))
-
-
+_HEXAGON = Polygon(tuple((0.0605 * math.cos(k * math.pi / 3), 0.0605 * math.sin(k * math.pi / 3)) for k in range(6)))
 # Outline, mass (kg) and moment of inertia about the centre of mass (kg m^2): Yu et al. 2016, dataset documentation.
 _MIT_SHAPES: dict[str, tuple[Outline, float, float]] = {
     "rect1": (_rectangle(0.09, 0.09), 0.8374, 0.001131),
@@ -39,7 +38,7 @@ _MIT_SHAPES: dict[str, tuple[Outline, float, float]] = {
     "tri1": (_right_triangle(0.12590, 0.12587), 0.8028, 0.001414),
     "tri2": (_right_triangle(0.15100, 0.12587), 0.9826, 0.002108),
     "tri3": (_right_triangle(0.17650, 0.12561), 1.1326, 0.002957),
-    "hex": (_hexagon(0.0605), 0.9827, 0.001497),
+    "hex": (_HEXAGON, 0.9827, 0.001497),
     "ellip1": (Ellipse(0.0525, 0.0525), 0.8937, 0.001231),
     "ellip2": (Ellipse(0.0525, 0.065445), 1.1104, 0.001953),
     "ellip3": (Ellipse(0.0525, 0.0785), 1.3338, 0.002973),
@@ -84,16 +83,13 @@ class Slider:
             raise InvalidInput(f"the centre of mass {centre} m lies outside the outline: the object would tip")
         object.__setattr__(self, "centre_of_mass", centre)
         object.__setattr__(self, "hitch", point("hitch", self.hitch))
-        self._doubt_ring()
-
-    def _doubt_ring(self) -> None:
         away, size = math.dist(self.hitch, self.outline.centroid), self.outline.extent
         told = f"the ring is {1e3 * away:.4g} mm from the centre of an object that reaches {1e3 * size:.4g} mm"
         if away > _FARTHEST_RING * size:
             raise InvalidInput(f"{told}: give both in the same unit, and the ring's place (hitch) with a new outline")
         if not self.outline.contains(np.asarray(self.hitch)):
             warnings.warn(
-                f"{told}: it lies outside; is the ring's place (hitch) meant for it?", DoubtfulInput, stacklevel=4
+                f"{told}: it lies outside; is the ring's place (hitch) meant for it?", DoubtfulInput, stacklevel=3
             )
 
     @classmethod
@@ -103,6 +99,11 @@ class Slider:
             raise unknown_name("slider shape", name, MIT_SHAPE_NAMES)
         outline, mass, inertia = _MIT_SHAPES[name]
         return cls(outline, mass, hitch=hitch, inertia=inertia, name=name)
+
+    @property
+    def weight(self) -> float:
+        """Weight, N."""
+        return self.mass * GRAVITY
 
     def outline_points(self, count: int = 181) -> np.ndarray:
         """Return the closed outline as a polyline (m, 2) in the object frame, m; curves are cut in `count` pieces."""

@@ -1,4 +1,4 @@
-"""The whole course of a push or a drag, in the world frame, SI units."""
+"""What a push or a drag comes to, and its whole course in the world, SI units."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -6,9 +6,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
+from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.engine.strokes import KINDS, MODES, Strokes, record
-
-Array = NDArray[np.float64]
+from cyclemap.mechanics.protocol import Pose
 
 
 @dataclass(frozen=True)
@@ -73,11 +74,8 @@ class Course:
         touch, wedged = held.copy(), modes >= MODES.index("wedge_left")
         if wedged.any():
             touch[wedged], force[wedged] = self._wedged(rows[wedged], modes[wedged])
-        starts = np.flatnonzero(np.diff(stroke) != 0.0) + 1
-        before = np.zeros(len(rows))
-        for start in starts:
-            before[start:] += travel[start - 1]
-        path = travel + before
+        # Travel starts anew with every leg.
+        path = travel + np.cumsum(np.where(np.diff(stroke, prepend=stroke[:1]) != 0.0, np.roll(travel, 1), 0.0))
         phase = np.cumsum(np.append(0, np.diff(path) <= 0.0))
         return Trajectory(
             self.unit * path,
@@ -124,6 +122,57 @@ class Course:
         sign = np.select([modes == 1, modes == 2], [1.0, -1.0], 0.0)
         off = np.where(modes == 0, np.abs(tangential) - limit, np.abs(tangential - sign * limit))
         return np.where(modes < MODES.index("ring"), np.maximum(np.maximum(off, -normal), 0.0), 0.0)
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """What the rod does in one go: the object's poses before and after."""
+
+    start: Pose
+    end: Pose
+
+    @property
+    def turn(self) -> float:
+        """Turn of the object, rad."""
+        return self.end.theta - self.start.theta
+
+    @property
+    def displacement(self) -> Array:
+        """Displacement of the object's origin in its initial frame, (2,), m."""
+        return np.array(self.start.to_object(self.end.x, self.end.y))
+
+
+@dataclass(frozen=True)
+class PushResult(Stroke):
+    """A push: poses before and after, rod travel in contact (m), and why it ended: `distance`, or `left`.
+
+    A rod leaves where it no longer approaches; one that still sticks then could pull the object along by friction for
+    a while: here it leaves. `course` is what was run.
+    """
+
+    ended: str
+    travel: float
+    course: Course
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The course of the push in the world."""
+        return self.course.trajectory(of_push=True)
+
+
+@dataclass(frozen=True)
+class DragResult(Stroke):
+    """A drag: poses before and after, and the path of the ring, m (0 where the ring was already there)."""
+
+    length: float
+    course: Course
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The course of the drag in the world."""
+        if self.length == 0.0:
+            raise InvalidInput("this drag has no length, so that it has no trajectory")
+        return self.course.trajectory(of_push=False)
 
 
 def _turned(angle: Array, vectors: Array) -> Array:

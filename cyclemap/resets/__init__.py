@@ -6,8 +6,8 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.resets.design.action_cycles import Pace, map_turns, sample_turns, strategy_maps
-    from cyclemap.resets.design.material_range import MaterialRange, material_range
+    from cyclemap.resets.design.action_cycles import map_turns, sample_turns, strategy_maps
+    from cyclemap.resets.design.material_range import MaterialRange, material_range, on_material
     from cyclemap.resets.design.orientation_law import OrientationLaw, orientation_law
     from cyclemap.resets.design.reset_design import ResetDesign, ResetRow, design_reset
     from cyclemap.resets.design.reset_ranking import Limit, ResetDemands
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         sampled_orientations,
         steered_orientations,
     )
-    from cyclemap.resets.monitor.bias_evidence import Rest, RestRule
+    from cyclemap.resets.monitor.bias_evidence import Rest
     from cyclemap.resets.monitor.bias_monitor import Advice, Alarm, BiasMonitor, BiasReport, watch
     from cyclemap.resets.monitor.coverage import Coverage, CoverageState, NextAction, next_action
     from cyclemap.resets.protocol.protocol_file import read_protocol, write_protocol
@@ -41,13 +41,11 @@ __all__ = [
     "MaterialRange",
     "NextAction",
     "OrientationLaw",
-    "Pace",
     "ResetDemands",
     "ResetDesign",
     "ResetRow",
     "ResetStrategy",
     "Rest",
-    "RestRule",
     "StrategyRun",
     "design_reset",
     "gripper_turns",
@@ -58,6 +56,7 @@ __all__ = [
     "map_turns",
     "material_range",
     "next_action",
+    "on_material",
     "orientation_law",
     "read_protocol",
     "read_schedule",

@@ -5,13 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import RotationNumbers, RotationPlane
 from cyclemap.sweeps.quantities import Quantity
 from cyclemap.sweeps.sweep_results import Sweep
 from cyclemap.sweeps.swept_keys import SweepAxis
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.suggestions import unknown_name
 from cyclemap.sweeps.quantities import Quantity
@@ -16,7 +17,6 @@ from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_store import SweepStore
 from cyclemap.sweeps.swept_keys import SweepAxis
 
-Array = NDArray[np.float64]
 Wanted = float | str | tuple[float, float] | Sequence[object]
 
 

@@ -16,7 +16,7 @@ from cyclemap.suggestions import unknown_name
 
 MATERIAL_KEY, NOISE_KEY, FOOTPRINT_KEY = "material", "noise_deg", "footprint"
 SWEPT_KEYS = (MATERIAL_KEY, NOISE_KEY, *SETTING_KEYS)
-TEXT_KEYS = (MATERIAL_KEY, "shape", FOOTPRINT_KEY)
+TEXT_KEYS = (MATERIAL_KEY, "shape", "object_name", FOOTPRINT_KEY)
 _POINT_KEYS = ("vertices_mm", "way_points_mm")
 _MOST_VALUES = 1_000_000
 

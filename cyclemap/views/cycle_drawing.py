@@ -4,12 +4,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.cycle_scene import CycleScene, StrokeScene
 from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET
 
-Array = NDArray[np.float64]
 MM = 1000.0
 RING_RADIUS_MM = 7.0
 # The longest arrow as a share of the window.

@@ -7,13 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import MultipleLocator
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.dynamic_loop import DynamicsComparison
 from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET, new_figure, picture_style
-
-Array = NDArray[np.float64]
 
 PAGE_INCHES = (13.333, 7.5)
 THETA0 = "θ0 (°)"

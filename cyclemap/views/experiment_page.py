@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import MaxNLocator, MultipleLocator
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun
 from cyclemap.views.experiment_sentences import (
     experiment_headline,
@@ -18,8 +18,6 @@ from cyclemap.views.experiment_sentences import (
 )
 from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import FORCE, PREDICTED, QUIET, new_figure, picture_style
-
-Array = NDArray[np.float64]
 
 PAGE_INCHES = (13.333, 7.5)
 MM = 1e3

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.evidence import LawBand
 from cyclemap.evidence.tables.law_table import MotionLaw
 from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, WornForecast
@@ -18,7 +18,6 @@ from cyclemap.views.panel_parts import legend_above, orbit_marker, say, stabilit
 from cyclemap.views.record_panels import PER_DEGREE, draw_measured_histogram, draw_staircase
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, degree_axis
 
-Array = NDArray[np.float64]
 THETA0 = "θ0, orientation before the push (°)"
 SCALES = {"dtheta": np.degrees(1.0), "dx": 1000.0, "dy": 1000.0}
 LABELS = {

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.evidence.tables.law_table import MotionLaw
 from cyclemap.evidence.tables.measured_cycle_map import (
     FEWEST_FOR_WEAR,
@@ -19,7 +19,6 @@ from cyclemap.evidence.theta0.covered_arcs import covered_arcs
 from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram
 from cyclemap.views.sentences import angle, number
 
-Array = NDArray[np.float64]
 SIGNS = {"dtheta": "Δθ", "dx": "Δx", "dy": "Δy"}
 # Residuals more alike than this make bands and spreads visibly too narrow.
 ALIKE = 0.15
@@ -70,11 +69,11 @@ def law_sentence(law: MotionLaw) -> str:
     return f"{spread}; a law of θ0 with {order} leaves {left}, {unseen}."
 
 
-def amount(law: MotionLaw, value: float, decimals: int = 2) -> str:
+def amount(law: MotionLaw, value: float) -> str:
     """A value of the law's quantity in degrees or millimetres."""
     if law.quantity == "dtheta":
-        return angle(value, decimals)
-    return f"{round(1000.0 * value, decimals) + 0.0:.{decimals}f} mm".replace("-", "−")
+        return angle(value, 2)
+    return f"{round(1000.0 * value, 2) + 0.0:.2f} mm".replace("-", "−")
 
 
 def histogram_sentence(histogram: TurnHistogram) -> str:

@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from cyclemap.evidence.identification.identification import Estimate
 from cyclemap.evidence.identified.identified_curves import CycleFit, IdentifiedCurves, PlaceFit, TurnFit
@@ -14,7 +13,6 @@ from cyclemap.evidence.identified.identified_material import readable_unit
 from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, degree_axis
 
-Array = NDArray[np.float64]
 _DOTS: dict[str, Any] = {
     "color": MEASURED,
     "markersize": 3.5,

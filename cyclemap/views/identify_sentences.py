@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 
 from cyclemap.evidence.identification.derived_quantities import Derived
-from cyclemap.evidence.identification.explanations import Explanation, ExplanationComparison
 from cyclemap.evidence.identification.identification import Identification
-from cyclemap.evidence.identified.identified_material import kind_words
+from cyclemap.evidence.identified.identified_material import kind_words, readable_kind
 from cyclemap.views.sentences import angle
 
 
@@ -31,33 +30,23 @@ def error_sentence(found: Identification) -> str:
 
 def note_sentences(found: Identification) -> list[str]:
     """What qualifies the result."""
-    return [f"note: {note}" for note in found.notes]
+    return [*worse_than_isotropic(found), *(f"note: {note}" for note in found.notes)]
 
 
-def comparison_sentences(comparison: ExplanationComparison) -> list[str]:
-    """Which explanation predicts best, what the data tell from it, and what remains open."""
-    best, others = comparison.best, comparison.explanations[1:]
-    worse = [one for one in others if one.told_apart]
-    said = [f"Of the explanations, {_named(best)} predicts data left out best."]
-    if worse:
-        listed = "; ".join(f"{_named(one)} (by {one.worse:.0f} ± {one.standard_error:.0f})" for one in worse)
-        said.append(f"Worse by more than the error: {listed}.")
-    if comparison.equals:
-        listed = "; ".join(_named(one) for one in comparison.equals)
-        said.append(f"Not told from it, the difference being within its error: {listed}. This remains open.")
-    lost = [one for one in others if one.found is None]
-    said += [f"{one.name}: no fit was found ({one.problem})." for one in lost]
-    return said
+def worse_than_isotropic(found: Identification) -> list[str]:
+    """Which data the identified surface predicts worse than isotropic friction does, left out where it was."""
+    worse = []
+    for one in found.errors:
+        mean = one.left_out_mean if one.left_out_mean == one.left_out_mean else one.mean
+        if mean > one.isotropic_mean:
+            kind, unit, factor = readable_kind(one.kind)
+            worse.append(f"{one.block}, {kind} ({factor * mean:.3g} against {factor * one.isotropic_mean:.3g}{unit})")
+    return [f"Worse than isotropic friction does: {'; '.join(worse)}."] if worse else []
 
 
-def page_sentences(found: Identification, comparison: ExplanationComparison | None) -> list[str]:
+def page_sentences(found: Identification) -> list[str]:
     """What is written on the page."""
-    said = [f"Ranges are intervals of {100.0 * found.level:g} %.", error_sentence(found)]
-    return said + ([] if comparison is None else comparison_sentences(comparison))
-
-
-def _named(one: Explanation) -> str:
-    return f"“{one.name}”"
+    return [f"Ranges are intervals of {100.0 * found.level:g} %.", error_sentence(found), *worse_than_isotropic(found)]
 
 
 def _range(one: Derived, factor: float, decimals: int) -> str:

@@ -8,13 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.maps import MetastableSets, Response, Spectrum, TransferOperator
 from cyclemap.views.panel_curves import PER_DEGREE, density_curve
 from cyclemap.views.panel_parts import THETA, legend_above, name_tag, small
 from cyclemap.views.sentences import number
 from cyclemap.views.style import INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET, UNSTABLE, degree_axis
 
-Array = NDArray[np.float64]
 DENSITY = "probability per degree"
 # Names of neighbouring sets stand at different heights, in so many rows at most.
 MOST_ROWS = 4

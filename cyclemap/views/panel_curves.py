@@ -6,11 +6,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.portrait import FULL_TURN
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import CircleMap, OrbitBranch, SlowPassage, nth_iterate
 
-Array = NDArray[np.float64]
 Curve = tuple[Array, Array]
 
 PER_DEGREE = np.pi / 180

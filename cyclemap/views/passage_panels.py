@@ -3,18 +3,16 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, MaxNLocator
-from numpy.typing import NDArray
 
-from cyclemap.maps import QuasiStationaryLaw
+from cyclemap.arrays import Array
+from cyclemap.maps import QuasiStationaryDistribution
 from cyclemap.views.panel_curves import PER_DEGREE, density_curve
 from cyclemap.views.panel_parts import THETA, legend_above, small
 from cyclemap.views.sentences import number
 from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, QUIET
 
-Array = NDArray[np.float64]
 
-
-def draw_survival(axes: Axes, probabilities: Array, law: QuasiStationaryLaw | None = None) -> None:
+def draw_survival(axes: Axes, probabilities: Array, law: QuasiStationaryDistribution | None = None) -> None:
     """`probabilities` (n,) of being still inside after 0, 1, ... cycles; with `law` its exponential λⁿ beside them."""
     cycles = np.arange(probabilities.size)
     shown = probabilities > 0.0
@@ -37,7 +35,7 @@ def _write_plain(axes: Axes) -> None:
     axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
-def draw_quasi_stationary_law(axes: Axes, law: QuasiStationaryLaw) -> None:
+def draw_quasi_stationary_distribution(axes: Axes, law: QuasiStationaryDistribution) -> None:
     """The density over the arc of a path that has stayed inside for long; what leaves, by which end, is told."""
     theta_deg, density = density_curve(law.density, *law.arc)
     name = f"density given a long stay, ± {small(PER_DEGREE * law.density_error)}"
@@ -52,7 +50,7 @@ def draw_quasi_stationary_law(axes: Axes, law: QuasiStationaryLaw) -> None:
     legend_above(axes, columns=1)
 
 
-def _ends_name(law: QuasiStationaryLaw) -> str:
+def _ends_name(law: QuasiStationaryDistribution) -> str:
     """What the arc's ends let through, per cycle."""
     told = f"ends of the arc: {law.escape_probability:.3g} leaves a cycle"
     if law.up is None or law.down is None:

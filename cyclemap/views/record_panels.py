@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator, MultipleLocator
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.portrait_curves import PortraitCurves
 from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, degree_axis
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from cyclemap.evidence import AngleHistogram
 
 
-Array = NDArray[np.float64]
 PER_DEGREE = np.pi / 180
 LEAST_SPAN_DEG = 120.0
 

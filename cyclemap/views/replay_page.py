@@ -7,14 +7,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.evidence.replay.replay_push import Replay
 from cyclemap.evidence.replay.replay_table import ReplayedPushes
 from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import FORCE, MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
-
-Array = NDArray[np.float64]
 
 PAGE_INCHES = (13.333, 7.5)
 # Courses are drawn of the pushes at these shares of the order of their errors: a good, a usual, a bad one.

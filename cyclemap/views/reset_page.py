@@ -14,37 +14,22 @@ from scipy.stats import binom
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Polygon, SidePush
-from cyclemap.resets import ResetDesign, ResetRow, ResetStrategy
+from cyclemap.resets import ResetDesign, ResetStrategy
 from cyclemap.resets.protocol.schedule_file import rod_start
+from cyclemap.views import style
 from cyclemap.views.panel_parts import legend_above, name_tag
-from cyclemap.views.reset_sentences import miss_sentences, recipe
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    degree_axis,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views.reset_sentences import COLUMNS, miss_sentences, recipe, row_cells
+from cyclemap.views.style import FORCE, INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET, degree_axis
 
 PAGE_INCHES = (13.333, 7.5)
-ROLES = {
-    "chosen": "chosen", "simplest": "simplest", "evenest": "most uniform", "cheapest": "cheapest",
-    "way back": "way back only", "gripper": "with a gripper", "ring": "ring elsewhere", "yours": "yours",
-    "as it is": "as it is",
-}  # fmt: skip
-COLUMNS = ("", "what to do", "long run", "at worst", "after, worst", "histogram", "drag", "cycle", "contact")
 _PLACES = (0.0, 0.105, 0.535, 0.6, 0.665, 0.745, 0.82, 0.885, 0.95)
 _ARROW, _NAMED = 0.45, 8
 
 
 def reset_page(design: ResetDesign) -> Figure:
     """Draw `design`."""
-    with picture_style():
-        figure = new_figure(*PAGE_INCHES)
+    with style.picture_style():
+        figure = style.new_figure(*PAGE_INCHES)
         grid = GridSpec(
             1, 3, figure, width_ratios=(1.0, 1.55, 1.15), left=0.03, right=0.985, bottom=0.43, top=0.84, wspace=0.25
         )
@@ -122,20 +107,10 @@ def _draw_errors(axes: Axes, design: ResetDesign) -> None:
         axes.plot(errors, values, line, color=colour, linewidth=1.8, label=name)
     axes.axhline(design.demands.allow_tv, color=FORCE, linewidth=1.1, linestyle=":", label="allowed")
     axes.set(xlabel="error in the ratio of the friction's axes (%)", ylabel="total variation, long run")
-    axes.set(
-        xlim=(errors[0], errors[-1]), ylim=(0.0, 1.25 * max(float(design.ratio_tv.max()), design.demands.allow_tv))
-    )
+    axes.set_xlim(errors[0], errors[-1])
+    axes.set_ylim(0.0, 1.25 * max(float(design.ratio_tv.max()), design.demands.allow_tv))
     axes.set_title("Friction in error")
     axes.legend(loc="upper center", ncols=3)
-
-
-def row_cells(design: ResetDesign, row: ResetRow) -> tuple[str, ...]:
-    """A row as words, in the order of `COLUMNS`; a row that misses a demand says so."""
-    told = ", ".join(ROLES[role] for role in row.roles) + (" (misses)" if row.misses else "")
-    return (
-        told, recipe(row.strategy), f"{row.nominal.total_variation:.3f}", f"{row.worst:.3f}", f"{row.worst_after:.3f}",
-        f"{row.histogram[0]:.3f}", f"{1e3 * row.drag:.0f} mm", f"{row.seconds:.1f} s", f"{1e3 * row.contact:.0f} mm",
-    )  # fmt: skip
 
 
 def _write_rows(figure: Figure, design: ResetDesign) -> None:
@@ -144,10 +119,7 @@ def _write_rows(figure: Figure, design: ResetDesign) -> None:
         figure.text(0.015 + width * place, top, name, fontsize=8.5, color=QUIET, va="bottom")
     y = top - 0.012
     for number, row in enumerate(design.rows):
-        cells = [
-            fill(cell, (96 if number else 82) if place == 1 else 24)
-            for place, cell in enumerate(row_cells(design, row))
-        ]
+        cells = [fill(cell, (96 if number else 82) if place == 1 else 24) for place, cell in enumerate(row_cells(row))]
         weight = "bold" if number == 0 else "normal"
         for place, cell in zip(_PLACES, cells, strict=True):
             figure.text(0.015 + width * place, y, cell, fontsize=8, fontweight=weight, va="top", linespacing=1.15)

@@ -6,12 +6,17 @@ import math
 from collections.abc import Sequence
 
 from cyclemap.mechanics import SidePush
-from cyclemap.resets import CycleAction, Limit, ResetDesign, ResetRow, ResetStrategy
+from cyclemap.resets import CycleAction, ResetDesign, ResetRow, ResetStrategy
 from cyclemap.views.sentences import angle
 
 # More actions or way-points than this are counted, not told one by one.
 _MOST_TOLD = 6
 _DRAWS = {2: "toss a coin", 4: "toss two coins", 6: "throw a die"}
+ROLES = {
+    "chosen": "chosen", "simplest": "simplest", "evenest": "most uniform", "cheapest": "cheapest",
+    "way back": "way back only", "gripper": "with a gripper", "yours": "yours", "as it is": "as it is",
+}  # fmt: skip
+COLUMNS = ("", "what to do", "long run", "at worst", "after, worst", "histogram", "drag", "cycle", "contact")
 _UNITS = {"drag": (1e3, " mm"), "reach": (1e3, " mm"), "contact": (1e3, " mm"), "seconds": (1.0, " s")}
 DEMANDS = {
     "tv": "total variation in the long run",
@@ -66,18 +71,14 @@ def recipe(strategy: ResetStrategy) -> str:
         if (length := _leg_length(actions)) is not None:
             ways = f"one of {len(actions)} equal directions, drawn at random"
             return f"{ring}drag back by a place {1e3 * length:.4g} mm off the target, in {ways}"
+    shuffled = f"in shuffled blocks of {sum(strategy.counts)}"
+    ordered = {"random": "drawn before every push", "in turn": "in turn"}.get(strategy.order, shuffled)
     if len(actions) > _MOST_TOLD:
-        return f"{ring}take one of {len(actions)} actions, {_ordered(strategy)} (see the protocol file)"
-    return ring + _listed(strategy)
+        return f"{ring}take one of {len(actions)} actions, {ordered} (see the protocol file)"
+    return ring + _listed(strategy, ordered)
 
 
-def _ordered(strategy: ResetStrategy) -> str:
-    return {"random": "drawn before every push", "in turn": "in turn"}.get(
-        strategy.order, f"in shuffled blocks of {sum(strategy.counts)}"
-    )
-
-
-def _listed(strategy: ResetStrategy) -> str:
+def _listed(strategy: ResetStrategy, ordered: str) -> str:
     actions, common = strategy.actions, ""
     pushes = [action.push for action in actions if action.push is not None]
     plain = len(pushes) == len(actions) and all(action == CycleAction(push=action.push) for action in actions)
@@ -87,7 +88,7 @@ def _listed(strategy: ResetStrategy) -> str:
     else:
         words = [_one(action) if plain else action_words(action) for action in actions]
     if strategy.order != "random":
-        return f"{_ordered(strategy)}: {', '.join(words)}{common}"
+        return f"{ordered}: {', '.join(words)}{common}"
     parts = (1.0,) * len(words) if strategy.weights is None else strategy.weights
     whole = [round(part) for part in parts]
     if any(abs(part - near) > 1e-9 for part, near in zip(parts, whole, strict=True)):
@@ -121,41 +122,23 @@ def _leg_length(actions: Sequence[CycleAction]) -> float | None:
 
 def design_sentences(design: ResetDesign) -> tuple[str, str, str]:
     """What to do, what that leaves, what it costs."""
-    row = design.chosen
-    left = f"What it leaves: {_left(design, row)}; {_histogram(design, row)}"
-    own = design.rows[-1].drag
+    row, own, about, pushes = design.chosen, design.rows[-1], design.about, design.demands.pushes
+    told = f", {about.told}" if about.told else ""
+    materials = f"{len(about.materials)} materials{told}" if about.others else "that material alone"
+    steered = design.orders.get("steered")
+    seeing = "" if steered is None else f"; chosen from what is seen (cyclemap watch --protocol) {steered:.3f}"
+    left = (
+        f"What it leaves: {row.nominal.total_variation:.3f} of total variation from uniform in the long run, "
+        f"{row.nominal.after:.3f} after {design.demands.within} pushes from the worst start; at the worst of "
+        f"{materials} {row.worst:.3f} and {row.worst_after:.3f}; a histogram of {pushes} pushes in 36 bins lies "
+        f"{row.histogram[0]:.3f} ± {row.histogram[1]:.3f} from uniform, {row.worst_histogram[0]:.3f} at worst, that of "
+        f"independent uniform ones {design.independent:.3f}, of the loop as it is {own.histogram[0]:.3f}{seeing}."
+    )
     cost = (
-        f"What it costs: {1e3 * row.drag:.0f} mm of drag ({row.drag / own:.2f} of now), {row.seconds:.1f} s a cycle, "
-        f"{1e3 * row.room:.0f} mm of room about the target, shortest contact {1e3 * row.contact:.0f} mm."
+        f"What it costs: {1e3 * row.drag:.0f} mm of drag ({row.drag / own.drag:.2f} of now), {row.seconds:.1f} s a "
+        f"cycle, {1e3 * row.room:.0f} mm of room about the target, shortest contact {1e3 * row.contact:.0f} mm."
     )
     return f"What to do: {recipe(row.strategy)}.", left, cost
-
-
-def _left(design: ResetDesign, row: ResetRow) -> str:
-    within = design.demands.within
-    return (
-        f"{row.nominal.total_variation:.3f} of total variation from uniform in the long run, {row.nominal.after:.3f} "
-        f"after {within} pushes from the worst start; at the worst of {range_words(design)} {row.worst:.3f} and "
-        f"{row.worst_after:.3f}"
-    )
-
-
-def _histogram(design: ResetDesign, row: ResetRow) -> str:
-    own, steered = design.rows[-1], design.orders.get("steered")
-    seeing = "" if steered is None else f"; chosen from what is seen (cyclemap watch --protocol) {steered:.3f}"
-    return (
-        f"a histogram of {design.demands.pushes} pushes in 36 bins lies {row.histogram[0]:.3f} ± "
-        f"{row.histogram[1]:.3f} from uniform, {row.worst_histogram[0]:.3f} at worst, that of independent uniform ones "
-        f"{design.independent:.3f}, of the loop as it is {own.histogram[0]:.3f}{seeing}."
-    )
-
-
-def range_words(design: ResetDesign) -> str:
-    """The materials that were looked at."""
-    about = design.about
-    count = len(about.materials) + len(design.tried)
-    told = f", {about.told}" if about.told else ""
-    return f"{count} materials{told}" if about.others else "that material alone"
 
 
 def miss_sentences(design: ResetDesign) -> tuple[str, ...]:
@@ -164,13 +147,16 @@ def miss_sentences(design: ResetDesign) -> tuple[str, ...]:
         return ()
     missed = ", ".join(DEMANDS[name] for name in design.chosen.misses) or "none by itself"
     told = [f"Nothing that was considered meets all demands. The nearest is told; it misses: {missed}."]
-    return (*told, *(limit_sentence(limit) for limit in design.binding))
+    for limit in design.binding:
+        scale, unit = _UNITS.get(limit.demand, (1.0, ""))
+        best = f"{'most' if limit.demand == 'contact' else 'least'} {DEMANDS[limit.demand]}"
+        told.append(f"The {best} considered is {scale * limit.value:.3g}{unit}: {recipe(limit.strategy)}.")
+    return tuple(told)
 
 
-def limit_sentence(limit: Limit) -> str:
-    """The best that any reset considered reaches of one demand."""
-    scale, unit = _UNITS.get(limit.demand, (1.0, ""))
-    best = "most" if limit.demand == "contact" else "least"
-    return (
-        f"The {best} {DEMANDS[limit.demand]} considered is {scale * limit.value:.3g}{unit}: {recipe(limit.strategy)}."
-    )
+def row_cells(row: ResetRow) -> tuple[str, ...]:
+    """A row as words, in the order of `COLUMNS`; a row that misses a demand says so."""
+    told = ", ".join(ROLES[role] for role in row.roles) + (" (misses)" if row.misses else "")
+    numbers = (row.nominal.total_variation, row.worst, row.worst_after, row.histogram[0])
+    costs = f"{1e3 * row.drag:.0f} mm", f"{row.seconds:.1f} s", f"{1e3 * row.contact:.0f} mm"
+    return told, recipe(row.strategy), *(f"{number:.3f}" for number in numbers), *costs

@@ -9,11 +9,11 @@ from matplotlib.collections import LineCollection
 from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.maps import RotationNumbers, RotationPlane, TongueBoundaries
 from cyclemap.views.panel_parts import legend_above, name_beside_path, name_tag, small
 from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL
 
-Array = NDArray[np.float64]
 ROTATION = "rotation number (turns a cycle)"
 # Tongues of longer periods are too many and too narrow to outline in a plane.
 LONGEST_PERIOD = 6

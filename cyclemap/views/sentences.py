@@ -6,12 +6,14 @@ import math
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
+from cyclemap.collection.own_object import first_contact
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.uncertain_directions import FIRST_ORDER, DirectionInterval, DirectionUncertainty
 from cyclemap.maps import Orbit, StaircaseSummary
 from cyclemap.mechanics import Material
 
 if TYPE_CHECKING:
+    from cyclemap.collection.loop import CollectionLoop
     from cyclemap.evidence import MapAgreement
 
 
@@ -32,13 +34,30 @@ def headline(portrait: Portrait) -> str:
     return f"{told} when fresh, {f'near {_listed(worn)}' if worn else 'nowhere'} when worn"
 
 
+def push_direction(theta: float, loop: CollectionLoop) -> float:
+    """Return towards where the rod goes (rad, world) when it pushes an object of orientation theta."""
+    way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
+    return theta + math.atan2(way[1], way[0])
+
+
+def orientation_and_push(theta: float, loop: CollectionLoop, decimals: int = 1) -> str:
+    """Both answers to "which direction?": the object's orientation, and where the push goes.
+
+    >>> from cyclemap.collection.loop import CollectionLoop
+    >>> orientation_and_push(math.radians(63.2), CollectionLoop.mit())
+    'orientation 63.2°, pushed towards −26.8°'
+    """
+    towards = math.remainder(push_direction(theta, loop), 2.0 * math.pi)
+    return f"orientation {angle(theta, decimals)}, pushed towards {angle(towards, decimals)}"
+
+
 def _resting(portrait: Portrait) -> str:
     """Locked is what neither noise nor wear carries off within the run."""
     run, wears = portrait.staircase.cycles, portrait.worn is not None
     stays = [(_place(portrait, orbit), portrait.stay(orbit)) for orbit in portrait.stable_points]
     locked = [place for place, stay in stays if stay is not None and stay >= run and not wears]
     rests = [
-        place if stay is None or stay >= run else f"{place} for {cycles(stay)} at a time"
+        place if stay is None or stay >= run else f"{place}, for {cycles(stay)} at a time"
         for place, stay in stays
         if place not in locked
     ]
@@ -52,7 +71,9 @@ def _place(portrait: Portrait, orbit: Orbit) -> str:
     """A stable direction, never sharper than its interval: with 95 % of the posterior where the material has one."""
     known, theta = portrait.uncertainty, orbit.points[0]
     interval = known.of(theta) if known is not None and known.is_posterior else None
-    return angle(theta) if interval is None else f"{angle(theta, _decimals(interval))} (95 %: {_ends(interval)})"
+    if interval is None:
+        return orientation_and_push(theta, portrait.loop)
+    return f"{orientation_and_push(theta, portrait.loop, _decimals(interval))} (95 %: {_ends(interval)})"
 
 
 def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
@@ -162,6 +183,7 @@ def parameters_line(portrait: Portrait) -> str:
 def material_line(material: Material) -> str:
     """That a material was inferred and how far it misses its data, and that it wears; empty where there is neither."""
     said = [f"{material.name} was inferred, not measured: {material.misfit}"] if material.inferred else []
+    said += [f"{material.name}: {material.misfit}"] if material.misfit and not material.inferred else []
     if material.wear is not None:
         said.append(f"it wears over {material.wear.cycles:g} cycles")
     return "; ".join(said)

@@ -7,14 +7,13 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import Normal, Stroke
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.maps import DriftSummary, StepComparison, Steps
 from cyclemap.views.panel_parts import legend_above, name_beside_path, say
 from cyclemap.views.sentences import angle, number
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, UNSTABLE
 
-Array = NDArray[np.float64]
 # With more dwells than this their levels are not written beside them.
 MOST_NAMED = 12
 # From this ratio of the longest residence to the shortest they are drawn on a logarithmic scale.

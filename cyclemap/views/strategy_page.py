@@ -23,10 +23,10 @@ def strategy_page(
     words: Sequence[str],
     loop: CollectionLoop,
     strategy: ResetStrategy,
-    turns: Array | None,
-    law: OrientationLaw | None,
     theta: Array,
     measured: Array | None,
+    turns: Array | None = None,
+    law: OrientationLaw | None = None,
 ) -> Figure:
     """Draw one run theta (n + 1,), rad, beside measured orientations; with turns (actions, n) rad and the law, if any.
 
@@ -53,9 +53,8 @@ def _draw_orientations(axes: Axes, theta: Array, measured: Array | None) -> None
     if measured is not None:
         axes.plot(np.degrees(measured) % 360.0, ".", color=MEASURED, markersize=4, label="measured", zorder=2)
     axes.plot(np.degrees(theta) % 360.0, ".", color=PREDICTED, markersize=2, label="predicted", zorder=3)
-    axes.set(
-        xlabel="cycle", ylabel="θ0 (°)", ylim=(0.0, 360.0), yticks=range(0, 361, 90), title="Orientations, one run"
-    )
+    axes.set(xlabel="cycle", ylabel="θ0 (°)", title="Orientations, one run")
+    axes.set(ylim=(0.0, 360.0), yticks=range(0, 361, 90))
     if measured is not None:
         legend_above(axes)
 
@@ -68,9 +67,7 @@ def _draw_shares(axes: Axes, theta: Array, measured: Array | None, law: Orientat
             heights, _ = np.histogram(np.degrees(path) % 360.0, edges, density=True)
             axes.stairs(heights, edges, fill=place == 0, color=colour, label=name, linewidth=1.4)
     if law is not None:
-        axes.plot(
-            np.arange(len(law.density)), PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run"
-        )
+        axes.plot(PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run")
     axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
     degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("probability per degree")

@@ -8,8 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
+from cyclemap.arrays import Array
 from cyclemap.sweeps.quantities import Quantity
-from cyclemap.sweeps.sweep_curves import Array, SweptCurves, SweptLines, SweptPlane
+from cyclemap.sweeps.sweep_curves import SweptCurves, SweptLines, SweptPlane
 from cyclemap.sweeps.sweep_results import Sweep
 from cyclemap.views.style import QUIET, new_figure, picture_style
 from cyclemap.views.sweep_panels import draw_fixed_points, draw_swept_line, draw_swept_plane, draw_swept_scatter

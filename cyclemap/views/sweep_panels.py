@@ -12,6 +12,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.maps import RotationPlane
 from cyclemap.sweeps.quantities import Quantity
 from cyclemap.sweeps.sweep_curves import SweptLines, SweptPlane, SweptScatter, axis_places
@@ -20,7 +21,6 @@ from cyclemap.views.panel_parts import legend_above, orbit_keys, say, whole_turn
 from cyclemap.views.rotation_panels import draw_rotation_numbers, draw_rotation_plane
 from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE
 
-Array = NDArray[np.float64]
 REFUSED: dict[str, Any] = {"facecolor": "#f4f4f4", "edgecolor": QUIET, "hatch": "xxx", "linewidth": 0.0}
 _UNITS = {"_deg": "°", "_mm": "mm", "_kg": "kg"}
 _SHORT_UNITS = {"degree": "°", "turns/cycle": "turns a cycle"}

@@ -3,33 +3,22 @@
 from collections.abc import Sequence
 
 from cyclemap.resets import Alarm, BiasReport, CoverageState, CycleAction, NextAction
-from cyclemap.resets.monitor.bias_monitor import WatchedCourse
 from cyclemap.views.reset_sentences import action_words
 from cyclemap.views.sentences import angle
 
 FEW = 10  # below this many pushes a decimal counts
 
 
-def watch_sentences(course: WatchedCourse) -> tuple[str, ...]:
-    """The whole report: alarm, present rest, coverage, advice."""
-    report = course.report
-    told = (
-        verdict_sentence(course),
-        rest_sentence(report),
-        coverage_sentence(report),
-        advice_sentence(report),
-    )
-    return tuple(filter(None, told))
-
-
-def verdict_sentence(course: WatchedCourse) -> str:
-    """Whether an alarm was raised, and how surely."""
-    report = course.report
+def watch_sentences(report: BiasReport) -> tuple[str, ...]:
+    """The whole report: alarm, or how far it is from one, present rest, coverage, advice."""
     if report.alarm is not None:
-        return alarm_sentence(report.alarm)
-    evidence = max(report.rest_evidence, report.visit_evidence)
-    needed = f"evidence {_power(evidence)} of the {_power(report.threshold)} needed"
-    return f"No alarm in {_pushes(course.pushes)}: {needed} at an alarm rate of {course.alarm_rate:g}."
+        verdict = alarm_sentence(report.alarm)
+    else:
+        evidence = _power(max(report.rest_evidence, report.visit_evidence))
+        needed = f"of the {_power(report.threshold)} needed at an alarm rate of {2.0 * 10.0**-report.threshold:g}"
+        verdict = f"No alarm in {_pushes(report.push + 1)}: evidence {evidence} {needed}."
+    told = (verdict, rest_sentence(report), coverage_sentence(report), advice_sentence(report))
+    return tuple(filter(None, told))
 
 
 def alarm_sentence(alarm: Alarm) -> str:
@@ -45,10 +34,9 @@ def rest_sentence(report: BiasReport) -> str:
     """Where it rests just now, and whether more pushes there are of use; empty where it does not rest."""
     if report.rest is None:
         return ""
-    useful = report.useful_pushes
-    worth = (
-        "" if useful is None else f"; {_pushes(useful) if useful else 'no push'} more there would tell much that is new"
-    )
+    useful, worth = report.useful_pushes, ""
+    if useful is not None:
+        worth = f"; {_pushes(useful) if useful else 'no push'} more there would tell much that is new"
     return f"It rests near {directions(report.rest.directions)} since push {report.rest.began}{worth}."
 
 
@@ -69,12 +57,10 @@ def covered(state: CoverageState) -> str:
 
 def advice_sentence(report: BiasReport) -> str:
     """What to do next."""
-    aim = f"{angle(report.advice.direction, 0)}, the direction least covered"
-    return (
-        f"Change the reset: bring θ0 to {aim}."
-        if report.advice.change_reset
-        else f"Carry on; least covered: {aim[: aim.index(',')]}."
-    )
+    aim = angle(report.advice.direction, 0)
+    if report.advice.change_reset:
+        return f"Change the reset: bring θ0 to {aim}, the direction least covered."
+    return f"Carry on; least covered: {aim}."
 
 
 def next_action_sentence(action: CycleAction, chosen: NextAction) -> str:

@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.collection.many_cycles import run_cycles
+from cyclemap.collection.loop import run_cycles
 from cyclemap.mechanics import EllipseFriction, Material
 from cyclemap.mechanics.engine.strokes import THREADS_VARIABLE, thread_count
 from tests.benchmarks.timing import Row, show

@@ -5,9 +5,10 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from cyclemap.cli import run_doctor as module
 from cyclemap.cli.command_doctor import doctor_command
+from cyclemap.collection import self_check
 from cyclemap.errors import EngineNotBuilt
+from cyclemap.mechanics.engine import library
 
 
 @pytest.fixture(autouse=True)
@@ -41,7 +42,7 @@ def test_json_tells_the_same_and_nothing_else(folder):
 
 @pytest.mark.parametrize("error", [1.0, float("nan")])
 def test_a_wrong_number_ends_with_exit_code_1(monkeypatch, error):
-    monkeypatch.setattr(module, "reference_error", lambda: error)
+    monkeypatch.setattr(self_check, "reference_error", lambda: error)
     done = doctor()
     assert done.exit_code == 1
     assert "PROBLEM: turns in MIT's loop are" in done.output and "not healthy" in done.output
@@ -51,7 +52,7 @@ def test_an_engine_that_is_not_built_ends_with_exit_code_1_and_tells_what_to_do(
     def refuse():
         raise EngineNotBuilt("the compiled engine is missing: build it")
 
-    monkeypatch.setattr(module.library, "load", refuse)
+    monkeypatch.setattr(library, "load", refuse)
     done = doctor("--json", "-")
     report = json.loads(done.output)
     assert done.exit_code == 1

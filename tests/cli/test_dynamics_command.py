@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from cyclemap.cli.main import run
-from cyclemap.collection.dynamic_loop import DynamicLoop, DynamicsComparison, compare_dynamics, isotropic_twin
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop, DynamicLoop, DynamicsComparison, compare_dynamics, isotropic_twin
 from cyclemap.views.dynamics_page import difference_sentence, dynamics_page
 
 ROW_KEYS = ["theta0_deg", "push_turn_deg", "push_dx_mm", "push_dy_mm", "drag_turn_deg", "theta1_deg", "left"]

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from cyclemap.cli.main import run
-from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import BatchExperiment, BatchRun, CollectionLoop
 from cyclemap.views.experiment_page import experiment_page
 from cyclemap.views.experiment_sentences import experiment_headline, isotropic_sentence, method_line, spread_sentence
 

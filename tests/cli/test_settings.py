@@ -7,7 +7,7 @@ import pytest
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.settings import chosen_loop, set_settings
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.resets.protocol.protocol_file import read_protocol
+from cyclemap.resets import read_protocol
 
 
 @pytest.fixture

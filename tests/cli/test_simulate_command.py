@@ -66,7 +66,7 @@ def test_options_reach_the_collection_in_si_units(tmp_path) -> None:
         "json",
     ]
     assert simulate(tmp_path, *options, "--set", "push_mm=40", "--set", "noise_deg=3") == 0
-    found = read_toml(tmp_path / "simulation.toml")
+    found = read_toml(tmp_path / "collection.toml")["simulation"]
     expected = {
         "start_rad": math.pi / 2.0,
         "seed": 5,
@@ -91,7 +91,7 @@ def test_options_reach_the_collection_in_si_units(tmp_path) -> None:
 )
 def test_the_scatter_is_the_options_else_the_settings_else_the_packages(tmp_path, options, sigma) -> None:
     assert simulate(tmp_path, *options) == 0
-    assert read_toml(tmp_path / "simulation.toml")["noise_turn_rad"] == pytest.approx(sigma)
+    assert read_toml(tmp_path / "collection.toml")["simulation"]["noise_turn_rad"] == pytest.approx(sigma)
 
 
 @pytest.mark.parametrize(
@@ -149,6 +149,6 @@ def test_a_full_disk_exits_1_leaves_nothing_half_written_and_can_be_gone_on_with
     assert done.returncode == 1
     (line,) = done.stderr.splitlines()
     assert "rep=0000.h5 cannot be written (File too large); nothing was left half-written" in line
-    assert sorted(path.name for path in folder.rglob("*.*")) == ["simulation.toml", "true_theta0.txt"]
+    assert sorted(path.name for path in folder.rglob("*.*")) == ["collection.toml", "true_theta0.txt"]
     assert simulate(folder) == 0
     assert len(load_pushes(folder).table) == 3

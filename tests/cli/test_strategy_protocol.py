@@ -11,9 +11,9 @@ import pytest
 from cyclemap.cli.main import run
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.settings import chosen_loop
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.evidence.pushes.push_table import load_pushes
+from cyclemap.evidence import load_pushes
 from cyclemap.mechanics import DragBack, SidePush
 from cyclemap.resets import (
     CycleAction,

@@ -11,11 +11,10 @@ import pytest
 
 from cyclemap.cli import run_sweep as module
 from cyclemap.cli.command_sweep import sweep_command
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput, UnsupportedContact
-from cyclemap.resets import ResetStrategy, legs
-from cyclemap.resets.protocol.protocol_file import write_protocol
-from cyclemap.sweeps.portrait_numbers import PointOutcome, PortraitNumbers
+from cyclemap.resets import ResetStrategy, legs, write_protocol
+from cyclemap.sweeps import PointOutcome, PortraitNumbers
 from cyclemap.sweeps.quantities import GROUPS
 
 RING = ("--over", "hitch_x_mm=-12:0:5", "--workers", "1")

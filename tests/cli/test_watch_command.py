@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from cyclemap.cli import run_watch as module
+from cyclemap.cli import command_watch as module
 from cyclemap.cli.main import run
 from cyclemap.errors import DataFileError
 
@@ -191,9 +191,9 @@ def test_however_following_ends_picture_and_json_are_written(here, monkeypatch, 
 
     folder_of_pushes(here / "fol", 3)
     grown(monkeypatch, [fail])
-    request = module.WatchRequest(here / "fol", 0.01, True, 0.5, here / "out", "png")
+    results = {"out": here / "out", "picture_format": "png", "json_target": "-"}
     with pytest.raises(type(failure)):
-        module.run_watch(request, "-")
+        module.watch_command.callback(here / "fol", 0.01, True, 0.5, None, None, **results)
     if code is not None:
         grown(monkeypatch, [fail])
         assert run(["watch", "fol", "--follow", "--every", "0.5"]) == code

@@ -44,7 +44,8 @@ def steep(theta):
 
 
 def sampled(function, tolerance, **options):
-    return sample_circle_map(function, lambda theta: function(theta)[0], tolerance, **options)
+    """The map that a function of one orientation gives."""
+    return sample_circle_map(lambda theta: np.array([function(t) for t in theta.tolist()]).T, tolerance, **options)
 
 
 def worst_error(circle, function, theta):
@@ -131,7 +132,7 @@ def test_a_jump_beside_a_sample_leaves_a_sliver_whose_error_is_known(beside):
         climbed = base + 0.1 * math.sin(base) - 0.7 * base / FULL_TURN + (0.7 if base >= place else 0.0)
         return climbed + FULL_TURN * turns, 1.0 + 0.1 * math.cos(base) - 0.7 / FULL_TURN
 
-    found = sample_circle_map(lift, lambda theta: lift(theta)[0], 1e-6)
+    found = sampled(lift, 1e-6)
     assert len(found.breaks) == 1
     assert abs(found.breaks[0] - place) < 2e-10
     away = np.linspace(0.01, 6.2, 200)

@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from cyclemap.collection.batch_experiment import REST, BatchExperiment, BatchRun, batch_experiment, run_batches
-from cyclemap.collection.dynamic_loop import DynamicLoop, on_points
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import BatchExperiment, BatchRun, CollectionLoop, DynamicLoop, batch_experiment
+from cyclemap.collection.batch_experiment import REST, run_batches
+from cyclemap.collection.dynamic_loop import on_points
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material
 

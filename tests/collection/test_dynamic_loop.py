@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from cyclemap.collection.dynamic_loop import DynamicLoop, compare_dynamics, isotropic_twin, on_points
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop, DynamicLoop, compare_dynamics, isotropic_twin
+from cyclemap.collection.dynamic_loop import on_points
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import DragBack, PatchFootprint, Slider, corner_footprint
 
@@ -116,7 +116,7 @@ def test_what_it_cannot_run_is_refused_by_name():
         DynamicLoop(loop).cycle(math.nan)
     with pytest.raises(InvalidInput, match="speed must be positive"):
         DynamicLoop(loop, speed=-0.02)
-    for name in ("speed", "stiffness", "damping", "regularisation", "tolerance"):
+    for name in ("speed", "stiffness", "regularisation", "tolerance"):
         with pytest.raises(InvalidInput, match=name):
             DynamicLoop(loop, **{name: 0.0})
     with pytest.raises(InvalidInput, match="1e-10 to 1e-3"):

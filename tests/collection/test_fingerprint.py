@@ -6,17 +6,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cyclemap.collection.anisotropy import Anisotropy
-from cyclemap.collection.fingerprint import TurnResponse, fingerprint, with_anisotropy
-from cyclemap.collection.fingerprint_check import check_prediction
-from cyclemap.collection.fingerprint_lock_in import (
+from cyclemap.collection import (
+    Anisotropy,
+    CollectionLoop,
+    Prediction,
+    TurnResponse,
+    check_prediction,
+    fingerprint,
+    predict,
+)
+from cyclemap.collection.fingerprint import with_anisotropy
+from cyclemap.collection.fingerprint_check import full_lock_in
+from cyclemap.collection.fingerprint_prediction import (
+    DRIFTS,
+    LOCKS,
+    UNDECIDED,
     first_order_lock_in,
-    full_lock_in,
     lock_in_boundary,
     stationary_angles,
 )
-from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, UNDECIDED, Prediction, predict
-from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import EllipseFriction

@@ -6,12 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cyclemap.collection.anisotropy import MOST_ELLIPTICITY, Anisotropy
-from cyclemap.collection.fingerprint import Fingerprint, TurnResponse, fingerprint, with_anisotropy
-from cyclemap.collection.fingerprint_check import check_prediction
-from cyclemap.collection.fingerprint_lock_in import lock_in_boundary
-from cyclemap.collection.fingerprint_prediction import predict
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import (
+    Anisotropy,
+    CollectionLoop,
+    Fingerprint,
+    TurnResponse,
+    check_prediction,
+    fingerprint,
+    predict,
+)
+from cyclemap.collection.fingerprint import MOST_ELLIPTICITY, with_anisotropy
+from cyclemap.collection.fingerprint_prediction import lock_in_boundary
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import EllipseFriction

@@ -46,7 +46,7 @@ def test_every_setting_reaches_its_place_in_si_units_and_no_other(key):
 
 
 def test_no_setting_is_left_untested():
-    others = {"shape", "vertices_mm", "semi_x_mm", "semi_y_mm", "way_points_mm", "footprint"}
+    others = {"shape", "object_name", "vertices_mm", "semi_x_mm", "semi_y_mm", "way_points_mm", "footprint"}
     assert set(PLACES) | others == set(SETTING_KEYS)
 
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from cyclemap.collection import portrait
 from cyclemap.collection.cycle_scene import cycle_scene, placed
-from cyclemap.collection.portrait import DEFAULT_SIGMA, portrait, turn_statistics
+from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
 from cyclemap.collection.portrait_curves import cobweb, portrait_curves, turn_curve
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap

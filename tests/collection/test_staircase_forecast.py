@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.collection.staircase_forecast import staircase_forecast
+from cyclemap.collection import staircase_forecast
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
 

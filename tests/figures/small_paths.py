@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from drawn_figures import assert_drawn, words_of
 
-from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
-from cyclemap.evidence.simulation.simulated_collection import simulate_collection
+from cyclemap.collection import CollectionLoop
+from cyclemap.evidence import RecordingNoise, simulate_collection
 from cyclemap.figures.exhibit import PaperFigure
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.pushed_paths import PushedPaths, paths_on_four_surfaces

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 
-from cyclemap.collection.batch_experiment import BatchExperiment
+from cyclemap.collection import BatchExperiment
 from cyclemap.figures.anisotropic_against_isotropic import FIGURE
 from cyclemap.figures.measured_folder import MeasuredFolder
 

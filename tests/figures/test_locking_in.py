@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.figures import locking_in
 from cyclemap.figures.animation import animated_gif

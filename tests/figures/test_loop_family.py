@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.figures.loop_family import LoopFamily, chebyshev_nodes, loop_family
 from cyclemap.figures.loop_variants import ring_fold, ring_radius, with_anisotropy_times, with_ring_at

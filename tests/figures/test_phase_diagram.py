@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from drawn_figures import assert_drawn
 
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop
 from cyclemap.figures.loop_variants import ring_fold, with_anisotropy_times, with_ring_at
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.phase_diagram import FIGURE, RADII, compute

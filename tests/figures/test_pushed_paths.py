@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from small_paths import CYCLES, DRAWN, RECORDED, recorded_folder, small_paths
 
-from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.pushed_paths import (
     crossing_pairs,

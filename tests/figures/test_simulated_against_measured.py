@@ -5,7 +5,7 @@ import pytest
 from drawn_figures import assert_drawn, words_of
 from small_paths import RECORDED, recorded_folder
 
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.simulated_against_measured import FIGURE, compute, draw, simulated_turns
 

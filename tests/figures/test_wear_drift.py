@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from drawn_figures import assert_drawn
 
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.wear_drift import AGES, FIGURE, MATERIAL, compute
 from cyclemap.maps import WrappedNormal, fixed_points, transfer_operator

@@ -17,11 +17,11 @@ import numpy as np
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.data_blocks.cycle_pair_block import found_with
-from cyclemap.evidence.data_blocks.prior_block import PRIOR_KIND, USUAL, prior_block
 from cyclemap.evidence.identification.identifiability import Uncertainty, uncertainty
 from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, minimise
 from cyclemap.evidence.identification.noise_scales import NoiseLaw
+from cyclemap.evidence.identification.priors import PRIOR_KIND, USUAL, prior_block
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
 from cyclemap.evidence.published.cycle_nodes import NODES
 from cyclemap.evidence.published.published_comparison import comparison_table, published_comparison

@@ -62,7 +62,7 @@ def told(surface: str, sort: str, title: str, block: StrokeBlock, free: tuple[st
     """Identify one explanation by five folds of contacts, and print it."""
     own = {parameter.name: 0.0 for parameter in block.own_parameters}
     fixed = {name: value for name, value in {**HELD, **own}.items() if name in block.parameters and name not in free}
-    found = identify([block], free, fixed, starts=1, intervals="covariance", folds=5, student=student)
+    found = identify([block], free, fixed, starts=1, folds=5, student=student)
     print(f"{surface} {sort}, {title}: {errors(found, sort)}")
     print("   ", "; ".join(str(one) for one in found.estimates))
     print("   ", "; ".join(found.notes) or "no notes", flush=True)

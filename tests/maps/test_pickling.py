@@ -35,7 +35,6 @@ MAPS = {
     "upper": maps.upper_envelope(FOLDED),
     "lower": maps.lower_envelope(FOLDED),
     "family": maps.ARNOLD_FAMILY(0.2, 0.3),
-    "mean": maps.RandomMap((SINE, FOLDED), (0.5, 0.5), WrappedNormal(0.2)).mean_map,
     "drifting": maps.DriftingMap.between([(0, SINE), (99, FOLDED)]).at(50),
 }
 
@@ -67,13 +66,11 @@ VALUES = {
     "uniform operator": lambda: maps.transfer_operator(SINE, maps.UniformNoise(1.0)),
     "spectrum": lambda: maps.transfer_operator(SINE, WrappedNormal(0.3)).spectrum(3),
     "response": lambda: maps.transfer_operator(SINE, WrappedNormal(0.3)).noise_response(),
-    "mixture": lambda: maps.mixture_operator([SINE, FOLDED], [0.5, 0.5], WrappedNormal(0.3)),
     "passage": lambda: maps.mean_passage_time(SINE, WrappedNormal(0.3), 1.0, (0.5, 2.0)),
-    "law": lambda: maps.quasi_stationary_law(SINE, WrappedNormal(0.3), (0.5, 2.0)),
+    "law": lambda: maps.quasi_stationary_distribution(SINE, WrappedNormal(0.3), (0.5, 2.0)),
     "staircase": lambda: maps.sample_staircase(SINE, WrappedNormal(0.3), 50, seed=1),
     "summary": lambda: maps.predict_staircase(CircleMap.arnold(0.16, 0.9), WrappedNormal(0.1)),
     "families": lambda: (maps.ARNOLD_FAMILY, maps.MOEBIUS_FAMILY),
-    "random map": lambda: maps.RandomMap((SINE, FOLDED), (0.5, 0.5), WrappedNormal(0.2)),
 }
 
 

@@ -130,6 +130,13 @@ PUSHES = {
         "distance",
         {},
     ),
+    "a point that rests at a corner": (
+        model_of("rect1", 0.1, 0.1, 0.1, friction=1.0, radius=0.0),
+        Pose(theta=2.0),
+        SidePush(1, 0.0, 0.75, 0.3),
+        "left",
+        {"stick"},
+    ),
 }
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import EllipseFriction, Material, Wear, load_material
-from cyclemap.mechanics.friction_wear import worn_friction
+from cyclemap.mechanics import EllipseFriction, Material, Wear, load_material, worn_friction
 
 FRESH = load_material("plywood").friction
 WORN = EllipseFriction(0.31, 0.19, m0=-0.02, n0=0.05, phi=0.7)

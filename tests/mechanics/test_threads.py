@@ -1,4 +1,4 @@
-"""Values are shared by any number of threads, forks and processes, survive pickling, and stop when interrupted."""
+"""Values are shared by threads, forks, processes and Dask workers, survive pickling, and stop when interrupted."""
 
 import multiprocessing
 import os
@@ -9,6 +9,7 @@ import sys
 import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
+import distributed
 import numpy as np
 import pytest
 
@@ -21,6 +22,7 @@ from cyclemap.mechanics import (
     PatchFootprint,
     PointFootprint,
     Polygon,
+    Pose,
     Pusher,
     SidePush,
     Slider,
@@ -137,6 +139,38 @@ def test_spawned_workers_come_to_the_same_bits(alone):
         assert list(pool.map(everything, mixture())) == alone
 
 
+def push_of(model):
+    """The course of a push of a model alone."""
+    course = model.push(Pose(0.01, -0.02, 0.7), SidePush(0, 0.3, 0.0, 0.05)).trajectory
+    return np.hstack([course.pose, course.contact_force]).tobytes()
+
+
+def map_of(loop):
+    return loop.circle_map(tolerance=1e-3)
+
+
+def images(circle_map):
+    """Values and slopes of a map, and the fixed points found in it."""
+    orbits = cm.fixed_points(circle_map)
+    found = [circle_map(THETA), circle_map.derivative(THETA), *(orbit.points for orbit in orbits)]
+    return np.concatenate([np.ravel(column) for column in found]).tobytes()
+
+
+def test_loops_models_and_maps_come_to_the_same_bits_on_dask_workers(alone):
+    """Loops and models go out with what they have computed; maps go out, come back, and are computed over there."""
+    loops = mixture()
+    here = [push_of(loop.model) for loop in loops]
+    maps = [map_of(loop) for loop in loops[:2]]
+    options = {"n_workers": 2, "threads_per_worker": 2, "processes": True, "dashboard_address": None}
+    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
+        assert client.gather(client.map(everything, loops, pure=False)) == alone
+        assert client.gather(client.map(push_of, [loop.model for loop in loops], pure=False)) == here
+        wanted = [images(circle_map) for circle_map in maps]
+        assert client.gather(client.map(images, maps, pure=False)) == wanted
+        made = client.gather(client.map(map_of, loops[:2], pure=False))
+        assert [images(circle_map) for circle_map in made] == wanted
+
+
 CHILD = """
 import os, sys, numpy as np
 import cyclemap as cm
@@ -169,7 +203,7 @@ def test_a_fork_of_a_process_whose_threads_ran_cycles_has_threads_of_its_own():
 def test_a_call_that_would_take_minutes_ends_when_interrupted(threads):
     """A million cycles take minutes; a second later the process tells that it stopped, and runs cycles again."""
     endless = (
-        "from cyclemap.collection.many_cycles import run_cycles\n"
+        "from cyclemap.collection.loop import run_cycles\n"
         "before = loop.next_theta(np.linspace(0.0, 6.0, 16))\n"
         "print('begun', flush=True)\n"
         "try: run_cycles([loop], np.zeros(1_000_000))\n"

@@ -4,24 +4,20 @@ import math
 
 import numpy as np
 import pytest
-from pressure_reference import reference
 from two_contact_reference import (
     Contact,
     Instant,
     Plate,
     consistent_modes,
     cross,
-    ellipsoid_friction,
     free_spin,
     one_contact,
-    patch_friction,
-    point_friction,
     quarter,
     run_push,
     unit,
 )
 
-from cyclemap.mechanics import EllipseFriction, PatchFootprint, Polygon
+from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Polygon
 
 PLYWOOD, ISOTROPIC = (0.2545, 0.2346, 0.0325, 0.0082, 2.6175), (0.25, 0.25, 0.0, 0.0, 0.0)
 NOTCH = ((-0.05, -0.04), (0.05, -0.04), (0.05, 0.03), (0.0, 0.005), (-0.05, 0.03))
@@ -65,6 +61,16 @@ PUSHES = (
 )
 
 
+def patch_friction(vertices, law):
+    """Of a polygon under even pressure."""
+    return LimitSurface(PatchFootprint(Polygon(vertices)), EllipseFriction(*law)).wrench
+
+
+def ellipsoid_friction(matrix):
+    """D = sqrt(V^T A V), any orientation alike."""
+    return lambda twist, theta: matrix @ twist / math.sqrt(twist @ matrix @ twist)
+
+
 def recomputed(push, accuracy):
     vertices, law, radius, mu, side, fraction, theta, angle, distance = push
     plate = Plate(vertices, patch_friction(vertices, law), radius, mu)
@@ -87,22 +93,6 @@ def random_wedge(rng, radius=None, mu=None):
     bumps = rng.normal(size=(3, 3))
     matrix = np.diag([1.0, 1.0, 0.4]) + 0.1 * bumps @ bumps.T
     return Instant(ellipsoid_friction(matrix), 0.0, u, radius, mu, 1.0), contacts, math.pi - corner, matrix
-
-
-def test_the_patch_is_the_limit_of_its_points_and_agrees_with_polar_quadrature():
-    rng = np.random.default_rng(1)
-    outline, law = Polygon(SKEW), EllipseFriction(*PLYWOOD)
-    low, high = outline.array.min(axis=0), outline.array.max(axis=0)
-    share = (np.arange(400) + 0.5) / 400
-    grid = np.stack(np.meshgrid(*(low + share[:, None] * (high - low)).T), axis=-1).reshape(-1, 2)
-    points = point_friction(grid[outline.contains(grid)], PLYWOOD)
-    patch = patch_friction(SKEW, PLYWOOD)
-    for lever in (0.3, 3.0, 30.0, 1e3, 1e6, math.inf):
-        twist, theta = np.array([*unit(rng.uniform(0.0, 6.0)), 1.0 / (0.05 * lever)]), rng.uniform(0.0, 6.0)
-        scale = np.array([1.0, 1.0, 0.05])
-        assert np.allclose(patch(twist, theta) / scale, points(twist, theta) / scale, atol=2e-3)
-        _, slope, _ = reference(PatchFootprint(outline), law, twist, theta)
-        assert np.allclose(patch(twist, theta) / scale, slope / scale, atol=1e-11)
 
 
 def test_one_contact_on_an_ellipsoid_is_the_closed_form():

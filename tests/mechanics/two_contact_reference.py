@@ -1,7 +1,8 @@
 """A second route to pushes around concave outlines: every mode of one or two contacts, tried at each instant.
 
-Plain NumPy and SciPy, nothing of the engine. The equations are those of docs/theory/two-contacts.md. Lengths m, angles
-rad; twists, forces and contacts in the object's frame, forces per unit load; the rod's speed is one.
+Plain NumPy and SciPy; friction is any function (twist, theta) -> grad D. The equations are those of
+docs/theory/two-contacts.md. Lengths m, angles rad; twists, forces and contacts in the object's frame, forces per unit
+load; the rod's speed is one.
 """
 
 import math
@@ -9,11 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq, root
-
-NODE, WEIGHT = np.polynomial.legendre.leggauss(16)
-# Events closer than this, as a share of the outline's size, count as one.
-_ONE_EVENT = 1e-9
+from scipy.optimize import brentq, linprog, root
 
 
 def quarter(vector):
@@ -27,87 +24,6 @@ def cross(a, b):
 
 def unit(angle):
     return np.array([math.cos(angle), math.sin(angle)])
-
-
-# ---------------------------------------------------------------------------------------------------------------------
-# Friction: functions (twist, theta) -> grad D
-
-
-def traction_matrix(law, theta):
-    """M with s = |M v| in the object's frame, and the constant traction; law: (mu_a, mu_b, m0, n0, phi)."""
-    mu_a, mu_b, m0, n0, phi = law
-    m, n = unit(phi - theta), quarter(unit(phi - theta))
-    return np.array([mu_a * m, mu_b * n]), m0 * m + n0 * n
-
-
-def point_friction(points, law):
-    """Of support points, (k, 2), that bear alike."""
-    points = np.array(points, dtype=float)
-
-    def wrench(twist, theta):
-        matrix, constant = traction_matrix(law, theta)
-        w = (twist[:2] + twist[2] * quarter(points)) @ matrix.T
-        force = w / np.hypot(w[:, 0], w[:, 1])[:, None] @ matrix + constant
-        return np.array([*force.mean(axis=0), cross(points, force).mean()])
-
-    return wrench
-
-
-def patch_friction(vertices, law):
-    """Of a polygon under even pressure.
-
-    With w = M (v + omega z x r) the patch becomes a polygon of area A whose edges lie d from zero along their normals
-    k: mean |w| = sum d I / 3A and mean w/|w| = sum k I / A by Gauss's theorem, I the integral of |w| along an edge.
-    """
-    r = np.array(vertices, dtype=float)
-    onward = np.roll(r, -1, axis=0)
-    doubled = cross(r, onward)
-    centroid = ((r + onward) * doubled[:, None]).sum(axis=0) / (3.0 * doubled.sum())
-    r = r - centroid
-    extent = np.hypot(*r.T).max()
-    share, weight = (NODE + 1.0) / 2.0, WEIGHT / 2.0
-    rim = r[:, None] + share[:, None] * (np.roll(r, -1, axis=0) - r)[:, None]
-    nodes = (share[:, None, None, None] * rim).reshape(-1, 2)
-    # Fans of triangles about the centroid, some of them negative.
-    area = cross(r, np.roll(r, -1, axis=0))
-    weights = ((share * weight)[:, None, None] * area[:, None] * weight).ravel() / (0.5 * area.sum())
-
-    def centred(v, omega, matrix):
-        if abs(omega) * extent < 0.1 * np.hypot(*v):
-            w = (v + omega * quarter(nodes)) @ matrix.T
-            force = (weights / np.hypot(w[:, 0], w[:, 1]))[:, None] * w @ matrix
-            return force.sum(axis=0), cross(nodes, force).sum()
-        w = (v + omega * quarter(r)) @ matrix.T
-        edge = np.roll(w, -1, axis=0) - w
-        size = np.hypot(edge[:, 0], edge[:, 1])
-        along, out = edge / size[:, None], -quarter(edge) / size[:, None]
-        d, t = (w * out).sum(axis=1), (w * along).sum(axis=1)
-        nonzero = np.maximum(np.abs(d), 1e-300)
-
-        def primitive(t):
-            return 0.5 * (t * np.hypot(d, t) + d**2 * np.arcsinh(t / nonzero))
-
-        integral = primitive(t + size) - primitive(t)
-        image = 0.5 * cross(w, np.roll(w, -1, axis=0)).sum()
-        force = (out * integral[:, None]).sum(axis=0) @ matrix / image
-        return force, ((d * integral).sum() / (3.0 * image) - v @ force) / omega
-
-    def wrench(twist, theta):
-        matrix, constant = traction_matrix(law, theta)
-        force, torque = centred(twist[:2] + twist[2] * quarter(centroid), twist[2], matrix)
-        force = force + constant
-        return np.array([*force, torque + cross(centroid, force)])
-
-    return wrench
-
-
-def ellipsoid_friction(matrix):
-    """D = sqrt(V^T A V), any orientation alike."""
-    return lambda twist, theta: matrix @ twist / math.sqrt(twist @ matrix @ twist)
-
-
-# ---------------------------------------------------------------------------------------------------------------------
-# The modes of an instant
 
 
 @dataclass(frozen=True)
@@ -239,35 +155,26 @@ def one_contact(instant, contact, opens=(), guesses=None, only=None):
     return found
 
 
-def pressed(force, contacts, mu, sense):
-    """Normal forces (2,) of two contacts that slide in one sense and add up to a force."""
-    edges = np.stack([-c.normal + sense * mu * c.tangent for c in contacts], axis=-1)
-    return np.linalg.solve(edges, force)
-
-
 def wedge_turns(instant, contacts, sense, near=None):
     """Modes that keep both contacts and turn about the rod: a bearing whose friction opposes the turn."""
     place, u, mu = instant.centre(contacts[0]), instant.velocity, instant.mu
+    # Both slide in one sense: their forces along these edges add up to that of friction.
+    edges = np.stack([-c.normal + sense * mu * c.tangent for c in contacts], axis=-1)
 
     def surplus(omega):
         _, force, torque = instant.about(place, u, omega)
-        return torque + sense * instant.radius * mu * pressed(force, contacts, mu, sense).sum()
+        return torque + sense * instant.radius * mu * np.linalg.solve(edges, force).sum()
 
-    if near is not None:
-        step = 0.03 * abs(near) + 1e-3 / instant.extent
-        low, high = near - step, near + step
-        spins = [brentq(surplus, low, high, xtol=1e-16, rtol=1e-15)] if surplus(low) * surplus(high) < 0.0 else []
-    else:
-        spins = []
-    if not spins:
-        grid = sense * np.tan(np.linspace(0.0, 1.569, 160)) / instant.extent
+    def brackets(grid):
         values = [surplus(omega) for omega in grid]
-        brackets = [sorted(grid[i : i + 2]) for i in range(len(grid) - 1) if values[i] * values[i + 1] < 0.0]
-        spins = [brentq(surplus, *bracket, xtol=1e-16, rtol=1e-15) for bracket in brackets]
+        return [sorted(grid[i : i + 2]) for i in range(len(grid) - 1) if values[i] * values[i + 1] < 0.0]
+
+    close = [] if near is None else brackets(near + np.array((-1.0, 1.0)) * (0.03 * abs(near) + 1e-3 / instant.extent))
     found = []
-    for omega in spins:
+    for bracket in close or brackets(sense * np.tan(np.linspace(0.0, 1.569, 160)) / instant.extent):
+        omega = brentq(surplus, *bracket, xtol=1e-16, rtol=1e-15)
         twist, force, _ = instant.about(place, u, omega)
-        normal = pressed(force, contacts, mu, sense)
+        normal = np.linalg.solve(edges, force)
         forces = tuple((one, sense * mu * one) for one in normal)
         found.append(Mode(f"turn{'+' if sense > 0 else '-'}", twist, forces, np.array([*normal, sense * omega])))
     return found
@@ -276,35 +183,19 @@ def wedge_turns(instant, contacts, sense, near=None):
 def wedge_sticks(instant, contacts):
     """The mode in which the object translates with the rod; one force of four is undetermined.
 
-    Of the tangential force x at the first contact the other forces are linear: the cones leave an interval of x.
+    Of all that balance friction it takes those that keep farthest inside their cones, as far as a weight.
     """
-    place, u = instant.centre(contacts[0]), instant.velocity
-    twist, force, torque = instant.about(place, u, 0.0)
-    normals = np.stack([-c.normal for c in contacts], axis=-1)
-    fixed = np.linalg.solve(normals, force + torque / instant.radius * contacts[1].tangent)
-    slope = np.linalg.solve(normals, contacts[1].tangent - contacts[0].tangent)
-    low, high = -math.inf, math.inf
-    for value, by_x, n0, n_by_x in (
-        (0.0, 1.0, fixed[0], slope[0]),
-        (-torque / instant.radius, -1.0, fixed[1], slope[1]),
-    ):
-        for sign in (1.0, -1.0):
-            # mu (n0 + n' x) - sign (value + value' x) >= 0
-            a, b = instant.mu * n0 - sign * value, instant.mu * n_by_x - sign * by_x
-            if b > 0.0:
-                low = max(low, -a / b)
-            elif b < 0.0:
-                high = min(high, -a / b)
-            elif a < 0.0:
-                low, high = math.inf, -math.inf
-    if math.isfinite(low) and math.isfinite(high):
-        x = 0.5 * (low + high)
-    else:
-        # A notch that locks itself: any force beyond the end will do.
-        x = low + 1.0 if math.isfinite(low) else high - 1.0
-    n0, n1 = fixed + slope * x
-    forces = ((n0, x), (n1, -torque / instant.radius - x))
-    return Mode("wedged", twist, forces, np.array([min(high - low, 1e9)]))
+    twist, force, torque = instant.about(instant.centre(contacts[0]), instant.velocity, 0.0)
+    (a, b), mu = contacts, instant.mu
+    # Unknowns: normal and tangential force at both contacts, and how far inside their cones they keep.
+    balance = np.zeros((3, 5))
+    balance[:2, :4] = np.stack([-a.normal, a.tangent, -b.normal, b.tangent], axis=-1)
+    balance[2, [1, 3]] = -instant.radius
+    cones = [[-mu, 1, 0, 0, 1], [-mu, -1, 0, 0, 1], [0, 0, -mu, 1, 1], [0, 0, -mu, -1, 1]]
+    bounds = [(None, None)] * 4 + [(None, 1.0)]
+    found = linprog([0, 0, 0, 0, -1], cones, np.zeros(4), balance, [*force, torque], bounds)
+    n0, t0, n1, t1, inside = found.x
+    return Mode("wedged", twist, ((n0, t0), (n1, t1)), np.array([inside]))
 
 
 def point_pivots(instant, contacts):
@@ -338,10 +229,6 @@ def two_contacts(instant, contacts):
 def consistent_modes(instant, contacts):
     """Those modes of two contacts that hold, as (kept, mode)."""
     return [(kept, mode) for kept, mode in two_contacts(instant, contacts) if mode.consistent]
-
-
-# ---------------------------------------------------------------------------------------------------------------------
-# Whole pushes
 
 
 @dataclass(frozen=True)
@@ -399,13 +286,13 @@ class Plate:
     def others(self, place):
         """Sides that the rod may run into before it comes to an end of its place."""
         kind, i, _ = place
-        count = len(self.vertices)
-        own = {i, (i - 1) % count} if kind == "corner" else {i}
+        own = {i, i - 1} if kind == "corner" else {i}
         if kind == "side":
-            own |= {(i - 1) % count} if self.turn(i) > 0.0 or self.reach(i) > 0.0 or self.radius == 0.0 else set()
-            ahead = self.turn(i + 1) > 0.0 or self.reach(i + 1) > 0.0 or self.radius == 0.0
-            own |= {(i + 1) % count} if ahead else set()
-        return [j for j in range(count) if j not in own]
+            # A neighbour behind a concave corner that the rod does not reach into may come first.
+            ends = ((i - 1, i), (i + 1, i + 1))
+            own |= {j for j, end in ends if self.turn(end) > 0.0 or self.reach(end) > 0.0 or self.radius == 0.0}
+        count = len(self.vertices)
+        return [j for j in range(count) if j not in {k % count for k in own}]
 
     def nearest(self, centre, sides):
         """Distance of the nearest of some sides, and the place there."""

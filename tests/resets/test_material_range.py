@@ -3,18 +3,20 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import cyclemap as cm
 from cyclemap.errors import InvalidInput
-from cyclemap.resets import MaterialRange, material_range
+from cyclemap.mechanics import FoundWith, MaterialPosterior
+from cyclemap.resets import MaterialRange, material_range, on_material
 
 PLYWOOD = cm.load_material("plywood")
 
 
 def test_corners_stretch_axes_against_each_other_and_scale_offsets() -> None:
     about, law = material_range(PLYWOOD), PLYWOOD.friction
-    assert len(about.materials) == 9 and about.nominal.friction == law
+    assert len(about.searched) == 9 and len(about.materials) == 13 and about.nominal.friction == law
     found = set()
     for material in about.others:
         friction = material.friction
@@ -26,16 +28,66 @@ def test_corners_stretch_axes_against_each_other_and_scale_offsets() -> None:
 
 
 def test_offsets_that_are_zero_stay_zero_and_no_range_is_the_material_alone() -> None:
-    assert len(material_range(cm.load_material("isotropic")).materials) == 3
+    assert len(material_range(cm.load_material("isotropic")).searched) == 3
     assert material_range(PLYWOOD, 0.0, 0.0).others == ()
-    assert material_range(PLYWOOD, 0.0, 0.0).inside() == ()
+    assert material_range(PLYWOOD, 0.0, 0.0).materials == (PLYWOOD,)
+
+
+def test_a_surface_that_wears_is_in_its_range_fresh_and_worn() -> None:
+    measured = cm.load_material("plywood-measured")
+    laws = [one.friction for one in material_range(measured).searched]
+    assert len(laws) == 10 and laws[0] == measured.friction and laws[-1] == measured.wear.friction
+
+
+SLATE = replace(
+    PLYWOOD,
+    name="slate",
+    found_with=FoundWith(pusher_friction=0.15, hitch_scale=0.9),
+    posterior=MaterialPosterior(
+        ("mu_a", "m0", "pusher_mu", "hitch_scale", "rect1.rim_share"),
+        tuple((0.25 + 1e-4 * k, 0.03, 0.14 + 1e-4 * k, 0.9 + 1e-3 * k, 0.01 * k) for k in range(70)),
+    ),
+)
+
+
+def test_a_material_with_a_posterior_ranges_over_its_samples_unless_percentages_are_given() -> None:
+    about = material_range(SLATE)
+    assert len(about.materials) == 25 and about.told == "24 of the 70 samples of its posterior"
+    assert len(about.searched) == 13 and about.nominal.friction == SLATE.friction
+    shares = [one.pressure_of("rect1").rim_share for one in about.materials[1:]]
+    assert (min(shares), max(shares), len(set(shares))) == (0.0, pytest.approx(0.69), 24)
+    few = replace(SLATE, posterior=replace(SLATE.posterior, samples=SLATE.posterior.samples[:3]))
+    assert material_range(few).told == "3 of the 3 samples of its posterior"
+    assert {one.pressure_of("rect1") for one in material_range(SLATE, axes=0.05).searched} == {None}
+
+
+def test_samples_of_a_surface_that_wears_lie_along_its_wear() -> None:
+    measured = cm.load_material("plywood-measured")
+    row = (0.26, 0.25, 0.26, 0.21)
+    samples = MaterialPosterior(("mu_a", "mu_b", "worn.mu_a", "worn.mu_b"), (row,) * 5)
+    about = material_range(replace(measured, posterior=samples))
+    found = sorted(one.friction.mu_b for one in about.materials[1:])
+    assert found[0] == pytest.approx(0.21) and found[-1] == pytest.approx(0.25) and np.diff(found).min() > 0.005
+
+
+def test_a_loop_on_another_material_is_what_that_material_makes_of_it() -> None:
+    """All that a sample brings along, against the loop made on it from the start; what was set by hand stays."""
+    for k in (0, 69):
+        sample = SLATE.sample(k)
+        made, expected = on_material(cm.CollectionLoop.mit(SLATE), sample), cm.CollectionLoop.mit(sample)
+        assert made.slider.hitch == pytest.approx(expected.slider.hitch, abs=1e-15)
+        assert replace(made, slider=expected.slider) == expected
+    own = cm.CollectionLoop.from_settings({"pusher_mu": 0.3, "footprint": "grid:8"}, cm.CollectionLoop.mit(SLATE))
+    moved = on_material(own, SLATE.sample(69))
+    assert (moved.pusher, moved.footprint) == (own.pusher, own.footprint)
+    assert moved.slider.hitch != own.slider.hitch
 
 
 def test_materials_inside_lie_between_the_corners_and_are_the_same_each_time() -> None:
     about = material_range(PLYWOOD)
-    assert [one.friction for one in about.inside()] == [one.friction for one in about.inside()]
-    ratios = [one.friction.mu_a / one.friction.mu_b for one in about.materials]
-    for material in about.inside():
+    assert about.tried == material_range(PLYWOOD).tried and len(about.tried) == 4
+    ratios = [one.friction.mu_a / one.friction.mu_b for one in about.searched]
+    for material in about.tried:
         assert min(ratios) <= material.friction.mu_a / material.friction.mu_b <= max(ratios)
         assert 0.5 - 1e-9 <= material.friction.m0 / PLYWOOD.friction.m0 <= 1.5 + 1e-9
 

@@ -13,11 +13,10 @@ from hypothesis import strategies as st
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.maps import WrappedNormal
+from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, decimal_text
 from cyclemap.mechanics import DragBack, Ellipse, PatchFootprint, PointFootprint, Polygon, Pusher, SidePush, Slider
 from cyclemap.mechanics.footprint import grid_footprint
 from cyclemap.resets import CycleAction, ResetStrategy, gripper_turns, legs, read_protocol, write_protocol
-from cyclemap.resets.protocol.file_text import DEGREES, MILLIMETRES, NUMBER, decimal_text
 from cyclemap.resets.protocol.protocol_file import protocol_text
 
 LOOP = CollectionLoop.mit()
@@ -202,7 +201,7 @@ def test_support_points_of_ones_own_are_refused() -> None:
 def test_noise_and_prediction_stand_in_the_file_and_do_not_disturb_it(tmp_path) -> None:
     path = tmp_path / "protocol.toml"
     scores = {"tv_from_uniform": 0.04, "reach_cycles": 12, "certified": True, "peaks_deg": [10.0, 200.0], "none": None}
-    write_protocol(path, LOOP, COIN, noise=WrappedNormal(0.02), predicted=scores)
+    write_protocol(path, LOOP, COIN, noise=0.02, predicted=scores)
     settings, strategy = read_protocol(path)
     assert settings["noise_deg"] == pytest.approx(math.degrees(0.02), abs=1e-14)
     assert strategy == COIN

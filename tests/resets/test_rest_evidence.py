@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
 from cyclemap.resets.monitor.bias_evidence import DirectionTrack, RestEvidence, RestRule
 
 SINGLE = RestRule(math.radians(12.0), window=6, longest_period=1)
@@ -127,12 +126,3 @@ def test_a_settling_path_tells_its_limit_before_it_is_there() -> None:
         lags.append(track.present)
     assert np.median(np.abs(errors)) < math.radians(4.0)
     assert abs(np.mean(errors)) < 0.5 * abs(np.mean(lags))
-
-
-def test_bad_rules_are_refused() -> None:
-    with pytest.raises(InvalidInput, match="half_width must be below"):
-        RestRule(half_width=1.0)
-    with pytest.raises(InvalidInput, match="window must be at least 2"):
-        RestRule(window=1)
-    with pytest.raises(InvalidInput, match="longest_period must be at least 1"):
-        RestRule(longest_period=0)

@@ -240,6 +240,10 @@ def test_an_empty_folder_is_no_collection(tmp_path) -> None:
     assert feed.look().theta == ()
     with pytest.raises(DataFileError, match="holds no recorded push"):
         feed.look(finished=True)
+    (tmp_path / "plywood").mkdir()
+    (tmp_path / "plywood" / "push.h5").touch()
+    with pytest.raises(DataFileError, match=r"there are some in .*plywood: give that"):
+        feed.look(finished=True)
 
 
 def test_a_folder_that_is_away_is_empty_for_now_and_read_anew_once_it_holds_pushes_again(tmp_path) -> None:

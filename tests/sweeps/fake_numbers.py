@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from cyclemap.errors import UnsupportedContact
-from cyclemap.sweeps.portrait_numbers import PointOutcome
+from cyclemap.sweeps import PointOutcome, SweepPlan
 from cyclemap.sweeps.quantities import GROUPS
-from cyclemap.sweeps.sweep_plan import SweepPlan
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,7 @@ import distributed
 import pytest
 from fake_numbers import fake_plan
 
-from cyclemap.sweeps.portrait_numbers import PortraitNumbers
-from cyclemap.sweeps.run_sweep import run_sweep
-from cyclemap.sweeps.sweep_plan import SweepPlan
-from cyclemap.sweeps.sweep_results import load_sweep
-from cyclemap.sweeps.sweep_tables import write_csv
+from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, write_csv
 
 
 @pytest.fixture(scope="module")

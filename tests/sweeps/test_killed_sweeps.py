@@ -11,15 +11,13 @@ from pathlib import Path
 
 from fake_numbers import fake_plan, logged
 
-from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
-from cyclemap.sweeps.sweep_results import load_sweep
-from cyclemap.sweeps.sweep_tables import write_csv
+from cyclemap.sweeps import load_sweep, run_sweep, sweep_status, write_csv
 
 ROWS, SECONDS = 60, 0.02
 SCRIPT = """
 import sys
 from fake_numbers import fake_plan
-from cyclemap.sweeps.run_sweep import run_sweep
+from cyclemap.sweeps import run_sweep
 if __name__ == "__main__":
     plan = fake_plan(rows=int(sys.argv[2]), seconds=float(sys.argv[3]), log=sys.argv[4])
     run_sweep(plan, sys.argv[1], workers=int(sys.argv[5]))

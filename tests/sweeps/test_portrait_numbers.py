@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.portrait import portrait
+from cyclemap.collection import CollectionLoop, portrait
+from cyclemap.sweeps import PortraitNumbers, SweepPlan
 from cyclemap.sweeps import portrait_numbers as module
-from cyclemap.sweeps.portrait_numbers import PortraitNumbers
-from cyclemap.sweeps.sweep_plan import SweepPlan
 
 TOLERANCE = 1e-4
 

@@ -9,10 +9,7 @@ import pytest
 from fake_numbers import FakeNumbers, fake_plan, fake_values, logged
 
 from cyclemap.errors import CycleMapError, InvalidInput
-from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
-from cyclemap.sweeps.sweep_plan import SweepPlan
-from cyclemap.sweeps.sweep_results import load_sweep
-from cyclemap.sweeps.sweep_tables import write_csv
+from cyclemap.sweeps import SweepPlan, load_sweep, run_sweep, sweep_status, write_csv
 
 
 class Shuffled(Executor):

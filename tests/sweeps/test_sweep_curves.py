@@ -5,10 +5,7 @@ import pytest
 from fake_numbers import FakeNumbers, fake_plan, fake_values
 
 from cyclemap.errors import InvalidInput
-from cyclemap.sweeps.run_sweep import run_sweep
-from cyclemap.sweeps.sweep_curves import SweptLines, SweptPlane, SweptScatter, sweep_curves
-from cyclemap.sweeps.sweep_plan import SweepPlan
-from cyclemap.sweeps.sweep_results import load_sweep
+from cyclemap.sweeps import SweepPlan, SweptLines, SweptPlane, SweptScatter, load_sweep, run_sweep, sweep_curves
 
 
 @pytest.fixture

@@ -8,10 +8,8 @@ from fake_numbers import FakeNumbers, fake_plan
 
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import load_material
+from cyclemap.sweeps import Grid, PortraitNumbers, SweepPlan
 from cyclemap.sweeps.code_version import code_version
-from cyclemap.sweeps.point_sets import Grid
-from cyclemap.sweeps.portrait_numbers import PortraitNumbers
-from cyclemap.sweeps.sweep_plan import SweepPlan
 
 OVER = {"mu_a": (0.2, 0.3)}
 

@@ -5,9 +5,7 @@ import pytest
 from fake_numbers import FakeNumbers, fake_plan, fake_values
 
 from cyclemap.errors import InvalidInput
-from cyclemap.sweeps.run_sweep import run_sweep
-from cyclemap.sweeps.sweep_plan import SweepPlan
-from cyclemap.sweeps.sweep_results import load_sweep
+from cyclemap.sweeps import SweepPlan, load_sweep, run_sweep
 
 
 @pytest.fixture(scope="module")

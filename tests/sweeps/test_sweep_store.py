@@ -11,10 +11,7 @@ import pytest
 from fake_numbers import FakeNumbers, fake_plan
 
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.sweeps.portrait_numbers import PointOutcome
-from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
-from cyclemap.sweeps.sweep_results import load_sweep
-from cyclemap.sweeps.sweep_store import StoreWriteError, SweepStore
+from cyclemap.sweeps import PointOutcome, StoreWriteError, SweepStore, load_sweep, run_sweep, sweep_status
 
 
 @pytest.fixture
@@ -171,8 +168,8 @@ def test_a_held_store_is_a_write_error(path, monkeypatch) -> None:
 FULL_DISK = """
 import resource, sys
 from fake_numbers import fake_plan
-from cyclemap.sweeps.run_sweep import run_sweep
-from cyclemap.sweeps.sweep_store import StoreWriteError
+from cyclemap.sweeps import run_sweep
+from cyclemap.sweeps import StoreWriteError
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]), int(sys.argv[2])))
 try:
     run_sweep(fake_plan(rows=300, seconds=1e-4), sys.argv[1], workers=1)

@@ -7,10 +7,7 @@ import pytest
 import xarray
 from fake_numbers import FakeNumbers, fake_plan
 
-from cyclemap.sweeps.run_sweep import run_sweep
-from cyclemap.sweeps.sweep_plan import SweepPlan
-from cyclemap.sweeps.sweep_results import load_sweep
-from cyclemap.sweeps.sweep_tables import to_dataset, write_csv, write_netcdf
+from cyclemap.sweeps import SweepPlan, load_sweep, run_sweep, to_dataset, write_csv, write_netcdf
 
 
 def swept(folder, plan):

@@ -5,8 +5,8 @@ import pytest
 
 from cyclemap.collection.settings import SETTING_KEYS
 from cyclemap.errors import InvalidInput
-from cyclemap.sweeps.point_sets import Grid, Sample
-from cyclemap.sweeps.swept_keys import SWEPT_KEYS, SweepAxis, SweepRange, parse_over
+from cyclemap.sweeps import Grid, Sample, SweepAxis, SweepRange
+from cyclemap.sweeps.swept_keys import SWEPT_KEYS, parse_over
 
 
 def test_every_setting_noise_and_material_can_be_swept() -> None:

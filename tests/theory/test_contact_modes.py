@@ -8,15 +8,20 @@ import sympy as sp
 from residuals import residuals, vanishes
 from scipy.optimize import minimize, minimize_scalar
 
-from cyclemap.mechanics.footprint import PatchFootprint, PointFootprint, grid_footprint
-from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.limit_surface import LimitSurface
-from cyclemap.mechanics.material import load_material
-from cyclemap.mechanics.outline import Polygon
-from cyclemap.mechanics.protocol import Pose, SidePush
-from cyclemap.mechanics.pusher import Pusher
-from cyclemap.mechanics.quasi_static import QuasiStaticModel
-from cyclemap.mechanics.slider import Slider
+from cyclemap.mechanics import (
+    EllipseFriction,
+    LimitSurface,
+    PatchFootprint,
+    PointFootprint,
+    Polygon,
+    Pose,
+    Pusher,
+    QuasiStaticModel,
+    SidePush,
+    Slider,
+    grid_footprint,
+    load_material,
+)
 from theory import contact_modes as theory
 
 RESIDUALS = residuals(theory)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import sympy as sp
 
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop
 from cyclemap.maps import CircleMap, fixed_points, rotation_number, slow_passages
 from cyclemap.mechanics import EllipseFriction, LimitSurface, Material, PatchFootprint, Pose, QuasiStaticModel, Slider
 from theory import half_turn_symmetry as theory

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import sympy as sp
 
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop
 from cyclemap.mechanics import (
     DragBack,
     Ellipse,

@@ -6,7 +6,7 @@ import numpy as np
 import sympy as sp
 
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Slider, corner_footprint, grid_footprint
-from cyclemap.mechanics.area_quadrature import area_quadrature
+from cyclemap.mechanics.outline import area_quadrature
 from theory import no_exact_ellipsoid as theory
 
 

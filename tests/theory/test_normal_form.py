@@ -9,11 +9,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from cyclemap.collection.anisotropy import Anisotropy
-from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
-from cyclemap.collection.fingerprint_lock_in import first_order_lock_in
-from cyclemap.collection.fingerprint_prediction import Prediction
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import Anisotropy, CollectionLoop, Fingerprint, Prediction, TurnResponse
+from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.mechanics import EllipseFriction, load_material
 from theory import normal_form as theory
 from theory.plane_rotation import rotation

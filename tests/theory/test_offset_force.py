@@ -7,10 +7,7 @@ import pytest
 import sympy as sp
 from residuals import residuals, vanishes
 
-from cyclemap.mechanics.footprint import PatchFootprint, PointFootprint
-from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.limit_surface import LimitSurface
-from cyclemap.mechanics.outline import Ellipse, Polygon
+from cyclemap.mechanics import Ellipse, EllipseFriction, LimitSurface, PatchFootprint, PointFootprint, Polygon
 from theory import offset_force as theory
 from theory.traction_law import M0, MU_A, MU_B, N0
 

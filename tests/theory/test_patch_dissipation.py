@@ -8,10 +8,7 @@ import sympy as sp
 from residuals import residuals, vanishes
 from scipy.integrate import dblquad
 
-from cyclemap.mechanics.footprint import PatchFootprint
-from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.limit_surface import LimitSurface
-from cyclemap.mechanics.outline import Polygon
+from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Polygon
 from theory import patch_dissipation as theory
 
 RESIDUALS = residuals(theory)

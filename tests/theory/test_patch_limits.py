@@ -7,10 +7,7 @@ import pytest
 import sympy as sp
 from residuals import residuals, vanishes
 
-from cyclemap.mechanics.footprint import PatchFootprint, grid_footprint
-from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.limit_surface import LimitSurface
-from cyclemap.mechanics.outline import Polygon
+from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Polygon, grid_footprint
 from theory import patch_limits as theory
 from theory.patch_dissipation import side_term, traction_matrix, velocity_image
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import sympy as sp
 
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import DragBack, EllipseFriction, Material
 from theory import random_leg as theory

@@ -9,10 +9,7 @@ from residuals import residuals, vanishes
 from scipy.integrate import quad
 from scipy.special import ellipe
 
-from cyclemap.mechanics.footprint import PatchFootprint, corner_footprint
-from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.limit_surface import LimitSurface
-from cyclemap.mechanics.outline import Ellipse, Polygon
+from cyclemap.mechanics import Ellipse, EllipseFriction, LimitSurface, PatchFootprint, Polygon, corner_footprint
 from theory import square_torque as theory
 
 RESIDUALS = residuals(theory)

@@ -8,7 +8,7 @@ import sympy as sp
 from residuals import residuals, vanishes
 
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.friction import EllipseFriction
+from cyclemap.mechanics import EllipseFriction
 from theory import traction_law as theory
 
 RESIDUALS = residuals(theory)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection import CollectionLoop
 from cyclemap.maps import CircleMap, fixed_points, rotation_number
 from cyclemap.mechanics import DragBack, EllipseFriction, LimitSurface, Material, PatchFootprint, Slider, load_material
 from theory import turned_surface as theory

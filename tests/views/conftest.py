@@ -1,5 +1,6 @@
 """Portraits of one map of each kind, and their pages."""
 
+import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from cyclemap.collection.portrait import Portrait, portrait
+from cyclemap.collection import Portrait, portrait
 from cyclemap.collection.portrait_curves import PortraitCurves, portrait_curves
 from cyclemap.evidence import MeasuredOverlay, Theta0Pairs, measured_overlay
 from cyclemap.maps import CircleMap
@@ -60,3 +61,32 @@ def drawn(loop_of) -> Callable[..., Drawn]:
         return Drawn(found, curves, measured, portrait_page(found, curves, measured))
 
     return draw
+
+
+def browser_path():
+    """The Chromium of this machine, or None."""
+    names = ("chromium", "chromium-browser", "google-chrome", "chrome")
+    return next((found for name in names if (found := shutil.which(name))), None)
+
+
+@pytest.fixture
+def open_page():
+    """Open a page of a real browser: the page, the words of its console and its faults, and what it asks for."""
+    if browser_path() is None:
+        pytest.skip("no Chromium found: pages are not tested in a browser; install chromium")
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser; install it")
+    with playwright.sync_playwright() as driver:
+        arguments = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+        browser = driver.chromium.launch(executable_path=browser_path(), args=arguments)
+
+        def opened(**options):
+            page = browser.new_page(viewport={"width": 1400, "height": 1000}, **options)
+            page.set_default_timeout(120_000)
+            troubles, asked = [], []
+            page.on("console", lambda message: troubles.append(message.text))
+            page.on("pageerror", lambda error: troubles.append(str(error)))
+            page.on("request", lambda one: asked.append(one.url))
+            return page, troubles, asked
+
+        yield opened
+        browser.close()

@@ -4,8 +4,13 @@ import numpy as np
 import pytest
 from drawn_panels import legend_words, panel, png, written
 
-from cyclemap.maps import CircleMap, bifurcations, orbit_branches
-from cyclemap.views.bifurcation_panels import MARKERS, draw_orbit_branches
+from cyclemap.maps import CircleMap, bifurcations, lyapunov_exponents, orbit_branches, orbit_diagram
+from cyclemap.views.bifurcation_panels import (
+    MARKERS,
+    draw_lyapunov_exponents,
+    draw_orbit_branches,
+    draw_orbit_diagram,
+)
 
 
 def sine(K):
@@ -80,4 +85,23 @@ def test_no_branches_are_said_to_be_none() -> None:
     axes = panel()
     draw_orbit_branches(axes, [])
     assert written(axes) == ["no periodic orbit"] and axes.get_legend() is None
+    png(axes)
+
+
+def test_an_orbit_diagram_has_every_angle_and_exponents_a_curve_or_a_colour() -> None:
+    axes, diagram = panel(), orbit_diagram(sine, np.linspace(1.5, 4.0, 60), cycles=40)
+    draw_orbit_diagram(axes, diagram, "K")
+    shown = axes.lines[0].get_xydata()
+    assert shown.shape == (60 * 40, 2) and shown[-1] == pytest.approx([4.0, np.degrees(diagram.theta[-1, -1])])
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("K", "θ of the orbit (°)")
+    png(axes)
+    axes, K = panel(), np.linspace(1.5, 4.0, 60)
+    curve = lyapunov_exponents(CircleMap.arnold, 0.1, K)
+    draw_lyapunov_exponents(axes, curve, "K")
+    assert axes.lines[0].get_xydata() == pytest.approx(np.stack([K, curve.value], axis=1))
+    png(axes)
+    axes = panel()
+    draw_lyapunov_exponents(axes, lyapunov_exponents(CircleMap.arnold, np.linspace(0, 1, 20)[:, None], K), "Ω", "K")
+    assert axes.collections[0].get_array().shape == (60, 20)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("Ω", "K")
     png(axes)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.collection.portrait_curves import turn_curve
-from cyclemap.evidence import Theta0Pairs
-from cyclemap.evidence.comparison.compare import Comparison, compare
+from cyclemap.evidence import Comparison, Theta0Pairs, compare
 from cyclemap.evidence.comparison.push_agreement import PushAgreement, quantity_agreement
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.views import compare_sentences as sentences

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from drawn_panels import faces, labelled, legend_words, panel, png
 
-from cyclemap.collection.anisotropy import Anisotropy
-from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
-from cyclemap.collection.fingerprint_check import CheckedDirection, PredictionCheck
-from cyclemap.collection.fingerprint_prediction import Prediction
+from cyclemap.collection import Anisotropy, Fingerprint, Prediction, PredictionCheck, TurnResponse
+from cyclemap.collection.fingerprint_check import CheckedDirection
 from cyclemap.maps import CircleMap, fixed_points
 from cyclemap.views import fingerprint_sentences as sentences
 from cyclemap.views.fingerprint_page import draw_prediction, draw_responses, fingerprint_page

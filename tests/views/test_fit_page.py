@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.tables.push_sets import PushSet
-from cyclemap.evidence.tables.set_fit import SetFit, fit_set
-from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
+from cyclemap.evidence import PushSet, SetFit, Theta0Pairs, fit_set
 from cyclemap.views import fit_sentences as sentences
 from cyclemap.views.fit_page import fit_page
 from cyclemap.views.style import render

@@ -5,18 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
-from cyclemap.evidence.data_blocks.friction_scan_block import friction_scan_block
-from cyclemap.evidence.data_blocks.measured_strokes import MeasuredDrag, MeasuredPush
+from cyclemap.collection import CollectionLoop
+from cyclemap.evidence import (
+    CyclePairBlock,
+    Identification,
+    MeasuredDrag,
+    MeasuredPush,
+    drag_turn_block,
+    friction_scan_block,
+    identified_material,
+    identify,
+    push_end_block,
+)
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
-from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
 from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities
-from cyclemap.evidence.identification.explanations import Explanation, ExplanationComparison
-from cyclemap.evidence.identification.identification import Identification
-from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identified.identified_curves import IdentifiedCurves, identified_curves
-from cyclemap.evidence.identified.identified_material import identified_material
 from cyclemap.mechanics import EllipseFriction, Pose, Slider
 from cyclemap.views import identify_sentences as sentences
 from cyclemap.views.identify_page import identify_page
@@ -55,7 +58,7 @@ def found() -> Identification:
         drag_turn_block(drags, slider),
     ]
     fixed = {"worn_ellipticity_x": 0.2, "worn_offset_y": 0.1}
-    return identify(blocks, ["friction_scale"], fixed, starts=1, intervals="covariance")
+    return identify(blocks, ["friction_scale"], fixed, starts=1)
 
 
 @pytest.fixture(scope="module")
@@ -98,21 +101,6 @@ def test_a_material_carries_wear_and_what_the_data_depend_on(found) -> None:
     assert "in a.csv" in material.provenance and "scan force" in material.misfit
     alone = identified_material(identify(found.problem.blocks[:1], ["friction_scale"], starts=1), "slate")
     assert alone.wear is None and alone.found_with.hitch_scale is None
-
-
-def explained(name: str, worse: float, error: float, found: Identification | None) -> Explanation:
-    return Explanation(name, (), found, worse, worse, error, "" if found else "it fell over")
-
-
-def test_the_comparison_says_what_is_best_worse_open_and_lost(found) -> None:
-    told = [explained("rim", 0.0, 0.0, found), explained("ring", 5.0, 4.0, found), explained("even", 90.0, 9.0, found)]
-    said = sentences.comparison_sentences(ExplanationComparison((*told, explained("odd", 0.0, 0.0, None)), ()))
-    assert said == [
-        "Of the explanations, “rim” predicts data left out best.",
-        "Worse by more than the error: “even” (by 90 ± 9).",
-        "Not told from it, the difference being within its error: “ring”. This remains open.",
-        "odd: no fit was found (it fell over).",
-    ]
 
 
 def test_no_headline_is_sharper_than_its_interval(found) -> None:

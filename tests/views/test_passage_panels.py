@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from drawn_panels import labelled, legend_words, panel, png
 
-from cyclemap.maps import CircleMap, WrappedNormal, quasi_stationary_law, survival_probabilities
-from cyclemap.views.passage_panels import draw_quasi_stationary_law, draw_survival
+from cyclemap.maps import CircleMap, WrappedNormal, quasi_stationary_distribution, survival_probabilities
+from cyclemap.views.passage_panels import draw_quasi_stationary_distribution, draw_survival
 
 SINE, ARC = CircleMap.arnold(0.1, 0.9), (-1.5, 2.0)
 
 
 def test_survival_runs_parallel_to_the_quasi_stationary_exponential() -> None:
     noise = WrappedNormal(0.8)
-    law = quasi_stationary_law(SINE, noise, ARC)
+    law = quasi_stationary_distribution(SINE, noise, ARC)
     axes = panel()
     draw_survival(axes, survival_probabilities(SINE, noise, 0.0, ARC, 60), law)
     chances = labelled(axes, "from the start").get_ydata()
@@ -43,9 +43,9 @@ def test_survival_of_one_number_or_down_to_zero_is_drawn(probabilities) -> None:
 
 @pytest.mark.parametrize("lifted", [False, True])
 def test_law_of_a_long_stay_fills_its_arc_and_tells_its_ends(lifted) -> None:
-    law = quasi_stationary_law(SINE, WrappedNormal(0.3), ARC, lifted=lifted)
+    law = quasi_stationary_distribution(SINE, WrappedNormal(0.3), ARC, lifted=lifted)
     axes = panel()
-    draw_quasi_stationary_law(axes, law)
+    draw_quasi_stationary_distribution(axes, law)
     theta_deg, density = labelled(axes, "density given a long stay").get_data()
     assert (theta_deg[0], theta_deg[-1]) == pytest.approx(np.degrees(ARC))
     assert np.trapezoid(density, theta_deg) == pytest.approx(1.0, abs=1e-6)

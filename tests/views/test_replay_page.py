@@ -6,8 +6,8 @@ import numpy as np
 import pandas
 import pytest
 
-from cyclemap.evidence.replay.replay_push import Replay
-from cyclemap.evidence.replay.replay_table import REPLAY_COLUMNS, ReplayedPushes
+from cyclemap.evidence import Replay, ReplayedPushes
+from cyclemap.evidence.replay.replay_table import REPLAY_COLUMNS
 from cyclemap.mechanics import Slider
 from cyclemap.views.replay_page import replay_headline, replay_page
 from cyclemap.views.style import render

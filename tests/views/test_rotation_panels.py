@@ -8,12 +8,7 @@ from drawn_panels import labelled, legend_words, panel, png, written
 from matplotlib.collections import LineCollection, QuadMesh
 
 from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, rotation_numbers, rotation_plane, tongues
-from cyclemap.views.rotation_panels import (
-    draw_rotation_numbers,
-    draw_rotation_plane,
-    draw_tongues,
-    ratio_name,
-)
+from cyclemap.views.rotation_panels import draw_rotation_numbers, draw_rotation_plane, draw_tongues, ratio_name
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
+from cyclemap.collection import StaircaseForecast, staircase_forecast
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs, measured_staircase
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.views import staircase_sentences as sentences

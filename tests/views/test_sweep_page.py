@@ -5,12 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from cyclemap.sweeps.portrait_numbers import PointOutcome, PortraitNumbers
-from cyclemap.sweeps.run_sweep import run_sweep
-from cyclemap.sweeps.sweep_curves import sweep_curves
-from cyclemap.sweeps.sweep_plan import SweepPlan
-from cyclemap.sweeps.sweep_results import load_sweep
-from cyclemap.sweeps.sweep_store import SweepStore
+from cyclemap.sweeps import PointOutcome, PortraitNumbers, SweepPlan, SweepStore, load_sweep, run_sweep, sweep_curves
 from cyclemap.views.style import render
 from cyclemap.views.sweep_page import sweep_page
 from cyclemap.views.sweep_panels import cell_edges, key_label

@@ -5,17 +5,15 @@ import re
 import numpy as np
 import pytest
 
-from cyclemap.resets.monitor.bias_monitor import WatchedCollection
+from cyclemap.resets import BiasMonitor, watch
 from cyclemap.views import watch_sentences as sentences
 from cyclemap.views.style import render
 from cyclemap.views.watch_page import watch_page
 
 
 def course_of(theta):
-    watched = WatchedCollection(0.02)
-    for angle in np.asarray(theta).tolist():
-        watched.add(angle)
-    return watched.course()
+    monitor = BiasMonitor(0.02)
+    return monitor, watch(np.asarray(theta).tolist(), monitor)
 
 
 @pytest.fixture(scope="module")
@@ -40,48 +38,48 @@ def uprights(axes) -> list[float]:
 
 
 def test_the_alarm_is_marked_at_its_push_and_its_direction(locked) -> None:
-    path, evidence, _, _ = watch_page(locked, "x.csv").axes
-    alarm = locked.report.alarm
+    path, evidence, _, _ = watch_page(*locked, "x.csv").axes
+    alarm = locked[1][-1].alarm
     assert alarm is not None
     assert uprights(path) == uprights(evidence) == [alarm.push]
     assert heights(path) == pytest.approx([np.degrees(alarm.directions[0])])
     assert heights(path)[0] == pytest.approx(60.0, abs=1.5)
-    assert heights(evidence) == [locked.report.threshold]
+    assert heights(evidence) == [locked[1][-1].threshold]
 
 
 def test_every_push_and_all_evidence_is_drawn(locked) -> None:
-    path, evidence, _, worth = watch_page(locked, "x.csv").axes
-    assert path.lines[0].get_ydata() == pytest.approx(np.degrees(locked.theta))
-    assert evidence.lines[0].get_ydata() == pytest.approx(locked.rest_evidence)
-    assert evidence.lines[1].get_ydata() == pytest.approx(locked.visit_evidence)
-    assert worth.lines[1].get_ydata() == pytest.approx(locked.effective_pushes)
+    path, evidence, _, worth = watch_page(*locked, "x.csv").axes
+    assert path.lines[0].get_ydata() == pytest.approx(np.degrees(np.mod(locked[0].path, 2 * np.pi)))
+    assert evidence.lines[0].get_ydata() == pytest.approx([report.rest_evidence for report in locked[1]])
+    assert evidence.lines[1].get_ydata() == pytest.approx([report.visit_evidence for report in locked[1]])
+    assert worth.lines[1].get_ydata() == pytest.approx([report.coverage.effective_pushes for report in locked[1]])
     assert "(°)" in path.get_ylabel()
 
 
 def test_the_rose_has_the_area_of_the_collection_and_marks_the_least_covered_direction(even) -> None:
-    rose = watch_page(even, "x.csv").axes[2]
+    rose = watch_page(*even, "x.csv").axes[2]
     bars = [patch for patch in rose.patches if patch.get_height() > 0]
     # With roots for radii the sectors' areas add up to the circle's of an even spread.
     area = sum(0.5 * bar.get_height() ** 2 * bar.get_width() for bar in bars)
     assert area == pytest.approx(np.pi, rel=1e-9)
-    assert rose.lines[-1].get_xdata()[0] == even.report.advice.direction
+    assert rose.lines[-1].get_xdata()[0] == even[1][-1].advice.direction
 
 
 def test_without_an_alarm_none_is_marked(even) -> None:
-    page = watch_page(even, "x.csv")
-    assert even.report.alarm is None
+    page = watch_page(*even, "x.csv")
+    assert even[1][-1].alarm is None
     assert uprights(page.axes[0]) == uprights(page.axes[1]) == []
     assert "no sign of locking in" in page.texts[0].get_text()
 
 
 @pytest.mark.parametrize("theta", [[0.3], [6.2831, -0.1, 0.1]])
 def test_few_pushes_make_a_page_too(theta) -> None:
-    assert render(watch_page(course_of(theta), "x.csv")).startswith(b"\x89PNG")
+    assert render(watch_page(*course_of(theta), "x.csv")).startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("pushes", [1, 2, 3, 40, 200])
 def test_every_push_lies_whole_within_the_edges_and_few_are_drawn_larger(pushes) -> None:
-    path, evidence, _, _ = watch_page(course_of(np.linspace(0.1, 6.0, pushes)), "x.csv").axes
+    path, evidence, _, _ = watch_page(*course_of(np.linspace(0.1, 6.0, pushes)), "x.csv").axes
     for axes in (path, evidence):
         assert axes.get_xlim() == (-0.5, max(pushes, 2) - 0.5)
         assert all(tick == round(tick) for tick in axes.get_xticks())
@@ -98,19 +96,19 @@ def test_every_push_lies_whole_within_the_edges_and_few_are_drawn_larger(pushes)
     ],
 )
 def test_the_worth_is_told_in_the_number_it_has_with_a_decimal_below_ten(theta, told) -> None:
-    found = sentences.coverage_sentence(course_of(theta).report)
+    found = sentences.coverage_sentence(course_of(theta)[1][-1])
     assert re.search(told, found), found
     assert not re.search(r"\b1 pushes|\b(?!1\b)\d+ push\b", found)
 
 
 def test_the_sentences_tell_alarm_coverage_and_advice(locked, even) -> None:
-    told = " ".join(sentences.watch_sentences(locked))
-    alarm = locked.report.alarm
+    told = " ".join(sentences.watch_sentences(locked[1][-1]))
+    alarm = locked[1][-1].alarm
     for part in (f"ALARM at push {alarm.push}: θ0 rests near {np.degrees(alarm.directions[0]):.1f}°", "since push 0"):
         assert part in told
     assert "no push more there would tell much" in told
     assert "Change the reset: bring θ0 to" in told
-    told = " ".join(sentences.watch_sentences(even))
+    told = " ".join(sentences.watch_sentences(even[1][-1]))
     assert told.startswith("No alarm in 200 pushes: evidence 1")
     assert "of the 100 needed at an alarm rate of 0.02" in told
     assert "Carry on; least covered: " in told
@@ -118,6 +116,6 @@ def test_the_sentences_tell_alarm_coverage_and_advice(locked, even) -> None:
 
 def test_rests_on_several_directions_and_gatherings_are_worded_apart() -> None:
     alternating = course_of(np.tile(np.radians([10.0, 100.0, 200.0]), 30))
-    assert "θ0 goes round" in sentences.alarm_sentence(alternating.report.alarm)
+    assert "θ0 goes round" in sentences.alarm_sentence(alternating[1][-1].alarm)
     gathered = course_of(np.random.default_rng(2).vonmises(1.0, 2.0, 300))
-    assert "visits gather near" in sentences.alarm_sentence(gathered.report.alarm)
+    assert "visits gather near" in sentences.alarm_sentence(gathered[1][-1].alarm)

@@ -13,16 +13,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
+from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_law import Array
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, load_pushes
 from cyclemap.evidence.tables.push_sets import selected_pushes
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.mechanics import SidePush, material_names
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.text_files import read_csv_table
+from cyclemap.whole_files import file_stem
 
 if TYPE_CHECKING:
     import pandas
@@ -34,9 +36,11 @@ _ROUNDED = 6e-4
 FEWEST_CYCLES = 4
 # Rods that go this much further or less far, m, make the same push.
 _SAME_LENGTH = 0.5e-3
+# A rod that seems to begin farther from the object, as a share of its way, is in another frame than the object.
+_LONGEST_GAP = 0.2
 _NO_POSES, _EARLY, _OTHER_SET = "no end pose", "among the first", "cycle of another set"
 _NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, or set push_mm"
-_NO_OUTLINE = "its object is no MIT shape"
+_NO_OUTLINE = "its outline is not told: give its material file, or put it with the data as collection.toml"
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,9 +180,21 @@ class _Rows:
     def __getitem__(self, column: str) -> Array:
         return np.asarray(self.table[column].to_numpy()[self.rows], dtype=float)
 
-    def lengths(self, length: float) -> Array:
-        """How far the rod went in each push, m; `length` where that is unknown."""
-        found = self["length"]
+    def lengths(self, length: float, loop: CollectionLoop) -> Array:
+        """How far the rod of a push of the loop went from its first touch, m; `length` where that is unknown.
+
+        Where it begins is told by its first place and the object's first pose, in the median of the set.
+        """
+        found, theta = self["length"], self["theta0"]
+        if np.isnan(self["tip_x0"]).all():
+            return np.where(np.isnan(found), length, found)
+        push = _told_push(loop.push, self.facts, loop.push.distance)
+        place, way = first_contact(loop.slider, push, loop.pusher.radius)
+        x, y = self["tip_x0"] - self["x0"], self["tip_y0"] - self["y0"]
+        tip = np.stack([np.cos(theta) * x + np.sin(theta) * y, np.cos(theta) * y - np.sin(theta) * x], axis=-1)
+        gaps = (place - tip) @ way
+        gap = float(np.median(gaps[np.isfinite(gaps)])) if np.isfinite(gaps).any() else 0.0
+        found = np.where(abs(gap) < _LONGEST_GAP * found, found - gap, found)
         return np.where(np.isnan(found), length, found)
 
     @property
@@ -214,7 +230,7 @@ def _fitting(sets: list[_Rows], loop: CollectionLoop, left_out: Counter[str]) ->
         surface, shape = one.facts["surface"], one.facts["object"]
         if own and surface is not None and surface not in own:
             left_out[f"on {surface}, not {min(own, key=len)}"] += one.rows.size
-        elif shape not in (None, loop.slider.name, *MIT_SHAPE_NAMES):
+        elif shape not in (None, file_stem(loop.slider.name), *MIT_SHAPE_NAMES):
             left_out[_NO_OUTLINE] += one.rows.size
         else:
             fitting.append(one)
@@ -223,27 +239,27 @@ def _fitting(sets: list[_Rows], loop: CollectionLoop, left_out: Counter[str]) ->
 
 def _push_sets(sets: list[_Rows], loop: CollectionLoop, length: float, left_out: Counter[str]) -> list[PushSet]:
     """The sets with end poses whose pushes are as long as is known, each with the pushes that the data tell."""
-    loops, made = {None: loop, loop.slider.name: loop}, []
+    loops, made = {None: loop, file_stem(loop.slider.name): loop}, []
     for rows in sets:
         posed = np.isfinite(rows["dtheta"]) & np.isfinite(rows["dx"])
-        far = rows.lengths(length)
+        facts = rows.facts
+        if facts["object"] not in loops:
+            loops[facts["object"]] = _with_object(loop, facts)
+        loop_of_set = loops[facts["object"]]
+        far = rows.lengths(length, loop_of_set)
         kept = posed & np.isfinite(far)
         left_out[_NO_POSES] += int(np.sum(~posed))
         left_out[_NO_LENGTH] += int(np.sum(posed & ~kept))
         if not kept.any():
             continue
-        facts = rows.facts
-        if facts["object"] not in loops:
-            loops[facts["object"]] = _with_object(loop, facts)
         push = tuple(_told_push(loop.push, facts, one) for one in far[kept].tolist())
         displacement = np.stack([rows["dx"][kept], rows["dy"][kept]], axis=-1)
-        loop_of_set = loops[facts["object"]]
         made.append(PushSet(facts, loop_of_set, push, rows["theta0"][kept], rows["dtheta"][kept], displacement))
     return made
 
 
 def _with_object(loop: CollectionLoop, facts: Mapping[str, Any]) -> CollectionLoop:
-    if facts["object"] in (None, loop.slider.name):
+    if facts["object"] in (None, file_stem(loop.slider.name)):
         return loop
     return CollectionLoop.from_settings({"shape": facts["object"]}, loop)
 
@@ -266,12 +282,12 @@ def _cycles(
     left_out[_OTHER_SET] += sum(counts) - most
     rows = sets[counts.index(most)]
     if loop is not None:
-        far = float(np.median(rows.lengths(length)))
+        loop = _with_object(loop, rows.facts)
+        far = float(np.median(rows.lengths(length, loop)))
         if np.isnan(far) and not np.isnan(rows["dtheta"]).all():
             left_out[f"cycles: {_NO_LENGTH}"] += most
             return None, np.empty(0), None, 0, loop
         push = _told_push(loop.push, rows.facts, loop.push.distance if np.isnan(far) else far)
-        loop = _with_object(loop, rows.facts)
         if not _same_push(push, loop.push):
             loop = replace(loop, push=push)
     order = np.argsort(rows.number[rows.rows], kind="stable")

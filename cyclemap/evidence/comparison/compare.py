@@ -9,6 +9,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.evidence.comparison.collection_data import CollectionData, collection_data
@@ -24,7 +25,6 @@ from cyclemap.evidence.comparison.push_agreement import (
 )
 from cyclemap.evidence.comparison.staircase_agreement import StaircaseAgreement, staircase_agreement
 from cyclemap.evidence.comparison.verdicts import Verdict, all_verdicts
-from cyclemap.evidence.orientations.circular_law import Array
 from cyclemap.evidence.orientations.collection_null import (
     CollectionRefit,
     collection_p_values,

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.comparison.prediction import Prediction
 from cyclemap.evidence.comparison.push_agreement import mean_error, within_error
 from cyclemap.evidence.laws.harmonic_map import HARMONICS
 from cyclemap.evidence.laws.periodic_basis import fourier_columns
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
-from cyclemap.evidence.orientations.circular_law import Array
 from cyclemap.evidence.orientations.collection_null import Ensemble
 from cyclemap.evidence.orientations.p_value import PValue
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only
-from cyclemap.evidence.orientations.circular_law import Array
 from cyclemap.evidence.orientations.collection_null import Ensemble
 from cyclemap.evidence.orientations.orientation_modes import (
     DEFAULT_BANDWIDTH,

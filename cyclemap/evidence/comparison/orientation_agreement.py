@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import read_only
-from cyclemap.evidence.orientations.circular_law import FULL_TURN, Array
 from cyclemap.evidence.orientations.collection_null import Ensemble
 from cyclemap.evidence.orientations.p_value import PValue
 from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram, angle_histogram
@@ -42,7 +42,7 @@ def orientation_agreement(path: Array, ensemble: Ensemble, tested: dict[str, PVa
     """Gather what ``tested`` says of the path (n,) rad, and both histograms."""
     measured = angle_histogram(path)
     bins = measured.density.size
-    density = ensemble.law.bin_probabilities(bins) * (bins / FULL_TURN)
+    density = ensemble.law.bin_probabilities(bins) * (bins / TWO_PI)
     predicted = AngleHistogram(measured.edges, np.asarray(read_only(density)))
     return OrientationAgreement(
         path.size, **{name: tested[name] for name in ORIENTATION_TESTS}, measured=measured, predicted=predicted

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.collection import CollectionLoop, drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
@@ -16,7 +17,6 @@ from cyclemap.evidence.laws.fit_map import FittedMap
 from cyclemap.evidence.laws.harmonic_map import HarmonicMap, harmonic_map
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
 from cyclemap.evidence.laws.wear import fit_worn_law
-from cyclemap.evidence.orientations.circular_law import Array
 from cyclemap.evidence.orientations.collection_null import CollectionModel, CollectionRefit
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal

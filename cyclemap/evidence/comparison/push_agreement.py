@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.evidence.comparison.collection_data import PushSet
 from cyclemap.evidence.laws.linear_fit import fit_linear
-from cyclemap.evidence.orientations.circular_law import Array
 
 QUANTITIES = ("dtheta", "dx", "dy")
 # Below so many pushes the error of a bias is not told.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.evidence.orientations.circular_law import FULL_TURN, Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.evidence.orientations.p_value import PValue, monte_carlo_p_value
 from cyclemap.maps import StaircaseSummary, StepComparison, Steps, compare_steps, find_steps
 
@@ -95,7 +95,7 @@ def _numbers(path: Array, steps: Steps) -> tuple[float, float, float, float]:
     """Turns, steps, median height and median length; NaN without steps or dwells."""
     height = float(np.median(np.abs(steps.heights))) if steps.heights.size else np.nan
     length = float(np.median(steps.lengths)) if steps.lengths.size else np.nan
-    return float(path[-1] - path[0]) / FULL_TURN, float(steps.count), height, length
+    return float(path[-1] - path[0]) / TWO_PI, float(steps.count), height, length
 
 
 def _theory(path: Array, summary: StaircaseSummary | None) -> StepComparison | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,10 +22,11 @@ from cyclemap.evidence.data_blocks.friction_scan_block import friction_scan_bloc
 from cyclemap.evidence.data_blocks.measured_strokes import MeasuredPush, read_measured_drags, read_measured_pushes
 from cyclemap.evidence.data_blocks.row_selection import CsvSelection
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
-from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
+from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, drag_turn_block, push_end_block
 from cyclemap.evidence.data_blocks.wrench_twist_block import read_wrench_twists, wrench_twist_block
-from cyclemap.evidence.identification.data_block import DataBlock
+from cyclemap.evidence.identification.data_block import DataBlock, PlateBlock
 from cyclemap.evidence.identification.shared_progress import Progress, part_of
+from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord
 from cyclemap.evidence.pushes.push_table import PushTable
@@ -64,12 +66,26 @@ class Built:
     notes: list[str] = field(default_factory=list)
     scans: list[ScanForces] = field(default_factory=list)
     objects: frozenset[str] = frozenset()
+    plates: list[str] = field(default_factory=list)
     last_cycle: float = 0.0
+    _plate: str = ""
+
+    @contextmanager
+    def plate(self, name: str) -> Iterator[None]:
+        """Blocks added meanwhile are of this plate."""
+        self._plate = name
+        yield
+
+    def of_plates(self) -> list[DataBlock]:
+        """The blocks, each of its plate."""
+        owned = (*SURFACE.select(SHARE_NAMES).parameters, *TIP_OFFSET)
+        return [PlateBlock(block, plate, owned) for block, plate in zip(self.blocks, self.plates, strict=True)]
 
     def add(self, path: Path, block: DataBlock, words: str) -> None:
         """Add a block, and a note of what it holds."""
         self.blocks.append(block)
-        self.notes.append(f"{path}: {words}")
+        self.plates.append(self._plate)
+        self.notes.append(f"{path}: {words} of {self._plate}")
 
     def left_out(self, path: Path, counts: Counter[str]) -> None:
         """Note how many rows of a file stay out, and why."""

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.block_builders import (
     BlockChoices,
@@ -17,7 +18,7 @@ from cyclemap.evidence.data_blocks.block_builders import (
     cycle_parts,
     record_parts,
 )
-from cyclemap.evidence.data_blocks.cycle_pair_block import NODES, CyclePairBlock
+from cyclemap.evidence.data_blocks.cycle_pair_block import NODES
 from cyclemap.evidence.data_blocks.data_recognition import (
     CYCLES,
     LAYOUTS,
@@ -26,23 +27,26 @@ from cyclemap.evidence.data_blocks.data_recognition import (
     UnusedFile,
     recognise,
 )
-from cyclemap.evidence.data_blocks.row_selection import RowSelection, select_csv, select_pushes, told
+from cyclemap.evidence.data_blocks.row_selection import RowSelection, pushes_of, select_csv, select_pushes, told
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
 from cyclemap.evidence.identification.data_block import DataBlock
 from cyclemap.evidence.identification.shared_progress import Progress, part_of
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
+from cyclemap.whole_files import file_stem
 
-MOST_STROKES = 200
+MOST_STROKES = 2000
+_OWNED = ("rim_share", "corner_share", "inner_share", "tip_offset_x", "tip_offset_y")
 _ALWAYS = ("friction_scale", "ellipticity_x", "ellipticity_y", "offset_x", "offset_y", "pusher_friction")
 
 
 @dataclass(frozen=True, eq=False)
 class CollectedBlocks:
-    """Blocks of data of one object on one surface.
+    """Blocks of data of one surface, of one object or of several.
 
-    blocks : of unlike names. notes : what was recognised, what was left out and why, in words. surface : its name
-    where the data tell it. loop : with the data's object. scans : forces of friction scans, None without. last_cycle :
-    number of the last cycle behind the first one used, 0 where it is unknown.
+    blocks : of unlike names; of several objects each is a `PlateBlock`. notes : what was recognised, what was left out
+    and why, in words. surface : its name where the data tell it. loop : with the data's object, where it is one.
+    scans : forces of friction scans, None without. last_cycle : number of the last cycle behind the first one used, 0
+    where it is unknown.
     """
 
     blocks: tuple[DataBlock, ...]
@@ -69,14 +73,15 @@ def collected_blocks(
     paths : files of the MIT layout (friction scans; pushes: their ends, their forces, and cycles where they are
         repeated), CSV tables of push ends with tip, of drag-backs, of orientations or repeated poses, of wrenches and
         twists. loop : who is pushed where, with which rod and ring.
-    select : values of surface, object, speed, side, fraction, angle (SI, rad) to keep. The object is the loop's, or
-        the selected one. first : the first cycle (repetition) used. wear : let the surface of the cycles wear.
+    select : values of surface, object, speed, side, fraction, angle (SI, rad) to keep. Objects are all those of the MIT
+        dataset that the data name, or the selected one; of an outline of the loop's own, that one alone.
+    first : the first cycle (repetition) used. wear : let the surface of the cycles wear.
     most : strokes of one sort in a file, at most: beyond, every so many-th is taken. nodes : see `CyclePairBlock`;
         with 9 the ring's lever comes out 3 % short on a map with strong second harmonics, with 15 it does not.
 
     A push of a repeated set tells its end and its cycle's end: their errors are taken as independent.
     Raises InvalidInput where nothing is recognised, naming what each path was, where the data are of several surfaces
-    or objects, and for a number that does not fit.
+    or of several objects of unknown outline, and for a number that does not fit.
     """
     whole_number("first cycle", first, least=0)
     loop, selection = _object(loop, dict(select or {}))
@@ -88,35 +93,46 @@ def collected_blocks(
     _check(paths, built, unused, surfaces, loop.slider, selection.chosen)
     notes = (*built.notes, *(f"{file.path}: not used: {file.reason}" for file in unused))
     scans = ScanForces.joined(built.scans) if built.scans else None
-    return CollectedBlocks(_named_apart(built.blocks), notes, next(iter(surfaces), None), loop, scans, built.last_cycle)
+    plates = sorted(set(built.plates))
+    if len(plates) == 1 and plates[0] in MIT_SHAPE_NAMES:
+        loop = _of_plate(loop, plates[0])
+    blocks = _named_apart(built.blocks if len(plates) < 2 else built.of_plates())
+    return CollectedBlocks(blocks, notes, next(iter(surfaces), None), loop, scans, built.last_cycle)
 
 
 def telling_parameters(blocks: Sequence[DataBlock]) -> tuple[str, ...]:
     """Return the names of what blocks of data can usually tell, for a start: not what mostly trades off.
 
-    Ellipse, offset and pusher friction wherever a block depends on them, the share of the rim where strokes or wrenches
-    tell it, the ring's lever with drags or cycles, and how the surface wears.
+    Ellipse, offset and pusher friction wherever a block depends on them, how each plate presses and each data set's
+    frame is shifted, friction in the ring with drags or cycles, and how the surface wears.
 
     >>> from cyclemap.evidence.identification.data_block import FunctionBlock
     >>> telling_parameters([FunctionBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
     ('pusher_friction',)
     """
     asked = {name for block in blocks for name in block.parameters}
-    by_strokes = {name for block in blocks if not isinstance(block, CyclePairBlock) for name in block.parameters}
+    plain = {name.partition("[")[0] for name in asked}
     free = [name for name in _ALWAYS if name in asked]
-    free += ["rim_share"] if "rim_share" in by_strokes else []
-    free += ["hitch_scale"] if "hitch_scale" in asked else []
+    free += sorted(name for name in asked if name.partition("[")[0] in _OWNED)
+    free += ["pin_friction_radius"] if "pin_friction_radius" in plain else []
     return (*free, *sorted(name for name in asked if name.startswith("worn_")))
 
 
+def _of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
+    """The loop with a plate of the MIT dataset, its ring where it was; with its own object for that one's name."""
+    if plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
+        return loop
+    return replace(loop, slider=Slider.mit(plate, loop.slider.hitch), footprint=None)
+
+
 def _object(loop: CollectionLoop, chosen: dict[str, str | float]) -> tuple[CollectionLoop, RowSelection]:
-    """The loop with the selected object, and the selection of its rows."""
+    """The loop with the selected object, and the selection of rows: of that, of every known object, or of any."""
     wanted = chosen.get("object")
-    if isinstance(wanted, str) and wanted != loop.slider.name and wanted in MIT_SHAPE_NAMES:
-        loop = replace(loop, slider=Slider.mit(wanted, loop.slider.hitch), footprint=None)
-    name = str(wanted) if wanted is not None else loop.slider.name
-    known = wanted is not None or loop.slider.name in MIT_SHAPE_NAMES
-    return loop, RowSelection(name if known else None, chosen)
+    if isinstance(wanted, str):
+        return _of_plate(loop, wanted), RowSelection((wanted,), chosen)
+    if loop.slider.name in MIT_SHAPE_NAMES:
+        return loop, RowSelection(MIT_SHAPE_NAMES, chosen)
+    return loop, RowSelection(() if loop.slider.name == OWN_OUTLINE else (file_stem(loop.slider.name),), chosen)
 
 
 def _files(paths: Sequence[str | Path]) -> tuple[list[DataFile], list[UnusedFile]]:
@@ -139,16 +155,27 @@ def _add(
         surfaces = told(pushes.table, "surface") | told(pushes.scans, "surface")
         built.objects |= told(pushes.table, "object") | told(pushes.scans, "object")
         if len(surfaces) <= 1:
-            if file.sort == CYCLES:
-                cycle_parts(built, file.path, pushes, choices)
-            else:
-                record_parts(built, file.path, pushes, choices, part_of(progress, 1, 2))
+            plates = sorted(told(pushes.table, "object") | told(pushes.scans, "object"))
+            for number, plate in enumerate(plates or [choices.loop.slider.name]):
+                own = pushes if len(plates) < 2 else pushes_of(pushes, plate)
+                with built.plate(plate):
+                    of_plate = replace(choices, loop=_of_plate(choices.loop, plate))
+                    if file.sort == CYCLES:
+                        cycle_parts(built, file.path, own, of_plate)
+                    else:
+                        half = part_of(progress, 1, 2)
+                        record_parts(built, file.path, own, of_plate, part_of(half, number, max(len(plates), 1)))
         return surfaces
     rows = select_csv(file.path, selection)
     built.left_out(file.path, rows.left_out)
     built.objects |= rows.objects
-    if rows.texts and len(rows.surfaces) <= 1:
-        csv_part(built, file, rows, choices)
+    if len(rows.surfaces) > 1:
+        return rows.surfaces
+    for plate in sorted(rows.objects) or [choices.loop.slider.name]:
+        own = rows if len(rows.objects) < 2 else select_csv(file.path, replace(selection, objects=(plate,)))
+        if own.texts:
+            with built.plate(plate):
+                csv_part(built, file, own, replace(choices, loop=_of_plate(choices.loop, plate)))
     return rows.surfaces
 
 
@@ -162,7 +189,7 @@ def _check(
 ) -> None:
     if len(surfaces) > 1:
         raise InvalidInput(f"the data are of several surfaces: {', '.join(sorted(surfaces))}; select one, surface=NAME")
-    if len(built.objects) > 1:
+    if len(built.objects) > 1 and slider.name not in MIT_SHAPE_NAMES:
         raise InvalidInput(f"the data are of several objects: {', '.join(sorted(built.objects))}; select one")
     if not built.blocks:
         reasons = [*built.notes, *(f"{file.path}: {file.reason}" for file in unused)]

@@ -19,6 +19,7 @@ from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     HITCH_NAMES,
+    SHARE_NAMES,
     SURFACE,
     SurfaceParameters,
     share_names,
@@ -31,7 +32,7 @@ Array = NDArray[np.float64]
 Rows = tuple[Array, Array]
 
 SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
-CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", "rim_share", "hitch_scale", "hitch_turn", "pin_friction_radius")
+CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", *SHARE_NAMES, "hitch_scale", "hitch_turn", "pin_friction_radius")
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
 NODES = 48
 ACCURACY = 1e-6

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import FunctionBlock, Values
@@ -17,7 +18,6 @@ from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, ContactSamples, contact_samples
 from cyclemap.evidence.pushes.push_record import PushRecord
 
-Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 RATIO_KIND = "force ratio (1)"

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array
-
-Array = NDArray[np.float64]
 
 
 def interpolation(theta: ArrayLike, count: int) -> Array:

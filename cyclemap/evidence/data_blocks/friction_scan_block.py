@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import FunctionBlock, Values
@@ -18,8 +19,6 @@ from cyclemap.evidence.identification.surface_parameters import SURFACE, Surface
 
 if TYPE_CHECKING:
     import pandas
-
-Array = NDArray[np.float64]
 
 ELLIPSE = SURFACE.names[:5]
 SCAN_KIND = "scan force (N)"

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from cyclemap.arrays import shorter_way
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import shorter_way
 from cyclemap.mechanics import Pose
 from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
 

@@ -29,12 +29,12 @@ FACTS = tuple(_COLUMNS)
 
 @dataclass(frozen=True)
 class RowSelection:
-    """The object whose rows are kept (None: whatever it is), and values of other facts, SI units and radians.
+    """The objects whose rows are kept (none: whatever it is), and values of other facts, SI units and radians.
 
     What a row does not tell is not held against it. Raises InvalidInput for an unknown fact.
     """
 
-    object: str | None = None
+    objects: tuple[str, ...] = ()
     chosen: Mapping[str, str | float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -45,12 +45,12 @@ class RowSelection:
     def refusal(self, facts: Mapping[str, Any]) -> str:
         """Return why a row of these facts stays out; empty where it is kept.
 
-        >>> RowSelection("rect1").refusal({"object": "hex"})
+        >>> RowSelection(("rect1",)).refusal({"object": "hex"})
         'of hex, not rect1'
         """
         shape = facts.get("object")
-        if self.object is not None and _known(shape) and shape != self.object:
-            return f"of {shape}, not {self.object}"
+        if self.objects and _known(shape) and shape not in self.objects:
+            return f"of {shape}, not {self.objects[0]}" if len(self.objects) == 1 else f"of {shape}, of unknown outline"
         for name, wanted in self.chosen.items():
             value = facts.get(name)
             if name != "object" and _known(value) and not _equal(value, wanted):
@@ -114,6 +114,12 @@ def select_pushes(
         frames.append(frame[keep].reset_index(drop=True))
     bad = [file for file in found.unreadable if tables_too or file.path.suffix.lower() != CSV_SUFFIX]
     return PushTable(frames[0], frames[1], tuple(bad)), +left_out
+
+
+def pushes_of(pushes: PushTable, plate: str) -> PushTable:
+    """Return the pushes and scans of one object of several, without what could not be read."""
+    table, scans = (frame[frame["object"] == plate].reset_index(drop=True) for frame in (pushes.table, pushes.scans))
+    return PushTable(table, scans, ())
 
 
 def told(frame: Any, column: str) -> frozenset[str]:

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import InvalidInput
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.errors import InvalidInput, RodInsideObject, RodMissesObject
+from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.measured_strokes import MeasuredDrag, MeasuredPush
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, kept_rows
 from cyclemap.evidence.identification.parameter_space import Parameter
@@ -20,17 +20,19 @@ from cyclemap.evidence.identification.surface_parameters import (
     SurfaceParameters,
     share_names,
 )
-from cyclemap.mechanics import PatchFootprint, Pose, QuasiStaticModel, Slider, WorldPush
+from cyclemap.mechanics import PatchFootprint, Pose, QuasiStaticModel, Slider
+from cyclemap.mechanics.cycle_batch import derivative_units
 from cyclemap.mechanics.engine.strokes import PARAMETERS, Strokes
+from cyclemap.mechanics.first_touch import first_touches
 from cyclemap.mechanics.quasi_static import run_strokes
 
 Array = NDArray[np.float64]
 Rows = tuple[Array, Array]
 
-# Radians (extents): far below what any camera sees.
-ACCURACY = 1e-5
-# How far back along its path a rod is looked for outside the object, m: measured poses overlap by tenths of a mm.
-_BACK = (0.0, 0.002, 0.005, 0.01, 0.02, 0.04)
+# Radians (extents): a tenth of what a camera sees.
+ACCURACY = 1e-3
+# A rod that starts further inside the object than this, m, is in another frame: measured poses overlap by tenths of mm.
+_DEEPEST = 0.04
 
 TIP_OFFSET = (
     Parameter("tip_offset_x", "shift of the robot's frame against the camera's, along x", "m", -0.01, 0.01, 0.0, 1e-3),
@@ -133,39 +135,43 @@ def predicted_push_ends(
     stays.
     """
     ends, by = np.array([_vector(push.start) for push in pushes]), np.zeros((len(pushes), 3, len(names) + 2))
-    courses, starts, touched = [], [], []
-    for number, push in enumerate(pushes):
-        strokes = _touching(model, push, shift)
-        if strokes is not None:
-            # A push that goes along with the object is differentiated by where it starts and how far it goes, too.
-            own = replace(strokes, from_target=True, by_fraction=1.0, direction=strokes.direction - push.start.theta)
-            courses.append(model.course(own, Pose(theta=push.start.theta)))
-            starts.append(_by_shift(model, strokes, push.start.theta))
-            touched.append(number)
-    if not touched:
+    theta = ends[:, 2]
+    c, s = np.cos(theta), np.sin(theta)
+    direction, length = np.array([(push.direction, push.length) for push in pushes]).T
+    x, y = (np.array([push.tip_start for push in pushes]) + shift - ends[:, :2]).T
+    starts = np.column_stack([c * x + s * y, c * y - s * x]) / model.unit
+    travel, piece, coordinate = first_touches(model.pieces, model.radius, starts, direction - theta)
+    for number in np.flatnonzero(travel * model.unit < -_DEEPEST)[:1].tolist():
+        at, pose = pushes[number].tip_start, pushes[number].start
+        raise InvalidInput(f"the rod at {at} m lies deep inside the object at {pose}: check the frames")
+    way = length / model.unit - travel
+    touched = np.flatnonzero(way > 0.0)
+    if not touched.size:
         return ends, by
+    # A push that goes along with the object is differentiated by where it starts and how far it goes, too.
+    still = replace(model.drag_strokes((), 0.0), by_fraction=1.0, from_target=True)
+    strokes = [
+        replace(still, start_piece=index, start_coordinate=at, direction=toward, length=far)
+        for index, at, toward, far in zip(
+            piece[touched].tolist(),
+            coordinate[touched].tolist(),
+            (direction - theta)[touched].tolist(),
+            way[touched].tolist(),
+            strict=True,
+        )
+    ]
+    angles = theta[touched].tolist()
+    courses = [model.course(one, Pose(theta=angle)) for one, angle in zip(strokes, angles, strict=True)]
     ran = run_strokes(courses, len(PARAMETERS))
-    ring = np.array([model.ring_place(Pose(theta=pushes[number].start.theta)) for number in touched])
+    hx, hy = model.slider.hitch
+    ring = np.column_stack([c * hx - s * hy, s * hx + c * hy])[touched]
     ends[touched, :2] += model.unit * ran.pushed[:, :2] + ring
     ends[touched, 2] = ran.pushed[:, 2]
     found = ran.derivatives[:, :3] * np.array((model.unit, model.unit, 1.0))[:, None]
-    by[touched, :, :-2] = found[..., _columns(names)] * _units(model, names)
-    by[touched, :, -2:] = found[..., _columns(("fraction", "angle", "distance"))] @ np.array(starts)
+    by[touched, :, :-2] = found[..., _columns(names)] * derivative_units(model, names)
+    starting = [_by_shift(model, one, angle) for one, angle in zip(strokes, angles, strict=True)]
+    by[touched, :, -2:] = found[..., _columns(("fraction", "angle", "distance"))] @ np.array(starting)
     return ends, by
-
-
-def _touching(model: QuasiStaticModel, push: MeasuredPush, shift: tuple[float, float]) -> Strokes | None:
-    """What the engine is asked for; None where the rod does not touch."""
-    c, s = math.cos(push.direction), math.sin(push.direction)
-    for back in _BACK:
-        start = (push.tip_start[0] + shift[0] - back * c, push.tip_start[1] + shift[1] - back * s)
-        try:
-            return model.push_strokes(push.start, WorldPush(start, push.direction, push.length + back))
-        except RodInsideObject:
-            continue
-        except RodMissesObject:
-            return None
-    raise InvalidInput(f"the rod at {push.tip_start} m lies deep inside the object at {push.start}: check the frames")
 
 
 def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
@@ -174,7 +180,7 @@ def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
     contact, speed = piece.contact(coordinate, model.radius)
     c, s = math.cos(contact.normal + theta), math.sin(contact.normal + theta)
     normal, tangent = np.array((c, s)), np.array((-s, c))
-    toward = np.array((math.cos(strokes.direction), math.sin(strokes.direction)))
+    toward = np.array((math.cos(strokes.direction + theta), math.sin(strokes.direction + theta)))
     longer = normal / (normal @ toward)
     along = (tangent - (tangent @ toward) * longer) / speed
     # The rod keeps its direction where the normal turns.
@@ -198,19 +204,13 @@ def _drag_misfit(block: StrokeBlock, model: QuasiStaticModel, surface: SurfacePa
     ]
     ran = run_strokes(courses, len(PARAMETERS))
     names = (*FRICTION_NAMES, *share_names(block.slider.outline), *HITCH_NAMES, "pin_friction_radius")
-    by = ran.derivatives[:, 5:6][..., _columns(names)] * _units(model, names)
+    by = ran.derivatives[:, 5:6][..., _columns(names)] * derivative_units(model, names)
     measured = np.array([drag.end.theta for drag in block.strokes])
     return (ran.ended[:, 2] - measured)[:, None], surface.chain(by, names, block.parameters, block.slider.hitch)
 
 
 def _columns(names: tuple[str, ...]) -> list[int]:
     return [PARAMETERS.index(name) for name in names]
-
-
-def _units(model: QuasiStaticModel, names: tuple[str, ...]) -> Array:
-    """What derivatives by the engine's parameters are to be multiplied by."""
-    lengths, coefficients = (*HITCH_NAMES, "pin_friction_radius"), FRICTION_NAMES[:4]
-    return np.array([1 / model.unit if n in lengths else 1 / model.scale if n in coefficients else 1.0 for n in names])
 
 
 def _vector(pose: Pose) -> Array:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.identification.data_block import FunctionBlock, Values, checked_labels
@@ -17,7 +18,6 @@ from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint
 from cyclemap.mechanics.outline import Outline
 from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
 
-Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 FORCE_KIND, TORQUE_KIND = "wrench force (N)", "wrench torque over radius (N)"

@@ -14,9 +14,12 @@ from cyclemap.evidence.identification.data_block import PLANE_KINDS
 from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, minimise
 from cyclemap.evidence.identification.noise_scales import NoiseLaw
+from cyclemap.evidence.identification.priors import PRIOR_KIND
 from cyclemap.suggestions import unknown_name
 
 Array = NDArray[np.float64]
+# A fold's fit starts from that to all: it is close when the deviance stands still to this share.
+_CLOSE = 1e-3
 Labels = NDArray[np.int64]
 
 
@@ -40,7 +43,8 @@ class KindErrors:
     """Sizes of the errors of one kind in one block, in its own unit: in the sample, and of rows left out (nan: none).
 
     rows : how many errors; of a place or a force one each, the length of the vector by which it is off.
-    mean, median : of the size. rms : root mean square.
+    mean, median : of the size. rms : root mean square. isotropic : the same errors of isotropic friction under even
+    pressure, all else usual; nan where that has no answer.
     """
 
     block: str
@@ -52,19 +56,22 @@ class KindErrors:
     left_out_mean: float
     left_out_median: float
     left_out_rms: float
+    isotropic_mean: float
+    isotropic_median: float
 
 
 def random_folds(problem: JointProblem, folds: int, seed: int = 0) -> Labels:
-    """Return the fold of each row (n,): the groups of each block dealt at random, in equal numbers.
+    """Return the fold of each row (n,): the groups of each block dealt at random, in equal numbers; -1 for beliefs.
 
     Raises InvalidInput for fewer than two folds or more folds than groups.
     """
-    groups = int(np.max(problem.groups)) + 1
+    stays = np.isin(problem.groups, problem.groups[problem.kinds == PRIOR_KIND])
+    groups = len(np.unique(problem.groups[~stays]))
     if not 2 <= whole_number("folds", folds) <= groups:
         raise InvalidInput(f"folds must be from 2 to the {groups} groups of the data, not {folds}")
-    rng, dealt, fold = np.random.default_rng(seed), 0, np.zeros(groups, dtype=np.int64)
+    rng, dealt, fold = np.random.default_rng(seed), 0, np.full(int(np.max(problem.groups)) + 1, -1)
     for block in range(len(problem.blocks)):
-        members = rng.permutation(np.unique(problem.groups[problem.block_index == block]))
+        members = rng.permutation(np.unique(problem.groups[(problem.block_index == block) & ~stays]))
         fold[members] = (dealt + np.arange(len(members))) % folds
         dealt += len(members)
     return fold[problem.groups]
@@ -126,7 +133,7 @@ def _fitted_without(
 ) -> dict[str, float]:
     part = problem.subset(~out, values)
     noise = np.array([fit.noise[problem.kind_names.index(kind)] for kind in part.kind_names])
-    return part.values(minimise(part, part.space.vector(values), noise, law).vector)
+    return part.values(minimise(part, part.space.vector(values), noise, law, _CLOSE).vector)
 
 
 def _predicted(problem: JointProblem, out: NDArray[np.bool_], values: dict[str, float]) -> Array:
@@ -134,15 +141,21 @@ def _predicted(problem: JointProblem, out: NDArray[np.bool_], values: dict[str, 
     return part.evaluate(part.space.vector(values))[0]
 
 
-def kind_errors(problem: JointProblem, fit: Fit, validation: CrossValidation | None) -> tuple[KindErrors, ...]:
-    """Return the sizes of the errors of every kind in every block."""
-    left_out = np.full(len(fit.residuals), np.nan) if validation is None else validation.residuals
+def kind_errors(
+    problem: JointProblem, fit: Fit, validation: CrossValidation | None, isotropic: Array | None = None
+) -> tuple[KindErrors, ...]:
+    """Return the sizes of the errors of every kind in every block; `isotropic` (n,) : those of even isotropy."""
+    nothing = np.full(len(fit.residuals), np.nan)
+    left_out = nothing if validation is None else validation.residuals
+    plain = nothing if isotropic is None else isotropic
     found = []
     for number, block in enumerate(problem.blocks):
         for kind in np.unique(np.asarray(block.kinds)).tolist():
+            if kind == PRIOR_KIND:
+                continue
             rows = (problem.block_index == number) & (problem.kinds == kind)
-            sample, unseen = (_lengths(errors[rows], kind) for errors in (fit.residuals, left_out))
-            found.append(KindErrors(block.name, kind, sample.size, *_sizes(sample), *_sizes(unseen)))
+            sample, unseen, even = (_lengths(errors[rows], kind) for errors in (fit.residuals, left_out, plain))
+            found.append(KindErrors(block.name, kind, sample.size, *_sizes(sample), *_sizes(unseen), *_sizes(even)[:2]))
     return tuple(found)
 
 

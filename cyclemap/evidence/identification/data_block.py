@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.identification.parameter_space import Parameter
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -121,3 +122,66 @@ class FunctionBlock:
         keep = kept_rows(self.groups, keep_groups)
         assert self.rows is not None
         return replace(self, groups=self.groups[keep], kinds=self.kinds[keep], rows=self.rows[keep])
+
+
+@dataclass(frozen=True, eq=False)
+class PlateBlock:
+    """A block of one plate among several: what belongs to the plate alone has its name behind it, `rim_share[hex]`.
+
+    owned : the parameters of `block` that belong to the plate, in its own names.
+
+    >>> rim = FunctionBlock("pushes", ("offset_x", "rim_share"), lambda v: None, [0], "m")
+    >>> PlateBlock(rim, "hex", (Parameter("rim_share", "", "1", 0.0, 1.0, 0.3, 0.2),)).parameters
+    ('offset_x', 'rim_share[hex]')
+    """
+
+    block: DataBlock
+    plate: str
+    owned: tuple[Parameter, ...]
+
+    @property
+    def name(self) -> str:
+        """The plate and what the data are."""
+        return f"{self.plate} {self.block.name}"
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Those of the block, the plate's own with its name."""
+        own = {parameter.name for parameter in self.owned}
+        return tuple(f"{name}[{self.plate}]" if name in own else name for name in self.block.parameters)
+
+    @property
+    def own_parameters(self) -> tuple[Parameter, ...]:
+        """The plate's own unknowns, and those of the block."""
+        asked = {name.partition("[")[0] for name in self.parameters if "[" in name}
+        mine = tuple(
+            replace(one, name=f"{one.name}[{self.plate}]", description=f"{one.description}; {self.plate}")
+            for one in self.owned
+            if one.name in asked
+        )
+        own = {one.name for one in self.owned}
+        return (*mine, *(one for one in getattr(self.block, "own_parameters", ()) if one.name not in own))
+
+    @property
+    def groups(self) -> Labels:
+        """Those of the block."""
+        return self.block.groups
+
+    @property
+    def kinds(self) -> Kinds:
+        """Those of the block."""
+        return self.block.kinds
+
+    def residuals(self, values: Values) -> tuple[Array, Array]:
+        """Those of the block at the plate's own values."""
+        own = zip(self.block.parameters, self.parameters, strict=True)
+        return self.block.residuals({name: values[named] for name, named in own})
+
+    def subset(self, keep_groups: ArrayLike) -> PlateBlock:
+        """Return the block with the rows of some groups only."""
+        return replace(self, block=self.block.subset(keep_groups))
+
+
+def plain_block(block: DataBlock) -> DataBlock:
+    """Return the block itself, without the plate that it may be of."""
+    return block.block if isinstance(block, PlateBlock) else block

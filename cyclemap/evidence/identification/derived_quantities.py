@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.identifiability import student_quantile
@@ -16,7 +16,6 @@ from cyclemap.evidence.identification.identification import Identification
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.mechanics import EllipseFriction
 
-Array = NDArray[np.float64]
 DRAWS = 2000
 # A direction whose draws spread over more than this share of their circle is not known.
 _ALL_AROUND = 0.9
@@ -60,8 +59,8 @@ _NEEDS = {
 }
 
 
-def sampled_surfaces(found: Identification, count: int = DRAWS, seed: int = 0) -> tuple[SurfaceParameters, ...]:
-    """Return surfaces drawn from the uncertainty of an identification, each a possible truth.
+def sampled_values(found: Identification, count: int = DRAWS, seed: int = 0) -> tuple[dict[str, float], ...]:
+    """Return values of all parameters drawn from the uncertainty of an identification, each a possible truth.
 
     Parameters are normal with the fit's covariance, each spread so that its interval is Student's, and cut at their
     bounds; what the data leave wholly open stays at its value. Draws that are no friction ellipse are left out.
@@ -75,15 +74,20 @@ def sampled_surfaces(found: Identification, count: int = DRAWS, seed: int = 0) -
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     draws = np.random.default_rng(seed).standard_normal((count, len(space))) @ root.T
     vectors_drawn = np.clip(found.fit.vector + draws * size * spread, space.lower, space.upper)
-    surfaces = []
+    drawn = []
     for vector in vectors_drawn:
-        surface = SurfaceParameters.from_values(found.problem.values(vector))
+        values = found.problem.values(vector)
         try:
-            surface.to_friction()
+            SurfaceParameters.from_values(values).to_friction()
         except InvalidInput:
             continue
-        surfaces.append(surface)
-    return tuple(surfaces)
+        drawn.append(values)
+    return tuple(drawn)
+
+
+def sampled_surfaces(found: Identification, count: int = DRAWS, seed: int = 0) -> tuple[SurfaceParameters, ...]:
+    """Return the surfaces of `sampled_values`."""
+    return tuple(SurfaceParameters.from_values(values) for values in sampled_values(found, count, seed))
 
 
 def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0) -> tuple[Derived, ...]:

@@ -13,6 +13,7 @@ from cyclemap.evidence.identification.grouped_errors import grouped_variance, in
 from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.least_squares import Fit
 from cyclemap.evidence.identification.noise_scales import NoiseLaw
+from cyclemap.evidence.identification.priors import PRIOR_KIND
 
 Array = NDArray[np.float64]
 
@@ -101,7 +102,8 @@ def _variance(
         freedom = independent_freedom(jacobian, inverse, kinds, known)
         return inverse / information + 2.0 * by_weights, freedom, False
     scaled = fit.residuals / fit.noise[kinds]
-    errors = law.weight(scaled**2) * scaled / information
+    # A belief counts by its deviation, not by how far off it happened to be.
+    errors = np.where(problem.kinds == PRIOR_KIND, 1.0, law.weight(scaled**2) * scaled / information)
     covariance, freedom = grouped_variance(jacobian, errors, inverse, problem.groups)
     return covariance + by_weights, freedom, True
 

@@ -9,9 +9,7 @@ from cyclemap.evidence.identification.cross_validation import CrossValidation, K
 from cyclemap.evidence.identification.identifiability import Uncertainty
 from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.least_squares import Fit, MultiStart
-from cyclemap.evidence.identification.parameter_space import Parameter
-from cyclemap.evidence.identification.profile_likelihood import Interval
-from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SurfaceParameters
 from cyclemap.mechanics import EllipseFriction
 from cyclemap.suggestions import unknown_name
 
@@ -22,7 +20,7 @@ class Estimate:
 
     value, lower, upper : best value and ends of its interval, in `unit`. standard_error : to first order, inf where the
     data do not fix it. identifiable : whether the data exclude any value between the bounds. at_bound : `lower`,
-    `upper`, or empty. lower_open, upper_open : the end is a bound, not a finding. method : `profile` or `covariance`.
+    `upper`, or empty. lower_open, upper_open : the end is a bound, not a finding.
     """
 
     name: str
@@ -36,7 +34,6 @@ class Estimate:
     at_bound: str
     lower_open: bool
     upper_open: bool
-    method: str
 
     def __str__(self) -> str:
         if not self.identifiable:
@@ -48,7 +45,8 @@ class Estimate:
 class Identification:
     """Parameters identified from data.
 
-    estimates : of the free parameters. fixed : values that were held. level : of the intervals. errors : by block and
+    estimates : of the free parameters. fixed : values that were held. level : of the intervals. priors : what was
+    believed (value, standard deviation). errors : by block and
     kind, in sample and left out. starts : what became of each start. fit : the minimum. uncertainty : to first order.
     validation : residuals of rows left out, None if not asked for. notes : all that qualifies the result, in words.
     problem : what was solved.
@@ -57,6 +55,7 @@ class Identification:
     estimates: tuple[Estimate, ...]
     fixed: Mapping[str, float]
     level: float
+    priors: Mapping[str, tuple[float, float]]
     errors: tuple[KindErrors, ...]
     starts: MultiStart
     fit: Fit
@@ -86,27 +85,26 @@ class Identification:
         """The identified surface; what the data were not asked about has its nominal value."""
         return SurfaceParameters.from_values(self.values)
 
+    @property
+    def plates(self) -> dict[str, dict[str, float]]:
+        """Shares of the weight by plate; of one plate alone, which no name tells apart, under the empty name."""
+        return plate_shares(self.values)
+
     def friction(self) -> EllipseFriction:
         """Return the identified friction ellipse."""
         return self.surface.to_friction()
 
 
-def estimate(
-    parameter: Parameter, value: float, error: float, interval: Interval, on_bound: bool, method: str
-) -> Estimate:
-    """Put one parameter's results together."""
-    nearer_lower = value - parameter.lower <= parameter.upper - value
-    return Estimate(
-        parameter.name,
-        parameter.description,
-        parameter.unit,
-        value,
-        interval.lower,
-        interval.upper,
-        error,
-        interval.identifiable,
-        ("lower" if nearer_lower else "upper") if on_bound else "",
-        interval.lower_open,
-        interval.upper_open,
-        method,
-    )
+def plate_shares(values: Mapping[str, float]) -> dict[str, dict[str, float]]:
+    """Return the shares of the weight that values tell by plate; of a plate that no name tells apart, under the empty.
+
+    >>> plate_shares({"rim_share[hex]": 0.5, "inner_share[hex]": 0.5, "offset_x": 0.1})
+    {'hex': {'inner_share': 0.25, 'rim_share': 0.5, 'corner_share': 0.0}}
+    """
+    named = {name.partition("[")[2].rstrip("]") for name in values if name.partition("[")[0] in SHARE_NAMES}
+    found = {}
+    for plate in sorted(named):
+        tail = f"[{plate}]" if plate else ""
+        own = {name: values[name + tail] for name in SHARE_NAMES if name + tail in values}
+        found[plate] = SurfaceParameters.from_values(own).shares
+    return found

@@ -1,9 +1,9 @@
-"""Identify parameters from blocks of data: several starts, intervals, cross-validation, and all that qualifies them."""
+"""Identify parameters from blocks of data: starts, intervals, cross-validation, and all that qualifies them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,43 +19,22 @@ from cyclemap.evidence.identification.cross_validation import (
 )
 from cyclemap.evidence.identification.data_block import DataBlock
 from cyclemap.evidence.identification.identifiability import Uncertainty, student_quantile, uncertainty
-from cyclemap.evidence.identification.identification import Identification, estimate
+from cyclemap.evidence.identification.identification import Estimate, Identification
 from cyclemap.evidence.identification.joint_problem import JointProblem
-from cyclemap.evidence.identification.least_squares import (
-    NO_ANSWER,
-    Fit,
-    MultiStart,
-    fit_with_noise,
-    multi_start,
-    spread_starts,
-)
+from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, MultiStart, multi_start, spread_starts
 from cyclemap.evidence.identification.noise_scales import NoiseLaw
-from cyclemap.evidence.identification.parameter_space import ParameterSpace
-from cyclemap.evidence.identification.profile_likelihood import Interval, covariance_interval, profile_interval
+from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
+from cyclemap.evidence.identification.priors import PRIOR_KIND, prior_block
 from cyclemap.evidence.identification.surface_parameters import SURFACE
-from cyclemap.suggestions import unknown_name
 
-METHODS = ("profile", "covariance")
 # Fewer degrees of freedom than this make an interval rough.
 _FEW = 4.0
+# A parameter whose error is above this share of its belief's deviation was hardly told by the data.
+_TOLD = 0.8
 
 Folds = int | Mapping[str, ArrayLike]
 Progress = Callable[[float], None]
-
-
-@dataclass(frozen=True)
-class _Method:
-    """How the uncertainty is told: level and method of the intervals, law and known sizes of the noise."""
-
-    level: float
-    intervals: str
-    law: NoiseLaw
-    noise: Mapping[str, float] | None
-
-    def __post_init__(self) -> None:
-        student_quantile(self.level, 10.0)
-        if self.intervals not in METHODS:
-            raise unknown_name("method of intervals", self.intervals, METHODS)
+Beliefs = Mapping[str, tuple[float, float]]
 
 
 def identify(
@@ -63,9 +42,9 @@ def identify(
     free: Sequence[str],
     fixed: Mapping[str, float] | None = None,
     *,
+    priors: Beliefs | None = None,
     starts: int = 8,
     level: float = 0.95,
-    intervals: str = "profile",
     folds: Folds = 0,
     noise: Mapping[str, float] | None = None,
     student: float | None = None,
@@ -75,13 +54,17 @@ def identify(
 ) -> Identification:
     """Identify the `free` parameters from blocks of data by maximum likelihood.
 
+    Friction and rod are shared by all blocks; what belongs to a plate or to a data set is an unknown of its own there
+    (`PlateBlock`), so that any number of data sets of any plates and sorts is explained at once.
+
     Parameters
     ----------
     blocks : the data; a block with an attribute `own_parameters` (tuple of Parameter) adds those to `space`.
     free : names to be identified. fixed : values of others; what is not given has its nominal value, and a note.
+    priors : beliefs (value, standard deviation) about free parameters, in SI units; see `usual_beliefs`.
     starts : searches, the first from the natural start, the rest spread about it (seeded).
-    level : of the intervals. intervals : `profile` (up to 12 fits a parameter) or `covariance` (none).
-    folds : 0, a number of random folds, or labels of rows by block name (leave one label out).
+    level : of the intervals, value -+ t standard errors, cut at the bounds; errors of rows of one group may be alike.
+    folds : 0, a number of random folds of every block's groups, or labels of rows by block name (leave one label out).
     noise : sizes of kinds of noise that are known; all others are estimated.
     student : degrees of freedom of Student noise, for data with outliers; None: normal.
     progress : called with the fraction done.
@@ -96,24 +79,61 @@ def identify(
     >>> print(found["pusher_friction"])
     pusher_friction 0.1986 (0.1919 to 0.2053)
     """
-    method = _Method(level, intervals, NoiseLaw(student), noise)
+    student_quantile(level, 10.0)
     whole_number("seed", seed, least=0)
+    law, believed, known = NoiseLaw(student), dict(priors or {}), dict(noise or {})
+    if believed:
+        blocks, known = (*blocks, prior_block(believed)), {**known, PRIOR_KIND: 1.0}
     problem, taken = _problem(blocks, tuple(free), fixed or {}, space)
+    for name in believed:
+        problem.space[name]
     fold = _folds(problem, folds, seed)
     report = _Stages(progress)
-    found = multi_start(problem, spread_starts(problem, starts, seed), method.law, noise, report.stage(0.0, 0.5))
-    fit, errors, ends, improved = _intervals(problem, found.best, method, report.stage(0.5, 0.8))
-    validation = None if fold is None else cross_validate(problem, fit, fold, method.law, report.stage(0.8, 1.0))
+    found = multi_start(problem, spread_starts(problem, starts, seed), law, known, report.stage(0.0, 0.6))
+    fit = found.best
+    errors = uncertainty(problem, fit, law)
+    validation = None if fold is None else cross_validate(problem, fit, fold, law, report.stage(0.6, 1.0))
     report.stage(0.0, 1.0)(1.0)
-    estimates = tuple(
-        estimate(part, float(value), float(error), end, part.name in fit.on_bounds, intervals)
-        for part, value, error, end in zip(
-            problem.space.parameters, fit.vector, errors.standard_error, ends, strict=True
-        )
+    told = zip(problem.space.parameters, fit.vector.tolist(), strict=True)
+    estimates = tuple(_estimate(one, value, errors, index, level, fit) for index, (one, value) in enumerate(told))
+    notes = (*taken, *_notes(found, errors, problem, estimates, validation, believed))
+    table = kind_errors(problem, fit, validation, _isotropic(problem))
+    return Identification(
+        estimates, problem.fixed, level, believed, table, found, fit, errors, validation, notes, problem
     )
-    notes = (*taken, *improved, *_notes(found, fit, errors, problem, ends, validation))
-    table = kind_errors(problem, fit, validation)
-    return Identification(estimates, problem.fixed, level, table, found, fit, errors, validation, notes, problem)
+
+
+def _estimate(one: Parameter, value: float, errors: Uncertainty, index: int, level: float, fit: Fit) -> Estimate:
+    """One parameter with its interval, cut at its bounds."""
+    error, freedom = float(errors.standard_error[index]), float(errors.freedom[index])
+    half = student_quantile(level, freedom) * error if np.isfinite(error) else np.inf
+    open_below, open_above = value - half <= one.lower, value + half >= one.upper
+    nearer_lower = value - one.lower <= one.upper - value
+    return Estimate(
+        one.name,
+        one.description,
+        one.unit,
+        value,
+        max(value - half, one.lower),
+        min(value + half, one.upper),
+        error,
+        not (open_below and open_above),
+        ("lower" if nearer_lower else "upper") if one.name in fit.on_bounds else "",
+        open_below,
+        open_above,
+    )
+
+
+def _isotropic(problem: JointProblem) -> NDArray[np.float64] | None:
+    """Residuals (n,) of isotropic friction under even pressure, rod and ring as usual, no frames shifted."""
+    unknown = {name: problem.space[name] for name in problem.space.names}
+    plain = ("ellipticity", "offset", "worn_", "rim_share", "corner_share", "inner_share", "tip_offset")
+    usual = {name: 0.0 if name.startswith(plain) else float(one.nominal or 0.0) for name, one in unknown.items()}
+    held = {name: 0.0 if name.startswith(plain) else value for name, value in problem.fixed.items()}
+    try:
+        return replace(problem, fixed=held).evaluate(problem.space.vector(usual))[0]
+    except NO_ANSWER:
+        return None
 
 
 class _Stages:
@@ -154,52 +174,16 @@ def _folds(problem: JointProblem, folds: Folds, seed: int) -> NDArray[np.int64] 
     return None if folds == 0 else random_folds(problem, folds, seed)
 
 
-def _intervals(
-    problem: JointProblem, fit: Fit, method: _Method, progress: Progress
-) -> tuple[Fit, Uncertainty, tuple[Interval, ...], tuple[str, ...]]:
-    """Intervals of all parameters; where they meet a better minimum, everything starts again from there, once."""
-    errors, ends = _all_intervals(problem, fit, method, progress)
-    found = _refitted(problem, [end.better for end in ends if end.better is not None], method)
-    if found is None or found.deviance >= fit.deviance:
-        return fit, errors, ends, ()
-    errors, ends = _all_intervals(problem, found, method, progress)
-    return found, errors, ends, ("the profiles met a lower minimum than any start did: take more starts",)
-
-
-def _refitted(problem: JointProblem, points: Sequence[NDArray[np.float64]], method: _Method) -> Fit | None:
-    """The best fit from points that the profiles met; None if there is none."""
-    fits = []
-    for point in points:
-        try:
-            fits.append(fit_with_noise(problem, point, method.law, method.noise))
-        except NO_ANSWER:
-            continue
-    return min(fits, key=lambda fit: fit.deviance, default=None)
-
-
-def _all_intervals(
-    problem: JointProblem, fit: Fit, method: _Method, progress: Progress
-) -> tuple[Uncertainty, tuple[Interval, ...]]:
-    errors, ends = uncertainty(problem, fit, method.law), []
-    for number, name in enumerate(problem.space.names):
-        if method.intervals == "profile":
-            ends.append(profile_interval(problem, fit, errors, name, method.level, method.law))
-        else:
-            ends.append(covariance_interval(problem, fit, errors, name, method.level))
-        progress((number + 1) / len(problem.space))
-    return errors, tuple(ends)
-
-
 def _notes(
     found: MultiStart,
-    fit: Fit,
     errors: Uncertainty,
     problem: JointProblem,
-    ends: tuple[Interval, ...],
+    estimates: tuple[Estimate, ...],
     validation: CrossValidation | None,
+    believed: Beliefs,
 ) -> list[str]:
     """All that qualifies the result, in words."""
-    names, notes = problem.space.names, [str(direction) for direction in errors.open]
+    fit, notes = found.best, [str(direction) for direction in errors.open]
     if not fit.converged:
         notes.append(f"the search did not converge: {fit.message}")
     if found.failed:
@@ -208,11 +192,13 @@ def _notes(
     if elsewhere:
         notes.append(f"{elsewhere} of {len(found.starts)} starts ended in other, worse minima")
     notes += [f"{name} lies on a bound" for name in fit.on_bounds]
-    notes += [f"{n} is not identifiable" for n, end in zip(names, ends, strict=True) if not end.identifiable]
-    notes += [
-        f"the interval of {n} reaches further than told" for n, e in zip(names, ends, strict=True) if not e.resolved
+    notes += [f"{one.name} is not identifiable" for one in estimates if not one.identifiable]
+    untold = [
+        one.name for one in estimates if one.name in believed and one.standard_error > _TOLD * believed[one.name][1]
     ]
-    few = [name for name, freedom in zip(names, errors.freedom, strict=True) if freedom < _FEW]
+    if untold:
+        notes.append(f"the data hardly tell {', '.join(untold)}: what is believed of it counts")
+    few = [name for name, freedom in zip(problem.space.names, errors.freedom, strict=True) if freedom < _FEW]
     if few:
         notes.append(f"few independent groups: the intervals of {', '.join(few)} are rough")
     if validation is not None:

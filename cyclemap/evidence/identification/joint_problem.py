@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, Kinds, Labels
 from cyclemap.evidence.identification.parameter_space import ParameterSpace
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

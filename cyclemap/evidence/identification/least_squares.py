@@ -8,21 +8,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.noise_scales import NoiseLaw, estimated_noise, noise_floor, root_mean_square
+from cyclemap.evidence.identification.shared_progress import part_of
 from cyclemap.suggestions import unknown_name
-
-Array = NDArray[np.float64]
 
 # What the mechanics raise at parameters for which they have no answer.
 NO_ANSWER = (ConvergenceError, UnsupportedContact, InvalidInput)
 
-# The noise counts as found when no kind changes by more than this share: parameters then move by less than a hundredth
+# The noise counts as found when no kind changes by more than this share: parameters then move by less than a twentieth
 # of their standard errors. The first round need not be close, since its weights are not.
-_NOISE_TOLERANCE = 1e-3
-_FIRST, _LATER = 1e-2, 1e-6
+_NOISE_TOLERANCE = 5e-3
+_FIRST, _LATER = 1e-2, 1e-5
+# Evaluations after which half of a search counts as done: how many it takes is not known before.
+_HALF_WAY = 15
 _ROUNDS = 40
 # A start arrived at the best optimum if its deviance is as low, or its parameters are the same in their scales.
 _SAME_DEVIANCE, _SAME_PLACE = 0.01, 1e-3
@@ -80,8 +82,8 @@ class MultiStart:
 class _Evaluator:
     """The problem's residuals and derivatives at the points asked for last; inf where the model has no answer."""
 
-    def __init__(self, problem: JointProblem) -> None:
-        self.problem, self.count = problem, 0
+    def __init__(self, problem: JointProblem, progress: Callable[[float], None] | None = None) -> None:
+        self.problem, self.count, self.progress = problem, 0, progress
         self.noise = np.ones(len(problem.kind_index))
         self._known: dict[bytes, tuple[Array, Array]] = {}
 
@@ -90,6 +92,8 @@ class _Evaluator:
         if key not in self._known:
             self.count += 1
             found = self.problem.evaluate(vector)
+            if self.progress is not None:
+                self.progress(self.count / (self.count + _HALF_WAY))
             self._known = dict([*self._known.items()][-8:]) | {key: found}
         return self._known[key]
 
@@ -172,6 +176,7 @@ def fit_with_noise(
     law: NoiseLaw | None = None,
     known: Mapping[str, float] | None = None,
     floor: Array | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Fit:
     """Fit parameters and the noise of each kind in turn, until both stand still.
 
@@ -179,7 +184,7 @@ def fit_with_noise(
     Raises what the model raises at the start, and ConvergenceError where a kind's noise cannot be told.
     """
     law, held = law or NoiseLaw(), known_noise(problem, known)
-    evaluator, vector = _Evaluator(problem), _strictly_inside(start, problem.space.lower, problem.space.upper)
+    evaluator, vector = _Evaluator(problem, progress), _strictly_inside(start, problem.space.lower, problem.space.upper)
     residuals, _ = evaluator.at(vector)
     least = noise_floor(problem, residuals) if floor is None else floor
     noise = np.where(np.isnan(held), np.maximum(root_mean_square(problem, residuals), least), held)
@@ -241,7 +246,7 @@ def multi_start(
         try:
             if floor is None:
                 floor = noise_floor(problem, problem.evaluate(start)[0])
-            fit = fit_with_noise(problem, start, law, known, floor)
+            fit = fit_with_noise(problem, start, law, known, floor, part_of(progress, number, len(starts)))
         except NO_ANSWER as cause:
             outcomes.append(StartOutcome(read_only(start), None, np.nan, f"{type(cause).__name__}: {cause}"))
         else:

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.identification.joint_problem import JointProblem
-
-Array = NDArray[np.float64]
 
 # Noise smaller than this share of the residuals at the start is no noise, but rounding.
 _LEAST_NOISE = 1e-9

@@ -6,13 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
 from cyclemap.errors import InvalidInput
 from cyclemap.suggestions import unknown_name
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

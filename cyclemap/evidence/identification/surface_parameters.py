@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
@@ -21,10 +21,9 @@ from cyclemap.mechanics import Ellipse, EllipseFriction, PatchFootprint, Pusher
 from cyclemap.mechanics.outline import Outline
 from cyclemap.suggestions import unknown_name
 
-Array = NDArray[np.float64]
-
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
 HITCH_NAMES = ("hitch_x", "hitch_y")
+SHARE_NAMES = ("rim_share", "corner_share", "inner_share")
 
 # An ellipse rounder than this (log of the axis ratio) counts as this round: phi then stays defined, and no motion or
 # force changes by more than a millionth.

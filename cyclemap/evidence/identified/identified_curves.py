@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
 from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock
+from cyclemap.evidence.identification.data_block import plain_block
 from cyclemap.evidence.identification.derived_quantities import sampled_surfaces
 from cyclemap.evidence.identification.identification import Identification
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.mechanics import EllipseFriction
 
-Array = NDArray[np.float64]
 _AROUND = np.linspace(0.0, 2.0 * np.pi, 181)
 _BAND_DRAWS = 200
 
@@ -77,12 +78,14 @@ def identified_curves(found: Identification, scans: ScanForces | None = None, se
     turns, places, cycles = [], [], []
     for number, block in enumerate(found.problem.blocks):
         errors = found.fit.residuals[found.problem.block_index == number]
-        if isinstance(block, StrokeBlock):
-            turns.append(_turns(block, errors))
-            if len(block.row_kinds) == 3:
+        plain = plain_block(block)
+        if isinstance(plain, StrokeBlock):
+            turns.append(_turns(block.name, plain, errors))
+            if len(plain.row_kinds) == 3:
                 places.append(PlaceFit(block.name, errors.reshape(-1, 3)[:, :2]))
-        elif isinstance(block, CyclePairBlock):
-            cycles.append(_cycles(block, found))
+        elif isinstance(plain, CyclePairBlock):
+            own = dict(zip(plain.parameters, block.parameters, strict=True))
+            cycles.append(_cycles(block.name, plain, {name: found.values[own[name]] for name in own}))
     return IdentifiedCurves(
         _outline(found.friction()),
         None if worn is None else _outline(worn),
@@ -107,17 +110,17 @@ def _outline(law: EllipseFriction) -> Array:
     return law.traction(np.stack([np.cos(_AROUND), np.sin(_AROUND)], axis=-1))
 
 
-def _turns(block: StrokeBlock, errors: Array) -> TurnFit:
+def _turns(name: str, block: StrokeBlock, errors: Array) -> TurnFit:
     """Turns of strokes; each stroke's last row is its turn."""
     measured = np.array([stroke.end.theta - stroke.start.theta for stroke in block.strokes])
-    return TurnFit(block.name, measured, measured + errors.reshape(len(block.strokes), -1)[:, -1])
+    return TurnFit(name, measured, measured + errors.reshape(len(block.strokes), -1)[:, -1])
 
 
-def _cycles(block: CyclePairBlock, found: Identification) -> CycleFit:
+def _cycles(name: str, block: CyclePairBlock, values: Mapping[str, float]) -> CycleFit:
     def turn(share: float) -> Array:
         shares = None if block.share is None else np.full(_AROUND.size, share)
         grid = replace(block, theta=_AROUND, turn=np.zeros(_AROUND.size), labels=np.arange(_AROUND.size), share=shares)
-        return grid.residuals(found.values)[0]
+        return grid.residuals(values)[0]
 
     late = None if block.share is None else turn(1.0)
-    return CycleFit(block.name, block.theta, block.turn, _AROUND, turn(0.0), late)
+    return CycleFit(name, block.theta, block.turn, _AROUND, turn(0.0), late)

@@ -2,69 +2,121 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Sequence
-from dataclasses import fields
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.cross_validation import KindErrors
-from cyclemap.evidence.identification.identification import Estimate, Identification
+from cyclemap.evidence.identification.derived_quantities import sampled_values
+from cyclemap.evidence.identification.identification import Estimate, Identification, plate_shares
+from cyclemap.evidence.identification.priors import PRIOR_KIND
+from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.evidence.identified.identified_curves import worn_friction_of
-from cyclemap.mechanics import FoundWith, Material, PlatePressure, Wear
+from cyclemap.mechanics import EllipseFriction, FoundWith, Material, MaterialPosterior, PlatePressure, Wear
 
+POSTERIOR_SAMPLES = 200
+# Keys of a material file, what they are here, and the factor to their unit.
+_FOUND_UNITS = {"pusher_mu": ("pusher_friction", 1.0), "pin_friction_mm": ("pin_friction_radius", 1e3)}
 # Units as people read them, and the factor from SI.
 _READABLE = {"rad": ("°", 57.29577951308232), "m": (" mm", 1e3), "1": ("", 1.0)}
 
 
 def identified_material(
-    found: Identification, name: str, sources: Sequence[str] = (), last_cycle: float = 0.0, plate: str = "rect1"
+    found: Identification,
+    name: str,
+    sources: Sequence[str] = (),
+    last_cycle: float = 0.0,
+    plate: str = "rect1",
+    seed: int = 0,
 ) -> Material:
     """Return what was identified as a material, marked as inferred.
 
     sources : what the data were, for the provenance. last_cycle : the number of cycles behind the first after which a
-    surface that wears is the worn one. plate : the object whose pressure was identified.
+    surface that wears is the worn one. plate : the object whose pressure was identified, where it is one alone.
+    seed : of the samples of the posterior.
     What the data do not depend on is left open in `found_with`.
     Raises InvalidInput for an empty name.
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")
-    asked = {part for block in found.problem.blocks for part in block.parameters}
+    asked = {part.partition("[")[0] for block in found.problem.blocks for part in block.parameters}
     told = {field.name: found.values[field.name] for field in fields(FoundWith) if field.name in asked}
-    shares = {name: share for name, share in found.surface.shares.items() if name in asked}
     worn = worn_friction_of(found)
-    return Material(
+    material = Material(
         name,
         found.friction(),
         provenance_words(found, sources),
         misfit_words(found),
         inferred=True,
         found_with=FoundWith(**told),
-        plates=(PlatePressure(plate, **shares),) if shares else (),
+        plates=tuple(PlatePressure(named or plate, **shares) for named, shares in found.plates.items()),
         wear=None if worn is None or last_cycle <= 0.0 else Wear(worn, last_cycle),
     )
+    return replace(material, posterior=_posterior(found, material, plate, seed))
+
+
+def _posterior(found: Identification, material: Material, plate: str, seed: int) -> MaterialPosterior | None:
+    """Samples of what the data allow, in the names and units of a material file."""
+    rows = []
+    for values in sampled_values(found, POSTERIOR_SAMPLES, seed):
+        law = SurfaceParameters.from_values(values).to_friction()
+        row = {**_ellipse(law)}
+        if material.wear is not None:
+            worn = {name.removeprefix("worn_"): value for name, value in values.items() if name.startswith("worn_")}
+            friction = SurfaceParameters.from_values({**values, **worn}).to_friction()
+            row |= {f"worn.{key}": value for key, value in _ellipse(friction).items()}
+        for key, (name, factor) in _FOUND_UNITS.items():
+            if getattr(material.found_with, name) is not None:
+                row[key] = factor * values[name]
+        for named, shares in plate_shares(values).items():
+            # Rounded down, since they add to one at most.
+            row |= {f"{named or plate}.{key}": math.floor(1e6 * share) / 1e6 for key, share in shares.items()}
+        rows.append(row)
+    if len(rows) < 2:
+        return None
+    return MaterialPosterior(tuple(rows[0]), tuple(tuple(float(f"{v:.6g}") for v in row.values()) for row in rows))
+
+
+def _ellipse(law: EllipseFriction) -> dict[str, float]:
+    return {**{key: getattr(law, key) for key in ("mu_a", "mu_b", "m0", "n0")}, "phi_deg": math.degrees(law.phi)}
 
 
 def provenance_words(found: Identification, sources: Sequence[str]) -> str:
     """Return where the numbers come from, in one paragraph."""
-    data = ", ".join(f"{block.name} ({len(block.groups)} values)" for block in found.problem.blocks)
+    blocks = [block for block in found.problem.blocks if PRIOR_KIND not in block.kinds]
+    data = ", ".join(f"{block.name} ({len(block.groups)} values)" for block in blocks)
     origin = f" in {', '.join(sources)}" if sources else ""
     free = "; ".join(estimate_words(one) for one in found.estimates)
     text = f"inferred from {data}{origin}: {free}, intervals of {100 * found.level:g} %"
+    if found.priors:
+        listed = ", ".join(
+            f"{name} {mean:g} +- {deviation:g}" for name, (mean, deviation) in _common(found.priors).items()
+        )
+        text += f"; believed beforehand, in SI units: {listed}"
     held = "; ".join(f"{name} {value:.4g}" for name, value in sorted(found.problem.fixed.items()))
     return text + (f"; held: {held}" if held else "")
 
 
+def _common(priors: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
+    """Beliefs by name, those of all plates alike told once."""
+    return {name.partition("[")[0]: belief for name, belief in priors.items()}
+
+
 def misfit_words(found: Identification) -> str:
-    """Return the root mean square of every kind of error, in degrees, millimetres and newtons."""
+    """Return the mean of every kind of error, beside what isotropic friction misses."""
     return "; ".join(kind_words(errors) for errors in found.errors)
 
 
 def kind_words(errors: KindErrors) -> str:
-    """Return the root mean square of one kind of error, in the sample and left out."""
+    """Return the mean size of one kind of error, in the sample, left out, and of isotropic friction."""
     kind, unit, factor = readable_kind(errors.kind)
-    left_out = errors.left_out_rms
-    tail = f" ({factor * left_out:.3g}{unit} left out)" if left_out == left_out else ""
-    return f"{errors.block}, {kind}: {factor * errors.rms:.3g}{unit} RMS{tail}"
+    told = f"{errors.block}, {kind}: {factor * errors.mean:.3g}{unit}"
+    left_out, isotropic = errors.left_out_mean, errors.isotropic_mean
+    beside = [f"{factor * left_out:.3g} left out"] if left_out == left_out else []
+    beside += [f"isotropic {factor * isotropic:.3g}"] if isotropic == isotropic else []
+    return told + (f" ({', '.join(beside)})" if beside else "")
 
 
 def readable_kind(kind: str) -> tuple[str, str, float]:

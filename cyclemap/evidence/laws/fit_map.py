@@ -7,16 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.law_bands import LawBand
 from cyclemap.evidence.laws.periodic_law import MAX_HARMONICS, PeriodicLaw, fit_periodic_law, paired_arrays
 from cyclemap.evidence.laws.wear import MAX_WEAR_DEGREE, WornLaw, fit_worn_law
 from cyclemap.maps import CircleMap, DriftingMap
-
-Array = NDArray[np.float64]
 
 # Radians: the blend between a drifting map's cycles stays this near the law; far below any measured scatter.
 BLEND_TOLERANCE = 1e-4

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.evidence.laws.periodic_basis import fourier_columns, fourier_slopes
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
 from cyclemap.maps import CircleMap
 
-Array = NDArray[np.float64]
 HARMONICS = 6
 
 

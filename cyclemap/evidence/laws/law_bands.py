@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import ConvergenceError, InvalidInput
-
-Array = NDArray[np.float64]
 
 # Huber's constant: 95 % of the efficiency of least squares where the residuals are normal.
 HUBER = 1.345

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
-
-Array = NDArray[np.float64]
 
 FOLDS = 10
 BLOCKS_A_FOLD = 5

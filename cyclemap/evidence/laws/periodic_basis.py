@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cyclemap.arrays import Array
 
 
 def fourier_columns(theta: Any, harmonics: int) -> Array:

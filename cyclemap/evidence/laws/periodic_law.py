@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.law_bands import LawBand, law_band
@@ -15,8 +16,6 @@ from cyclemap.evidence.laws.linear_fit import LinearFit, huber_weights, lag_corr
 from cyclemap.evidence.laws.order_choice import OrderScores, choose_harmonics, cycle_folds
 from cyclemap.evidence.laws.periodic_basis import fourier_columns, fourier_slopes
 from cyclemap.evidence.laws.periodic_noise import fit_with_scatter, scatter_weights
-
-Array = NDArray[np.float64]
 
 MAX_HARMONICS = 12
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import LinearFit, fit_linear, weighted_least_squares
 from cyclemap.evidence.laws.order_choice import cycle_folds, nested_errors, simplest_good
 from cyclemap.evidence.laws.periodic_basis import fourier_columns
-
-Array = NDArray[np.float64]
 
 MAX_NOISE_HARMONICS = 3
 TOLERANCE = 1e-12

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.linear_fit import LinearFit, huber_weights
@@ -14,8 +15,6 @@ from cyclemap.evidence.laws.order_choice import cycle_folds, nested_errors, simp
 from cyclemap.evidence.laws.periodic_basis import fourier_columns
 from cyclemap.evidence.laws.periodic_law import MAX_HARMONICS, PeriodicLaw, law_of, paired_arrays
 from cyclemap.evidence.laws.periodic_noise import fit_with_scatter, scatter_weights
-
-Array = NDArray[np.float64]
 
 MAX_WEAR_DEGREE = 4
 

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.harmonic_map import HARMONICS, harmonic_map
 from cyclemap.evidence.orientations.circular_distance import DEFAULT_BINS, circular_wasserstein, total_variation
-from cyclemap.evidence.orientations.circular_law import Array, CircularLaw
+from cyclemap.evidence.orientations.circular_law import CircularLaw
 from cyclemap.evidence.orientations.goodness_of_fit import kuiper_statistic, watson_statistic
 from cyclemap.evidence.orientations.p_value import PValue, monte_carlo_p_value
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.evidence.orientations.circular_law import FULL_TURN, Array, CircularLaw, law_or_sample, orientations
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.evidence.orientations.circular_law import CircularLaw, law_or_sample, orientations
 from cyclemap.evidence.orientations.pooled_samples import bin_index, pooled_samples
 
 DEFAULT_BINS = 36
@@ -67,7 +68,7 @@ def _difference_segments(rows: Array, law: CircularLaw) -> tuple[Array, Array, A
     reached = np.take_along_axis(np.concatenate([law.cumulative(rows), masses], axis=1), order, axis=1)
     steps = np.cumsum(order < size, axis=1) / size
     ahead = np.concatenate([reached[:, 1:], np.ones((count, 1))], axis=1)
-    return steps - reached, steps - ahead, np.diff(angles, axis=1, append=FULL_TURN)
+    return steps - reached, steps - ahead, np.diff(angles, axis=1, append=TWO_PI)
 
 
 def _median_level(high: Array, low: Array, width: Array) -> Array:

@@ -7,17 +7,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import InvalidInput
 
-Array = NDArray[np.float64]
 Density = Callable[[Array], Array]
-FULL_TURN = 2 * np.pi
 
 _MASS_ERROR = 0.01  # a density that jumps is integrated to about a thousandth; one in other units is far off
-_NEGATIVE = -1e-3 / FULL_TURN  # rounding and truncated series dip below zero, but never that far
+_NEGATIVE = -1e-3 / TWO_PI  # rounding and truncated series dip below zero, but never that far
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,21 +48,21 @@ class CircularLaw:
         if not callable(self.density):
             raise InvalidInput(f"density is {self.density!r}: give a vectorised callable of angles in radians")
         count = whole_number("cells", self.cells, least=8)
-        values = _checked_density(self.density, np.linspace(0.0, FULL_TURN, 2 * count + 1))
-        parts = (values[:-2:2] + 4.0 * values[1::2] + values[2::2]) * (FULL_TURN / (6.0 * count))
+        values = _checked_density(self.density, np.linspace(0.0, TWO_PI, 2 * count + 1))
+        parts = (values[:-2:2] + 4.0 * values[1::2] + values[2::2]) * (TWO_PI / (6.0 * count))
         total = float(np.sum(parts))
         if abs(total - 1.0) > _MASS_ERROR:
             raise InvalidInput(f"the density integrates to {total:g} over the circle, not 1: give it per radian")
         below = np.append(0.0, np.cumsum(parts) / total)
         below[-1] = 1.0
-        object.__setattr__(self, "knots", read_only(np.linspace(0.0, FULL_TURN, count + 1)))
+        object.__setattr__(self, "knots", read_only(np.linspace(0.0, TWO_PI, count + 1)))
         object.__setattr__(self, "heights", read_only(values[::2] / total))
         object.__setattr__(self, "masses", read_only(below))
 
     def cumulative(self, theta: Any) -> Array:
         """Probability of the arc from 0 to θ mod 2π, any shape."""
-        angle = np.mod(finite_array("theta", theta), FULL_TURN)
-        step = FULL_TURN / self.cells
+        angle = np.mod(finite_array("theta", theta), TWO_PI)
+        step = TWO_PI / self.cells
         cell = np.minimum((angle / step).astype(np.int64), self.cells - 1)
         t = (angle - self.knots[cell]) / step
         low, mass = self.masses[cell], self.masses[cell + 1] - self.masses[cell]
@@ -75,7 +73,7 @@ class CircularLaw:
 
     def bin_probabilities(self, bins: int) -> Array:
         """Probability of each of ``bins`` equal bins over [0, 2π)."""
-        inner = self.cumulative(np.arange(bins) * (FULL_TURN / bins))
+        inner = self.cumulative(np.arange(bins) * (TWO_PI / bins))
         return np.diff(np.append(inner, 1.0))
 
 
@@ -101,6 +99,6 @@ def orientations(name: str, sample: Any, single: bool = False) -> Array:
     angles = finite_array(name, sample, ndim=1 if single else None)
     if angles.ndim == 0 or angles.size == 0:
         raise InvalidInput(f"{name} has shape {angles.shape}: give at least one orientation in radians")
-    wrapped = np.mod(angles, FULL_TURN)
+    wrapped = np.mod(angles, TWO_PI)
     # An angle a hair below 0 wraps to exactly 2π.
-    return np.asarray(np.where(wrapped >= FULL_TURN, 0.0, wrapped))
+    return np.asarray(np.where(wrapped >= TWO_PI, 0.0, wrapped))

@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.orientations.chain_null import checked_path, orientation_statistics
 from cyclemap.evidence.orientations.circular_distance import DEFAULT_BINS
-from cyclemap.evidence.orientations.circular_law import FULL_TURN, Array, CircularLaw
+from cyclemap.evidence.orientations.circular_law import CircularLaw
 from cyclemap.evidence.orientations.p_value import PValue, monte_carlo_p_value
 from cyclemap.maps import CircleMap, DriftingMap, Noise, sample_staircases
 
@@ -188,15 +189,15 @@ def _values(measure: CollectionStatistic, paths: Array, ensemble: Ensemble) -> A
 
 
 def _turns_off(paths: Array, ensemble: Ensemble) -> Array:
-    return np.asarray(np.abs(paths[:, -1] - paths[:, 0] - ensemble.climb) / FULL_TURN)
+    return np.asarray(np.abs(paths[:, -1] - paths[:, 0] - ensemble.climb) / TWO_PI)
 
 
 def _occupation_law(images: Array, noise: Noise) -> CircularLaw:
     """The law of an image drawn at random, plus noise: a count on a fine grid, convolved by Fourier coefficients."""
-    cell = np.mod(np.floor(images * (_CELLS / FULL_TURN)).astype(np.int64), _CELLS)
+    cell = np.mod(np.floor(images * (_CELLS / TWO_PI)).astype(np.int64), _CELLS)
     share = np.bincount(cell.ravel(), minlength=_CELLS) / images.size
     smooth = np.fft.rfft(share) * noise.coefficients(np.arange(_CELLS // 2 + 1))
-    density = np.maximum(np.fft.irfft(smooth, _CELLS), 0.0) * (_CELLS / FULL_TURN)
-    density *= _CELLS / FULL_TURN / np.sum(density)
-    middles = (np.arange(_CELLS) + 0.5) * (FULL_TURN / _CELLS)
-    return CircularLaw(lambda theta: np.interp(theta, middles, density, period=FULL_TURN))
+    density = np.maximum(np.fft.irfft(smooth, _CELLS), 0.0) * (_CELLS / TWO_PI)
+    density *= _CELLS / TWO_PI / np.sum(density)
+    middles = (np.arange(_CELLS) + 0.5) * (TWO_PI / _CELLS)
+    return CircularLaw(lambda theta: np.interp(theta, middles, density, period=TWO_PI))

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, non_negative_number, positive_number, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.orientations.circular_distance import DEFAULT_BINS
-from cyclemap.evidence.orientations.circular_law import Array, CircularLaw, law_or_sample, orientations
+from cyclemap.evidence.orientations.circular_law import CircularLaw, law_or_sample, orientations
 from cyclemap.evidence.orientations.p_value import PValue, monte_carlo_p_value
 from cyclemap.evidence.orientations.pooled_samples import Labels, PooledSamples, pooled_samples
 

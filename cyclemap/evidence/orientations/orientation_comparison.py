@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.evidence.orientations.chain_null import Refit, chain_p_values, checked_path, orientation_statistics
 from cyclemap.evidence.orientations.circular_distance import DEFAULT_BINS
-from cyclemap.evidence.orientations.circular_law import Array
 from cyclemap.evidence.orientations.orientation_modes import (
     DEFAULT_BANDWIDTH,
     angle_between,

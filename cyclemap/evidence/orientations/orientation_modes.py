@@ -6,14 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_law import FULL_TURN, Array, orientations
-from cyclemap.maps.operator.density_features import peaks_of
+from cyclemap.evidence.orientations.circular_law import orientations
+from cyclemap.maps.operator.transfer_operator import peaks_of
 
 DEFAULT_BANDWIDTH = 0.1  # rad, about 6 degrees
 
-_LEAST_RISE = 0.1 / FULL_TURN  # a tenth of the uniform density
+_LEAST_RISE = 0.1 / TWO_PI  # a tenth of the uniform density
 _REACH = 8.5  # bandwidth times harmonics, beyond which the kernel's coefficients are below 1e-15
 _NARROWEST = 0.002
 
@@ -40,8 +41,8 @@ def kernel_modes(theta: Any, bandwidth: float = DEFAULT_BANDWIDTH) -> Array:
         return np.real(np.exp(1j * np.multiply.outer(at, order)) @ (1j * order * weights))
 
     count = 1 << int(np.ceil(np.log2(8 * order.size)))
-    grid = FULL_TURN * np.arange(count) / count
-    values = 1.0 / FULL_TURN + np.real(np.exp(1j * np.multiply.outer(grid, order)) @ weights)
+    grid = TWO_PI * np.arange(count) / count
+    values = 1.0 / TWO_PI + np.real(np.exp(1j * np.multiply.outer(grid, order)) @ weights)
     return peaks_of(slope, grid, values, _LEAST_RISE)
 
 
@@ -55,4 +56,4 @@ def nearest_modes(targets: Array, modes: Array) -> Array:
 
 def angle_between(first: Array, second: Array) -> Array:
     """second - first, taken the shorter way round: in [-π, π), radians."""
-    return np.asarray(np.mod(second - first + np.pi, FULL_TURN) - np.pi)
+    return np.asarray(np.mod(second - first + np.pi, TWO_PI) - np.pi)

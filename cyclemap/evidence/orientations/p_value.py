@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_law import Array
 
 _TIE = 1e-12  # values that differ by rounding alone count as equal, which makes p larger
 

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_law import FULL_TURN, Array, orientations
+from cyclemap.evidence.orientations.circular_law import orientations
 
 Labels = NDArray[np.bool_]
 
@@ -39,7 +40,7 @@ class PooledSamples:
 
     def wasserstein(self, labels: Labels) -> Array:
         """∫ |F - G - median(F - G)| dθ, exactly (Rabin, Delon & Gousseau 2011), shape (...)."""
-        gaps = np.diff(np.append(self.angles, self.angles[0] + FULL_TURN))
+        gaps = np.diff(np.append(self.angles, self.angles[0] + TWO_PI))
         levels = self.differences(labels)
         order = np.argsort(levels, axis=-1)
         half = np.cumsum(gaps[order], axis=-1) >= np.pi
@@ -86,4 +87,4 @@ def bin_index(angles: Array, bins: int) -> NDArray[np.int64]:
     count = whole_number("bins", bins, least=1)
     if count > 1_000_000:
         raise InvalidInput(f"bins is {bins}: more than a million bins hold no counts; use fewer")
-    return np.minimum((angles * (count / FULL_TURN)).astype(np.int64), count - 1)
+    return np.minimum((angles * (count / TWO_PI)).astype(np.int64), count - 1)

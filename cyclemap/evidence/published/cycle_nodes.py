@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.cycle_pair_block import cycles_by_unknowns
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS
-
-Array = NDArray[np.float64]
 
 # What a node holds: the turn of the whole cycle (rad), then turn (rad) and displacement (m) of the push.
 NODE_OUTPUTS = ("cycle_turn", "push_turn", "push_dx", "push_dy")

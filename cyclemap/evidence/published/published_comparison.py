@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.evidence.published.cycle_nodes import node_values
@@ -23,8 +23,6 @@ from cyclemap.evidence.published.statistics_block import (
     predicted_statistics,
 )
 from cyclemap.mechanics import Material, load_material
-
-Array = NDArray[np.float64]
 
 # A histogram of θ0 has a peak where it exceeds the even one by this factor.
 PEAK = 1.5

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, whole_number
 from cyclemap.errors import InvalidInput
-
-Array = NDArray[np.float64]
 
 # A run that starts in a named direction starts within this standard deviation of it (rad): it is read off a histogram.
 START_SPREAD = float(np.deg2rad(10.0))

@@ -7,8 +7,8 @@ from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS
 from cyclemap.evidence.data_blocks.fourier_interpolation import interpolation, interpolation_slope
@@ -17,8 +17,6 @@ from cyclemap.evidence.identification.surface_parameters import SURFACE, Surface
 from cyclemap.evidence.published.cycle_nodes import NODES, cycle_nodes
 from cyclemap.evidence.published.published_statistics import PUBLISHED_CYCLES, PublishedStatistics
 from cyclemap.evidence.published.run_law import run_law
-
-Array = NDArray[np.float64]
 
 # Scatter of measured plywood cycles about a smooth map (rad); on the other materials it is not known.
 CYCLE_NOISE = float(np.deg2rad(1.1))

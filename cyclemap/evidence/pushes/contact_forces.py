@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
-
-Array = NDArray[np.float64]
 
 MIT_ROD_RADIUS = 0.00475
 # The rod's centre lies this close to one radius from the outline while it touches: poses and clocks are no better.

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import shorter_way
 from cyclemap.errors import DataFileError
 from cyclemap.evidence.pushes.mit_names import PushFacts
 from cyclemap.evidence.pushes.push_record import LARGEST_ANGLE, LARGEST_POSITION
 from cyclemap.evidence.theta0.theta0_pairs import doubt_degrees, read_theta0_pairs
-from cyclemap.maps.arcs import shorter_way
 from cyclemap.text_files import LARGEST_CONTENT, CsvRow, CsvTable, read_csv_table
 
 # A column of the push table, the names it goes by in a file, and the factor to SI units.
@@ -33,6 +33,8 @@ _FACTS = {
     "angle": {"angle": 1.0, "t": 1.0},
     "repetition": {"repetition": 1.0, "rep": 1.0},
     "length": {"length": 1.0, "push_mm": 1e-3},
+    "tip_x0": {"tip_x0": 1.0},
+    "tip_y0": {"tip_y0": 1.0},
     "dtheta": {"dtheta": 1.0},
     "theta_next": {"theta_next": 1.0, "th0n": 1.0},
     "force_ratio": {"force_ratio": 1.0},

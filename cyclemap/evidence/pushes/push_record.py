@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.errors import InvalidInput
-
-Array = NDArray[np.float64]
 
 PUSH_TABLES = ("object_pose", "tip_pose", "ft_wrench")
 

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
 _PUSH_SET = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
 _POSES = ("x0", "y0", "theta0", "x1", "y1", "theta1", "dx", "dy", "dtheta")
-PUSH_COLUMNS = (*_PUSH_SET, "repetition", "length", *_POSES, "theta_next", "force_ratio", "samples", "path")
+_TIP = ("tip_x0", "tip_y0")
+PUSH_COLUMNS = (*_PUSH_SET, "repetition", "length", *_TIP, *_POSES, "theta_next", "force_ratio", "samples", "path")
 _SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
 SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
 CSV_SUFFIX = ".csv"
@@ -45,7 +46,8 @@ class PushTable:
     """Pushes and friction scans, a row each, and the files that could not be read.
 
     table : a row a push. `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`, `fraction`,
-        `angle` (rad), `repetition`: from the file's name. `length` (m): of the rod's path. `x0`, `y0` (m),
+        `angle` (rad), `repetition`: from the file's name. `length` (m): of the rod's path, which begins at
+        `tip_x0`, `tip_y0` (m, world). `x0`, `y0` (m),
         `theta0` (rad): first pose in the world.
         `x1`, `y1`, `theta1`: last pose, theta1 = theta0 + dtheta. `dx`, `dy` (m): displacement in the object's
         initial frame. `dtheta` (rad): its turn, counted along the series, so never wrapped. `theta_next` (rad): start
@@ -145,7 +147,8 @@ def _push_row(path: Path, push: PushRecord) -> dict[str, Any]:
     ratio = math.nan if outline is None else contact_force_ratio(push, outline)
     poses = dict(zip(_POSES, (*push.start, *push.end, *push.displacement, push.turn), strict=True))
     rest = {"length": push.length, "force_ratio": ratio, "samples": push.samples, "path": str(path)}
-    return asdict(facts) | poses | rest
+    tip = dict(zip(_TIP, push.tip_pose[0, 1:3].tolist(), strict=True))
+    return asdict(facts) | poses | tip | rest
 
 
 def _scan_row(path: Path, scan: ScanRecord) -> dict[str, Any]:

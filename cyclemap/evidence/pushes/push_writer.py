@@ -5,15 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_files import HDF5_SUFFIXES, SUFFIXES
 from cyclemap.evidence.pushes.push_record import PUSH_TABLES, PushRecord, ScanRecord
 from cyclemap.whole_files import write_whole
-
-Array = NDArray[np.float64]
 
 SCAN_TABLES = ("tip_array", "ft_wrench")
 

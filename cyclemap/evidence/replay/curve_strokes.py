@@ -7,8 +7,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.evidence.replay.chain_run import ChainRun
 from cyclemap.evidence.replay.cut_curve import CutCurve
@@ -17,8 +17,6 @@ from cyclemap.mechanics.contact_curve import ContactCurve, SidePiece
 from cyclemap.mechanics.engine.strokes import piece_table
 from cyclemap.mechanics.quasi_static import run_strokes
 from cyclemap.mechanics.trajectory import Course
-
-Array = NDArray[np.float64]
 
 # Rod travel (m) over which the outline is taken to be straight.
 STEP = 2e-3

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.mechanics.outline import Outline, Polygon
-
-Array = NDArray[np.float64]
 
 # A polygon none of whose corners turns by more than this (rad) is a curve cut up: those of objects turn by far more.
 LARGEST_BEND = math.radians(20.0)

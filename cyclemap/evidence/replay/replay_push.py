@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK
 from cyclemap.evidence.pushes.push_record import PushRecord
@@ -19,8 +19,6 @@ from cyclemap.evidence.replay.stroke_chain import push_along
 from cyclemap.evidence.replay.tip_path import tip_path
 from cyclemap.mechanics import Pose, QuasiStaticModel
 from cyclemap.mechanics.outline import Polygon
-
-Array = NDArray[np.float64]
 
 # An object that has moved this far (m, at its rim) moves; recorded poses at rest tremble by less.
 _MOVED = 0.5e-3

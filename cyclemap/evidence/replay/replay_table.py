@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +15,7 @@ from cyclemap.evidence.pushes.push_record import PushRecord
 from cyclemap.evidence.pushes.push_table import UnreadableFile, load_pushes
 from cyclemap.evidence.replay.replay_push import Replay, replay_push
 from cyclemap.evidence.replay.shapes import dataset_sliders
-from cyclemap.mechanics import EllipseFriction, Pusher, QuasiStaticModel, Slider
+from cyclemap.mechanics import EllipseFriction, PatchFootprint, PlatePressure, Pusher, QuasiStaticModel, Slider
 
 if TYPE_CHECKING:
     import pandas
@@ -40,6 +40,8 @@ GROUP_COLUMNS = (
     "mean_rms_error",
     "touch_agrees",
     "leaving_agrees",
+    "isotropic_mean_error",
+    "isotropic_mean_turn_error",
 )
 
 
@@ -49,6 +51,7 @@ class ReplayedPushes:
 
     table : a row a replay. `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`, `angle`,
         `repetition`: by the file's name. `error` (m), `turn_error` (rad, predicted minus measured): at the end.
+        `isotropic_error`, `isotropic_turn_error`: those of isotropic friction under even pressure.
         `rms_error`, `rms_turn_error`: along the rod's path. `measured_motion`, `predicted_motion` (m),
         `measured_turn`, `predicted_turn` (rad). `shift` (m), `start_gap` (m), `straightness` (m), `strokes`,
         `touched`, `left`, `touch_agrees`, `leaving_agrees`: as in `Replay`. `path`: the file.
@@ -69,12 +72,18 @@ class ReplayedPushes:
 
         `count`; `mean_error`, `median_error` (m) and `mean_turn_error`, `median_turn_error` (rad, without sign) at the
         end; `mean_motion` (m), `mean_turn` (rad, without sign) as measured; `relative_error`, `relative_turn_error`:
-        mean error over mean motion; `mean_rms_error` (m); `touch_agrees`, `leaving_agrees`: shares of the pushes.
+        mean error over mean motion; `mean_rms_error` (m);
+        `isotropic_mean_error`, `isotropic_mean_turn_error`: what isotropic friction misses;
+        `touch_agrees`, `leaving_agrees`: shares of the pushes.
         """
         for column in columns:
             if column not in self.table.columns:
                 raise InvalidInput(f"no column {column!r} to gather by: know {', '.join(self.table.columns)}")
-        work = self.table.assign(turn_off=self.table["turn_error"].abs(), turned=self.table["measured_turn"].abs())
+        work = self.table.assign(
+            turn_off=self.table["turn_error"].abs(),
+            turned=self.table["measured_turn"].abs(),
+            isotropic_off=self.table["isotropic_turn_error"].abs(),
+        )
         groups = work.groupby(list(columns), dropna=False)
         mean, median = groups.mean(numeric_only=True), groups.median(numeric_only=True)
         found = {
@@ -90,6 +99,8 @@ class ReplayedPushes:
             "mean_rms_error": mean["rms_error"],
             "touch_agrees": mean["touch_agrees"],
             "leaving_agrees": mean["leaving_agrees"],
+            "isotropic_mean_error": mean["isotropic_error"],
+            "isotropic_mean_turn_error": mean["isotropic_off"],
         }
         return work.__class__({name: found[name] for name in GROUP_COLUMNS}).reset_index()
 
@@ -100,12 +111,16 @@ def replay_pushes(
     *,
     pusher: Pusher = DATASET_PUSHER,
     sliders: Mapping[str, Slider] | None = None,
+    plates: Sequence[PlatePressure] = (),
     progress: Callable[[float], None] | None = None,
 ) -> ReplayedPushes:
     """Replay every push of a file, a folder or a tree in the MIT layout along its own tip path; see `replay_push`.
 
     friction : of the surface; of an isotropic one the coefficient changes no motion. sliders : the objects by the
-    names in the files; None: those of the dataset, `butter` among them. progress : called with the fraction done.
+    names in the files; None: those of the dataset, `butter` among them. plates : how objects press on the surface, by
+    the same names; the others evenly. Each push is replayed on isotropic friction under even pressure, too, with the
+    same rod: what is known of surface and plates is worth what it gains on that. progress : called with
+    the fraction done.
 
     A push that cannot be replayed - its object unknown, the rod over 5 mm inside it at the start, a contact outside
     the model, a table of end poses without a tip path, a file that cannot be read - is listed in `not_replayed` with
@@ -113,7 +128,7 @@ def replay_pushes(
     """
     report = progress or (lambda fraction: None)
     found = load_pushes(path, progress=lambda fraction: report(_READING * fraction))
-    runner = _Runner(dataset_sliders() if sliders is None else sliders, friction, pusher)
+    runner = _Runner(dataset_sliders() if sliders is None else sliders, friction, pusher, plates)
     rows: list[dict[str, Any]] = []
     replays: list[Replay] = []
     left_out = [*found.unreadable, *(_without_push(file) for file in found.scans["path"].unique())]
@@ -132,11 +147,18 @@ def replay_pushes(
 
 
 class _Runner:
-    """The models of the objects, each made once."""
+    """The models of the objects, each made once: on the surface, and on isotropic friction under even pressure."""
 
-    def __init__(self, sliders: Mapping[str, Slider], friction: EllipseFriction, pusher: Pusher) -> None:
+    def __init__(
+        self,
+        sliders: Mapping[str, Slider],
+        friction: EllipseFriction,
+        pusher: Pusher,
+        plates: Sequence[PlatePressure],
+    ) -> None:
         self._sliders, self._friction, self._pusher = sliders, friction, pusher
-        self._models: dict[str, QuasiStaticModel] = {}
+        self._plates = {one.plate: one for one in plates}
+        self._models: dict[str, tuple[QuasiStaticModel, QuasiStaticModel]] = {}
 
     def replay(self, path: Path) -> tuple[Replay, dict[str, Any]]:
         if path.suffix.lower() == ".csv":
@@ -144,17 +166,28 @@ class _Runner:
         facts, record = push_facts(path), read_push_file(path)
         if not isinstance(record, PushRecord):
             raise InvalidInput("a friction scan, not a push")
-        replay = replay_push(record, self._model(facts))
-        return replay, _row(path, facts or PushFacts(), replay)
+        model, plain = self._both(facts)
+        replay = replay_push(record, model)
+        isotropic = replay if plain is model else replay_push(record, plain)
+        return replay, _row(path, facts or PushFacts(), replay, isotropic)
 
-    def _model(self, facts: PushFacts | None) -> QuasiStaticModel:
+    def _both(self, facts: PushFacts | None) -> tuple[QuasiStaticModel, QuasiStaticModel]:
         name = None if facts is None else facts.object
         if name is None:
             raise InvalidInput("its name does not say which object was pushed: it is not of the MIT layout")
         if name not in self._sliders:
-            raise InvalidInput(f"object {name!r} has no outline here: give a slider of this name")
+            raise InvalidInput(
+                f"object {name!r} has no outline: neither the material file nor the data's collection.toml has it"
+            )
         if name not in self._models:
-            self._models[name] = QuasiStaticModel(self._sliders[name], self._friction, self._pusher, accuracy=ACCURACY)
+            slider, law = self._sliders[name], self._friction
+            footprint = None
+            if name in self._plates:
+                footprint = PatchFootprint(slider.outline, **self._plates[name].shares, centre=slider.centre_of_mass)
+            model = QuasiStaticModel(slider, law, self._pusher, footprint, accuracy=ACCURACY)
+            plain = replace(model, friction=EllipseFriction.isotropic(math.sqrt(law.mu_a * law.mu_b)), footprint=None)
+            is_plain = footprint is None and law.mu_a == law.mu_b and law.m0 == law.n0 == 0.0
+            self._models[name] = (model, model if is_plain else plain)
         return self._models[name]
 
 
@@ -162,13 +195,15 @@ def _without_push(path: str) -> UnreadableFile:
     return UnreadableFile(Path(path), "a friction scan, not a push")
 
 
-def _row(path: Path, facts: PushFacts, replay: Replay) -> dict[str, Any]:
+def _row(path: Path, facts: PushFacts, replay: Replay, isotropic: Replay) -> dict[str, Any]:
     known = asdict(facts)
     rms, rms_turn = replay.rms
     (went, turned), (would_go, would_turn) = replay.measured_motion, replay.predicted_motion
     return {name: known[name] for name in _FACTS} | {
         "error": float(replay.error[-1]),
         "turn_error": float(replay.turn_error[-1]),
+        "isotropic_error": float(isotropic.error[-1]),
+        "isotropic_turn_error": float(isotropic.turn_error[-1]),
         "rms_error": rms,
         "rms_turn_error": rms_turn,
         "measured_motion": went,
@@ -188,7 +223,8 @@ def _row(path: Path, facts: PushFacts, replay: Replay) -> dict[str, Any]:
 
 
 REPLAY_COLUMNS = (
-    *_FACTS, "error", "turn_error", "rms_error", "rms_turn_error", "measured_motion", "predicted_motion",
+    *_FACTS, "error", "turn_error", "isotropic_error", "isotropic_turn_error",
+    "rms_error", "rms_turn_error", "measured_motion", "predicted_motion",
     "measured_turn", "predicted_turn", "shift", "start_gap", "straightness", "strokes", "touched", "left",
     "touch_agrees", "leaving_agrees", "path",
 )  # fmt: skip

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.contact_forces import nearest_on_polyline
 from cyclemap.mechanics import Pose, QuasiStaticModel
-
-Array = NDArray[np.float64]
 
 # More than this is no offset of a calibration: the record and the outline do not fit each other.
 LARGEST_SHIFT = 5e-3

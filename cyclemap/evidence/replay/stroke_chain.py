@@ -6,16 +6,14 @@ import math
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.errors import UnsupportedContact
 from cyclemap.evidence.replay.chain_run import ChainRun
 from cyclemap.evidence.replay.rod_gap import rod_gap
 from cyclemap.mechanics import Pose, PushResult, QuasiStaticModel, WorldPush
 from cyclemap.mechanics.first_touch import first_touch
-
-Array = NDArray[np.float64]
 
 # Between its samples a predicted pose is taken to be straight: half a millimetre leaves under a micrometre.
 SAMPLE_SPACING = 0.5e-3

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import InvalidInput
-
-Array = NDArray[np.float64]
 
 # Recorded tips of straight strokes wander by up to 0.15 mm: a bend is more than twice that.
 BEND = 0.3e-3

@@ -3,29 +3,30 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import re
 from pathlib import Path
 
+from cyclemap.collection.collection_file import FILE_NAME, SIMULATION, collection_text
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_name, scan_name
 from cyclemap.evidence.simulation.collection_plan import Arguments, CollectionPlan
+from cyclemap.file_text import toml_text
 from cyclemap.plain_text import plain_number
 from cyclemap.text_files import read_toml
 from cyclemap.whole_files import UNFINISHED_SUFFIX, file_stem, write_whole
 
 # Neither is a kind of file that readers of push data look at.
-ARGUMENTS_FILE = "simulation.toml"
 TRUTH_FILE = "true_theta0.txt"
+_COMMENTS = ("The collection that these data are of; [simulation] is what was asked when they were made.",)
 PUSH_FOLDER, SCAN_FOLDER = "normal", "friction_scan"
 
 
 class CollectionFolder:
     """A folder that holds one collection, begun or complete.
 
-    `SURFACE/SHAPE/normal/` holds the pushes, `SURFACE/SHAPE/friction_scan/` the scans; `simulation.toml` what was
-    asked, `true_theta0.txt` the true θ0 (rad, not wrapped) of each cycle and of the one that would follow,
-    with a seal behind each.
+    `SURFACE/SHAPE/normal/` holds the pushes, `SURFACE/SHAPE/friction_scan/` the scans; `collection.toml` the
+    collection and what was asked, `true_theta0.txt` the true θ0 (rad, not wrapped) of each cycle and of the one that
+    would follow, with a seal behind each.
 
     Raises InvalidInput where the folder holds something else, or a collection that was asked for otherwise.
     """
@@ -36,18 +37,26 @@ class CollectionFolder:
         self._begin(plan.arguments())
 
     def _begin(self, arguments: Arguments) -> None:
-        record, unfinished = self.folder / ARGUMENTS_FILE, f".*{UNFINISHED_SUFFIX}"
+        record, unfinished = self.folder / FILE_NAME, f".*{UNFINISHED_SUFFIX}"
         begun = record.is_file()
         if begun:
-            _refuse_other(self.folder, arguments, read_toml(record))
+            found = read_toml(record).get(SIMULATION)
+            _refuse_other(self.folder, arguments, found if isinstance(found, dict) else {})
         elif self.folder.is_dir() and not all(path.match(unfinished) for path in self.folder.iterdir()):
             raise InvalidInput(f"{self.folder} holds other files; give a new or empty folder for the collection")
         for path in self.folder.rglob(unfinished):
             path.unlink(missing_ok=True)
         if begun:
             return
-        lines = [f"{name} = {json.dumps(value, ensure_ascii=False)}\n" for name, value in arguments.items()]
-        write_whole(record, "".join(["# What this simulated collection was asked to be.\n", *lines]).encode())
+        write_whole(record, self._record(arguments).encode())
+
+    def _record(self, arguments: Arguments) -> str:
+        """The loop as every command reads it, and what was asked; that alone for a loop that no setting can say."""
+        asked, noise = {SIMULATION: arguments}, self.plan.noise.turn or None
+        try:
+            return collection_text(self.plan.loop, noise=noise, more=asked, comments=_COMMENTS)
+        except InvalidInput as error:
+            return toml_text(asked, (*_COMMENTS, f"Not told here: object, push and reset, for {error}"))
 
     def push_path(self, cycle: int) -> Path:
         """Where the push of `cycle` is kept."""

@@ -18,7 +18,7 @@ from cyclemap.evidence.pushes.push_files import SUFFIXES
 from cyclemap.evidence.simulation.recorded_motion import FIRST_CLOCK, Recording, RecordingNoise
 from cyclemap.evidence.simulation.recorded_push import recorded_seconds
 from cyclemap.mechanics import Material, SidePush
-from cyclemap.mechanics.friction_wear import worn_friction
+from cyclemap.mechanics.friction import worn_friction
 
 Arguments = dict[str, str | int | float | bool]
 

@@ -6,13 +6,11 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import non_negative_number, positive_number
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS
-
-Array = NDArray[np.float64]
 
 SAMPLES_PER_SECOND = 250.0
 # As in the measured files: the rod rests a quarter of a second before and after its stroke, and the clocks of the tip

@@ -7,16 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_record import PushRecord
-from cyclemap.evidence.simulation.recorded_motion import (
-    REST_SECONDS,
-    TIP_LAG,
-    WRENCH_LAG,
-    Array,
-    Recording,
-)
-from cyclemap.maps.arcs import shorter_way
+from cyclemap.evidence.simulation.recorded_motion import REST_SECONDS, TIP_LAG, WRENCH_LAG, Recording
 from cyclemap.mechanics import PushResult
 
 # The rod starts this far (m) before it touches.

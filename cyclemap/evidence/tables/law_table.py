@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.order_choice import cycle_folds, nested_errors
 from cyclemap.evidence.laws.periodic_basis import fourier_columns
@@ -15,8 +16,6 @@ from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law, p
 from cyclemap.evidence.laws.periodic_noise import scatter_weights
 from cyclemap.evidence.tables.push_sets import FEWEST, PushSet
 from cyclemap.evidence.tables.push_statistics import QUANTITIES
-
-Array = NDArray[np.float64]
 
 # Below this many pushes the scatter is taken constant: its dependence on the angle cannot be told from chance.
 FEWEST_FOR_SCATTER = 100

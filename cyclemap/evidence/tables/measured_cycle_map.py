@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import shorter_way
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
@@ -20,7 +21,6 @@ from cyclemap.evidence.theta0.covered_arcs import is_covered
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
 from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram, angle_histogram
 from cyclemap.maps import Orbit, fixed_points, slow_passages
-from cyclemap.maps.arcs import shorter_way
 
 Array = NDArray[np.float64]
 FULL_TURN = 2 * np.pi

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import shorter_way
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
-from cyclemap.maps.arcs import shorter_way
 from cyclemap.suggestions import unknown_name
 
 if TYPE_CHECKING:

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.tables.push_sets import PushSet
-
-Array = NDArray[np.float64]
 
 QUANTITIES = ("dtheta", "dx", "dy")
 # Two values have a spread; nobody should quote that of fewer than this many.

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.linear_fit import weighted_least_squares
 from cyclemap.evidence.laws.periodic_basis import fourier_columns
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, paired_arrays
 from cyclemap.evidence.orientations.p_value import PValue, monte_carlo_p_value
-
-Array = NDArray[np.float64]
 
 DEFAULT_BINS = 40
 DEFAULT_RUNS = 200

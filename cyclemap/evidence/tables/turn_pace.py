@@ -7,11 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
 from cyclemap.evidence.laws.fit_map import FittedMap
-
-Array = NDArray[np.float64]
-FULL_TURN = 2 * np.pi
 
 DEFAULT_RUNS = 200
 # A predicted turn is followed for this many times the pushes that the measured one took, and some.
@@ -51,8 +49,8 @@ def full_turns(path: Array, level: float = 0.0) -> NDArray[np.int64]:
     upward = path[-1] >= path[0]
     climb, mark = (path, level) if upward else (-path, -level)
     highest = np.maximum.accumulate(climb)
-    first = np.ceil((climb[0] - mark) / FULL_TURN)
-    levels = mark + FULL_TURN * np.arange(first, np.floor((highest[-1] - mark) / FULL_TURN) + 1.0)
+    first = np.ceil((climb[0] - mark) / TWO_PI)
+    levels = mark + TWO_PI * np.arange(first, np.floor((highest[-1] - mark) / TWO_PI) + 1.0)
     return np.searchsorted(highest, levels)
 
 
@@ -83,8 +81,8 @@ def _predicted(
     """The 2.5, 50 and 97.5 % points of the pushes until the next mark, from the angle where the turn began."""
     start, cycle = begun
     # A turn begins a little past its mark: by so much less it has to climb to the next.
-    past = np.remainder(sign * start - mark, FULL_TURN)
+    past = np.remainder(sign * start - mark, TWO_PI)
     paths = fitted.paths(np.full(runs, start), int(_PATIENCE * taken) + _LEAST, first=cycle, seed=seed)
-    reached = sign * (paths - start) >= FULL_TURN - past
+    reached = sign * (paths - start) >= TWO_PI - past
     pushes = np.where(reached.any(axis=1), np.argmax(reached, axis=1), np.inf)
     return np.asarray(np.quantile(pushes, [0.025, 0.5, 0.975], method="inverted_cdf"))

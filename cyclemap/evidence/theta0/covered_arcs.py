@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.checks import finite_array
-
-Array = NDArray[np.float64]
-FULL_TURN = 2 * np.pi
 
 # Measured orientations further apart than this leave a gap: laws of cycles may do anything within 20 degrees.
 GAP = float(np.radians(20.0))
@@ -24,14 +22,14 @@ def covered_arcs(measured: ArrayLike) -> tuple[tuple[float, float], ...]:
     >>> [(round(low, 9), round(high, 9)) for low, high in covered_arcs([6.1, 6.3, 0.2, 3.0])]
     [(3.0, 3.0), (6.1, 6.483185307)]
     """
-    places = np.sort(np.mod(finite_array("measured", measured, ndim=1), FULL_TURN))
-    gaps = np.append(np.diff(places), places[0] + FULL_TURN - places[-1])
+    places = np.sort(np.mod(finite_array("measured", measured, ndim=1), TWO_PI))
+    gaps = np.append(np.diff(places), places[0] + TWO_PI - places[-1])
     ends = np.flatnonzero(gaps > GAP)
     if not ends.size:
-        return ((0.0, FULL_TURN),)
+        return ((0.0, TWO_PI),)
     begins = np.roll((ends + 1) % places.size, 1)
     arcs = ((float(places[b]), float(places[e])) for b, e in zip(begins, ends, strict=True))
-    return tuple(sorted((low, high if high >= low else high + FULL_TURN) for low, high in arcs))
+    return tuple(sorted((low, high if high >= low else high + TWO_PI) for low, high in arcs))
 
 
 def is_covered(measured: ArrayLike, theta: ArrayLike) -> NDArray[np.bool_]:
@@ -41,5 +39,5 @@ def is_covered(measured: ArrayLike, theta: ArrayLike) -> NDArray[np.bool_]:
     [True, False]
     """
     angles = finite_array("theta", theta)
-    inside = [np.mod(angles - low + _EDGE, FULL_TURN) <= high - low + 2 * _EDGE for low, high in covered_arcs(measured)]
+    inside = [np.mod(angles - low + _EDGE, TWO_PI) <= high - low + 2 * _EDGE for low, high in covered_arcs(measured)]
     return np.asarray(np.any(inside, axis=0))

@@ -3,9 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from cyclemap.arrays import Array
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
 from cyclemap.evidence.theta0.theta0_statistics import (
     AngleHistogram,
@@ -15,8 +13,6 @@ from cyclemap.evidence.theta0.theta0_statistics import (
     map_agreement,
     turn_bins,
 )
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,12 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
-
-Array = NDArray[np.float64]
 
 STAIRCASE_COLUMNS = ("rep", "theta0_accum_deg", "theta0_mod360_deg", "dtheta_to_next_deg", "flag")
 PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")

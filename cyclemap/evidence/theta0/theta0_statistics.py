@@ -6,11 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
 
-Array = NDArray[np.float64]
-FULL_TURN = 2 * np.pi
 DEFAULT_BINS = 72
 
 
@@ -50,7 +49,7 @@ def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS, fewest: int = 3) -> 
     count = np.bincount(index, minlength=bins)
     filled = np.flatnonzero(count >= fewest)
     median = np.array([np.median(pairs.turn[index == k]) for k in filled])
-    return TurnBins((filled + 0.5) * FULL_TURN / bins, median, count[filled])
+    return TurnBins((filled + 0.5) * TWO_PI / bins, median, count[filled])
 
 
 def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
@@ -62,7 +61,7 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
     if theta.size == 0:
         raise InvalidInput("no direction to make a histogram of; give at least one")
     count = np.bincount(_bin_index(theta, bins), minlength=bins)
-    return AngleHistogram(np.linspace(0.0, FULL_TURN, bins + 1), count * (bins / FULL_TURN) / theta.size)
+    return AngleHistogram(np.linspace(0.0, TWO_PI, bins + 1), count * (bins / TWO_PI) / theta.size)
 
 
 def map_agreement(pairs: Theta0Pairs, turn: Callable[[Array], Array], bins: int = DEFAULT_BINS) -> MapAgreement:
@@ -81,7 +80,7 @@ def _bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
     if bins < 1:
         raise InvalidInput(f"bins is {bins}; it must be at least 1")
     # An angle a hair below 0 wraps to exactly 2π and would fall past the last bin.
-    return np.minimum((np.mod(theta, FULL_TURN) * (bins / FULL_TURN)).astype(np.int64), bins - 1)
+    return np.minimum((np.mod(theta, TWO_PI) * (bins / TWO_PI)).astype(np.int64), bins - 1)
 
 
 def _root_mean_square(values: Array) -> float:

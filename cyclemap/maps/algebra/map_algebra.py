@@ -4,19 +4,196 @@ from __future__ import annotations
 
 import math
 import sys
+from bisect import bisect_right
+from dataclasses import dataclass
+from math import floor
 
 import numpy as np
+import numpy.typing as npt
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.algebra.branches import Branch, branches, preimages_on
-from cyclemap.maps.algebra.composite_lift import composite_lift
-from cyclemap.maps.algebra.inverse_lift import InverseLift, inverse_lift
-from cyclemap.maps.arcs import TWO_PI, Array
-from cyclemap.maps.lifts.circle_map import JUMP, CircleMap
-from cyclemap.maps.lifts.lift_checks import base_angles
-from cyclemap.maps.lifts.one_sided import distance_to_break
+from cyclemap.maps.algebra.branches import Branch, MonotoneTable, branches, preimages_on
+from cyclemap.maps.estimate import SAME_ANGLE
+from cyclemap.maps.lifts.circle_map import JUMP, SIDE_STEP, SNAP, CircleMap
+from cyclemap.maps.lifts.lift_checks import Scalar, base_angles, distance_to_break
 from cyclemap.maps.orbits.scan import INSET
+
+
+@dataclass(frozen=True, eq=False)
+class InverseLift:
+    """F⁻¹ from a table of F whose values cover [0, 2π]; ``breaks`` are its own, sorted, in [0, 2π)."""
+
+    table: MonotoneTable
+    breaks: Array
+    degree: int
+
+    def __call__(self, values: Array) -> Array:
+        """The lift of the inverse at ``values`` (radians, any shape)."""
+        turns = np.floor(values / TWO_PI)
+        return np.asarray(self.table.inverse(values - TWO_PI * turns) + (TWO_PI * self.degree) * turns)
+
+    def derivative(self, values: Array) -> Array:
+        """1/F' at the inverse, on the side of F's breaks that belongs to the value; 0 across a jump of F."""
+        base = np.asarray(values - TWO_PI * np.floor(values / TWO_PI))
+        theta, cell = self.table.inverse(base), self.table.cell(base)
+        low, high = self.table.theta[cell], self.table.theta[cell + 1]
+        margin = np.minimum(SIDE_STEP, 0.25 * (high - low))
+        slope = self.table.map.derivative(np.clip(theta, low + margin, high - margin))
+        with np.errstate(divide="ignore"):
+            return np.where(high > low, 1.0 / slope, 0.0)
+
+    def scalar(self) -> Scalar:
+        """The same lift for one python float."""
+        one, degree = self.table.inverse_of_one_float(), self.degree
+
+        def lift(value: float) -> float:
+            turns = value // TWO_PI
+            return one(value - TWO_PI * turns) + TWO_PI * degree * turns
+
+        return lift
+
+
+def inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLift:
+    """The inverse of a map whose branches all run in the direction of its degree, jumps and plateaus included."""
+    degree = circle_map.degree
+    theta = np.concatenate([part.table.theta for part in parts])
+    value = np.concatenate([part.table.value for part in parts])
+    ends = np.concatenate([_at_ends(part) for part in parts])
+    bent = ends | (distance_to_break(circle_map.breaks, theta) <= SNAP)
+    base = base_angles(value)
+    moved = theta - degree * TWO_PI * np.round((value - base) / TWO_PI)
+    order = np.lexsort((degree * moved, base))
+    table = _around(circle_map, moved[order], base[order])
+    breaks = np.unique(base[bent])
+    return InverseLift(table, breaks[np.diff(breaks, prepend=-1.0) > SNAP], degree)
+
+
+def _at_ends(part: Branch) -> npt.NDArray[np.bool_]:
+    """Marks the ends of a plateau among its nodes."""
+    marks = np.zeros(part.table.theta.size, dtype=bool)
+    marks[[0, -1]] = part.direction == 0
+    return marks
+
+
+def _around(circle_map: CircleMap, theta: Array, value: Array) -> MonotoneTable:
+    """The table carried on by one node below 0 and one above 2π, in the order of θ."""
+    degree = circle_map.degree
+    value = np.concatenate([value[-1:] - TWO_PI, value, value[:1] + TWO_PI])
+    theta = np.concatenate([theta[-1:] - degree * TWO_PI, theta, theta[:1] + degree * TWO_PI])
+    theta, value = theta[::degree], value[::degree]
+    theta = np.maximum.accumulate(theta)
+    # The two sides of a jump, a turn apart, are one angle however they were rounded.
+    apart = np.diff(theta, prepend=-np.inf) > SAME_ANGLE
+    theta = theta[apart][np.cumsum(apart) - 1]
+    return MonotoneTable(theta, value, degree, circle_map)
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One map of the chain and, for each piece of the composite, where its argument stays.
+
+    ``turns``, ``low``, ``high`` have shape (pieces,): on piece p the argument less 2π·turns[p] lies in
+    [low[p], high[p]], between two breaks of the map; None for a map without breaks, or the first.
+    """
+
+    map: CircleMap
+    turns: Array | None = None
+    low: Array | None = None
+    high: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class CompositeLift:
+    """θ → F_k(… F_2(F_1(θ))). Whole turns are taken off between the maps and carried apart.
+
+    So no digits are lost on long orbits, and beside a break of the composite each map is used on that side of
+    its own break on which the image truly lies, however rounding moves it. ``breaks`` are sorted, in [0, 2π).
+    """
+
+    stages: tuple[Stage, ...]
+    breaks: Array
+
+    def __call__(self, theta: Array) -> Array:
+        """The lift at ``theta`` (radians, any shape)."""
+        return self._walk(theta)[0]
+
+    def derivative(self, theta: Array) -> Array:
+        """Its slope by the chain rule."""
+        return self._walk(theta, slope=True)[1]
+
+    def _walk(self, theta: Array, slope: bool = False) -> tuple[Array, Array]:
+        turns = np.floor(theta / TWO_PI)
+        angle = np.asarray(theta - TWO_PI * turns)
+        product = np.ones_like(angle)
+        piece = np.searchsorted(self.breaks, angle, side="right") if self.breaks.size else None
+        for place, stage in enumerate(self.stages):
+            if stage.turns is not None:
+                whole = stage.turns[piece]
+                angle = np.clip(angle - TWO_PI * whole, stage.low[piece], stage.high[piece])  # type: ignore[index]
+                turns = turns + whole
+            elif place > 0:
+                whole = np.floor(angle / TWO_PI)
+                angle, turns = angle - TWO_PI * whole, turns + whole
+            if slope:
+                product = product * stage.map.derivative(angle)
+            angle, turns = stage.map(angle), turns * float(stage.map.degree)
+        return np.asarray(angle + TWO_PI * turns), product
+
+    def scalar(self) -> Scalar:
+        """The same lift for one python float."""
+        breaks: list[float] = self.breaks.tolist()
+        rows = [(stage.map.scalar(), stage.map.degree, _guards(stage)) for stage in self.stages]
+
+        def lift(theta: float) -> float:
+            turns = floor(theta / TWO_PI)
+            angle = theta - TWO_PI * turns
+            piece = bisect_right(breaks, angle)
+            for one, degree, guards in rows:
+                if guards:
+                    whole, low, high = guards[piece]
+                    angle = min(max(angle - TWO_PI * whole, low), high)
+                else:
+                    whole = floor(angle / TWO_PI)
+                    angle -= TWO_PI * whole
+                angle, turns = one(angle), (turns + whole) * degree
+            return angle + TWO_PI * turns
+
+        return lift
+
+
+def composite_lift(maps: list[CircleMap], breaks: Array) -> CompositeLift:
+    """The chain of ``maps``, the first applied first; ``breaks`` are all the breaks of the composite, [0, 2π)."""
+    stages = [Stage(maps[0])]
+    if breaks.size:
+        edges = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
+        angle = maps[0](0.5 * (edges[:-1] + edges[1:]))
+    for circle_map in maps[1:]:
+        if circle_map.breaks.size == 0:
+            stages.append(Stage(circle_map))
+        else:
+            stages.append(_guarded(circle_map, angle))
+        if breaks.size:
+            angle = circle_map(angle - TWO_PI * np.floor(angle / TWO_PI))
+    return CompositeLift(tuple(stages), breaks)
+
+
+def _guarded(circle_map: CircleMap, angle: Array) -> Stage:
+    """The stage whose argument lies, piece by piece, between the breaks on both sides of ``angle``."""
+    turns = np.floor(angle / TWO_PI)
+    breaks = circle_map.breaks
+    around = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
+    above = np.clip(np.searchsorted(around, angle - TWO_PI * turns, side="right"), 1, around.size - 1)
+    margin = np.minimum(SIDE_STEP, 0.25 * (around[above] - around[above - 1]))
+    return Stage(circle_map, turns, around[above - 1] + margin, around[above] - margin)
+
+
+def _guards(stage: Stage) -> list[tuple[int, float, float]]:
+    if stage.turns is None or stage.low is None or stage.high is None:
+        return []
+    return list(zip(stage.turns.astype(int).tolist(), stage.low.tolist(), stage.high.tolist(), strict=True))
+
 
 MAX_BREAKS = 250_000
 _SAME = 8.0 * INSET  # radians: breaks nearer than this are one

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import whole_number
-from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.families.continuation import OrbitBranch, follow_orbit
 from cyclemap.maps.families.orbit_equations import OrbitEquations
 from cyclemap.maps.families.parameter_tangent import Family, Range, family_member, parameter_range
 from cyclemap.maps.families.special_points import Bifurcation
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.periodic_orbits import Orbit, periodic_orbits
+from cyclemap.maps.orbits.periodic_points import Orbit, periodic_orbits
 
 RESOLUTION = 24
 _SAME_ORBIT = 1e-7  # radians

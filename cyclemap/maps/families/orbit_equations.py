@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.families.parameter_tangent import Family, ParameterTangent, Range, family_member, parameter_tangent
 from cyclemap.maps.lifts.circle_map import CircleMap
 

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_number, positive_number, read_only
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
+from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import SIDE_STEP, CircleMap
-from cyclemap.maps.rounding import LIFT
 
 Family = Callable[..., CircleMap]
 Range = tuple[float, float]

@@ -3,20 +3,258 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import pairwise
 from math import gcd
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, read_only, whole_number
-from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import Array
-from cyclemap.maps.estimate import Estimate
-from cyclemap.maps.families.parameter_tangent import Family, Range, parameter_range
-from cyclemap.maps.families.tongue_edges import EdgeSearch
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.estimate import EPS, LIFT, Estimate
+from cyclemap.maps.families.parameter_tangent import (
+    Family,
+    Range,
+    family_member,
+    limit_at_break,
+    parameter_range,
+    parameter_tangent,
+)
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.diagonal import displacement
+from cyclemap.maps.orbits.scan import Turns, monotone_cells
+from cyclemap.maps.rotation.envelopes import lower_envelope, upper_envelope
+
+_PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
+_FAR = 3.0  # radians
+_FIRST_LOOK = 256  # cells a turn with which the search for what was missed begins
+_CELLS = 4_096  # once so many are left, those in which F^q is smooth need no cutting any more
+_MOST_CELLS = 65_536
+_SEARCHES = 4  # times that an edge is sought, a hump that was missed before among the marks
+_QUARTERS = np.linspace(0.0, 1.0, 5)
+_FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+_QUARTIC = np.linalg.solve(np.vander(_QUARTERS).T, np.vander(np.linspace(0.0, 1.0, 33), 5).T)
+
+
+@dataclass(frozen=True)
+class Extremum:
+    """The largest (or least) value of F^q - id - 2πp, radians, and where it is taken."""
+
+    value: float
+    theta: float
+
+
+def extreme_displacement(
+    circle_map: CircleMap, ratio: Fraction, resolution: int, sign: float, marks: Sequence[float] = ()
+) -> Extremum:
+    """The largest (``sign`` 1) or least (-1) value of F^q - id - 2πp over the circle.
+
+    Taken from the ends of the scanner's cells, ``marks`` among them, and from both sides of the map's own breaks:
+    these alone when the sign there is the wanted one already. Of a nondecreasing map this gives the right sign even
+    where the extremum lies at a break of the iterate: the sign is the same all along an orbit.
+    """
+    found = _beside_breaks(circle_map, ratio, sign)
+    if found.value < 0.0:
+        cells = monotone_cells(circle_map, ratio.denominator, 1.0, resolution, marks)
+        theta = cells.start[~cells.cut]
+        values = sign * displacement(circle_map, theta, ratio.denominator, np.asarray(ratio.numerator))[0]
+        best = int(np.argmax(np.append(values, found.value)))
+        found = Extremum(float(values[best]), float(theta[best])) if best < theta.size else found
+    return Extremum(sign * found.value, found.theta)
+
+
+def _beside_breaks(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extremum:
+    breaks = circle_map.breaks
+    if breaks.size == 0:
+        return Extremum(-np.inf, 0.0)
+    image = np.stack([limit_at_break(circle_map, breaks, side) for side in (-1, 1)])
+    lap = np.rint(image / TWO_PI)
+    rest = displacement(circle_map, image - TWO_PI * lap, ratio.denominator - 1, ratio.numerator - lap.astype(np.int64))
+    values = sign * (rest[0] + (image - TWO_PI * lap - breaks))
+    best = int(np.argmax(values))
+    return Extremum(float(values.flat[best]), float(breaks[best % breaks.size]))
+
+
+def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extremum:
+    """How far above 0 a value of ``sign``·(F^q - id - 2πp) may lie, F nondecreasing, and where; 0 where none can.
+
+    Between its values at a < b a nondecreasing F^q stays, so that F^q - id exceeds its value at b by b - a at most:
+    cells which that leaves room above 0 are cut, whatever the slopes and breaks there. Once ``_CELLS`` of them are
+    left, those whose five values a quartic meets to rounding count with its largest value: measured, not proved.
+    """
+    start, width, found = TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK, TWO_PI / _FIRST_LOOK, Extremum(0.0, 0.0)
+    smooth_ones_count = False
+    while start.size:
+        theta = start[:, None] + width * _QUARTERS
+        gap, _, rounding = displacement(circle_map, theta, ratio.denominator, np.asarray(ratio.numerator))
+        gap, noise = sign * gap, 2.0 * np.max(rounding, axis=1)
+        room = np.max(gap[:, 1:] if sign > 0.0 else gap[:, :-1], axis=1) + 0.25 * width
+        left = room > noise
+        smooth_ones_count = smooth_ones_count or bool(np.count_nonzero(left) >= _CELLS)
+        smooth = left & smooth_ones_count & (np.abs(gap @ _FOURTH_DIFFERENCE) <= 8.0 * noise)
+        height = np.where(smooth, np.max(gap @ _QUARTIC, axis=1), room) - noise
+        left &= ~smooth
+        if 4 * np.count_nonzero(left) > _MOST_CELLS or width < 1e-15:
+            smooth, left = smooth | left, np.zeros_like(left)
+        highest = int(np.argmax(np.where(smooth, height, 0.0)))
+        if smooth[highest] and height[highest] > found.value:
+            found = Extremum(float(height[highest]), float(theta[highest, int(np.argmax(gap[highest]))]))
+        start, width = (start[left, None] + width * _QUARTERS[:-1]).ravel(), 0.25 * width
+    return found
+
+
+# -- the edge ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Edge:
+    """An edge of a tongue: the parameter, a bound on its error, the angle of its orbit, whether the map folds."""
+
+    parameter: float
+    error: float
+    theta: float
+    folded: bool
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A parameter tried: its map, that map's monotone envelope, the extremum, and the lift at fixed angles."""
+
+    member: CircleMap
+    monotone: CircleMap
+    found: Extremum
+    lift: Array
+
+
+@dataclass(eq=False)
+class EdgeSearch:
+    """The search for one edge; remembers every parameter tried, to notice a family that goes back.
+
+    The extremum M(p) of F^q - id - 2πp does not fall as p grows when the family does not: the left edge is
+    where the largest value leaves the negative numbers, the right edge where the least leaves the others.
+    """
+
+    family: Family
+    ratio: Fraction
+    side: str
+    resolution: int
+    within: Range
+    marks: list[float] = field(default_factory=list)
+    tried: dict[float, _Trial] = field(default_factory=dict)
+
+    def value(self, p: float) -> float:
+        """M(p), of the monotone envelope where F folds, over what moving every lift by one radian would add to it.
+
+        So scaled, M has the same slope on both sides of zero, whichever point of the orbit is extreme there;
+        far from zero the plain M/q is straighter.
+        """
+        if p not in self.tried:
+            self.tried[p] = self._trial(p)
+            self._check_monotone(p)
+        trial = self.tried[p]
+        far = abs(trial.found.value) > _FAR
+        return trial.found.value / (self.ratio.denominator if far else self._gained(trial, np.ones_like))
+
+    def _trial(self, p: float) -> _Trial:
+        member = family_member(self.family, p)
+        if member.degree != 1:
+            raise InvalidInput(f"the map at {p:.9g} has degree {member.degree}: a tongue needs degree 1")
+        monotone = upper_envelope(member) if self.side == "left" else lower_envelope(member)
+        found = extreme_displacement(monotone, self.ratio, self.resolution, self._sign, self.marks)
+        return _Trial(member, monotone, found, np.asarray(member(_PROBES)))
+
+    def _check_monotone(self, p: float) -> None:
+        order = sorted(self.tried)
+        around = order[max(order.index(p) - 1, 0) : order.index(p) + 2]
+        for low, high in pairwise(around):
+            first, second = self.tried[low], self.tried[high]
+            fall = float(np.max(first.lift - second.lift))
+            if fall > 1e-12 + first.member.max_error + second.member.max_error:
+                raise InvalidInput(
+                    f"the family falls with its parameter: F drops by {fall:.3g} radians from {low:.9g} to "
+                    f"{high:.9g}; tongue edges need a family that nowhere decreases (try the negative parameter)"
+                )
+
+    @property
+    def _winding(self) -> Turns:
+        return np.asarray(self.ratio.numerator)
+
+    @property
+    def _sign(self) -> float:
+        return 1.0 if self.side == "left" else -1.0
+
+    def require_inside(self) -> None:
+        """Raise InvalidInput unless the edge lies within the parameters."""
+        low, high = self.within
+        for end, beyond, where in ((low, self.value(low) >= 0.0, "below"), (high, self.value(high) < 0.0, "above")):
+            if beyond:
+                raise InvalidInput(
+                    f"the {self.side} edge of the tongue {self.ratio} lies {where} {end:.9g}, outside the parameters "
+                    f"({low:.9g}, {high:.9g}): widen them"
+                )
+
+    def edge(self, low: float, high: float) -> Edge:
+        """The edge inside [low, high]; the ends must lie on its two sides."""
+        for _ in range(_SEARCHES):
+            below, above = bracketed_zero(self.value, low, high)
+            parameter, beyond = (above, below) if self.side == "left" else (below, above)
+            trial, outside = self.tried[parameter], self.tried[beyond].monotone
+            unseen = unseen_height(outside, self.ratio, self._sign)
+            missed = displacement(outside, np.array(unseen.theta), self.ratio.denominator, self._winding)[0]
+            if unseen.value == 0.0 or self._sign * missed <= 0.0:
+                break
+            self.marks.append(unseen.theta)
+            self.tried.clear()
+            self.require_inside()
+            low, high = self.within
+        error = above - below + self._moved_by(parameter, trial, unseen.value)
+        return Edge(parameter, error, trial.found.theta % TWO_PI, trial.monotone is not trial.member)
+
+    def _moved_by(self, p: float, trial: _Trial, unseen: float) -> float:
+        """How far the lift's rounding and a value ``unseen`` can move the edge, to first order along its orbit."""
+        within, step = self.within, 1e-6 * (self.within[1] - self.within[0])
+        tangent = parameter_tangent(self.family, p, step=step, within=within, order=2)
+        disturbed, moved = self._gained(trial, np.ones_like), self._gained(trial, tangent)
+        if moved <= 0.0:
+            raise ConvergenceError(f"the orbits of rotation {self.ratio} do not move with the parameter at {p:.9g}")
+        angle = 2.0 * TWO_PI + float(np.max(np.abs(trial.lift - _PROBES)))
+        return (LIFT * angle * disturbed + unseen) / moved + 2.0 * EPS * abs(p)
+
+    def _gained(self, trial: _Trial, push: Callable[[Array], Array]) -> float:
+        """How far the extremal orbit ends from where it did when every lift moves by ``push``, to first order."""
+        image, gained = np.array(trial.found.theta), 0.0
+        for _ in range(self.ratio.denominator):
+            gained = float(push(image)) + float(trial.monotone.derivative(image)) * gained
+            image = trial.monotone(image)
+            image = image - TWO_PI * np.rint(image / TWO_PI)
+        return gained
+
+
+def bracketed_zero(value: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
+    """Parameters a < b a few roundings apart with value(a) < 0 <= value(b): the Illinois method, safeguarded.
+
+    Dowell & Jarratt (1971); a step that does not shrink the bracket to a quarter in three is a bisection.
+    """
+    at_low, at_high = value(low), value(high)
+    tolerance, widths, last = 2.0 * EPS * max(abs(low), abs(high)), [high - low], 0.0
+    while high - low > 2.0 * tolerance:
+        guess = low + (high - low) * (-at_low / (at_high - at_low))
+        if len(widths) > 3 and widths[-1] > 0.25 * widths[-4]:
+            guess, widths = 0.5 * (low + high), []
+        guess = min(max(guess, low + tolerance), high - tolerance)
+        found = value(guess)
+        if found < 0.0:
+            low, at_low, at_high = guess, found, at_high * (0.5 if last < 0.0 else 1.0)
+        else:
+            high, at_high, at_low = guess, found, at_low * (0.5 if last > 0.0 else 1.0)
+        last = -1.0 if found < 0.0 else 1.0
+        widths.append(high - low)
+    return low, high
+
 
 RESOLUTION = 128
 _WIDENING = 8.0  # by how much a bracket that misses the edge grows

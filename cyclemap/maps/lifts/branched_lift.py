@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
-from cyclemap.maps.lifts.lift_checks import Lift, Scalar, base_angles, checked_call
-from cyclemap.maps.lifts.one_sided import SNAP, differences_between
+from cyclemap.maps.lifts.lift_checks import SNAP, Lift, Scalar, base_angles, checked_call, differences_between
 
 _SAME_VALUE = 1e-12  # relative: seams whose values differ by more are breaks
 _SAME_SLOPE = 1e-9  # relative: seams whose slopes differ by more are breaks

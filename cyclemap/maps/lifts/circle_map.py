@@ -9,20 +9,19 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, non_negative_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import Array
+from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts import textbook_maps
 from cyclemap.maps.lifts.branched_lift import lift_from_branches, listed_branches
+from cyclemap.maps.lifts.lift_checks import JUMP as JUMP
+from cyclemap.maps.lifts.lift_checks import SIDE_STEP as SIDE_STEP
+from cyclemap.maps.lifts.lift_checks import SNAP as SNAP
 from cyclemap.maps.lifts.lift_checks import Lift as Lift
 from cyclemap.maps.lifts.lift_checks import Scalar as Scalar
-from cyclemap.maps.lifts.lift_checks import base_angles, check_lift, check_scalar, guarded
-from cyclemap.maps.lifts.one_sided import JUMP as JUMP
-from cyclemap.maps.lifts.one_sided import SIDE_STEP as SIDE_STEP
-from cyclemap.maps.lifts.one_sided import SNAP as SNAP
-from cyclemap.maps.lifts.one_sided import differences, one_sided_limit
+from cyclemap.maps.lifts.lift_checks import base_angles, check_lift, check_scalar, differences, guarded, one_sided_limit
 from cyclemap.maps.lifts.piecewise_cubic import PiecewiseCubic, cubic_from_samples
-from cyclemap.maps.rounding import LIFT
 
 Recipe = tuple[Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]]  # a call that makes the map again
 
@@ -170,6 +169,11 @@ class CircleMap:
         left, right = self.left(self.breaks), self.right(self.breaks)
         jumping = np.abs(right - left) > JUMP
         return self.breaks[jumping], left[jumping], right[jumping]
+
+    @property
+    def has_scalar(self) -> bool:
+        """Whether one python float is quicker than an array: the lift has a form of its own for it."""
+        return self._scalar is not None
 
     def scalar(self) -> Scalar:
         """F as a function of one python float: for loops that follow one orbit."""

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.lifts.circle_map import CircleMap
 
 ParametricFunction = Callable[..., Array]

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, read_only
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.lifts.lift_checks import base_angles
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import Array
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
 
 
 @dataclass(frozen=True)

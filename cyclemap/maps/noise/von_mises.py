@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
 
 _CONCENTRATED = 1e8  # beyond it the coefficients come from their expansion in 1/κ
 _SPAN = 45.0  # integrals stop where the density has fallen by exp(-45)

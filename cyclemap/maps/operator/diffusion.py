@@ -7,16 +7,15 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
-from cyclemap.maps.estimate import Estimate
-from cyclemap.maps.noise.noise_law import Noise, UniformNoise, WrappedNormal
-from cyclemap.maps.operator.discretisation import Discretisation
-from cyclemap.maps.operator.fourier_discretisation import FourierDiscretisation, waves
-from cyclemap.maps.operator.operator_bounds import BorderedSystem
+from cyclemap.maps.estimate import INTEGRAL, Estimate
+from cyclemap.maps.noise.noise import Noise, WrappedNormal
+from cyclemap.maps.noise.uniform_noise import UniformNoise
+from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
+from cyclemap.maps.operator.solution_error import BorderedSystem
 from cyclemap.maps.orbits.scan import crossings, monotone_cells
 from cyclemap.maps.quadrature import arc_rule, gauss_rule
-from cyclemap.maps.rounding import INTEGRAL
 
 _NEGLIGIBLE = 1e-19  # chance beyond which the noise is cut off
 _NOWHERE = 1e-17  # a density at half a turn below which the kicks count as smooth on the circle

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
-from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import Noise
+from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.transfer_operator import transfer_operator
 from cyclemap.maps.quadrature import arc_rule
-from cyclemap.maps.rotation.birkhoff import orbit_angles, weighted_mean
-from cyclemap.maps.rounding import EPS
+from cyclemap.maps.rotation.rotation_number import orbits_angles, weighted_mean
 
 ITERATES = 40_000
 MAX_PERIOD = 512
@@ -50,7 +49,7 @@ def lyapunov_exponent(
 
     Raises InvalidInput where orbits from those angles have different exponents: the map has several attractors.
 
-    >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> round(lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi)), 9)
     -0.978129142
     """
@@ -64,8 +63,10 @@ def lyapunov_exponent(
             )
         return _under_noise(circle_map, noise)
     if start is not None:
-        return _along_orbit(circle_map, finite_number("start", start), skipped)
-    found = [_along_orbit(circle_map, float(theta), skipped) for theta in _STARTS]
+        begin = np.array([finite_number("start", start)])
+        return _along_orbit(circle_map, orbits_angles(circle_map, begin, skipped + ITERATES)[0, skipped:])
+    visited = orbits_angles(circle_map, _STARTS, skipped + ITERATES)[:, skipped:]
+    found = [_along_orbit(circle_map, row) for row in visited]
     low, high = (int(pick(found)) for pick in (np.argmin, np.argmax))
     allowed = _SAME + 4.0 * (found[low].error_bound + found[high].error_bound)
     if found[low] != found[high] and found[high] - found[low] > allowed:
@@ -93,8 +94,7 @@ def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
     return Estimate(found, found.error_bound + blurred.upper)
 
 
-def _along_orbit(circle_map: CircleMap, start: float, transient: int) -> Estimate:
-    visited = orbit_angles(circle_map, start, transient + ITERATES)[transient:]
+def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
     periodic = _on_periodic_orbit(circle_map, visited)
     if periodic is not None:
         return periodic

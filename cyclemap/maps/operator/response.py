@@ -9,17 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
-from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.operator.density_features import density_grid
-from cyclemap.maps.operator.discretisation import Discretisation
-from cyclemap.maps.operator.operator_bounds import BorderedSystem, density_at
+from cyclemap.maps.operator.fourier_basis import Discretisation
+from cyclemap.maps.operator.solution_error import BorderedSystem, density_at, density_grid
 from cyclemap.maps.operator.spectrum import Spectrum
 from cyclemap.maps.quadrature import folds_of, graded_rule
-from cyclemap.maps.rounding import EPS
 
 Function = Callable[[Array], Array]
 

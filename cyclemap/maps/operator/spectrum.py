@@ -7,12 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.arrays import Array
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.arcs import Array
-from cyclemap.maps.estimate import Estimate
-from cyclemap.maps.operator.discretisation import Discretisation
-from cyclemap.maps.operator.fourier_discretisation import FourierDiscretisation
-from cyclemap.maps.rounding import MATRIX
+from cyclemap.maps.estimate import MATRIX, Estimate
+from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
 
 Complex = npt.NDArray[np.complex128]
 

@@ -1,40 +1,84 @@
-"""The transfer operator of a noisy circle map, θ' = F(θ) + ξ: its stationary law, and everything read off it."""
+"""The transfer operator of a noisy circle map, θ' = F(θ) + ξ: its stationary distribution, and what is read off it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
-from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.estimate import INTEGRAL, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import Noise, UniformNoise
-from cyclemap.maps.operator.density_features import density_grid, distance_from_uniform, peaks_of
+from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise.uniform_noise import UniformNoise
 from cyclemap.maps.operator.diffusion import diffusion_estimate
-from cyclemap.maps.operator.discretisation import Discretisation
-from cyclemap.maps.operator.expectation import expected
-from cyclemap.maps.operator.fourier_discretisation import FourierDiscretisation, needed_modes
-from cyclemap.maps.operator.operator_bounds import (
+from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, needed_modes
+from cyclemap.maps.operator.response import Perturbation, Response, ResponseLevel, map_perturbation
+from cyclemap.maps.operator.solution_error import (
     BorderedSystem,
     SolutionError,
     density_at,
+    density_grid,
+    expected,
     law_error,
     map_error_of_density,
     map_error_of_moment,
     refined,
 )
-from cyclemap.maps.operator.response import Perturbation, Response, ResponseLevel, map_perturbation
 from cyclemap.maps.operator.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
+from cyclemap.maps.orbits.scan import bracketed_root
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
-from cyclemap.maps.quadrature import graded_rule
-from cyclemap.maps.rounding import INTEGRAL
+from cyclemap.maps.quadrature import arc_rule, graded_rule
+
+Density = Callable[[Array], Array]
+
+
+def peaks_of(slope: Density, grid: Array, values: Array, margin: float) -> Array:
+    """Angles in [0, 2π) of the maxima that rise by ``margin`` above the minima beside them, sorted."""
+    tops = _prominent(values, margin)
+    step, at = grid[1], grid[tops]
+    inside = slope(at - step) * slope(at + step) < 0.0
+    if np.any(inside):
+        at[inside] = bracketed_root(lambda x, _: slope(x), at[inside] - step, at[inside] + step)
+    at = np.mod(at, TWO_PI)
+    # A tiny negative angle rounds up to a whole turn.
+    return np.sort(np.where(at >= TWO_PI, 0.0, at))
+
+
+def _prominent(values: Array, margin: float) -> npt.NDArray[np.int64]:
+    """Indices of local maxima on a periodic grid that rise by ``margin`` above the dips beside them."""
+    before, after = np.roll(values, 1), np.roll(values, -1)
+    tops = np.flatnonzero((values > before) & (values >= after) & (values > margin))
+    while tops.size:
+        spans = zip(tops, np.append(tops[1:], tops[0] + values.size), strict=True)
+        lows = np.array([np.min(np.take(values, range(a, b + 1), mode="wrap")) for a, b in spans])
+        height = values[tops] - np.maximum(lows, np.roll(lows, 1))
+        least = int(np.argmin(height))
+        if height[least] > margin:
+            break
+        tops = np.delete(tops, least)
+    return tops
+
+
+def distance_from_uniform(density: Density, circle_map: CircleMap, grid: Array, values: Array, size: int) -> float:
+    """½ ∫ |p - 1/2π| dθ, cut where the density crosses the uniform one; ``values`` its values on ``grid``."""
+    excess = values - 0.5 / np.pi
+    crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
+    if crossing.size == 0:
+        return 0.0
+    found = np.sort(bracketed_root(lambda x, _: density(x) - 0.5 / np.pi, crossing, crossing + grid[1]))
+    ends = np.append(found, found[0] + TWO_PI)
+    rules = [arc_rule(circle_map, a, b, size, every_sample=False) for a, b in pairwise(ends.tolist()) if b > a]
+    parts = [abs(float(np.dot(weight, density(theta) - 0.5 / np.pi))) for theta, weight in rules]
+    return 0.5 * float(np.sum(parts))
+
 
 Function = Callable[[Array], Array]
 
@@ -61,7 +105,7 @@ def transfer_operator(
     Raises InvalidInput when the noise is missing or so narrow that more than 2000 modes would be needed (for
     ``WrappedNormal`` below about 0.0045 rad), ConvergenceError when the map is too steep for it.
 
-    >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
     >>> round(turning.rotation_number, 12), round(float(turning.density(1.0)) * 2 * np.pi, 12)
     (0.3, 1.0)
@@ -79,7 +123,7 @@ def _discretisation(
     if isinstance(noise, UniformNoise):
         if modes is not None:
             raise InvalidInput(f"modes is {modes!r}, but uniform noise is not resolved in Fourier modes: leave it out")
-        from cyclemap.maps.panels.uniform_discretisation import uniform_discretisation
+        from cyclemap.maps.uniform.uniform_basis import uniform_discretisation
 
         return uniform_discretisation(circle_map, noise, progress=progress)
     needed = needed_modes(noise)
@@ -149,7 +193,7 @@ class TransferOperator:
         The bound adds to the law's the difference that twice as many nodes make (measured).
         Raises InvalidInput where h is not finite.
 
-        >>> from cyclemap.maps.noise.noise_law import WrappedCauchy
+        >>> from cyclemap.maps.noise.noise import WrappedCauchy
         >>> law = transfer_operator(CircleMap.rigid(0.1), WrappedCauchy(0.5))
         >>> abs(law.expectation(lambda theta: np.cos(theta) ** 2) - 0.5) < 1e-15
         True
@@ -169,7 +213,7 @@ class TransferOperator:
 
         The bound is measured, against D on a finer basis.
 
-        >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+        >>> from cyclemap.maps.noise.noise import WrappedNormal
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
         0.08
         """
@@ -235,7 +279,7 @@ class TransferOperator:
             derivative in θ, needed only for the Lyapunov exponent's.
         dc = (I - L)⁻¹ dL c: linear response, which noise makes hold for any map (Galatolo & Giulietti 2019).
 
-        >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+        >>> from cyclemap.maps.noise.noise import WrappedNormal
         >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
         >>> round(turning.map_response(np.ones_like).rotation_number * 2 * np.pi, 12)
         1.0

@@ -7,16 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
-from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.estimate import ANGLE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.cells import INSET, Cells, Mask, Turns
-from cyclemap.maps.orbits.periodic_orbits import Orbit, periodic_orbits
-from cyclemap.maps.orbits.periodic_points import PeriodicPoints, periodic_points
-from cyclemap.maps.orbits.scan import monotone_cells, preimages
-from cyclemap.maps.rounding import ANGLE
+from cyclemap.maps.orbits.periodic_points import Orbit, PeriodicPoints, periodic_orbits, periodic_points
+from cyclemap.maps.orbits.scan import INSET, Cells, Mask, Turns, monotone_cells, preimages
 
 MAX_PERIOD = 8
 LEFT_OVER = 1e-6  # share of the circle

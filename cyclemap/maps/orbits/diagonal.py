@@ -6,12 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
+from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.cells import INSET, Cells, Mask, Turns, is_continuous, is_rising, iterate
-from cyclemap.maps.orbits.scan import monotone_cells
-from cyclemap.maps.rounding import LIFT
+from cyclemap.maps.orbits.scan import INSET, Cells, Mask, Turns, is_continuous, is_rising, iterate, monotone_cells
 
 _IDENTITY = 1e-11  # radians: cells with |Fⁿ - id - 2πw| below this at both ends may be arcs of periodic points
 _FLAT = 1e-2  # radians: on a longer arc Fⁿ = id + 2πw to rounding is an arc of periodic points

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array, shorter_way
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.cells import Cells, Turns, is_continuous, is_rising
 from cyclemap.maps.orbits.diagonal import displacement
 from cyclemap.maps.orbits.periodic_points import RESOLUTION, TANGENCY
-from cyclemap.maps.orbits.scan import monotone_cells
+from cyclemap.maps.orbits.scan import Cells, Turns, is_continuous, is_rising, monotone_cells
 
 LEAST_CYCLES = 10.0
 REACH = 4.0  # widths on each side of the slowest point across which ``relative_error`` looks

@@ -6,22 +6,30 @@ from collections.abc import Callable
 
 import numpy as np
 from scipy.linalg import solve_triangular
+from scipy.sparse import csr_array
 from scipy.special import log_ndtr
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Arc, Array, arc_ends, required_inside
-from cyclemap.maps.estimate import Estimate
+from cyclemap.maps.arcs import Arc, arc_ends, required_inside
+from cyclemap.maps.estimate import LOG_PASSAGE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import Noise, WrappedNormal
-from cyclemap.maps.passages.nystrom import KilledChain, circle_exit, killed_chain, line_exits
+from cyclemap.maps.noise.noise import Noise, WrappedNormal
+from cyclemap.maps.passages.killed_chain import MAX_UNKNOWNS, KilledChain, circle_exit, killed_chain, line_exits
 from cyclemap.maps.passages.passage_times import LONGEST, mean_passage_time
-from cyclemap.maps.rounding import LOG_PASSAGE
 
 _STRETCH = 1.3  # bandwidth of the second solution over that of the first
+_MOST_NODES = 60_000
+_FEW = 1_000  # nodes that are solved without a wider noise first, and whose plain passage time is sought first
+_CUT = 45.0  # moves below e^-45 of the largest one of their node are left out
+_BLOCK = 16  # neighbouring nodes that are left out together
+_ENTRIES = 4_000_000
+_SWEEPS = 4_000
+_STEADY = 1e-13  # relative change a sweep that ends it
+_TOGETHER = 48  # unknowns eliminated together
 _ROUNDS = 5_000  # of the iteration for h
-_TURNS = TWO_PI * np.arange(-2.0, 2.0)  # images of a gap in [0, 2π) that may count
-_BLOCK = 48  # unknowns eliminated together
 _SETTLED = 1.0  # change of ln h a round that ends it: h need not be exact
+_TURNS = TWO_PI * np.arange(-2.0, 2.0)  # images of a gap in [0, 2π) that may count
 _ACCEPTED = 1e-6  # error bound of ln T that is accepted at all
 
 
@@ -39,38 +47,48 @@ def log10_passage_time(
     Arguments as there. Up to 1e300 cycles it is the logarithm of that time with its bound. Beyond, for
     ``WrappedNormal`` only: T at the node visited most is the mean length of an excursion from it over the chance of
     leaving in one, and T(start) is that times the chance of reaching that node first. The chance of leaving is
-    eliminated, without subtraction, from transitions multiplied by h(y)/h(x), with h(x) nearly the chance of leaving
-    from x before the next visit (Doob's transform): along the likely ways out they are of order one, however rare
-    these are.
+    sought from transitions multiplied by h(y)/h(x), with h(x) nearly the chance of leaving from x before the next
+    visit (Doob's transform): along the likely ways out they are of order one, however rare these are. Each node then
+    has a few dozen moves that count, and sparse sweeps solve it; a first h comes from twice as wide a noise,
+    where σ² ln h is nearly the same (large deviations). Where the path may stay elsewhere for thousands of cycles
+    the sweeps do not end, and up to 6000 nodes are eliminated without subtraction instead.
 
     ``error_bound`` beyond 1e300: three times the difference from a solution on other nodes and 2e-14 of ln T for
     rounding; measured, and without the map's ``max_error``.
 
-    progress : called with the fraction done, at most, after each of up to five solutions: with the 6000 nodes that are
-        allowed they take a minute each. An exception from it ends the work.
+    progress : called with the fraction done, at most, after each of up to five solutions: sweeps take seconds, an
+        elimination of 6000 nodes a minute. An exception from it ends the work.
 
-    Raises InvalidInput as ``mean_passage_time``, and beyond 1e300 cycles for other noise; ConvergenceError when the
-    bound of ln T exceeds 1e-6, or two parts of the arc are each left less than once in 1e300 cycles.
+    Raises InvalidInput as ``mean_passage_time``, and beyond 1e300 cycles for other noise or where more than 60,000
+    nodes are needed; ConvergenceError when the bound of ln T exceeds 1e-6, or two parts of the arc are each left
+    less than once in 1e300 cycles.
 
     >>> stuck = CircleMap.arnold(0.1, 0.9)
     >>> round(log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True), 6)
     312.235583
     """
     tell = progress or (lambda fraction: None)
-    time = mean_passage_time(circle_map, noise, start, arc, lifted=lifted)
-    tell(0.2)
-    if time < LONGEST:
-        return Estimate(np.log10(time), time.error_bound / time / np.log(10.0))
-    if not isinstance(noise, WrappedNormal):
-        raise InvalidInput(f"the passage takes more than 1e300 cycles, and for {noise!r} no more is known")
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
-    exits = line_exits(ends) if lifted else circle_exit(ends)
+
+    def chain(every_sample: bool, stretch: float) -> KilledChain:
+        exits = line_exits(ends) if lifted else circle_exit(ends)
+        return killed_chain(
+            circle_map, noise, (ends,), exits, lifted, every_sample=every_sample, stretch=stretch, most=_MOST_NODES
+        )
+
+    many = isinstance(noise, WrappedNormal) and chain(False, 1.0).theta.size > _FEW
+    if not many or _log_time(chain(False, 1.0), inside) < np.log(LONGEST):
+        time = mean_passage_time(circle_map, noise, start, arc, lifted=lifted, progress=lambda done: tell(0.2 * done))
+        tell(0.2)
+        if time < LONGEST:
+            return Estimate(np.log10(time), time.error_bound / time / np.log(10.0))
+        if not isinstance(noise, WrappedNormal):
+            raise InvalidInput(f"the passage takes more than 1e300 cycles, and for {noise!r} no more is known")
     for every_sample in (False, True):
         found = []
         for stretch in (1.0, _STRETCH):
-            chain = killed_chain(circle_map, noise, (ends,), exits, lifted, every_sample=every_sample, stretch=stretch)
-            found.append(_log_time(chain, noise, inside))
+            found.append(_log_time(chain(every_sample, stretch), inside))
             tell(0.2 * len(found) + (0.6 if every_sample else 0.2))
         value, again = found
         bound = 3.0 * abs(value - again) + LOG_PASSAGE * abs(value)
@@ -79,25 +97,136 @@ def log10_passage_time(
     raise ConvergenceError(f"ln of the mean passage time came out as {again:.9g} with error bound {bound:.3g}")
 
 
-def _log_time(chain: KilledChain, noise: WrappedNormal, start: float) -> float:
-    """ln T(start) for a long passage under normal noise."""
+def _log_time(chain: KilledChain, start: float) -> float:
+    """ln T(start) for a long passage under normal noise: by sweeps, or by elimination where they do not end."""
+    found = _swept(chain, start)
+    if found is None and chain.theta.size > MAX_UNKNOWNS:
+        raise ConvergenceError(
+            f"the path stays for too long in several parts of the arc for {chain.theta.size} nodes: raise the noise"
+        )
+    return _eliminated(chain, start) if found is None else found
+
+
+# -- sweeps over the moves that count ------------------------------------------------------------------------
+
+
+def _swept(chain: KilledChain, start: float) -> float | None:
+    """ln T(start) from sparse sweeps; None where they do not end."""
+    out = _log_departures(chain)
+    chances = _moves(chain, np.zeros(chain.theta.size), out)
+    mass = np.ones(chain.theta.size)
+    for _ in range(64):
+        mass = mass @ chances
+        mass /= max(mass.sum(), np.finfo(float).tiny)
+    first = int(np.argmax(mass))
+    onto = chances[:, [first]].toarray().ravel()
+    away = _without(chances, first)
+    excursion, returns = _fixed(away, np.ones_like(mass)), _fixed(away, onto)
+    log_h = None if excursion is None or returns is None else _log_chance(chain, first, out)
+    if log_h is None or excursion is None or returns is None:
+        return None
+    returns[first] = 1.0
+    return float(np.log(excursion[first]) - log_h[first] + np.log(_reaching(chain, start, returns)))
+
+
+def _log_chance(chain: KilledChain, first: int, out: Array) -> Array | None:
+    """ln h, h the chance of leaving before the next visit of node ``first``; None where the sweeps do not end."""
+    if chain.theta.size <= _FEW:
+        moves = _log_transitions(chain)
+        moves[:, first] = -np.inf
+        log_h = _log_leaving(moves, out)
+    else:
+        wider = chain.with_noise(WrappedNormal(2.0 * chain.noise.variance**0.5))
+        at = int(np.argmin(np.abs(wider.theta - chain.theta[first])))
+        coarse = _log_chance(wider, at, _log_departures(wider))
+        if coarse is None:
+            return None
+        log_h = np.interp(chain.theta, wider.theta, 4.0 * coarse)
+    for _ in range(2):  # the second time with the moves that count for h itself
+        tilted = _without(_moves(chain, log_h, out), first)
+        share = _fixed(tilted, np.exp(out - log_h))
+        if share is None:
+            return None
+        log_h = log_h + np.log(share)
+    return log_h
+
+
+def _fixed(moves: csr_array, source: Array) -> Array | None:
+    """x = source + moves x by iteration, all >= 0; None where it does not settle."""
+    x = np.ones_like(source)
+    for _ in range(_SWEEPS):
+        after = source + moves @ x
+        if not np.all(np.isfinite(after)):
+            return None
+        if np.all(np.abs(after - x) <= _STEADY * after):
+            return np.asarray(after)
+        x = after
+    return None
+
+
+def _without(moves: csr_array, column: int) -> csr_array:
+    kept = moves.copy()
+    kept.data[kept.indices == column] = 0.0
+    return kept
+
+
+def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
+    """(n, n), sparse: chances times h(y)/h(x), but for those below e^-45 of the largest term of out + K h at x.
+
+    Blocks of neighbouring nodes are ruled out together, by their largest h and their smallest distance.
+    """
+    theta, images, sigma, size = chain.theta, chain.images, chain.noise.variance**0.5, chain.theta.size
+    value = log_h + np.log(chain.weight / (sigma * np.sqrt(TWO_PI)))
+    begin = np.arange(0, size, _BLOCK)
+    last = np.minimum(begin + _BLOCK, size) - 1
+    middle, half, best = 0.5 * (theta[begin] + theta[last]), 0.5 * (theta[last] - theta[begin]), begin + _BLOCK // 2
+    best, top = np.minimum(best, last), np.maximum.reduceat(value, begin)
+    rows, columns, entries = [], [], []
+    step = max(1, _ENTRIES // begin.size)
+    for at in range(0, size, step):
+        image = images[at : at + step, None]
+        sure = value[best] - 0.5 * (chain.distance(theta[best] - image) / sigma) ** 2
+        least = np.maximum(sure.max(axis=1), out[at : at + step]) - _CUT
+        nearest = np.maximum(chain.distance(middle - image) - half, 0.0)
+        row, block = np.nonzero(top - 0.5 * (nearest / sigma) ** 2 > least[:, None])
+        column = (begin[block, None] + np.arange(_BLOCK)).ravel()
+        row = np.repeat(row, _BLOCK)[column < size]
+        column = column[column < size]
+        term = value[column] + _log_kick(chain, theta[column] - image[row, 0])
+        kept = term > least[row]
+        rows.append(at + row[kept])
+        columns.append(column[kept])
+        entries.append(np.exp(term[kept] - log_h[at + row[kept]]))
+    place = np.concatenate(rows), np.concatenate(columns)
+    return csr_array((np.concatenate(entries), place), shape=(size, size))
+
+
+# -- elimination of every move -------------------------------------------------------------------------------
+
+
+def _eliminated(chain: KilledChain, start: float) -> float:
+    """ln T(start) from the whole chain, eliminated without subtraction: excursions may last 1e300 cycles."""
     elimination, order = chain.elimination, chain.elimination.order
     pivot = np.diag(elimination.packed)
     if not np.all(pivot[1:] > 0.0):
         raise ConvergenceError("two parts of the arc are each left less than once in 1e300 cycles: take a shorter arc")
     shares = -np.triu(elimination.packed, 1)
     excursion = _collected(shares, np.ones(order.size))
-    moves = _log_transitions(chain, noise.sigma)[np.ix_(order, order)]
+    moves = _log_transitions(chain)[np.ix_(order, order)]
     moves[:, 0] = -np.inf  # excursions end on their return
-    out = _log_departures(chain, noise.sigma)[order]
+    out = _log_departures(chain)[order]
     log_h = _log_leaving(moves, out)
     tilted = np.exp(moves + log_h - log_h[:, None])
     _given_pivots(tilted, pivot)
     leaving = np.log(_collected(np.triu(tilted, 1), np.exp(out - log_h))) + log_h[0]
-    first = chain.map(np.array([start]))
-    step, left = chain.transitions(first)[0], float(np.sum(chain.departures(first)))
-    home = step @ elimination.returns() / (step.sum() + left)
-    return float(np.log(excursion) - leaving + np.log(home))
+    return float(np.log(excursion) - leaving + np.log(_reaching(chain, start, elimination.returns())))
+
+
+def _reaching(chain: KilledChain, start: float, returns: Array) -> float:
+    """The chance that the path from ``start`` visits the first state before it leaves."""
+    image = chain.map(np.array([start]))
+    step, left = chain.transitions(image)[0], float(np.sum(chain.departures(image)))
+    return float(step @ returns / (step.sum() + left))
 
 
 def _collected(shares: Array, reward: Array) -> float:
@@ -108,8 +237,8 @@ def _collected(shares: Array, reward: Array) -> float:
 
 def _given_pivots(work: Array, pivot: Array) -> None:
     """Eliminate with known pivots, in place: U stands above the diagonal afterwards."""
-    for high in range(pivot.size, 0, -_BLOCK):
-        low = max(0, high - _BLOCK)
+    for high in range(pivot.size, 0, -_TOGETHER):
+        low = max(0, high - _TOGETHER)
         for k in range(high - 1, low - 1, -1):
             work[:k, k] /= pivot[k]
             work[:k, low:k] += np.multiply.outer(work[:k, k], work[k, low:k])
@@ -132,9 +261,20 @@ def _log_leaving(moves: Array, out: Array) -> Array:
     )
 
 
-def _log_transitions(chain: KilledChain, sigma: float) -> Array:
+# -- logarithms of chances -----------------------------------------------------------------------------------
+
+
+def _log_kick(chain: KilledChain, gap: Array) -> Array:
+    """ln of the noise's density at gaps, but for its height; on the circle from the two nearest images."""
+    sigma, near = chain.noise.variance**0.5, chain.distance(gap)
+    if chain.lifted:
+        return np.asarray(-0.5 * (near / sigma) ** 2)
+    return np.asarray(np.logaddexp(-0.5 * (near / sigma) ** 2, -0.5 * ((TWO_PI - near) / sigma) ** 2))
+
+
+def _log_transitions(chain: KilledChain) -> Array:
     """(n, n): ln of the chances of going from node to node."""
-    gap = chain.theta - chain.images[:, None]
+    sigma, gap = chain.noise.variance**0.5, chain.theta - chain.images[:, None]
     height = np.log(chain.weight / (sigma * np.sqrt(TWO_PI)))
     if chain.lifted:
         return np.asarray(height - 0.5 * (gap / sigma) ** 2)
@@ -142,9 +282,9 @@ def _log_transitions(chain: KilledChain, sigma: float) -> Array:
     return np.asarray(height + np.logaddexp.reduce([-0.5 * ((near + turn) / sigma) ** 2 for turn in _TURNS], axis=0))
 
 
-def _log_departures(chain: KilledChain, sigma: float) -> Array:
+def _log_departures(chain: KilledChain) -> Array:
     """(n,): ln of the chance of leaving at once."""
-    start, end = chain.arcs[0]
+    (start, end), sigma = chain.arcs[0], chain.noise.variance**0.5
     if chain.lifted:
         return np.asarray(
             np.logaddexp(log_ndtr((chain.images - end) / sigma), log_ndtr((start - chain.images) / sigma))

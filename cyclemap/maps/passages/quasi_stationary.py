@@ -1,4 +1,4 @@
-"""Quasi-stationary laws: where a noisy path is, and how fast it leaves, once it has stayed in an arc for long."""
+"""Quasi-stationary distributions: where a noisy path is, and how fast it leaves, once it has stayed for long."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.checks import finite_array, whole_number
-from cyclemap.errors import ConvergenceError
-from cyclemap.maps.arcs import TWO_PI, Arc, Array, arc_ends, required_inside
-from cyclemap.maps.estimate import Estimate
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.checks import finite_array, finite_number, whole_number
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.arcs import Arc, arc_ends, required_inside
+from cyclemap.maps.estimate import QUASI_STATIONARY, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import Noise
-from cyclemap.maps.passages.nystrom import KilledChain, circle_exit, killed_chain, line_exits
+from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.passages.killed_chain import KilledChain, circle_exit, killed_chain, line_exits
 from cyclemap.maps.passages.passage_times import LONGEST
-from cyclemap.maps.rounding import QUASI_STATIONARY
 
 _ROUNDS = 400  # of one power and one inverse iteration each
 _CONVERGED = 1e-13  # relative change of every entry of the law
@@ -26,7 +26,9 @@ _ENDLESS = "the path stays in the arc for more than 1e300 cycles: raise the nois
 _BLOCK = 2_048  # angles at which the density is evaluated together
 
 
-def quasi_stationary_law(circle_map: CircleMap, noise: Noise, arc: Arc, *, lifted: bool = False) -> QuasiStationaryLaw:
+def quasi_stationary_distribution(
+    circle_map: CircleMap, noise: Noise, arc: Arc, *, lifted: bool = False
+) -> QuasiStationaryDistribution:
     """The law ν of θ given that the path θ' = F(θ) + ξ has stayed in ``arc`` for long.
 
     arc : (start, end), counter-clockwise, radians, length in (0, 2π). lifted : False counts positions mod 2π;
@@ -45,8 +47,8 @@ def quasi_stationary_law(circle_map: CircleMap, noise: Noise, arc: Arc, *, lifte
     ConvergenceError when the bound exceeds 1e-6 of 1 - λ (``max_error`` apart), when the path stays for more than
     1e300 cycles, or when two parts of the arc are left equally slowly, so that the law is not one.
 
-    >>> from cyclemap.maps.noise.noise_law import WrappedNormal
-    >>> stuck = quasi_stationary_law(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi), (0.0, np.pi / 2))
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> stuck = quasi_stationary_distribution(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi), (0.0, np.pi / 2))
     >>> round(stuck.residence_cycles, 3)
     44.003
     """
@@ -54,8 +56,8 @@ def quasi_stationary_law(circle_map: CircleMap, noise: Noise, arc: Arc, *, lifte
 
 
 @dataclass(frozen=True, eq=False)
-class QuasiStationaryLaw:
-    """Made by ``quasi_stationary_law``.
+class QuasiStationaryDistribution:
+    """Made by ``quasi_stationary_distribution``.
 
     arc : (start, end), radians. lifted : whether positions are on the real line.
     survival : λ, the probability of staying one more cycle. escape_probability : 1 - λ.
@@ -107,7 +109,7 @@ def survival_probabilities(
     which is the sum of S_n over all n. Rows of transitions are scaled to the exactly known chances of staying; the
     relative error grows with n, by about 1e-15 a cycle.
 
-    >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> chances = survival_probabilities(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), 0.77, (0.0, 1.5), 2)
     >>> bool(chances[0] == 1.0 and chances[0] > chances[1] > chances[2])
     True
@@ -128,7 +130,7 @@ def survival_probabilities(
 # -- inside --------------------------------------------------------------------------------------------------
 
 
-def law_between(circle_map: CircleMap, noise: Noise, ends: Arc, lifted: bool) -> QuasiStationaryLaw:
+def law_between(circle_map: CircleMap, noise: Noise, ends: Arc, lifted: bool) -> QuasiStationaryDistribution:
     """The law on an arc whose ends are sound; on the line it may be up to two turns long."""
     chain, other = (_chain(circle_map, noise, ends, lifted, stretch) for stretch in (1.0, _STRETCH))
     (mass, gone, stay), (mass_other, gone_other, _) = _fixed(chain), _fixed(other)
@@ -147,7 +149,9 @@ def law_between(circle_map: CircleMap, noise: Noise, ends: Arc, lifted: bool) ->
     error = np.abs(_density_at(chain, mass, other.theta) / stay - mass_other / other.weight)
     down, up = leaving[:2] if lifted else (None, None)
     survival = Estimate(1.0 - escape if escape < 0.5 else stay, escape.error_bound)
-    return QuasiStationaryLaw(ends, lifted, survival, escape, up, down, 3.0 * float(np.max(error)), chain, mass)
+    return QuasiStationaryDistribution(
+        ends, lifted, survival, escape, up, down, 3.0 * float(np.max(error)), chain, mass
+    )
 
 
 def _chain(circle_map: CircleMap, noise: Noise, ends: Arc, lifted: bool, stretch: float = 1.0) -> KilledChain:
@@ -193,3 +197,63 @@ def _density_at(chain: KilledChain, mass: Array, theta: Array) -> Array:
     """∫ ν(x) g(θ - F(x)) dx, per radian: λ times the density."""
     gap = theta[:, None] - chain.images
     return np.asarray((chain.noise.line_density(gap) if chain.lifted else chain.noise.density(gap)) @ mass)
+
+
+@dataclass(frozen=True)
+class Slip:
+    """Made by ``slip_probabilities``: chances a cycle, of a path that has not slipped for long.
+
+    centre, below, above : stable points on the lift, radians. up, down : probability a cycle of reaching ``above``,
+    and ``below``, first. residence_cycles : mean time until either, 1/(up + down).
+    """
+
+    centre: float
+    below: float
+    above: float
+    up: Estimate
+    down: Estimate
+    residence_cycles: Estimate
+
+    @property
+    def mean_turn(self) -> Estimate:
+        """Radians a cycle that the slips make together: up·(above - centre) - down·(centre - below).
+
+        For equal zones it tends to the mean turn, 2π times the rotation number, as the zones get deep: the relative
+        difference is of the order of the time within a zone over the residence. The bound does not cover that.
+        """
+        climb, fall = self.above - self.centre, self.centre - self.below
+        error = climb * self.up.error_bound + fall * self.down.error_bound
+        return Estimate(climb * self.up - fall * self.down, error)
+
+
+def slip_probabilities(
+    circle_map: CircleMap, noise: Noise, centre: float, below: float | None = None, above: float | None = None
+) -> Slip:
+    """Probability a cycle of slipping up or down from the stable zone about ``centre`` to the next zone.
+
+    centre : a stable point, radians on the lift. below, above : the stable points of the zones next to it, at most a
+    turn away; None for a turn below and above, the right choice where there is one zone a turn.
+
+    They are the two ways out of (below, above) under the quasi-stationary distribution of that arc on the line: a slip
+    is complete when the next stable point is reached, so that the many paths that look over the unstable point and
+    fall back do not count. (Kramers 1940; Hänggi, Talkner & Borkovec 1990.) Even 1e-100 keeps its digits; what is below
+    1e-300 may read 0. Bounds: measured, see ``quasi_stationary_distribution``.
+
+    Raises InvalidInput unless the degree is 1 and below < centre < above, each at most a turn away, and
+    InvalidInput and ConvergenceError as ``quasi_stationary_distribution``.
+
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> slip = slip_probabilities(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), 0.77278)
+    >>> round(1e4 * slip.up, 4), slip.down < 1e-30
+    (2.0725, True)
+    """
+    if circle_map.degree != 1:
+        raise InvalidInput(f"the map has degree {circle_map.degree}: slips need a lift of degree 1")
+    middle = finite_number("centre", centre)
+    low = middle - TWO_PI if below is None else finite_number("below", below)
+    high = middle + TWO_PI if above is None else finite_number("above", above)
+    if not (0.0 < middle - low <= TWO_PI and 0.0 < high - middle <= TWO_PI):
+        raise InvalidInput(f"below, centre, above are {low:g}, {middle:g}, {high:g}: they must rise by at most a turn")
+    law = law_between(circle_map, noise, (low, high), True)
+    assert law.up is not None and law.down is not None
+    return Slip(middle, low, high, law.up, law.down, law.residence_cycles)

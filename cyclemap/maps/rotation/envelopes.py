@@ -9,11 +9,10 @@ from math import ceil, floor
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.lifts.circle_map import SIDE_STEP, CircleMap, Scalar
-from cyclemap.maps.orbits.bracketing import bracketed_root
-from cyclemap.maps.orbits.scan import GRAIN, INSET, monotone_cells
+from cyclemap.maps.orbits.scan import GRAIN, INSET, bracketed_root, monotone_cells
 
 SLACK = 1e-12  # radians: a smaller descent is rounding
 _GRID = np.linspace(0.0, TWO_PI, ceil(TWO_PI / GRAIN) + 1)

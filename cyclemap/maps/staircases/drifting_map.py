@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import Noise
+from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.staircases.slow_zones import StaircaseSummary, predict_staircase
 
@@ -221,7 +221,7 @@ def predict_drift(
     law follows a drifting map with a lag of its relaxation time (Gardiner, Stochastic Methods, 2009, ch. 8):
     ``lag_turns`` tells how much that may matter, and the start's own approach adds up to a turn.
 
-    >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
     >>> round(predict_drift(worn, WrappedNormal(0.1), 100).turns, 9)
     20.0

@@ -8,14 +8,14 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.algebra.map_algebra import shifted
-from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import Noise
+from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
-from cyclemap.maps.orbits.periodic_orbits import Orbit, crossings_by_jump, fixed_points
+from cyclemap.maps.orbits.periodic_points import Orbit, crossings_by_jump, fixed_points
 from cyclemap.maps.passages.passage_times import mean_passage_time
 from cyclemap.maps.quadrature import arc_rule
 
@@ -119,7 +119,7 @@ def predict_staircase(
 
     ``operator`` may pass a ``transfer_operator(circle_map, noise)`` that is already there.
 
-    >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> found = predict_staircase(CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05))
     >>> [zone.kind for zone in found.zones], round(found.step, 6)
     (['ghost'], 6.283185)

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import Array
 from cyclemap.maps.lifts.circle_map import CircleMap, Scalar
 from cyclemap.maps.noise.local_noise import LocalNoise
-from cyclemap.maps.noise.noise_law import Noise
+from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.staircases.drifting_map import DriftingMap, Stretch
 from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary, predict_staircase
 

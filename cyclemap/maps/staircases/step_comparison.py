@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import gammainc, stdtr
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
 from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary
 from cyclemap.maps.staircases.step_detection import Steps
 
@@ -96,7 +96,7 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
     Raises InvalidInput unless given ``Steps`` and a ``StaircaseSummary``.
 
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
-    >>> from cyclemap.maps.noise.noise_law import WrappedNormal
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> from cyclemap.maps.staircases.slow_zones import predict_staircase
     >>> from cyclemap.maps.staircases.staircase import sample_staircase
     >>> from cyclemap.maps.staircases.step_detection import find_steps

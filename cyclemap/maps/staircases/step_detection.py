@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.arcs import TWO_PI, Array
-from cyclemap.maps.rounding import STAIRCASE
+from cyclemap.maps.estimate import STAIRCASE
 from cyclemap.maps.staircases.slow_zones import SlowZone
 
 Counts = npt.NDArray[np.int64]

@@ -46,9 +46,9 @@ typedef struct {
 typedef struct {
     int mode, piece;
     double p[PARAMETERS], z[2];
-    /* of the last step: derivatives of the unknowns by the state there, and those of its slopes at its end */
-    double place[4], toward[4], reached[2 * (2 + MOST_VARIED)];
-    int has_place, has_reached;
+    /* at the start of a step: derivatives of the unknowns by the state, and those of the slopes */
+    double toward[4], reached[2 * (2 + MOST_VARIED)];
+    int has_tangent, has_reached;
 } Motion;
 
 static const double SIGN[] = {1.0, 1.0, -1.0, 0.0, 0.0, 1.0, -1.0, 0.0, 1.0, -1.0, 0.0};
@@ -71,14 +71,24 @@ static const double *piece_of(const Stroke *r, int piece) { return r->object->pi
 
 static int kind_of(const Stroke *r, const Motion *m) { return (int)piece_of(r, m->piece)[PIECE_KIND]; }
 
+/* Cosines and sines of the parameters that are angles. */
+static void face(Motion *m) {
+    double *to = m->p + COSINES;
+    to[0] = cos(m->p[DIRECTION]);
+    to[1] = sin(m->p[DIRECTION]);
+    to[2] = cos(m->p[PHI]);
+    to[3] = sin(m->p[PHI]);
+}
+
 static Motion motion_of(const Stroke *r, int mode, int piece, double z0, double z1) {
     const Object *o = r->object;
     Motion m = {.mode = mode, .piece = piece, .z = {z0, z1}};
-    m.p[0] = r->direction;
+    m.p[DIRECTION] = r->direction;
     m.p[1] = RING <= mode && mode <= RING_STUCK ? 0.0 : o->radius;
     m.p[2] = SIGN[mode] * r->friction;
     memcpy(m.p + 3, o->friction, 7 * sizeof(double));
     memcpy(m.p + 10, piece_of(r, piece) + PIECE_GEOMETRY, 7 * sizeof(double));
+    face(&m);
     return m;
 }
 
@@ -153,7 +163,8 @@ static double torque_at(Search *s, double spin) {
 static double excess_at(Search *s, double tau) {
     double speed = hypot(1.0, tau), smu = s->m->p[2];
     Motion stick = motion_of(s->r, STICK, s->m->piece, s->omega / speed, 0.0);
-    stick.p[0] = s->facing + M_PI - atan(tau);
+    stick.p[DIRECTION] = s->facing + M_PI - atan(tau);
+    face(&stick);
     if (evaluate(s->r, &stick, s->state, s->row, s->report) < 0) return NAN;
     s->omega = stick.z[0] * speed;
     double normal = s->report[NORMAL_FORCE], tangential = s->report[TANGENTIAL_FORCE];
@@ -199,15 +210,25 @@ static int vanishes(double (*of)(Search *, double), Search *s, double start, dou
     return 2;
 }
 
-/* Support points that stand still, where friction has a kink. */
+/* Support points, and corners of a patch that carry a load: where one stands still, friction has a kink. */
 
 static int is_points(const Stroke *r) {
     const Pressure *p = &r->object->pressure;
-    return p->far == INFINITY && p->first_row[1] > 0 && (int)p->rows[ROW_KIND] == POINT;
+    return p->first_row[1] > 0 && (int)p->rows[ROW_KIND] == POINT;
+}
+
+/* The part of the pressure that consists of points. */
+static int part_of_points(const Stroke *r) { return is_points(r) ? EVEN : CORNERS; }
+
+static int64_t count_of_points(const Stroke *r) {
+    const Pressure *p = &r->object->pressure;
+    int part = part_of_points(r);
+    return p->load[part] != 0.0 ? p->first_row[part + 1] - p->first_row[part] : 0;
 }
 
 static const double *support(const Stroke *r, int64_t index) {
-    return r->object->pressure.rows + ROW_COLUMNS * index;
+    const Pressure *p = &r->object->pressure;
+    return p->rows + ROW_COLUMNS * (p->first_row[part_of_points(r)] + index);
 }
 
 /* Slip about one support point: spin and slip in z, and forces; whether friction could hold it there. */
@@ -224,15 +245,15 @@ static int slips_about(const Stroke *r, const Motion *m, const double *state, in
     z[1] = z[0] * (c * x + s * y);
     begin(r, m, state, z, &b);
     /* the friction of all others, and its torque about the point */
-    Friction all;
-    memcpy(all.twist, b.twist, sizeof all.twist);
-    memcpy(all.matrix, b.matrix, sizeof all.matrix);
-    begin_sums(&all, 0);
-    for (int64_t k = 0; k < r->object->pressure.first_row[1]; ++k)
-        if (k != index)
-            add_point(&all, support(r, k)[ROW_GEOMETRY], support(r, k)[ROW_GEOMETRY + 1], support(r, k)[ROW_LOAD]);
-    double load = support(r, index)[ROW_LOAD], fx = all.wrench[0], fy = all.wrench[1];
-    double gx = fx + f[0], gy = fy + f[1], torque = all.wrench[2] + f[2] - (pin[0] * gy - pin[1] * gx);
+    const Pressure *p = &r->object->pressure;
+    double wrench[9], load = support(r, index)[ROW_LOAD] * p->load[part_of_points(r)];
+    int is_far = 0;
+    friction_at(p, b.twist, b.matrix, &is_far, wrench);
+    Friction own;
+    begin_sums(&own, b.twist, b.matrix, 0);
+    add_point(&own, pin[0], pin[1], load);
+    double fx = wrench[0] - own.wrench[0], fy = wrench[1] - own.wrench[1], turning = wrench[2] - own.wrench[2];
+    double gx = fx + f[0], gy = fy + f[1], torque = turning + f[2] - (pin[0] * gy - pin[1] * gx);
     double size = torque / arm;
     force[0] = size;
     force[1] = size * smu;
@@ -260,7 +281,7 @@ static int pinned(Stroke *r, Motion *m, const double *state, double *row, double
     Begun b;
     double slower_than = -1.0;
     begin(r, m, state, m->z, &b);
-    int64_t count = r->object->pressure.first_row[1];
+    int64_t count = count_of_points(r);
     for (int tried = 0; tried < 4 && tried < count; ++tried) {
         int64_t index = -1;
         double least = INFINITY;
@@ -280,10 +301,11 @@ static int pinned(Stroke *r, Motion *m, const double *state, double *row, double
 
 /* Whether a support point hardly moves at a row: tangents are not to be trusted there. */
 static int is_kinked(const Stroke *r, const Motion *m, const double *row) {
-    if (!is_points(r)) return 0;
+    int64_t count = count_of_points(r);
+    if (!count) return 0;
     Begun b;
     begin(r, m, row, row + UNKNOWN, &b);
-    for (int64_t k = 0; k < r->object->pressure.first_row[1]; ++k)
+    for (int64_t k = 0; k < count; ++k)
         if (speed_of(b.twist, support(r, k) + ROW_GEOMETRY) < STILL) return 1;
     return 0;
 }
@@ -297,7 +319,7 @@ static int bracketed(Stroke *r, Motion *m, const double *state, double *row, dou
         if (closed == 2) settle_with(r, m, state, s.force, row, report);
         return closed < 0 ? UNSOLVED : 1;
     }
-    if (is_points(r) && pinned(r, m, state, row, report)) return 1;
+    if (count_of_points(r) && pinned(r, m, state, row, report)) return 1;
     Begun b;
     begin(r, m, state, m->z, &b);
     s.facing = state[0] + atan2(b.frame[6], b.frame[5]);
@@ -307,7 +329,7 @@ static int bracketed(Stroke *r, Motion *m, const double *state, double *row, dou
     if (closed != 1) return closed < 0 ? NO_SLIP : 1;
     memcpy(s.force, report + NORMAL_FORCE, sizeof s.force);
     if (iterate(r, m, state, m->z, row, report) <= ACCEPTED) return 1;
-    if (!is_points(r)) return UNSOLVED;
+    if (!count_of_points(r)) return UNSOLVED;
     /* a support point stands still, whose friction the spin alone does not tell */
     settle_with(r, m, state, s.force, row, report);
     return 1;
@@ -324,7 +346,7 @@ static int evaluate(Stroke *r, Motion *m, const double *state, double *row, doub
         report[CORRECTION] = report[RESIDUAL] = 0.0;
         return 1;
     }
-    if (slides(m) && r->pinned >= 0 && is_points(r) && settled_about(r, m, state, r->pinned, row, report)) return 1;
+    if (slides(m) && r->pinned >= 0 && settled_about(r, m, state, r->pinned, row, report)) return 1;
     for (int i = 0;; ++i) {
         double residual = iterate(r, m, state, m->z, row, report);
         /* the opposite of the cone's edge satisfies the equations too, but a rod cannot pull */

@@ -103,12 +103,14 @@ static int push_object(const Loop *loop, Body *body, double *travel, const volat
     const double *slope = last.rows[STAGES] + SLOPE;
     double turning = v.count ? normal_slope(&r, &m, state[1]) : 0.0, rate = slope[0] + turning * slope[1];
     int at_corner = ended == LEFT && loop->object.radius == 0.0 && last.rows[STAGES][MARGIN + APPROACH] > 1e-6;
+    double later[MOST_VARIED];
+    if (v.count && at_corner && delays(&r, &m, last.rows[STAGES], later) < 0) return UNSOLVED;
     for (int k = 0; k < v.count; ++k) {
         double *now = v.state + 2 * k, *by = body->by + 3 * k, by_travel = one(loop, k, BY_DISTANCE, 1);
         double by_direction = v.source[SOURCE_DIRECTION][k], wider = v.source[SOURCE_RADIUS][k];
         /* a rod leaves where the angle from its direction to the normal is a right one; a point, over a corner */
         if (ended == LEFT)
-            by_travel = at_corner ? -now[1] / slope[1] : -(now[0] + turning * now[1] - by_direction) / rate;
+            by_travel = at_corner ? later[k] : -(now[0] + turning * now[1] - by_direction) / rate;
         now[0] += slope[0] * by_travel;
         now[1] += slope[1] * by_travel;
         const double sideways[] = {-toward[1], toward[0]};

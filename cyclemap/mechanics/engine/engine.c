@@ -1,10 +1,13 @@
 /* Pushes, drags and whole cycles of a slider: one library for every object. It is compiled as one piece:
 
    kernels.c   written when the package is built: CasADi's functions of equations.py, and the tables of generate.py
-   pressure.c  wrench and Hessian of friction: what one edge, line, chord or point adds, summed over a pressure
+   pieces.c    what edges, lines and points add to wrench and Hessian of friction
+   ellipse.c   the same of elliptic patches and rims
+   pressure.c  the same of whole footprints, and their derivatives
    contact.c   a rod on a piece of its contact curve, in the ring or in a wedge; its unknowns, solved until certain
    step.c      one step of a motion, its error, its length, and how its end varies with its start and parameters
-   phase.c     motions joined: the places where a contact changes, and whole pushes and drags
+   phase.c     a motion until its contact changes
+   stroke.c    phases joined: whole pushes and drags
    cycle.c     pushes and drags in the world, their derivatives, and batches of them
 
    No function keeps anything from one call to the next: any number of threads may call at once. Lengths are in extents
@@ -35,8 +38,11 @@ static double fast_log1p(double x) {
 #define CASADI_SYMBOL_EXPORT static
 #include "kernels.c"
 
+#include "pieces.c"
+#include "ellipse.c"
 #include "pressure.c"
 #include "contact.c"
 #include "step.c"
 #include "phase.c"
+#include "stroke.c"
 #include "cycle.c"

@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.mechanics.engine import equations
+from cyclemap.mechanics.engine import contact_equations, equations
 
 # Verner's efficient method of order 7 with its estimator of order 6 (Numerically optimal Runge-Kutta pairs with
 # interpolants, Numerical Algorithms 53, 2010: pair IIa). For errors of 1e-10 it evaluates two fifths less often than
@@ -57,11 +57,13 @@ MIDDLE_VALUE = (
     *(-0.06264859328084359, -0.09655820701226067, -0.043937232907102934, -0.06514110415106912, 0.18749999999990288),
 )
 PANEL_ORDER = 12
+# Trapezoidal rules over half a period of an ellipse's integrals, and the exponent that their errors have at most.
+RULES, DIGITS = (8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512), 34.0
 
 
 def write_sources(folder: Path) -> None:
     """Write kernels.c into a folder."""
-    functions = equations.kernels() | equations.contacts()
+    functions = equations.kernels() | contact_equations.contacts()
     generator = ca.CodeGenerator("kernels", {"with_header": False, "casadi_int": "int64_t"})
     for function in functions.values():
         generator.add(function)
@@ -104,26 +106,37 @@ def _tables() -> str:
     nodes, weights = np.polynomial.legendre.leggauss(PANEL_ORDER)
     order = [i for i in np.argsort(C, kind="stable").tolist() if C[i] < 1.0] + [STAGES]
     nearest = [int(np.argmin(np.abs(PLACES[: max(i, 1)] - PLACES[i]))) for i in range(STAGES + 1)]
-    varied, parameters = equations.VARIED, equations.PARAMETERS
+    varied, parameters = contact_equations.VARIED, contact_equations.PARAMETERS
     counts = {
         "STAGES": STAGES,
         "ORDER": ORDER,
         "PLACE_COUNT": len(order),
         "PARAMETERS": len(parameters),
-        "SMU": parameters.index("smu"),
-        "FRAME": len(equations.FRAME),
+        **{name: parameters.index(name.lower()) for name in ("DIRECTION", "SMU", "PHI")},
+        "COSINES": parameters.index("cos_direction"),
+        "FRAME": len(contact_equations.FRAME),
         "VARIED": len(varied),
         "MOST_VARIED": 17,
         **{f"SOURCE_{name}": varied.index(name.lower()) for name in ("DIRECTION", "RADIUS", "SMU", "MU_A")},
         "SOURCE_GEOMETRY": varied.index("geometry_0"),
-        **{f"KIND_{kind.upper()}": i for i, kind in enumerate(equations.KINDS)},
-        **{f"LAW_{law.upper()}": i for i, law in enumerate(equations.LAWS)},
-        "KINDS": len(equations.KINDS),
-        "LAWS": len(equations.LAWS),
+        **{f"KIND_{kind.upper()}": i for i, kind in enumerate(contact_equations.KINDS)},
+        **{f"LAW_{law.upper()}": i for i, law in enumerate(contact_equations.LAWS)},
+        "KINDS": len(contact_equations.KINDS),
+        "RULE_COUNT": len(RULES),
+        "PANEL_ORDER": PANEL_ORDER,
+        "LAWS": len(contact_equations.LAWS),
     }
     lines = [f"enum {{ {', '.join(f'{name} = {value}' for name, value in counts.items())} }};"]
     integers = {"STAGE_ORDER": order, "NEAREST_STAGE": nearest, "VARIED_AT": [parameters.index(n) for n in varied]}
+    angles = np.concatenate([(np.arange(count // 2) + 0.5) * np.pi / count for count in RULES])
+    integers["FIRST_NODE"] = np.cumsum([0, *(count // 2 for count in RULES)]).tolist()
+    integers["RULES"] = list(RULES)
     numbers: dict[str, Iterable[float]] = {
+        "NODE_COSINES": np.cos(angles),
+        "NODE_SINES": np.sin(angles),
+        # Squared hyperbolic cosines of the distances at which singularities may be.
+        "PATCH_REACH": np.cosh(DIGITS / (2.0 * np.array(RULES))) ** 2,
+        "RIM_REACH": np.cosh(DIGITS / (4.0 * np.array(RULES))) ** 2,
         "STAGE_PLACES": PLACES[order],
         "B": WEIGHTS,
         "ERROR": np.append(np.subtract(WEIGHTS, LOWER), 0.0),
@@ -141,10 +154,11 @@ def _tables() -> str:
     lines.append("typedef int Function(const casadi_real **, casadi_real **, casadi_int *, casadi_real *, int);")
     for name in ("BEGIN", "SLOPES", "ALL_SLOPES"):
         entries = _braced(
-            f"[KIND_{kind.upper()}][LAW_{law.upper()}] = {name.lower()}_{kind}_{law}" for kind, law in equations.pairs()
+            f"[KIND_{kind.upper()}][LAW_{law.upper()}] = {name.lower()}_{kind}_{law}"
+            for kind, law in contact_equations.pairs()
         )
         lines.append(f"static Function *const {name}[KINDS][LAWS] = {entries};")
-    lines.append(f"static Function *const FINISH[] = {_braced(f'finish_{law}' for law in equations.LAWS)};")
+    lines.append(f"static Function *const FINISH[] = {_braced(f'finish_{law}' for law in contact_equations.LAWS)};")
     return "\n".join(lines) + "\n"
 
 

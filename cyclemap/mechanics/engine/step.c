@@ -15,6 +15,8 @@ static const double LEAST_SHARE = 0.3, SAFETY = 0.8, SHRINK = 0.2, GROW = 4.0;
 static const double LEAST_ADVANCE = 1e-9;
 /* Of states and parameters, where a support point stands still. */
 static const double DIFFERENCE = 1e-6;
+/* Corrections, about whose square unknowns are off afterwards, that leave nothing to correct. */
+static const double SOLVED = 1e-7;
 /* Unknowns in the middle of a step that a Newton iteration corrects by more than this are solved first. */
 static const double UNSOLVED_MIDDLE = 1e-5;
 
@@ -44,13 +46,11 @@ static double slopes_at(Stroke *r, const Motion *m, const double *state, const d
 }
 
 /* The tangent of the unknowns at the start of a step; kept, since a step that is too long starts again there. */
-static void prepare_tangent(Stroke *r, Motion *m, const double *state, const double *z) {
-    const double place[] = {state[0], state[1], z[0], slides(m) ? z[1] : 0.0};
+static void prepare_tangent(Stroke *r, Motion *m, const double *start) {
     double by[6];
-    if (m->has_place && memcmp(m->place, place, sizeof place) == 0) return;
-    memcpy(m->place, place, sizeof place);
-    m->has_place = 1;
-    slopes_at(r, m, state, z, 0, by, m->toward);
+    if (m->has_tangent) return;
+    slopes_at(r, m, start, start + UNKNOWN, 0, by, m->toward);
+    m->has_tangent = 1;
 }
 
 /* Where stage i of a step lies. */
@@ -79,17 +79,20 @@ static void estimate_error(Step *taken, double h) {
     }
 }
 
-/* A step with its contacts corrected once a stage; whether they count as solved. again: from the unknowns it has. */
-static int certified(Stroke *r, Motion *m, int again, const double *state, double h, Step *taken) {
+/* A step from a row with its contacts corrected once a stage; whether they count as solved. again: from the unknowns it
+   has. */
+static int certified(Stroke *r, Motion *m, int again, const double *start, double h, Step *taken) {
     int n = unknowns(m), points = is_points(r), smooth = !points || r->object->pressure.first_row[1] >= 32;
     double bend[STAGES + 1][2], at[2], z[2], report[REPORT], correction = 0.0, tolerance = r->object->tolerance;
-    double allowed = (points ? AT_POINTS : 1.0) * sqrt(LEFT_OVER * tolerance / h);
-    if (!again) prepare_tangent(r, m, state, m->z);
-    for (int i = 0; i <= STAGES; ++i) {
+    /* around a corner a slip turns the contact the faster the thinner the rod */
+    double slow = kind_of(r, m) == KIND_CORNER ? fmin(r->object->radius, 1.0) : 1.0;
+    double allowed = (points ? AT_POINTS : 1.0) * sqrt(LEFT_OVER * tolerance * slow / h);
+    prepare_tangent(r, m, start);
+    memcpy(taken->rows[0], start, sizeof taken->rows[0]);
+    for (int i = 1; i <= STAGES; ++i) {
         double *row = taken->rows[i], tangent[2];
-        place_stage(taken, state, h, i, at);
+        place_stage(taken, start, h, i, at);
         if (again) memcpy(z, row + UNKNOWN, sizeof z);
-        else if (i == 0) memcpy(z, m->z, sizeof z);
         else {
             const double *from = taken->rows[smooth ? 0 : NEAREST_STAGE[i]];
             for (int k = 0; k < n; ++k) {
@@ -98,12 +101,13 @@ static int certified(Stroke *r, Motion *m, int again, const double *state, doubl
                 for (int j = 1; smooth && j < i; ++j) z[k] += BEND[i][j] * bend[j][k];
             }
         }
-        /* the end is corrected twice: its balance is what is looked at */
-        for (int tries = i == STAGES ? 2 : 1; tries > 0; --tries) {
-            iterate(r, m, at, z, row, report);
+        iterate(r, m, at, z, row, report);
+        /* the next step begins with the end: its balance is what is looked at */
+        if (i == STAGES && (points || !(report[CORRECTION] <= SOLVED))) {
             memcpy(z, row + UNKNOWN, sizeof z);
+            iterate(r, m, at, z, row, report);
         }
-        if (!again && i > 0)
+        if (!again)
             for (int k = 0; k < n; ++k) bend[i][k] = row[UNKNOWN + k] - tangent[k];
         if (!isfinite(report[CORRECTION])) return 0;
         correction = fmax(correction, report[CORRECTION]);
@@ -113,10 +117,11 @@ static int certified(Stroke *r, Motion *m, int again, const double *state, doubl
 }
 
 /* A step stage by stage. */
-static int sure_step(Stroke *r, Motion *m, const double *state, double h, Step *taken) {
-    for (int i = 0; i <= STAGES; ++i) {
+static int sure_step(Stroke *r, Motion *m, const double *start, double h, Step *taken) {
+    memcpy(taken->rows[0], start, sizeof taken->rows[0]);
+    for (int i = 1; i <= STAGES; ++i) {
         double at[2], report[REPORT];
-        place_stage(taken, state, h, i, at);
+        place_stage(taken, start, h, i, at);
         int found = evaluate(r, m, at, taken->rows[i], report);
         if (found < 0) return found;
     }
@@ -124,14 +129,14 @@ static int sure_step(Stroke *r, Motion *m, const double *state, double h, Step *
     return 1;
 }
 
-/* A step of length h: 1; 0 where a shorter one is called for; or why there is none. fast: certified or not at all. */
-static int attempt(Stroke *r, Motion *m, const double *state, double h, int fast, Step *taken) {
+/* A step of length h from a row: 1; 0 where a shorter one is called for; or why there is none. fast: certified or not at all. */
+static int attempt(Stroke *r, Motion *m, const double *start, double h, int fast, Step *taken) {
     double z[2] = {m->z[0], m->z[1]};
-    if (is_held(m)) return sure_step(r, m, state, h, taken);
+    if (is_held(m)) return sure_step(r, m, start, h, taken);
     for (int k = 0; k <= AGAIN; ++k)
-        if (certified(r, m, k > 0, state, h, taken)) return 1;
+        if (certified(r, m, k > 0, start, h, taken)) return 1;
     if (fast) return 0;
-    int found = sure_step(r, m, state, h, taken);
+    int found = sure_step(r, m, start, h, taken);
     if (found == 1 || h <= LEAST_ADVANCE) return found;
     memcpy(m->z, z, sizeof z);
     return 0;
@@ -155,6 +160,7 @@ static int slopes_by_differences(Stroke *r, const Motion *m, const double *row, 
             double state[] = {row[0], row[1]}, found[ROW], report[REPORT];
             memcpy(moved.z, row + UNKNOWN, sizeof moved.z);
             *(j < 2 ? state + j : moved.p + VARIED_AT[j - 2]) += side * DIFFERENCE;
+            face(&moved);
             if (evaluate(r, &moved, state, found, report) < 0) return UNSOLVED;
             for (int c = 0; c < 2; ++c) slopes[2 * j + c] += side * found[SLOPE + c] / (2.0 * DIFFERENCE);
         }
@@ -163,7 +169,7 @@ static int slopes_by_differences(Stroke *r, const Motion *m, const double *row, 
 
 /* Derivatives of the rates at a row that a variation needs (2, 2 + count): by the state, and by its parameters. */
 static int rates_vary(Stroke *r, Motion *m, double *row, int is_middle, double *by) {
-    double slopes[2 * (2 + SOURCES)] = {0.0}, toward[4], report[REPORT];
+    double slopes[2 * (2 + SOURCES)] = {0.0}, report[REPORT], other[4], *toward = is_middle ? other : m->toward;
     const Variation *v = r->varied;
     int all = v->count > 1, sources = all ? SOURCES : 1;
     memset(by, 0, 2 * (2 + v->count) * sizeof(double));
@@ -172,6 +178,7 @@ static int rates_vary(Stroke *r, Motion *m, double *row, int is_middle, double *
     /* a ring without friction is differentiated by it in the sense in which the object turns */
     if (all && m->mode == RING) with.mode = row[SLOPE] < 0.0 ? RING_RIGHT : RING_LEFT;
     double correction = slopes_at(r, &with, row, row + UNKNOWN, all, slopes, toward);
+    m->has_tangent = !is_middle && with.mode == m->mode;
     if (is_kinked(r, m, row) || (is_middle && !(correction <= UNSOLVED_MIDDLE))) {
         memcpy(m->z, row + UNKNOWN, sizeof m->z);
         if (evaluate(r, m, row, row, report) < 0) return UNSOLVED;

@@ -10,12 +10,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.contact_curve import ContactCurve
 from cyclemap.mechanics.engine.library import load
 from cyclemap.mechanics.pressure_tables import PARTS, ROW_COLUMNS, PressureTables
-
-Array = NDArray[np.float64]
 
 # What a cycle can be differentiated by, in the order of cycle.c: angles in rad, lengths in extents, shares.
 PARAMETERS = (

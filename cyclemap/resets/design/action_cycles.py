@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.checks import non_negative_number, positive_number, whole_number
-from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.many_cycles import run_cycles
+from cyclemap.checks import whole_number
+from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import Material, Trajectory
+from cyclemap.resets.design.material_range import on_material
 from cyclemap.resets.design.strategy import CycleAction, ResetStrategy
 
 Array = NDArray[np.float64]
@@ -21,8 +21,12 @@ Array = NDArray[np.float64]
 TWO_PI = 2.0 * math.pi
 # Radians: of a single cycle. What lies between the samples is known to no better.
 _ACCURACY = 1e-5
-# Samples of a push over which the reach of the object is taken: some 8 mm of rod travel apart.
-_COURSE = 20
+# Equally spaced orientations from which contact and room are looked at, and samples of a push over which the reach of
+# the object is taken: some 8 mm of rod travel apart.
+_CONTACT_STARTS, _ROOM_STARTS, _COURSE = 12, 8, 20
+# How fast the robot works. Speed of the rod in contact, m/s; s a cycle for all else: into the ring, out of it, to the
+# next push; s more in a cycle in which a gripper turns the object.
+ROD_SPEED, HANDLING, GRIPPING = 0.020, 10.0, 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,13 +34,11 @@ class SampledTurns:
     """Turns of cycles on equal steps of the orientation.
 
     turn : (materials, actions, samples), rad: theta_next - theta on the lift, a gripper's turn included.
-    drag_length : (materials, actions), m, mean over the samples. left : (materials, actions), bool, whether the rod
-    loses the object before the end of its push from some orientation.
+    drag_length : (materials, actions), m, mean over the samples.
     """
 
     turn: Array
     drag_length: Array
-    left: NDArray[np.bool_]
 
     @property
     def steepest(self) -> Array:
@@ -53,14 +55,6 @@ class SampledTurns:
         places = np.linspace(0.0, TWO_PI, around.shape[-1])
         at = TWO_PI * np.arange(samples) / samples
         return np.asarray(CubicSpline(places, around, axis=-1, bc_type="periodic")(at))
-
-    def spline_error(self) -> Array:
-        """Return how far (rad) the spline of every other sample misses the others, (materials, actions), at worst.
-
-        The spline of all samples is some sixteen times nearer where the turn is smooth.
-        """
-        half = SampledTurns(self.turn[..., ::2], self.drag_length, self.left).refined(self.turn.shape[-1])
-        return np.asarray(np.abs(half - self.turn).max(axis=-1))
 
 
 def sample_turns(
@@ -82,13 +76,12 @@ def sample_turns(
     still = [replace(action, turn=0.0) for action in actions]
     distinct = list(dict.fromkeys(still))
     rough = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
-    loops = [action.on(replace(rough, material=material)) for material in materials for action in distinct]
+    loops = [action.on(surface) for surface in [on_material(rough, m) for m in materials] for action in distinct]
     run = run_cycles(loops, theta)
     shape = (len(materials), len(distinct), len(theta))
     places = [distinct.index(action) for action in still]
     turn = (run.theta_next - run.theta).reshape(shape)[:, places] + turns[:, None]
-    drag, left = run.drag_length.reshape(shape).mean(axis=-1), np.any(run.left.reshape(shape), axis=-1)
-    return SampledTurns(turn, drag[:, places], left[:, places])
+    return SampledTurns(turn, run.drag_length.reshape(shape).mean(axis=-1)[:, places])
 
 
 def strategy_maps(
@@ -129,47 +122,30 @@ def map_turns(maps: Sequence[CircleMap], samples: int = 1024) -> Array:
     return np.array([np.asarray(one(theta)) - theta for one in maps])
 
 
-@dataclass(frozen=True)
-class Pace:
-    """How fast the robot works.
+def seconds(travel: Array, turned: Array) -> Array:
+    """Return the time (s) of cycles whose push and drag are `travel` (m) long, a gripper in the share `turned` of them.
 
-    speed : of the rod in contact, m/s. handling : s a cycle for all else: into the ring, out of it, to the next push.
-    gripper : s more in a cycle in which a gripper turns the object.
+    >>> seconds(np.array([0.25, 0.25]), np.array([0.0, 1.0])).tolist()
+    [22.5, 32.5]
     """
-
-    speed: float = 0.020
-    handling: float = 10.0
-    gripper: float = 10.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "speed", positive_number("speed", self.speed))
-        for name in ("handling", "gripper"):
-            object.__setattr__(self, name, non_negative_number(f"{name} time", getattr(self, name)))
-
-    def seconds(self, travel: float, turn: float = 0.0) -> float:
-        """Return the time (s) of a cycle whose push and drag together are `travel` (m) long.
-
-        >>> Pace().seconds(0.25), Pace().seconds(0.25, turn=1.0)
-        (22.5, 32.5)
-        """
-        return travel / self.speed + self.handling + (self.gripper if turn else 0.0)
+    return np.asarray(travel / ROD_SPEED + HANDLING + GRIPPING * turned)
 
 
-def contact_lengths(loop: CollectionLoop, actions: Sequence[CycleAction], starts: int = 12) -> Array:
-    """Return how far (m) the rod goes in contact at least, in the push of each action, over equally spaced starts.
+def contact_lengths(loop: CollectionLoop, actions: Sequence[CycleAction]) -> Array:
+    """Return how far (m) the rod goes in contact at least, in the push of each action, over twelve orientations.
 
     >>> contact_lengths(CollectionLoop.mit(), [CycleAction()]).round(3).tolist()
     [0.132]
     """
     rough, found = replace(loop, accuracy=max(loop.accuracy, _ACCURACY)), {}
     for push in {action.push or loop.push for action in actions}:
-        poses = [rough.start_pose(theta) for theta in _starts(starts)]
+        poses = [rough.start_pose(theta) for theta in _starts(_CONTACT_STARTS)]
         found[push] = min(rough.model.push(pose, push).travel for pose in poses)
     return np.array([found[action.push or loop.push] for action in actions])
 
 
-def room_needed(loop: CollectionLoop, action: CycleAction, starts: int = 8) -> float:
-    """Return the largest distance (m) from the target of any point of rod and object, over equally spaced starts.
+def room_needed(loop: CollectionLoop, action: CycleAction) -> float:
+    """Return the largest distance (m) from the target of any point of rod and object, over eight orientations.
 
     The rod goes to the end of its push, whether or not it has lost the object by then. The object's reach is that at
     samples some 8 mm of rod travel apart.
@@ -179,7 +155,7 @@ def room_needed(loop: CollectionLoop, action: CycleAction, starts: int = 8) -> f
     """
     acted = action.on(replace(loop, accuracy=max(loop.accuracy, _ACCURACY)))
     step, reach = acted.push.distance / _COURSE, 0.0
-    for theta in _starts(starts):
+    for theta in _starts(_ROOM_STARTS):
         push, drag = acted.strokes(theta, step if not action.way_points else step / 2.0)
         course = push.trajectory
         way = course.pusher[-1] - course.pusher[0]
@@ -191,8 +167,7 @@ def room_needed(loop: CollectionLoop, action: CycleAction, starts: int = 8) -> f
 
 
 def _starts(count: int) -> list[float]:
-    steps = whole_number("starts", count, least=1)
-    return [2.0 * math.pi * step / steps for step in range(steps)]
+    return [TWO_PI * step / count for step in range(count)]
 
 
 def _outline_reach(loop: CollectionLoop, course: Trajectory) -> float:

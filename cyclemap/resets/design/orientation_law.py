@@ -13,14 +13,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.resets.design.action_cycles import TWO_PI
 from cyclemap.resets.design.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
-
-Array = NDArray[np.float64]
 
 # Orientations at which densities are compared with uniform, and starts of which the worst is taken.
 DENSITY_SAMPLES, STARTS = 360, 72

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Material
-from cyclemap.resets.design.action_cycles import Pace, SampledTurns, contact_lengths, room_needed, sample_turns
+from cyclemap.resets.design.action_cycles import SampledTurns, contact_lengths, room_needed, sample_turns, seconds
 from cyclemap.resets.design.material_range import MaterialRange, material_range
 from cyclemap.resets.design.orientation_law import OrientationLaw, orientation_law
 from cyclemap.resets.design.reset_ranking import (
@@ -30,6 +30,7 @@ from cyclemap.resets.design.reset_ranking import (
     SECONDS,
     SIMPLEST,
     TV,
+    WITH_GRIPPER,
     Limit,
     Pool,
     ResetDemands,
@@ -52,6 +53,8 @@ from cyclemap.resets.design.strategy_run import (
 Array = NDArray[np.float64]
 
 STEERED = "steered"
+# The chosen one, and six to compare it with.
+MOST_ROWS = 7
 _SAMPLES, _REFINED = 48, 720
 # Fourier modes at most of the laws on materials that are not nominal.
 _ENOUGH_MODES = 96
@@ -90,11 +93,11 @@ class ResetRow:
 class ResetDesign:
     """The answer of `design_reset`.
 
-    rows : the chosen one first, as it is last. met : whether the chosen one meets every demand. binding : where not,
-    what the demands it misses could be at least. about : the range; tried : materials inside it that the rows were
-    tried on besides. considered, too_steep : how many mixtures were compared, and pushes left out because they jump
-    where friction is a little different. independent : mean histogram distance of independent uniform pushes.
-    orders : histogram distance of the chosen actions by order, and "steered" by the monitor.
+    rows : the chosen one first, as it is last, seven at most. met : whether the chosen one meets every demand.
+    binding : where not, what the demands it misses could be at least. about : the range. considered, too_steep : how
+    many mixtures were compared, and pushes left out because they jump where friction is a little different.
+    independent : mean histogram distance of independent uniform pushes. orders : histogram distance of the chosen
+    actions by order, and "steered" by the monitor.
     ratio_errors, ratio_tv : (n,), and (2, n) or (1, n): total variation in the long run of the chosen row and of the
     simplest where the ratio of the axes is off by so much.
     before, after : (runs, 36), histograms of the pushes as shares, of the loop as it is and of the chosen one.
@@ -104,7 +107,6 @@ class ResetDesign:
     sigma: float
     demands: ResetDemands
     about: MaterialRange
-    tried: tuple[Material, ...]
     rows: tuple[ResetRow, ...]
     met: bool
     binding: tuple[Limit, ...]
@@ -130,7 +132,6 @@ def design_reset(
     sigma: float = math.radians(1.1),
     materials: Sequence[Material] | MaterialRange | None = None,
     given: ResetStrategy | None = None,
-    pace: Pace | None = None,
     seed: int = 0,
     progress: Callable[[str, float], None] | None = None,
 ) -> ResetDesign:
@@ -154,7 +155,7 @@ def design_reset(
     about = materials if isinstance(materials, MaterialRange) else _range_of(loop, materials)
     nominal = replace(loop, material=about.nominal)
     positive_number("sigma", sigma)
-    pool, considered, too_steep = _pool(nominal, wanted, about, sigma, pace or Pace(), report)
+    pool, considered, too_steep = _pool(nominal, wanted, about, sigma, report)
     for firm in FIRM:
         found = picked(pool, wanted, firm)
         if found.misses or _keeps(nominal, found.roles[0][1], wanted, about, sigma):
@@ -163,19 +164,20 @@ def design_reset(
     roles: dict[ResetStrategy, list[str]] = {}
     for role, strategy in (*found.roles, *(((GIVEN, given),) if given is not None else ()), (AS_IT_IS, OWN)):
         roles.setdefault(strategy, []).append(role)
-    report("looking closer", 0.0)
-    rows, course = _assessed(nominal, roles, pool.limits, wanted, about, sigma, pace or Pace(), seed)
-    report("looking closer", 1.0)
+    if len(roles) > MOST_ROWS:
+        # One's own strategy is told in place of what a gripper could do.
+        roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
+    rows, course = _assessed(nominal, roles, pool.limits, wanted, about, sigma, seed, report)
     return ResetDesign(
-        loop, sigma, wanted, about, about.inside(), rows, not found.misses and not rows[0].misses, binding, considered,
-        too_steep, independent_distance(wanted.pushes), **course,
+        loop, sigma, wanted, about, rows, not found.misses and not rows[0].misses, binding, considered, too_steep,
+        independent_distance(wanted.pushes), **course,
     )  # fmt: skip
 
 
 def _range_of(loop: CollectionLoop, materials: Sequence[Material] | None) -> MaterialRange:
     if materials is None:
         return material_range(loop.material)
-    return MaterialRange(replace(loop.material, wear=None), tuple(materials))
+    return MaterialRange(replace(loop.material, wear=None, posterior=None), tuple(materials))
 
 
 def _pool(
@@ -183,7 +185,6 @@ def _pool(
     demands: ResetDemands,
     about: MaterialRange,
     sigma: float,
-    pace: Pace,
     report: Callable[[str, float], None],
 ) -> tuple[Pool, int, int]:
     """Every candidate, those that need what the robot cannot do included, for they are told too."""
@@ -196,14 +197,14 @@ def _pool(
     # Where pushes that keep the object for long do not do, shorter and more slanted ones may.
     least = [demands.contact] * 2 if demands.contact else [share * loop.push.distance for share in CONTACTS]
     for (contact, slants), hitch in product(zip(least, (SLANTS, MORE_SLANTS), strict=True), places):
-        if hitch == places[0] and any_meets(gathered(loop, demands, tuple(parts), pace), demands):
+        if hitch == places[0] and any_meets(gathered(loop, demands, tuple(parts)), demands):
             break
         source = push_set(loop, about, sigma, contact, slants, hitch)
         if source is not None:
             steep += source.too_steep
             parts.append(searched(source, demands.within, lambda done: report("comparing mixtures of pushes", done)))
     count = sum(len(part.tv) for part in parts)
-    return gathered(loop, demands, tuple(parts), pace), count, steep
+    return gathered(loop, demands, tuple(parts)), count, steep
 
 
 def _assessed(
@@ -213,41 +214,42 @@ def _assessed(
     demands: ResetDemands,
     about: MaterialRange,
     sigma: float,
-    pace: Pace,
     seed: int,
+    report: Callable[[str, float], None],
 ) -> tuple[tuple[ResetRow, ...], dict[str, Any]]:
-    """The rows, from twice as many samples and on materials inside the range too, and what is drawn beside them."""
-    tried = (*about.materials, *about.inside())
-    cycles = {strategy: _cycles(loop, strategy, tried) for strategy in roles}
+    """The rows, from more samples and on all materials of the range, and what is drawn beside them."""
+    tried = about.materials
+    cycles: dict[ResetStrategy, SampledTurns] = {}
+    for strategy in roles:
+        report("looking closer", 0.8 * len(cycles) / len(roles))
+        cycles[strategy] = _cycles(loop, strategy, tried)
     runs = max(2, min(_RUNS, _MOST_SIMULATED // demands.pushes))
 
     def shares(strategy: ResetStrategy, material: int) -> Array:
         turn = cycles[strategy].refined(_REFINED)[material]
         return histogram_shares(sampled_orientations(turn, strategy, demands.pushes, runs, sigma, seed))
 
-    rows = []
+    rows: list[ResetRow] = []
     for strategy, told in roles.items():
+        report("looking closer", 0.8 + 0.1 * len(rows) / len(roles))
         turns = cycles[strategy].refined(_REFINED)
         nominal = orientation_law(turns[0], strategy, sigma, demands.within)
         modes = min(nominal.modes, _ENOUGH_MODES)
         laws = [nominal, *(orientation_law(turn, strategy, sigma, demands.within, modes) for turn in turns[1:])]
         worst = int(np.argmax([law.after + law.total_variation for law in laws]))
-        drag = float(strategy.shares @ cycles[strategy].drag_length[0])
-        seconds = sum(
-            share * pace.seconds((action.push or loop.push).distance + length, action.turn)
-            for share, action, length in zip(
-                strategy.shares.tolist(), strategy.actions, cycles[strategy].drag_length[0].tolist(), strict=True
-            )
-        )
+        lengths, pushes = cycles[strategy].drag_length[0], [(a.push or loop.push).distance for a in strategy.actions]
+        drag = float(strategy.shares @ lengths)
+        turned = np.array([a.turn != 0.0 for a in strategy.actions])
+        time = float(strategy.shares @ seconds(lengths + np.array(pushes), turned))
         prepared, actions = strategy.prepared(loop), dict.fromkeys(replace(a, turn=0.0) for a in strategy.actions)
         room = max(room_needed(prepared, action) for action in actions)
         contact = float(contact_lengths(prepared, list(actions)).min())
         values = {
             TV: max(law.total_variation for law in laws), AFTER: max(law.after for law in laws),
-            DRAG: drag, SECONDS: seconds, REACH: room, CONTACT: contact,
+            DRAG: drag, SECONDS: time, REACH: room, CONTACT: contact,
         }  # fmt: skip
         row = ResetRow(
-            tuple(told), strategy, laws[0], values[TV], values[AFTER], tried[worst], drag, seconds, room, contact,
+            tuple(told), strategy, laws[0], values[TV], values[AFTER], tried[worst], drag, time, room, contact,
             _mean_and_spread(shares(strategy, 0)), _mean_and_spread(shares(strategy, worst)),
             tuple(name for name, limit in limits.items() if is_beyond(name, values[name], limit)),
             tuple(need for need in strategy.needs if need not in demands.abilities),
@@ -276,7 +278,7 @@ def _keeps(
     loop: CollectionLoop, strategy: ResetStrategy, demands: ResetDemands, about: MaterialRange, sigma: float
 ) -> bool:
     """Whether a strategy keeps to the total variations allowed at a closer look, on all materials."""
-    turns = _cycles(loop, strategy, (*about.materials, *about.inside())).refined(_REFINED)
+    turns = _cycles(loop, strategy, about.materials).refined(_REFINED)
     laws = [orientation_law(turn, strategy, sigma, demands.within, _ENOUGH_MODES // 2) for turn in turns]
     return all(law.total_variation <= demands.allow_tv and law.after <= demands.allow_after for law in laws)
 

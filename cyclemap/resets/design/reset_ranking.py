@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cyclemap.checks import finite_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.resets.design.action_cycles import Pace, room_needed
+from cyclemap.resets.design.action_cycles import room_needed, seconds
 from cyclemap.resets.design.reset_search import Candidates
 from cyclemap.resets.design.strategy import GRIPPER, RING, CycleAction, ResetStrategy
 from cyclemap.resets.design.strategy_run import independent_distance
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 ABILITIES = (GRIPPER, RING)
 # The roles of the rows, in the order in which they are told.
 CHOSEN, SIMPLEST, EVENEST, CHEAPEST = "chosen", "simplest", "evenest", "cheapest"
-WAY_BACK, WITH_GRIPPER, WITH_RING, GIVEN, AS_IT_IS = "way back", "gripper", "ring", "yours", "as it is"
+WAY_BACK, WITH_GRIPPER, GIVEN, AS_IT_IS = "way back", "gripper", "yours", "as it is"
 # Pushes of a collection that is simulated for its histogram.
 MOST_PUSHES = 10_000
 # The loop as it is.
@@ -135,19 +135,18 @@ def is_beyond(demand: str, value: float, limit: float) -> bool:
     return value < limit if demand == CONTACT else value > limit
 
 
-def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidates, ...], pace: Pace) -> Pool:
+def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidates, ...]) -> Pool:
     """Return the candidates with their values; the second part starts with the loop's own drag."""
     own_drag = float(parts[1].source.turns.drag_length[0, 0])
     part = np.repeat(np.arange(len(parts)), [len(one.tv) for one in parts])
     number = np.concatenate([np.arange(len(one.tv)) for one in parts])
     drag = np.concatenate([one.drag_length for one in parts])
     turned = [one.shares @ np.array([bool(a.turn) for a in one.source.actions], dtype=float) for one in parts]
-    seconds = (loop.push.distance + drag) / pace.speed + pace.handling + pace.gripper * np.concatenate(turned)
     values = {
         TV: np.concatenate([one.tv for one in parts]),
         AFTER: np.concatenate([one.after for one in parts]),
         DRAG: drag,
-        SECONDS: seconds,
+        SECONDS: seconds(loop.push.distance + drag, np.concatenate(turned)),
         CONTACT: np.concatenate([one.contact for one in parts]),
     }
     limits = {TV: demands.allow_tv, AFTER: demands.allow_after, DRAG: demands.drag_ratio * own_drag}
@@ -207,9 +206,8 @@ def picked(pool: Pool, demands: ResetDemands, firm: float = FIRM[0]) -> Picked:
         roles.append((SIMPLEST, min(nearly.tolist(), key=lambda i: (simple[i], after[i]))))
     roles.append((EVENEST, min(np.flatnonzero(able).tolist(), key=lambda i: after[i])))
     if meets.any():
-        seconds = pool.values[SECONDS]
-        roles.append((CHEAPEST, min(np.flatnonzero(meets).tolist(), key=lambda i: seconds[i])))
-    for role, name in ((WAY_BACK, "way back"), (WITH_GRIPPER, GRIPPER), (WITH_RING, RING)):
+        roles.append((CHEAPEST, min(np.flatnonzero(meets).tolist(), key=lambda i: pool.values[SECONDS][i])))
+    for role, name in ((WAY_BACK, "way back"), (WITH_GRIPPER, GRIPPER)):
         ones = np.flatnonzero(family == name)
         if ones.size:
             within = ones[excess[ones] == 0.0]
@@ -240,10 +238,10 @@ def _told(index: int, within: NDArray[np.int64], pool: Pool) -> tuple[float, flo
 
 def _ranked(chosen: NDArray[np.int64], pool: Pool, demands: ResetDemands) -> int:
     """The best of those that meet the demands: evenness as far as the pushes can tell, then cost, then simplicity."""
-    after, seconds = pool.values[AFTER], pool.values[SECONDS]
+    after, time = pool.values[AFTER], pool.values[SECONDS]
     tell = _TELL_APART * independent_distance(demands.pushes)
     chosen = chosen[after[chosen] <= after[chosen].min() + tell]
-    chosen = chosen[seconds[chosen] <= _SAME_COST * seconds[chosen].min()]
+    chosen = chosen[time[chosen] <= _SAME_COST * time[chosen].min()]
     return int(min(chosen.tolist(), key=lambda i: (pool.actions[i], pool.untidy[i], after[i])))
 
 

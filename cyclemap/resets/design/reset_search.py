@@ -46,7 +46,7 @@ _MATERIALS_FIRST = 3
 class ActionSet:
     """Actions that can be done together, with all that the search asks of them.
 
-    family : "pushes", "way back", "gripper", "ring" or "own". hitch : m, of the ring, None: the loop's. turns : on all
+    family : "pushes", "way back", "gripper" or "ring". hitch : m, of the ring, None: the loop's. turns : on all
     materials of the range. contact : (k,), m, shortest. kernels : (materials, k, 2M, 2M + 1). too_steep : how many
     actions were left out because friction of the range makes them jump."""
 
@@ -57,11 +57,6 @@ class ActionSet:
     contact: Array
     kernels: Array
     too_steep: int = 0
-
-    @property
-    def needs(self) -> tuple[str, ...]:
-        """What the robot must be able to do besides."""
-        return tuple(need for need in (GRIPPER, RING) if need == self.family)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,14 +106,9 @@ class Candidates:
         return Candidates(self.source, *stacked)
 
 
-def own_cycle(loop: CollectionLoop, about: MaterialRange, sigma: float) -> ActionSet:
-    """Return the loop as it is."""
-    return _action_set("own", loop, (CycleAction(),), about.materials, sigma)
-
-
 def gripper_turned(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> Candidates:
     """Return the loop's own cycle followed by a gripper's turn: of half, quarter or 10° turns."""
-    made = _action_set(GRIPPER, loop, gripper_turns(36), about.materials, sigma)
+    made = _action_set(GRIPPER, loop, gripper_turns(36), about.searched, sigma)
     shares = np.array([[float(step % (36 // count) == 0) / count for step in range(36)] for count in (2, 4, 36)])
     return scored(made, shares, within)
 
@@ -142,18 +132,18 @@ def push_set(
     kept = [action for action, contact in zip(possible, held, strict=True) if contact >= least_contact]
     if not kept:
         return None
-    nominal = sample_turns(prepared, kept, about.materials[:1], SAMPLES)
+    nominal = sample_turns(prepared, kept, [about.nominal], SAMPLES)
     calm = [action for action, slope in zip(kept, nominal.steepest, strict=True) if slope <= STEEPEST]
     if not calm:
         return None
-    made = _action_set("pushes" if hitch is None else RING, prepared, tuple(calm), about.materials, sigma, hitch)
+    made = _action_set("pushes" if hitch is None else RING, prepared, tuple(calm), about.searched, sigma, hitch)
     return replace(_without_steep(made), too_steep=len(kept) - int((made.turns.steepest <= STEEPEST).sum()))
 
 
 def random_legs(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> Candidates:
     """Return the loop's own push dragged back by legs of two lengths, each in eight directions drawn at random."""
     actions = tuple(leg for length in LEG_LENGTHS for leg in legs(length, LEG_DIRECTIONS))
-    made = _action_set("way back", loop, actions, about.materials, sigma)
+    made = _action_set("way back", loop, actions, about.searched, sigma)
     return scored(made, np.kron(np.eye(len(LEG_LENGTHS)), np.full((1, LEG_DIRECTIONS), 1.0 / LEG_DIRECTIONS)), within)
 
 
@@ -164,7 +154,8 @@ def searched(source: ActionSet, within: int, progress: Callable[[float], None]) 
     actions and the best 150 of three and of four on all materials; then the best 40 of two or three with all weights
     of one to three parts.
     """
-    count, found, rough = len(source.actions), _empty(source), _rough_look(source)
+    count, rough = len(source.actions), _rough_look(source)
+    found = Candidates(source, np.empty((0, count)), np.empty(0), np.empty(0))
     for size in range(1, min(MOST_TOGETHER, count) + 1):
         shares = _equal_shares(np.array(list(combinations(range(count), size))), count)
         tv = _worst(rough, shares, None)[0]
@@ -198,7 +189,7 @@ def _action_set(
 def _without_steep(made: ActionSet) -> ActionSet:
     calm = np.flatnonzero(made.turns.steepest <= STEEPEST)
     calm = calm if calm.size else np.argsort(made.turns.steepest)[:1]
-    turns = SampledTurns(made.turns.turn[:, calm], made.turns.drag_length[:, calm], made.turns.left[:, calm])
+    turns = SampledTurns(made.turns.turn[:, calm], made.turns.drag_length[:, calm])
     actions = tuple(made.actions[number] for number in calm.tolist())
     return replace(made, actions=actions, turns=turns, contact=made.contact[calm], kernels=made.kernels[:, calm])
 
@@ -224,10 +215,6 @@ def _can_be(loop: CollectionLoop, action: CycleAction) -> bool:
     except CycleMapError:
         return False
     return True
-
-
-def _empty(source: ActionSet) -> Candidates:
-    return Candidates(source, np.empty((0, len(source.actions))), np.empty(0), np.empty(0))
 
 
 def _equal_shares(subsets: NDArray[np.int64], count: int) -> Array:

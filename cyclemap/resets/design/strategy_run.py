@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.checks import finite_number, non_negative_number, read_only, whole_number
-from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.many_cycles import run_cycles
+from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.resets.design.action_cycles import TWO_PI
 from cyclemap.resets.design.strategy import ResetStrategy
@@ -29,14 +28,10 @@ class StrategyRun:
     """Collections of n cycles each, run by the full mechanics.
 
     theta : (runs, n + 1), rad, not wrapped, the start first. action : (runs, n), number of the strategy's action.
-    drag_length : (runs, n), m. left : (runs, n), bool, where the rod lost the object before its push was done.
     """
 
-    strategy: ResetStrategy
     theta: Array
     action: NDArray[np.int64]
-    drag_length: Array
-    left: NDArray[np.bool_]
 
 
 def run_strategy(
@@ -68,7 +63,6 @@ def run_strategy(
     turns, report = np.array([action.turn for action in strategy.actions]), progress or (lambda fraction: None)
     theta = np.empty((many, count + 1))
     theta[:, 0] = start if isinstance(start, np.ndarray) else finite_number("start", start)
-    drag, left = np.empty((many, count)), np.empty((many, count), dtype=bool)
     today = strategy.loops(loop)
     for number in range(count):
         if loop.material.wear is not None:
@@ -76,9 +70,8 @@ def run_strategy(
         doing = chosen[:, number]
         ran = run_cycles([today[action] for action in doing.tolist()], theta[:, number, None])
         theta[:, number + 1] = ran.theta_next[:, 0] + turns[doing] + kicks[:, number]
-        drag[:, number], left[:, number] = ran.drag_length[:, 0], ran.left[:, 0]
         report((number + 1) / count)
-    return StrategyRun(strategy, read_only(theta), chosen, read_only(drag), left)
+    return StrategyRun(read_only(theta), chosen)
 
 
 def drawn_actions(strategy: ResetStrategy, cycles: int, runs: int, seed: int) -> NDArray[np.int64]:
@@ -148,11 +141,11 @@ def _followed(
     return theta
 
 
-def histogram_shares(theta: Array, bins: int = BINS) -> Array:
-    """Return the shares (runs, bins) of orientations (runs, n), rad, in equal bins from 0."""
-    cells = np.minimum((np.mod(theta, TWO_PI) * (bins / TWO_PI)).astype(np.int64), bins - 1)
-    counts = np.bincount((cells + bins * np.arange(len(cells))[:, None]).ravel(), minlength=bins * len(cells))
-    return np.asarray(counts.reshape(len(cells), bins) / theta.shape[-1])
+def histogram_shares(theta: Array) -> Array:
+    """Return the shares (runs, 36) of orientations (runs, n), rad, in equal bins from 0."""
+    cells = np.minimum((np.mod(theta, TWO_PI) * (BINS / TWO_PI)).astype(np.int64), BINS - 1)
+    counts = np.bincount((cells + BINS * np.arange(len(cells))[:, None]).ravel(), minlength=BINS * len(cells))
+    return np.asarray(counts.reshape(len(cells), BINS) / theta.shape[-1])
 
 
 def histogram_distances(shares: Array) -> Array:
@@ -165,13 +158,13 @@ def histogram_distances(shares: Array) -> Array:
     return np.asarray(0.5 * np.abs(shares - 1.0 / shares.shape[-1]).sum(axis=-1))
 
 
-def independent_distance(pushes: int, bins: int = BINS) -> float:
+def independent_distance(pushes: int) -> float:
     """Return the mean histogram distance of that many independent uniform orientations: de Moivre's mean deviation.
 
     >>> round(independent_distance(500), 4)
     0.1053
     """
-    count, chance = whole_number("pushes", pushes, least=1), 1.0 / whole_number("bins", bins, least=2)
+    count, chance = whole_number("pushes", pushes, least=1), 1.0 / BINS
     most = math.floor(count * chance) + 1
     logs = [
         math.lgamma(count + 1) - math.lgamma(most + 1) - math.lgamma(count - most + 1),
@@ -180,4 +173,4 @@ def independent_distance(pushes: int, bins: int = BINS) -> float:
     ]
     # E|K - np| = 2 (1 - p) m P(K = m), m = floor(np) + 1.
     deviation = 2.0 * (1.0 - chance) * most * math.exp(sum(logs)) if most <= count else 2.0 * chance * (1.0 - chance)
-    return 0.5 * bins * deviation / count
+    return 0.5 * BINS * deviation / count

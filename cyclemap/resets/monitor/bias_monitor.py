@@ -7,23 +7,17 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-from cyclemap.checks import finite_number, read_only, whole_number
+from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram, angle_histogram
 from cyclemap.resets.monitor.bias_evidence import Rest, RestEvidence, RestRule, VisitEvidence
 from cyclemap.resets.monitor.coverage import Coverage, CoverageState
 
-Array = NDArray[np.float64]
-
-HISTOGRAM_BINS = 36
 ALARM_RATE = 0.01
 LEAST_GAIN = 0.1  # a push is useful while it tells a tenth of what the most telling one would
 # Radians: beyond this a float keeps less than seven digits of the fraction of a turn.
 LARGEST_ORIENTATION = 1e9
 RECENT = 50  # pushes over which the recent worth is taken
+_RULE = RestRule()
 
 AlarmKind = Literal["rest", "visits"]
 
@@ -43,11 +37,6 @@ class Alarm:
     directions: tuple[float, ...]
     began: int | None
 
-    @property
-    def delay(self) -> int | None:
-        """Pushes from the first of the rest to the alarm; None for "visits"."""
-        return None if self.began is None else self.push - self.began
-
 
 @dataclass(frozen=True)
 class Advice:
@@ -65,8 +54,8 @@ class Advice:
 class BiasReport:
     """The state of a collection after a push.
 
-    push : number of the last push fed, from 0; -1 before any. since_change : pushes since the reset was last changed.
-    alarm : the first one since then, None where there was none.
+    push : number of the last push fed, from 0; -1 before any. alarm : the first one since the reset was last changed,
+        None where there was none.
     rest_evidence, visit_evidence : log10 of the evidence for each kind; an alarm is raised where one of them reaches
         ``threshold`` = log10(2 / alarm rate).
     rest : where θ0 rests just now, if it does and has for twice the rule's window, alarm or not.
@@ -78,7 +67,6 @@ class BiasReport:
     """
 
     push: int
-    since_change: int
     alarm: Alarm | None
     rest_evidence: float
     visit_evidence: float
@@ -88,14 +76,6 @@ class BiasReport:
     recent_worth: float
     coverage: CoverageState
     advice: Advice
-
-    @property
-    def alarm_p_value(self) -> float:
-        """An upper bound, at any time, on the chance that an unbiased collection shows as much evidence by now.
-
-        It counts the two kinds of evidence and uses what they are now, not the most they have been.
-        """
-        return min(1.0, 2.0 * math.pow(10.0, -max(self.rest_evidence, self.visit_evidence)))
 
 
 class BiasMonitor:
@@ -116,7 +96,7 @@ class BiasMonitor:
 
     The monitor changes as it is fed, for a collection has one course; each report is a value that stays. A push costs
     some tenths of a millisecond, however many came before; the orientations are kept.
-    The same orientations and ``seed`` give the same reports, θ0 wrapped or not.
+    The same orientations give the same reports, θ0 wrapped or not.
 
     >>> monitor = BiasMonitor()
     >>> for turn in range(20):
@@ -127,30 +107,16 @@ class BiasMonitor:
     265
     """
 
-    def __init__(
-        self,
-        alarm_rate: float = ALARM_RATE,
-        *,
-        rest_rule: RestRule | None = None,
-        seed: int = 0,
-    ) -> None:
+    def __init__(self, alarm_rate: float = ALARM_RATE) -> None:
         if not 0.0 < finite_number("alarm_rate", alarm_rate) < 1.0:
             raise InvalidInput(f"alarm_rate must lie between 0 and 1, such as 0.01, not {alarm_rate!r}")
         self.alarm_rate = alarm_rate
-        self.rest_rule = rest_rule or RestRule()
-        self._seed = whole_number("seed", seed, least=0)
         self._coverage = Coverage()
         self._path: list[float] = []
         self._worth = [0.0]
         self._changed = 0
         self._alarm: Alarm | None = None
-        self._alarms: tuple[Alarm, ...] = ()
         self._begin()
-
-    @property
-    def alarms(self) -> tuple[Alarm, ...]:
-        """Every alarm so far: one at most for each reset used."""
-        return self._alarms
 
     @property
     def path(self) -> tuple[float, ...]:
@@ -180,9 +146,7 @@ class BiasMonitor:
         self._coverage.add(angle)
         self._worth.append(self._coverage.effective_pushes)
         del self._worth[: -RECENT - 1]
-        if self._alarm is None:
-            self._alarm = self._raised()
-            self._alarms += () if self._alarm is None else (self._alarm,)
+        self._alarm = self._alarm or self._raised()
         return self.report
 
     def reset_changed(self) -> None:
@@ -200,22 +164,23 @@ class BiasMonitor:
         rest, coverage = self._lasting_rest(), self._coverage.state()
         return BiasReport(
             push=len(self._path) - 1,
-            since_change=len(self._path) - self._changed,
             alarm=self._alarm,
             rest_evidence=self._rest.log_evidence / math.log(10.0),
             visit_evidence=self._visits.log_evidence / math.log(10.0),
             threshold=math.log10(2.0 / self.alarm_rate),
             rest=rest,
-            useful_pushes=self._useful(rest),
-            recent_worth=self._recent_worth(coverage.effective_pushes),
+            useful_pushes=None
+            if rest is None or self._alarm is None
+            else self._coverage.useful_repeats(rest.directions, LEAST_GAIN),
+            recent_worth=(coverage.effective_pushes - self._worth[0]) / max(len(self._worth) - 1, 1),
             coverage=coverage,
             advice=Advice(self._alarm is not None, coverage.least_covered),
         )
 
     def _begin(self) -> None:
-        self._rest = RestEvidence(self.rest_rule)
+        self._rest = RestEvidence(_RULE)
         # Another stream of shuffles for each reset: none is used twice.
-        self._visits = VisitEvidence(seed=self._seed + self._changed)
+        self._visits = VisitEvidence(seed=self._changed)
         self._alarm = None
 
     def _raised(self) -> Alarm | None:
@@ -228,25 +193,17 @@ class BiasMonitor:
             return Alarm(push, "visits", (self._visits.peak(),), None)
         return None
 
-    def _recent_worth(self, effective: float) -> float:
-        return (effective - self._worth[0]) / max(len(self._worth) - 1, 1)
-
     def _lasting_rest(self) -> Rest | None:
         """The rest just now, where it has lasted twice the window; a single hit may be chance."""
         rest = self._counted(self._rest.rest)
         if rest is None:
             return None
         lasted = len(self._path) - rest.began
-        return rest if lasted >= 2 * self.rest_rule.window * len(rest.directions) else None
+        return rest if lasted >= 2 * _RULE.window * len(rest.directions) else None
 
     def _counted(self, rest: Rest | None) -> Rest | None:
         """A rest counted from the first push fed, not from the last change of the reset."""
         return None if rest is None else replace(rest, began=rest.began + self._changed)
-
-    def _useful(self, rest: Rest | None) -> int | None:
-        if self._alarm is None or rest is None:
-            return None
-        return self._coverage.useful_repeats(rest.directions, LEAST_GAIN)
 
 
 def watch(theta: Iterable[float], monitor: BiasMonitor | None = None) -> tuple[BiasReport, ...]:
@@ -258,67 +215,3 @@ def watch(theta: Iterable[float], monitor: BiasMonitor | None = None) -> tuple[B
     """
     watching = BiasMonitor() if monitor is None else monitor
     return tuple(watching.update(angle) for angle in theta)
-
-
-@dataclass(frozen=True, eq=False)
-class WatchedCourse:
-    """A watched collection as it stands after n pushes.
-
-    theta : (n,) rad, in [0, 2π). rest_evidence, visit_evidence : (n,) log10, after each push. effective_pushes : (n,).
-    histogram : of the directions. report : after the last push. alarm_rate : of the monitor.
-    """
-
-    theta: Array
-    rest_evidence: Array
-    visit_evidence: Array
-    effective_pushes: Array
-    histogram: AngleHistogram
-    report: BiasReport
-    alarm_rate: float
-
-    @property
-    def pushes(self) -> int:
-        """How many pushes were fed."""
-        return int(self.theta.size)
-
-
-class WatchedCollection:
-    """A monitor that remembers the course of what it told.
-
-    >>> watched = WatchedCollection()
-    >>> for turn in range(30):
-    ...     report = watched.add(0.1)
-    >>> watched.course().report.alarm.push
-    14
-    """
-
-    def __init__(self, alarm_rate: float = ALARM_RATE) -> None:
-        self.monitor = BiasMonitor(alarm_rate)
-        self._rows: list[tuple[float, float, float]] = []
-
-    @property
-    def pushes(self) -> int:
-        """How many pushes were fed."""
-        return len(self._rows)
-
-    def add(self, theta: float) -> BiasReport:
-        """Take the next θ0 (rad)."""
-        report = self.monitor.update(theta)
-        self._rows.append((report.rest_evidence, report.visit_evidence, report.coverage.effective_pushes))
-        return report
-
-    def course(self) -> WatchedCourse:
-        """The course so far; InvalidInput where nothing was fed."""
-        if not self._rows:
-            raise InvalidInput("no push was fed; give at least one θ0")
-        theta = read_only(np.mod(self.monitor.path, 2 * np.pi))
-        rest, visits, effective = (read_only(column) for column in zip(*self._rows, strict=True))
-        return WatchedCourse(
-            theta=theta,
-            rest_evidence=rest,
-            visit_evidence=visits,
-            effective_pushes=effective,
-            histogram=angle_histogram(theta, HISTOGRAM_BINS),
-            report=self.monitor.report,
-            alarm_rate=self.monitor.alarm_rate,
-        )

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.checks import finite_number, positive_number, whole_number
+from cyclemap.arrays import TWO_PI
+from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.periodic_basis import fourier_columns
 from cyclemap.maps import CircleMap
-from cyclemap.maps.arcs import TWO_PI
 
 Array = NDArray[np.float64]
 
@@ -46,16 +46,16 @@ class CoverageState:
 class Crowding:
     """How crowded recorded directions are, for `runs` collections side by side.
 
-    Each direction adds the density of the wrapped Cauchy law with scale `reach` (rad): near by it counts visits, and
-    its tail finds the middle of what is empty. Cells of half a degree.
+    Each direction adds the density of the wrapped Cauchy law whose scale is what a push covers (5°): near by it counts
+    visits, and its tail finds the middle of what is empty. Cells of half a degree.
     """
 
-    def __init__(self, runs: int = 1, reach: float = REACH) -> None:
-        decay = math.exp(-positive_number("reach", reach))
+    def __init__(self, runs: int = 1) -> None:
+        decay = math.exp(-REACH)
         offsets = np.arange(CELLS) * (TWO_PI / CELLS)
         density = (1.0 - decay**2) / (1.0 + decay**2 - 2.0 * decay * np.cos(offsets))
         self._kernel = np.concatenate([density, density])
-        self.crowding = np.zeros((whole_number("runs", runs, least=1), CELLS))
+        self.crowding = np.zeros((runs, CELLS))
 
     def add(self, theta: Array) -> None:
         """Record a direction of each collection, (runs,) rad."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, Protocol
 
-from cyclemap.errors import DataFileError
+from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import SUFFIXES, read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord
@@ -41,8 +41,17 @@ class Theta0Feed(Protocol):
 
 
 def theta0_feed(path: str | Path) -> Theta0Feed:
-    """The feed of a CSV file with a column theta0_deg (or theta0_accum_deg), or of a folder of pushes, MIT layout."""
-    return PushFolderFeed(Path(path)) if Path(path).is_dir() else Theta0CsvFeed(Path(path))
+    """The feed of a CSV file with a column theta0_deg (or theta0_accum_deg), or of a folder of pushes, MIT layout.
+
+    Of a tree with pushes in one folder it is that one's; InvalidInput where several hold some.
+    """
+    place = Path(path)
+    if not place.is_dir():
+        return Theta0CsvFeed(place)
+    homes = sorted({file.parent for file in place.rglob("*") if push_facts(file) is not None} or {place})
+    if len(homes) > 1 and place not in homes:
+        raise InvalidInput(f"{place}: several folders below hold pushes: watch one, such as {homes[0]}")
+    return PushFolderFeed(place if place in homes else homes[0])
 
 
 class Theta0CsvFeed:
@@ -188,7 +197,9 @@ class PushFolderFeed:
             raise DataFileError(f"{self.path}: cannot be read ({reason}); give a folder that can be listed") from error
         theta = self._theta_of(fresh, finished)
         if finished and not self._taken:
-            raise DataFileError(f"{self.path}: the folder holds no recorded push ({', '.join(SUFFIXES)})")
+            below = next((f.parent for f in sorted(self.path.rglob("*")) if f.suffix.lower() in SUFFIXES), None)
+            where = "" if below is None else f"; there are some in {below}: give that"
+            raise DataFileError(f"{self.path}: the folder holds no recorded push ({', '.join(SUFFIXES)}){where}")
         # What was fed stands until there is something to begin anew with.
         began_anew = self._dropped and bool(theta)
         self._dropped = self._dropped and not theta

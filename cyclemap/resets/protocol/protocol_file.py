@@ -2,36 +2,22 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from decimal import Decimal
 from pathlib import Path
 
 from cyclemap.checks import positive_number, whole_number
+from cyclemap.collection.collection_file import PREDICTED, STRATEGY, collection_tables, read_settings
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import SETTING_KEYS
+from cyclemap.collection.settings import Settings
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.maps import WrappedNormal
+from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, located, toml_text, with_checksum
 from cyclemap.mechanics import SidePush
 from cyclemap.resets.design.strategy import IN_TURN, ORDERS, RANDOM, SHUFFLED, CycleAction, ResetStrategy
-from cyclemap.resets.protocol.file_text import (
-    DEGREES,
-    MILLIMETRES,
-    NUMBER,
-    Unit,
-    check_checksum,
-    located,
-    toml_text,
-    with_checksum,
-)
-from cyclemap.resets.protocol.loop_settings import loop_tables, plain_numbers
 from cyclemap.suggestions import unknown_name
-from cyclemap.text_files import read_text, read_toml
+from cyclemap.text_files import read_toml
 from cyclemap.whole_files import write_whole
 
-NOISE_KEY = "noise_deg"
-STRATEGY, PREDICTED = "strategy", "predicted"
-Settings = dict[str, object]
 Prediction = Mapping[str, object]
 
 _COMMENTS = (
@@ -46,7 +32,7 @@ def write_protocol(
     loop: CollectionLoop,
     strategy: ResetStrategy | None,
     *,
-    noise: WrappedNormal | float | None = None,
+    noise: float | None = None,
     predicted: Prediction | None = None,
 ) -> None:
     """Write the protocol of a collection with `strategy` on `loop` as TOML; whole, or not at all.
@@ -54,7 +40,7 @@ def write_protocol(
     The file holds the robot's side of the loop as --set keys (see `loop_tables`; the surface is named in a comment
     only), and the strategy in a table [strategy], from which `read_protocol` makes the equal one. None: no strategy.
     Its first line is a checksum of the rest.
-    noise : of one cycle: a `WrappedNormal`, or its standard deviation in rad. predicted : scores by name (numbers,
+    noise : of one cycle, standard deviation in rad. predicted : scores by name (numbers,
     texts, booleans, lists of them; None is left out), a table that readers pass over.
 
     Raises InvalidInput for a loop that settings cannot say, OSError where the file
@@ -75,14 +61,11 @@ def protocol_text(
     loop: CollectionLoop,
     strategy: ResetStrategy | None,
     *,
-    noise: WrappedNormal | float | None = None,
+    noise: float | None = None,
     predicted: Prediction | None = None,
 ) -> str:
     """Return the text that `write_protocol` writes."""
-    tables = loop_tables(loop)
-    if noise is not None:
-        sigma = noise.sigma if isinstance(noise, WrappedNormal) else noise
-        tables["noise"] = {NOISE_KEY: math.degrees(positive_number("noise", sigma))}
+    tables = collection_tables(loop, noise)
     if strategy is not None:
         tables[STRATEGY] = _strategy_table(strategy)
     if predicted is not None:
@@ -103,44 +86,16 @@ def _comments(loop: CollectionLoop, strategy: ResetStrategy | None) -> tuple[str
 def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
     """Return the settings of a protocol file, in its units (for `CollectionLoop.from_settings`), and its strategy.
 
-    Settings are the --set keys, grouped in tables of any name but [strategy] and [predicted]; `noise_deg` is among
-    them where the file names one. Without a table [strategy] the strategy is None.
-
-    Raises DataFileError, naming file, key and value, where the file cannot be read, nests deeper, gives a key twice,
-    holds what is no setting or no strategy, or is not what its checksum was made of.
+    Settings are read by `read_settings`. Without a table [strategy] the strategy is None.
+    Raises DataFileError, naming file, key and value, where the file is none of settings, or holds no strategy.
     """
-    check_checksum(path, read_text(Path(path), "TOML"))
+    settings = read_settings(path)
     # Decimals, so that no number is rounded before its unit is known.
     tables = read_toml(path, Decimal)
-    settings: Settings = {}
-    for key, value in _entries(tables):
-        if key in settings:
-            raise DataFileError(f"{path}: {key} is given twice; keep one")
-        if isinstance(value, bool) or not isinstance(value, (int, Decimal, str, list)):
-            raise DataFileError(
-                f"{path}: {key} is {_plain_tables(value)!r}; it must be a number, text or list of points"
-            )
-        settings[key] = plain_numbers(value)
     with located(str(path), DataFileError):
-        for key in settings:
-            if key not in (*SETTING_KEYS, NOISE_KEY):
-                raise unknown_name("setting", key, (*SETTING_KEYS, NOISE_KEY))
         _check_prediction(tables.get(PREDICTED, {}))
         strategy = _strategy(tables[STRATEGY]) if STRATEGY in tables else None
     return settings, strategy
-
-
-def _entries(tables: Mapping[str, object]) -> Iterator[tuple[str, object]]:
-    for name, table in tables.items():
-        if name not in (STRATEGY, PREDICTED):
-            yield from table.items() if isinstance(table, dict) else [(name, table)]
-
-
-def _plain_tables(value: object) -> object:
-    """Return a value of a file as people wrote it."""
-    if isinstance(value, dict):
-        return {key: _plain_tables(part) for key, part in value.items()}
-    return plain_numbers(value)
 
 
 def _check_prediction(table: object) -> None:

@@ -14,10 +14,7 @@ from pathlib import Path
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.mechanics import SidePush
-from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
-from cyclemap.resets.design.strategy import CycleAction, Points, ResetStrategy
-from cyclemap.resets.protocol.file_text import (
+from cyclemap.file_text import (
     DEGREES,
     MILLIMETRES,
     NUMBER,
@@ -27,6 +24,9 @@ from cyclemap.resets.protocol.file_text import (
     located,
     with_checksum,
 )
+from cyclemap.mechanics import SidePush
+from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
+from cyclemap.resets.design.strategy import CycleAction, Points, ResetStrategy
 from cyclemap.suggestions import unknown_name
 from cyclemap.text_files import CsvRow, CsvTable, check_shape, read_text, require_columns
 from cyclemap.whole_files import write_whole

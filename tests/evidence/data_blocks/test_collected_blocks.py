@@ -21,6 +21,8 @@ from cyclemap.evidence.simulation.simulated_collection import simulate_collectio
 from cyclemap.mechanics import EllipseFriction, FoundWith, Material, PlatePressure, load_material
 
 LOOP = CollectionLoop.mit("isotropic")
+ELLIPSE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
+SHARES = ("corner_share", "inner_share", "rim_share")
 SLATE = Material("slate", EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6))
 NOISE = RecordingNoise(turn=math.radians(0.5), position=2e-4, angle=2e-3, force=0.03)
 CYCLES = 60
@@ -74,10 +76,10 @@ def test_every_sort_of_table_is_recognised_by_its_columns(tmp_path) -> None:
     assert names(found) == {"push ends": 18, "drag-backs": 6, "wrenches": 15, "cycles": 8}
     assert found.surface == "slate" and found.last_cycle == 7.0
     assert {name: telling_parameters([block]) for name, block in zip(names(found), found.blocks, strict=True)} == {
-        "push ends": ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y", "pusher_friction", "rim_share"),
-        "drag-backs": ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y", "rim_share", "hitch_scale"),
-        "wrenches": ("friction_scale", "rim_share"),
-        "cycles": ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y", "pusher_friction", "hitch_scale"),
+        "push ends": (*ELLIPSE, "pusher_friction", *SHARES, "tip_offset_x", "tip_offset_y"),
+        "drag-backs": (*ELLIPSE, *SHARES, "pin_friction_radius"),
+        "wrenches": ("friction_scale", *SHARES),
+        "cycles": (*ELLIPSE, "pusher_friction", *SHARES, "pin_friction_radius"),
     }
 
 
@@ -119,7 +121,7 @@ def test_cycles_and_push_ends_are_those_of_the_collection(data) -> None:
 def test_the_friction_of_a_simulated_collection_comes_back_within_its_intervals(data) -> None:
     free = telling_parameters(data.blocks)
     assert set(free) >= {"friction_scale", "rim_share", "hitch_scale"} and len(free) == 8
-    found = identify(data.blocks, free, starts=1, intervals="covariance", level=0.99, space=starting_space(LOOP))
+    found = identify(data.blocks, free, starts=1, level=0.99, space=starting_space(LOOP))
     truth = SurfaceParameters.from_friction(SLATE.friction, pusher_friction=0.15).values()
     assert found.converged
     for name in free:
@@ -151,14 +153,13 @@ def test_the_place_of_the_push_is_the_datas(tmp_path) -> None:
     assert any("forces not used" in note or "force ratios" in note for note in found.notes)
 
 
-def test_rows_of_other_objects_and_selections_are_left_out_and_counted(tmp_path) -> None:
+def test_objects_are_plates_and_what_is_not_selected_is_left_out_and_counted(tmp_path) -> None:
     rows = [push_row(n) for n in range(5)] + [push_row(n, shape="hex") for n in range(3)]
     rows += [push_row(n, "felt") for n in range(2)] + [push_row(0, tip_error=9.0)]
     file = write(tmp_path / "ends.csv", ENDS, rows)
     found = collected_blocks([file], LOOP, {"surface": "slate"})
-    assert names(found) == {"push ends": 15}
+    assert names(found) == {"rect1 push ends": 15, "hex push ends": 9}
     told = Counter(note.removeprefix(f"{file}: ") for note in found.notes)
-    assert told["3 left out: of hex, not rect1"] == 1
     assert told["2 left out: of surface felt, not slate"] == 1
     assert told["1 left out: the tip was not where it was sent"] == 1
     hexagons = collected_blocks([file], LOOP, {"object": "hex"})

@@ -123,7 +123,7 @@ def test_identification_gives_back_what_made_the_pushes() -> None:
     block = push_end_block(made_pushes(16), RECT1)
     free = ("offset_x", "pusher_friction", "rim_share", "tip_offset_x")
     fixed = {name: value for name, value in VALUES.items() if name not in free}
-    found = identify([block], free, fixed, starts=1, intervals="covariance", noise={"push place (m)": 1e-5, "push turn (rad)": 1e-4})  # fmt: skip  # noqa: E501
+    found = identify([block], free, fixed, starts=1, noise={"push place (m)": 1e-5, "push turn (rad)": 1e-4})  # fmt: skip  # noqa: E501
     for name in free:
         assert found[name].value == pytest.approx(VALUES[name], abs=2e-4), name
 

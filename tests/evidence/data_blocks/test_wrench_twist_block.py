@@ -47,7 +47,7 @@ WRENCHES = wrench(TWISTS)
 
 def test_without_noise_friction_and_rim_share_come_back_exactly() -> None:
     block = wrench_twist_block(WrenchTwists(WRENCHES, TWISTS), SQUARE, WEIGHT)
-    found = identify([block], PARAMETERS, starts=3, intervals="covariance")
+    found = identify([block], PARAMETERS, starts=3)
     assert found.converged and found.starts.arrived == 3
     assert max(abs(found.values[name] - TRUTH[name]) for name in PARAMETERS) < 1e-9
 
@@ -118,7 +118,7 @@ def test_anisotropy_seen_from_all_around_hardly_moves_the_rim_share() -> None:
     surface = LimitSurface(PatchFootprint(SQUARE, rim_share=0.4), friction)
     measured = np.concatenate([WEIGHT * surface.wrench(twist[turns == angle], angle) for angle in np.unique(turns)])
     block = wrench_twist_block(WrenchTwists(measured, twist), SQUARE, WEIGHT)
-    found = identify([block], PARAMETERS, starts=1, intervals="covariance")
+    found = identify([block], PARAMETERS, starts=1)
     assert found["rim_share"].value == pytest.approx(0.4, abs=0.03)
 
 

@@ -7,13 +7,13 @@ import pytest
 from scipy.stats import t as student
 from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
 
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import FunctionBlock, Values
 from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
+from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
-from cyclemap.evidence.identification.profile_likelihood import covariance_interval, profile_interval
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 
 X = np.linspace(0.0, 1.0, 12)
@@ -35,7 +35,7 @@ def line_data(seed: int = 0) -> np.ndarray:
     return np.asarray(1.0 + 2.0 * X + 0.1 * np.random.default_rng(seed).standard_normal(12))
 
 
-def test_a_straight_line_has_the_textbook_errors_and_both_intervals_are_students() -> None:
+def test_a_straight_line_has_the_textbook_errors_and_its_interval_is_students() -> None:
     problem = line(line_data())
     fit = fit_with_noise(problem, LINE.start)
     errors = uncertainty(problem, fit)
@@ -46,15 +46,11 @@ def test_a_straight_line_has_the_textbook_errors_and_both_intervals_are_students
     assert np.allclose(errors.freedom, 10.0)
     assert np.allclose(errors.inflation, 1.0)
     assert errors.open == ()
+    found = identify(problem.blocks, LINE.names, space=LINE, starts=1)
     for index, name in enumerate(LINE.names):
         half = student.ppf(0.975, 10) * math.sqrt(covariance[index, index])
-        for interval in (
-            profile_interval(problem, fit, errors, name, 0.95),
-            covariance_interval(problem, fit, errors, name, 0.95),
-        ):
-            assert np.allclose([interval.lower, interval.upper], [best[index] - half, best[index] + half], atol=2e-5)
-            assert interval.resolved
-            assert interval.fits <= 4
+        ends = [found[name].lower, found[name].upper]
+        assert np.allclose(ends, [best[index] - half, best[index] + half], atol=2e-5)
 
 
 def test_rows_written_down_twice_as_one_group_tell_no_more_than_once() -> None:
@@ -98,31 +94,6 @@ def test_known_noise_gives_the_normal_quantile_and_its_own_errors() -> None:
     assert student_quantile(0.95, float(errors.freedom[0])) == pytest.approx(1.959964, abs=1e-6)
 
 
-def test_a_profile_interval_does_not_care_how_the_parameter_is_written_but_the_covariance_does() -> None:
-    """A decay rate and its logarithm: one interval is the logarithm of the other."""
-    data = np.exp(-2.0 * X) + 0.2 * np.random.default_rng(2).standard_normal(12)
-
-    def by_rate(values: Values) -> tuple[np.ndarray, np.ndarray]:
-        return np.exp(-values["rate"] * X) - data, (-X * np.exp(-values["rate"] * X))[:, None]
-
-    def by_log(values: Values) -> tuple[np.ndarray, np.ndarray]:
-        rate = math.exp(values["rate"])
-        return np.exp(-rate * X) - data, (-rate * X * np.exp(-rate * X))[:, None]
-
-    ends: dict[str, list[np.ndarray]] = {"profile": [], "covariance": []}
-    for law, start in ((by_rate, 1.0), (by_log, 0.0)):
-        space = ParameterSpace((Parameter("rate", "", "1", -10.0, 50.0, start, 0.5),))
-        problem = JointProblem((FunctionBlock("decay", ("rate",), law, np.arange(12), "1"),), space, {})
-        fit = fit_with_noise(problem, space.start)
-        errors = uncertainty(problem, fit)
-        for method, interval in (("profile", profile_interval), ("covariance", covariance_interval)):
-            found = interval(problem, fit, errors, "rate", 0.95)
-            ends[method].append(np.array([found.lower, found.upper]))
-            assert found.fits <= 8
-    assert np.allclose(np.log(ends["profile"][0]), ends["profile"][1], atol=0.01)
-    assert np.max(np.abs(np.log(ends["covariance"][0]) - ends["covariance"][1])) > 0.05
-
-
 def product(noise: float = 0.01) -> JointProblem:
     """Data that depend on the product of two parameters alone, and not at all on a third."""
     rng = np.random.default_rng(7)
@@ -146,14 +117,9 @@ def test_parameters_that_trade_off_are_named_and_have_their_whole_range() -> Non
     text = " ".join(str(direction) for direction in errors.open)
     assert "idle is not fixed by the data" in text
     assert "pin and lever trade off" in text or "lever and pin trade off" in text
-    idle = profile_interval(problem, fit, errors, "idle", 0.95)
-    assert (idle.lower, idle.upper, idle.identifiable, idle.fits) == (0.1, 3.0, False, 0)
-    pin = profile_interval(problem, fit, errors, "pin", 0.95)
-    assert pin.resolved
-    assert pin.fits <= 12
-    # The product is near 0.3, and the lever reaches from 0.1 to 3: the pin can be what is left, and no less or more.
-    assert pin.lower == pytest.approx(0.1, abs=0.01)
-    assert pin.upper == pytest.approx(3.0, abs=0.01)
+    found = identify(problem.blocks, problem.space.names, space=problem.space, starts=1)
+    for name in problem.space.names:
+        assert (found[name].lower, found[name].upper, found[name].identifiable) == (0.1, 3.0, False)
 
 
 def test_motion_alone_leaves_the_scale_of_friction_open_and_forces_fix_it() -> None:
@@ -167,53 +133,6 @@ def test_motion_alone_leaves_the_scale_of_friction_open_and_forces_fix_it() -> N
     ]
     forced = JointProblem((*motion.blocks, force_block(12, 0.01)), motion.space, motion.fixed)
     assert uncertainty(forced, fit_with_noise(forced, forced.space.start)).open == ()
-
-
-def test_an_interval_that_meets_a_bound_is_open_there_and_closed_on_the_other_side() -> None:
-    data = 0.02 + 0.1 * np.random.default_rng(3).standard_normal(12)
-
-    def law(values: Values) -> tuple[np.ndarray, np.ndarray]:
-        return values["rim_share"] - data, np.ones((12, 1))
-
-    block = FunctionBlock("share", ("rim_share",), law, np.arange(12), "1")
-    problem = JointProblem((block,), SURFACE.select(("rim_share",)), {})
-    fit = fit_with_noise(problem, problem.space.start)
-    found = profile_interval(problem, fit, uncertainty(problem, fit), "rim_share", 0.95)
-    assert (found.lower, found.lower_open, found.upper_open, found.resolved) == (0.0, True, False, True)
-    assert 0.02 < found.upper < 0.2
-
-
-def test_a_profile_that_meets_the_edge_of_the_model_says_it_is_not_resolved() -> None:
-    data = line_data()
-
-    def law(values: Values) -> tuple[np.ndarray, np.ndarray]:
-        if values["slope"] > 2.02:
-            raise ConvergenceError("no answer there")
-        return values["level"] + values["slope"] * X - data, DESIGN
-
-    problem = JointProblem((FunctionBlock("line", LINE.names, law, np.arange(12), "m"),), LINE, {})
-    fit = fit_with_noise(problem, LINE.start)
-    assert fit.vector[1] < 2.02
-    found = profile_interval(problem, fit, uncertainty(problem, fit), "slope", 0.95)
-    assert not found.resolved
-    assert fit.vector[1] < found.upper <= 2.02
-
-
-def test_a_profile_that_finds_a_lower_minimum_hands_it_over() -> None:
-    """Two wells; the fit sits in the shallower one, and the profile towards the deeper one tells where it is."""
-
-    def law(values: Values) -> tuple[np.ndarray, np.ndarray]:
-        x = values["level"]
-        value, slope = (x**2 - 1.0) + 0.1 * x, 2.0 * x + 0.1
-        return np.array([value, 0.3 * (x + 1.0)]), np.array([[slope], [0.3]])
-
-    space = ParameterSpace((Parameter("level", "", "1", -3.0, 3.0, 0.9, 0.5),))
-    problem = JointProblem((FunctionBlock("wells", ("level",), law, np.arange(2), "1"),), space, {})
-    fit = fit_with_noise(problem, space.start, known={"1": 0.7})
-    assert fit.vector[0] > 0.5
-    found = profile_interval(problem, fit, uncertainty(problem, fit), "level", 0.95)
-    assert found.better is not None
-    assert found.better[0] < 0.0
 
 
 @pytest.mark.parametrize("level", [0.0, 1.0, -1.0])

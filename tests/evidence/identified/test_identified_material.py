@@ -29,9 +29,7 @@ def test_a_loop_on_the_material_rests_on_the_underside_that_was_identified() -> 
     for name in free:
         fixed.pop(name)
     noise = {"push place (m)": 1e-5, "push turn (rad)": 1e-4}
-    material = identified_material(
-        identify([block], free, fixed, starts=1, intervals="covariance", noise=noise), "made"
-    )
+    material = identified_material(identify([block], free, fixed, starts=1, noise=noise), "made")
     pressure = CollectionLoop.mit(material=material).model.pressure
     assert pressure.rim_share == pytest.approx(0.4)
     assert pressure.corner_share == pytest.approx(0.3, abs=2e-3)

@@ -92,6 +92,6 @@ def test_a_surface_is_recovered_from_its_own_statistics():
     noise = {kind: TOLERANCES[kind] for kind in set(block.kinds.tolist())}
     near = [replace(SURFACE[name], start=0.7 * values[name]) for name in free]
     space = SURFACE.extended(*near)
-    found = identify([block], free, fixed, starts=1, intervals="covariance", noise=noise, space=space)
+    found = identify([block], free, fixed, starts=1, noise=noise, space=space)
     assert found.fit.deviance == pytest.approx(2 * sum(np.log(TOLERANCES[kind]) for kind in block.kinds), abs=1e-6)
     assert [found[name].value for name in free] == pytest.approx([0.05, -0.06], abs=1e-4)

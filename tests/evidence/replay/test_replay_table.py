@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from made_replays import FRICTION, START, clock, model_of, record_of
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.replay.replay_table import REPLAY_COLUMNS, replay_pushes
-from cyclemap.mechanics import Slider, WorldPush
+from cyclemap.mechanics import EllipseFriction, PatchFootprint, PlatePressure, Slider, WorldPush
 from cyclemap.mechanics.outline import Ellipse
 
 
@@ -105,3 +106,16 @@ def test_progress_rises_to_one(folder) -> None:
 def test_a_path_with_nothing_is_refused(tmp_path) -> None:
     with pytest.raises(InvalidInput, match="nothing there"):
         replay_pushes(tmp_path / "nowhere", FRICTION)
+
+
+def test_a_plates_pressure_explains_its_pushes_and_isotropy_stands_beside(tmp_path) -> None:
+    """Pushes made under a pressure come back with it; what stands beside is the replay on isotropic friction."""
+    slider = Slider.mit("rect1")
+    pressed = replace(model_of("rect1", 1e-5), footprint=PatchFootprint(slider.outline, rim_share=0.8))
+    write_push(tmp_path / push_name(), pressed)
+    own = replay_pushes(tmp_path, FRICTION, plates=[PlatePressure("rect1", rim_share=0.8)], pusher=pressed.pusher)
+    plain = replay_pushes(tmp_path, EllipseFriction.isotropic(0.25), pusher=pressed.pusher)
+    row, beside = own.table.iloc[0], plain.table.iloc[0]
+    assert row["error"] < 5e-5 and abs(row["turn_error"]) < 1e-3
+    assert row["isotropic_error"] == pytest.approx(beside["error"], abs=1e-6) and beside["error"] > 3e-4
+    assert own.by("object").iloc[0]["isotropic_mean_error"] == pytest.approx(beside["error"], abs=1e-6)

@@ -59,7 +59,7 @@ def test_a_collection_is_gone_on_with_only_by_the_same_cycles(tmp_path) -> None:
 
 def test_a_collection_of_equal_cycles_is_recorded_as_before(tmp_path) -> None:
     simulate_collection(LOOP, tmp_path / "made", 1, noise=STILL, suffix=".json")
-    assert "cycle_by_cycle" not in read_toml(tmp_path / "made" / "simulation.toml")
+    assert "cycle_by_cycle" not in read_toml(tmp_path / "made" / "collection.toml")["simulation"]
 
 
 @pytest.mark.parametrize(

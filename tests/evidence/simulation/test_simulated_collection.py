@@ -16,7 +16,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.evidence.simulation import simulated_collection as module
-from cyclemap.evidence.simulation.collection_folder import ARGUMENTS_FILE, TRUTH_FILE
+from cyclemap.evidence.simulation.collection_folder import FILE_NAME, TRUTH_FILE
 from cyclemap.evidence.simulation.collection_plan import CollectionPlan
 from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
 from cyclemap.evidence.simulation.simulated_collection import simulate_collection
@@ -80,7 +80,7 @@ def test_files_lie_where_the_dataset_has_them_under_its_names(tmp_path) -> None:
     folder = tmp_path / "plywood_changed" / "rect1" / "normal"
     assert sorted(path.name for path in folder.iterdir()) == [name.format(0), name.format(1)]
     assert made.bytes == sum(path.stat().st_size for path in folder.iterdir())
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["plywood_changed", ARGUMENTS_FILE, TRUTH_FILE]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [FILE_NAME, "plywood_changed", TRUTH_FILE]
     pushes = load_pushes(tmp_path)
     assert pushes.unreadable == () and pushes.table["speed"].tolist() == [0.05, 0.05]
 
@@ -203,7 +203,7 @@ def test_lost_files_and_damaged_notes_are_made_again(tmp_path, undisturbed) -> N
 
 
 def test_a_run_killed_before_its_first_file_was_whole_is_begun_anew(tmp_path, undisturbed) -> None:
-    (tmp_path / f".{ARGUMENTS_FILE}.123.part").write_text("version = ")
+    (tmp_path / f".{FILE_NAME}.123.part").write_text("version = ")
     assert simulate(tmp_path).resumed == 0
     assert contents(tmp_path) == undisturbed
 
@@ -242,13 +242,13 @@ def test_other_arguments_in_the_same_folder_are_refused_by_name(tmp_path, change
     before = contents(folder)
     with pytest.raises(InvalidInput, match=message):
         module.CollectionFolder(folder, replace(plan, **changes))
-    assert contents(folder) == before and list(before) == [ARGUMENTS_FILE]
+    assert contents(folder) == before and list(before) == [FILE_NAME]
     module.CollectionFolder(folder, plan)
 
 
 def test_a_collection_of_another_version_is_refused(tmp_path) -> None:
     simulate(tmp_path, cycles=1)
-    record = tmp_path / ARGUMENTS_FILE
+    record = tmp_path / FILE_NAME
     record.write_text(record.read_text().replace('version = "', 'version = "0.0.0-'))
     with pytest.raises(InvalidInput, match=r"version is 0\.0\.0-"):
         simulate(tmp_path, cycles=1)

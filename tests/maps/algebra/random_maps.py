@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps import CircleMap
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-9.0, 9.0, 1801) + 0.00123

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.algebra.branches import branches, preimages
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.rotation.envelopes import upper_envelope
+from cyclemap.maps import CircleMap, branches, preimages, upper_envelope
 
 TWO_PI = 2 * np.pi
 

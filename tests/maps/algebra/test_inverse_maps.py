@@ -5,8 +5,7 @@ import pytest
 from random_maps import GRID, away, check_same, rising_map, straight
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.algebra.map_algebra import compose, inverse
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps import CircleMap, compose, inverse
 
 TWO_PI = 2 * np.pi
 

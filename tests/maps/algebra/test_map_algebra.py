@@ -5,11 +5,17 @@ import pytest
 from random_maps import GRID, any_map, away, check_same, sampled, straight
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.algebra.branches import preimages
-from cyclemap.maps.algebra.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.periodic_orbits import fixed_points
-from cyclemap.maps.rotation.envelopes import upper_envelope
+from cyclemap.maps import (
+    CircleMap,
+    compose,
+    conjugate,
+    fixed_points,
+    inverse,
+    nth_iterate,
+    preimages,
+    shifted,
+    upper_envelope,
+)
 
 TWO_PI = 2 * np.pi
 

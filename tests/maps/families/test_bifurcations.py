@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.families.bifurcations import (
+from cyclemap.maps import (
+    CircleMap,
     bifurcations,
     border_collisions,
     orbit_branches,
     period_doublings,
+    periodic_orbits,
     saddle_nodes,
+    tongue,
 )
-from cyclemap.maps.families.tongues import tongue
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.periodic_orbits import periodic_orbits
 
 TWO_PI = 2 * np.pi
 

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.families.continuation import follow_orbit
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.periodic_orbits import fixed_points, periodic_orbits
+from cyclemap.maps import CircleMap, fixed_points, follow_orbit, periodic_orbits
 
 TWO_PI = 2 * np.pi
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.families.parameter_tangent import break_motion, family_member, parameter_range, parameter_tangent
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps import CircleMap, parameter_tangent
+from cyclemap.maps.families.parameter_tangent import break_motion, family_member, parameter_range
 
 TWO_PI = 2 * np.pi
 THETA = np.linspace(-7.0, 9.0, 101)

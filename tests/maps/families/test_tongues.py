@@ -9,10 +9,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps import rotation_number
-from cyclemap.maps.families.tongues import tongue, tongues
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.periodic_orbits import fixed_points, periodic_orbits
+from cyclemap.maps import CircleMap, fixed_points, periodic_orbits, rotation_number, tongue, tongues
 
 TWO_PI = 2 * np.pi
 WIDE = (-0.5, 1.5)

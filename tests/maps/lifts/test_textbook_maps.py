@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps import CircleMap
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-15.0, 15.0, 3001)

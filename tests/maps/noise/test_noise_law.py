@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.noise.noise_law import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
+from cyclemap.maps import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
 
 TWO_PI = 2 * np.pi
 SMOOTH = [

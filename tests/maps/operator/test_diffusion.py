@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, transfer_operator
-from cyclemap.maps.noise.noise_law import VonMises
+from cyclemap.maps import CircleMap, VonMises, WrappedCauchy, WrappedNormal, transfer_operator
 
 TWO_PI = 2 * np.pi
 

@@ -3,22 +3,11 @@
 import numpy as np
 import pytest
 
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import WrappedNormal
-from cyclemap.maps.operator import fourier_discretisation as module
-from cyclemap.maps.operator.fourier_discretisation import FourierDiscretisation, WavesInBlocks, waves
+from cyclemap.maps import CircleMap, WrappedNormal
+from cyclemap.maps.operator import fourier_basis as module
+from cyclemap.maps.operator.fourier_basis import FourierDiscretisation
 
 MAP, NOISE, MODES = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.2), 40
-
-
-def test_blocks_cover_all_angles_once_in_order(monkeypatch) -> None:
-    angles = np.linspace(0.0, 6.0, 500)
-    assert [part for part, _ in WavesInBlocks(angles, MODES)] == [slice(0, 500)]
-    monkeypatch.setattr(module, "_ENTRIES", 150 * 81)
-    found = list(WavesInBlocks(angles, MODES))
-    assert [rows.shape for _, rows in found] == [(81, 150)] * 3 + [(81, 50)]
-    assert np.array_equal(np.concatenate([angles[part] for part, _ in found]), angles)
-    assert np.array_equal(np.concatenate([rows for _, rows in found], axis=1), waves(angles, MODES))
 
 
 def numbers(basis: FourierDiscretisation) -> dict[str, np.ndarray]:
@@ -41,16 +30,6 @@ def test_many_blocks_give_what_one_gives(monkeypatch) -> None:
     assert whole.keys() == parts.keys() and len(whole) == 5
     for name, value in whole.items():
         assert parts[name] == pytest.approx(value, abs=1e-12 * np.abs(value).max()), name
-
-
-def test_kept_waves_are_made_once(monkeypatch) -> None:
-    made = []
-    monkeypatch.setattr(module, "waves", lambda angles, modes: made.append(angles.size) or waves(angles, modes))
-    basis = FourierDiscretisation(MAP, NOISE, MODES)
-    law = basis.uniform
-    for _ in range(3):
-        law = basis.cycle(law)
-    assert made == [basis.rule()[0].size] * 2
 
 
 def test_the_slope_at_chosen_angles_is_the_one_at_the_nodes_there() -> None:

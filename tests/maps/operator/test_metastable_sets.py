@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps import CircleMap, WrappedNormal, fixed_points, transfer_operator
-from cyclemap.maps.noise.noise_law import UniformNoise
-from cyclemap.maps.operator.arc_partition import best_cuts, leaving_chances
-from cyclemap.maps.operator.metastable_sets import metastable_sets
-from cyclemap.maps.operator.stationary_flow import StationaryFlow
-from cyclemap.maps.passages.nystrom import killed_chain
-from cyclemap.maps.passages.passage_times import mean_passage_time
+from cyclemap.maps import (
+    CircleMap,
+    UniformNoise,
+    WrappedNormal,
+    fixed_points,
+    mean_passage_time,
+    metastable_sets,
+    transfer_operator,
+)
+from cyclemap.maps.operator.metastable_sets import StationaryFlow, best_cuts, leaving_chances
+from cyclemap.maps.passages.killed_chain import killed_chain
 
 TWO_PI = 2 * np.pi
 

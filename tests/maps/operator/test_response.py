@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, lyapunov_exponent, transfer_operator
-from cyclemap.maps.noise.noise_law import VonMises
+from cyclemap.maps import CircleMap, VonMises, WrappedCauchy, WrappedNormal, lyapunov_exponent, transfer_operator
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(0, TWO_PI, 300, endpoint=False)

@@ -5,8 +5,16 @@ import pytest
 from scipy.special import jv
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, fixed_points, rotation_number, transfer_operator
-from cyclemap.maps.noise.noise_law import UniformNoise, VonMises
+from cyclemap.maps import (
+    CircleMap,
+    UniformNoise,
+    VonMises,
+    WrappedCauchy,
+    WrappedNormal,
+    fixed_points,
+    rotation_number,
+    transfer_operator,
+)
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(0, TWO_PI, 400, endpoint=False)

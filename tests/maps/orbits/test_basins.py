@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.basins import basins
-from cyclemap.maps.orbits.periodic_orbits import fixed_points, periodic_orbits
+from cyclemap.maps import CircleMap, basins, fixed_points, periodic_orbits
 
 TWO_PI = 2 * np.pi
 

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.periodic_orbits import fixed_points, periodic_orbits
-from cyclemap.maps.orbits.periodic_points import periodic_points
+from cyclemap.maps import CircleMap, fixed_points, periodic_orbits, periodic_points
 
 TWO_PI = 2 * np.pi
 DOUBLING = CircleMap(lambda x: 2 * x, lambda x: 2 + 0 * x, degree=2)

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.bracketing import bracketed_root
-from cyclemap.maps.orbits.scan import crossings, iterate, iterate_breaks, monotone_cells, preimages
+from cyclemap.maps import CircleMap, preimages
+from cyclemap.maps.orbits.scan import bracketed_root, crossings, iterate, iterate_breaks, monotone_cells
 
 TWO_PI = 2 * np.pi
 

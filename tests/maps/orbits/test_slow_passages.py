@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.periodic_points import periodic_points
-from cyclemap.maps.orbits.slow_passages import REACH, slow_passages
+from cyclemap.maps import CircleMap, periodic_points, slow_passages
+from cyclemap.maps.orbits.slow_passages import REACH
 
 TWO_PI = 2 * np.pi
 EDGE_HALF = 0.46301722338218515819112389  # left edge of the sine map's tongue 1/2 at K = 1, turns

@@ -5,11 +5,16 @@ import pytest
 from scipy.special import log_ndtr
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps import CircleMap, WrappedNormal, fixed_points
-from cyclemap.maps.noise.von_mises import VonMises
+from cyclemap.maps import (
+    CircleMap,
+    UniformNoise,
+    VonMises,
+    WrappedNormal,
+    fixed_points,
+    log10_passage_time,
+    mean_passage_time,
+)
 from cyclemap.maps.passages import log_passage
-from cyclemap.maps.passages.log_passage import log10_passage_time
-from cyclemap.maps.passages.passage_times import mean_passage_time
 
 TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)
@@ -18,14 +23,14 @@ STABLE, UNSTABLE = (float(p.points[0]) for p in fixed_points(STICKY))
 
 @pytest.mark.parametrize("lifted", [True, False])
 def test_a_reset_leaves_with_its_exceedance_whatever_its_size(lifted):
-    """A map that sends the arc to 0.1: T = 1/P(ξ > 0.9 or ξ < -1.1), known by log_ndtr, up to 10^1761."""
+    """A map that sends the arc to 0.1: T = 1/P(ξ > 0.9 or ξ < -1.1), known by log_ndtr, up to 10^175,911."""
     x = np.array([-1.5, 1.5, 1.5, TWO_PI - 1.5])
     reset = CircleMap.from_samples(x, [0.1, 0.1, 0.1, TWO_PI], [0, 0, 0, 0.0])
-    for sigma in (0.1, 0.02, 0.01):
+    for sigma in (0.1, 0.02, 0.01, 0.001):
         exact = -np.logaddexp(log_ndtr(-0.9 / sigma), log_ndtr(-1.1 / sigma)) / np.log(10)
         found = log10_passage_time(reset, WrappedNormal(sigma), 0.0, (-1.0, 1.0), lifted=lifted)
         assert found.holds(exact)
-        assert found.error_bound < 1e-10
+        assert found.error_bound < 1e-13 * (1000 + exact)
 
 
 def test_both_methods_agree_where_the_time_is_still_a_float(monkeypatch):
@@ -54,6 +59,19 @@ def test_the_logarithm_grows_as_large_deviations_say():
     assert max(value.error_bound for value in logs) < 1e-9
 
 
+def test_a_wide_noise_and_one_of_a_milliradian_lie_on_the_same_line():
+    """ln T = V/σ² - n ln σ + c + O(σ²): what is left after V, n = 1 and c is of second order in σ."""
+    sigmas = np.array([0.004, 0.002, 0.001])
+    ends = (0.0, 1.5)
+    logs = [log10_passage_time(STICKY, WrappedNormal(s), STABLE, ends) * np.log(10) for s in sigmas]
+    barrier = (logs[2] - logs[1]) / (sigmas[2] ** -2 - sigmas[1] ** -2)
+    again = (logs[1] - logs[0]) / (sigmas[1] ** -2 - sigmas[0] ** -2)
+    assert logs[2] > 200_000
+    assert abs(barrier / again - 1) < 5e-5
+    # The logarithm that is left in the slopes falls like σ².
+    assert abs(barrier - again) < 2 * np.log(2) * sigmas[1] ** 2
+
+
 def test_two_wells_that_are_both_endless_are_refused():
     two = CircleMap(lambda x: x - 0.25 * np.sin(2 * x), lambda x: 1 - 0.5 * np.cos(2 * x))
     with pytest.raises(ConvergenceError, match="two parts"):
@@ -78,3 +96,10 @@ def test_progress_rises_and_may_end_the_work():
 
     with pytest.raises(KeyboardInterrupt):
         log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True, progress=stop)
+
+
+def test_uniform_noise_tells_its_progress_too():
+    seen = []
+    narrow = UniformNoise(1e-3)
+    time = mean_passage_time(CircleMap.arnold(0.16, 1.0), narrow, 1.5, (1.4, 1.7), progress=seen.append)
+    assert time.error_bound < 1e-6 and seen and seen == sorted(seen) and seen[-1] <= 1.0

@@ -4,12 +4,16 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal
-from cyclemap.maps.noise.noise_law import UniformNoise
-from cyclemap.maps.noise.von_mises import VonMises
-from cyclemap.maps.passages.nystrom import killed_chain, line_exits
-from cyclemap.maps.passages.passage_response import hitting_response, passage_response
-from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
+from cyclemap.maps import (
+    CircleMap,
+    UniformNoise,
+    VonMises,
+    WrappedCauchy,
+    WrappedNormal,
+    mean_passage_time,
+    passage_response,
+)
+from cyclemap.maps.passages.killed_chain import killed_chain, line_exits
 
 TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)
@@ -106,27 +110,6 @@ def test_a_long_passage_barely_knows_its_start_and_the_slope_keeps_its_digits():
     assert abs(found.to_start / slope(change, 1e-4) - 1) < 1e-6
 
 
-def test_the_hitting_probability_responds_as_differences_say():
-    noise, start, a, b = WrappedNormal(0.3), 0.77, (2.2, 3.0), (5.0, 6.0)
-
-    def chance(strength=0.0, noisier=0.0, moved=0.0):
-        one = CircleMap.arnold(0.1, 0.9 + strength)
-        return float(hitting_probability(one, altered(noise, noisier), start + moved, a, b))
-
-    found = hitting_response(STICKY, noise, start, a, b, tangent)
-    pairs = [
-        (found.to_map, slope(lambda h: chance(strength=h))),
-        (found.to_noise, slope(lambda h: chance(noisier=h))),
-        (found.to_start, slope(lambda h: chance(moved=h))),
-    ]
-    assert found.probability == pytest.approx(chance(), rel=1e-12)
-    for exact, difference in pairs:
-        assert abs(exact - difference) < 1e-7 * abs(exact) + 1e-10
-    other = hitting_response(STICKY, noise, start, b, a, tangent)
-    assert other.to_map == pytest.approx(-found.to_map, rel=1e-9)
-    assert hitting_response(STICKY, noise, start, b, a).to_map is None
-
-
 def test_bad_requests_are_refused():
     noise, arc = WrappedNormal(0.3), (0.0, 1.6)
     with pytest.raises(InvalidInput, match="entry by entry"):
@@ -135,8 +118,6 @@ def test_bad_requests_are_refused():
         passage_response(STICKY, noise, 3.0, arc)
     with pytest.raises(InvalidInput, match="jumps"):
         passage_response(STICKY, UniformNoise(0.3), 0.7, arc)
-    with pytest.raises(InvalidInput, match="inside one of the arcs"):
-        hitting_response(STICKY, noise, 2.5, (2.2, 3.0), (5.0, 6.0))
     with pytest.raises(ConvergenceError, match="1e300"):
         passage_response(STICKY, WrappedNormal(0.02), 0.7, (-1.5, 2.3), lifted=True)
     assert passage_response(STICKY, noise, 0.7, arc).to_map is None

@@ -6,12 +6,19 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps import CircleMap, UniformNoise, WrappedCauchy, WrappedNormal, fixed_points, transfer_operator
-from cyclemap.maps.estimate import Estimate
-from cyclemap.maps.noise.von_mises import VonMises
-from cyclemap.maps.passages.elimination import eliminated
-from cyclemap.maps.passages.nystrom import circle_exit, killed_chain, line_exits
-from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
+from cyclemap.maps import (
+    CircleMap,
+    Estimate,
+    UniformNoise,
+    VonMises,
+    WrappedCauchy,
+    WrappedNormal,
+    fixed_points,
+    hitting_probability,
+    mean_passage_time,
+    transfer_operator,
+)
+from cyclemap.maps.passages.killed_chain import circle_exit, eliminated, killed_chain, line_exits
 
 TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)

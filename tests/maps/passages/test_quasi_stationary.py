@@ -6,11 +6,18 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, fixed_points, transfer_operator
-from cyclemap.maps.noise.noise_law import UniformNoise
-from cyclemap.maps.passages.passage_times import mean_passage_time
-from cyclemap.maps.passages.quasi_stationary import quasi_stationary_law, survival_probabilities
-from cyclemap.maps.passages.slips import slip_probabilities
+from cyclemap.maps import (
+    CircleMap,
+    UniformNoise,
+    WrappedCauchy,
+    WrappedNormal,
+    fixed_points,
+    mean_passage_time,
+    quasi_stationary_distribution,
+    slip_probabilities,
+    survival_probabilities,
+    transfer_operator,
+)
 
 TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)
@@ -28,7 +35,7 @@ def rule(arc, count=400):
 def test_the_law_is_carried_into_itself_by_the_killed_chain():
     """ν K = λ ν on the line and on the circle, checked with an independent rule of 400 nodes; ∫ ν = 1."""
     for noise, lifted in ((NOISE, False), (WrappedNormal(0.2), True), (WrappedCauchy(0.9), True)):
-        law = quasi_stationary_law(STICKY, noise, QUARTER, lifted=lifted)
+        law = quasi_stationary_distribution(STICKY, noise, QUARTER, lifted=lifted)
         theta, weight = rule(QUARTER)
         mass, at = law.density(theta) * weight, np.linspace(0.01, 1.5, 7)
         step = noise.line_density if lifted else noise.density
@@ -40,7 +47,7 @@ def test_the_law_is_carried_into_itself_by_the_killed_chain():
 
 def test_escape_is_one_over_the_mean_time_from_the_law():
     """∫ ν T = 1/(1 - λ): the residence is geometric from the quasi-stationary start."""
-    law = quasi_stationary_law(STICKY, NOISE, QUARTER)
+    law = quasi_stationary_distribution(STICKY, NOISE, QUARTER)
     theta, weight = rule(QUARTER, 24)
     times = np.array([mean_passage_time(STICKY, NOISE, x, QUARTER) for x in theta])
     assert law.residence_cycles.holds(float((law.density(theta) * weight) @ times))
@@ -53,7 +60,7 @@ def test_survival_is_the_largest_eigenvalue_of_the_killed_kernel():
     for noise, arc in ((NOISE, QUARTER), (WrappedNormal(0.8), QUARTER), (WrappedNormal(2.0), (0.0, 0.1))):
         theta, weight = rule(arc, 80)
         values = np.linalg.eigvals(noise.density(theta - STICKY(theta)[:, None]) * weight)
-        law = quasi_stationary_law(STICKY, noise, arc)
+        law = quasi_stationary_distribution(STICKY, noise, arc)
         largest = np.max(np.abs(values))
         assert abs(law.survival - largest) < law.survival.error_bound + 1e-14
         assert abs(law.survival + law.escape_probability - 1) < 1e-15
@@ -62,7 +69,7 @@ def test_survival_is_the_largest_eigenvalue_of_the_killed_kernel():
 
 def test_tiny_escapes_keep_their_digits():
     """At 1e-98 a cycle: up + down is the whole, and the mean passage from the bottom is 1/(1 - λ) but for 1e-90."""
-    law = quasi_stationary_law(STICKY, WrappedNormal(0.05), WELL, lifted=True)
+    law = quasi_stationary_distribution(STICKY, WrappedNormal(0.05), WELL, lifted=True)
     time = mean_passage_time(STICKY, WrappedNormal(0.05), STABLE, WELL, lifted=True)
     assert 1e-99 < law.escape_probability < 1e-97
     assert law.escape_probability.error_bound < 1e-10 * law.escape_probability
@@ -76,7 +83,7 @@ def test_a_reset_leaves_with_its_exceedance_each_cycle():
     reset = CircleMap.from_samples(x, [0.1, 0.1, 0.1, TWO_PI], [0, 0, 0, 0.0])
     for sigma in (0.5, 0.1, 0.05):
         noise = WrappedNormal(sigma)
-        law = quasi_stationary_law(reset, noise, (-1.0, 1.2), lifted=True)
+        law = quasi_stationary_distribution(reset, noise, (-1.0, 1.2), lifted=True)
         up, down = float(noise.exceedance(1.1)), float(noise.exceedance(1.1))
         assert abs(law.up - up) <= law.up.error_bound + 1e-14 * up < 1e-10 * up
         assert abs(law.down - down) <= law.down.error_bound + 1e-14 * down < 1e-10 * down
@@ -86,10 +93,10 @@ def test_a_reset_leaves_with_its_exceedance_each_cycle():
 
 
 def test_a_symmetric_well_slips_both_ways_alike():
-    law = quasi_stationary_law(CircleMap.arnold(0.0, 0.9), WrappedNormal(0.4), (-np.pi, np.pi), lifted=True)
+    law = quasi_stationary_distribution(CircleMap.arnold(0.0, 0.9), WrappedNormal(0.4), (-np.pi, np.pi), lifted=True)
     assert law.up == pytest.approx(law.down, rel=1e-12)
     assert law.density(0.7) == pytest.approx(law.density(-0.7), rel=1e-12)
-    turned = quasi_stationary_law(CircleMap.arnold(0.0, 0.9), WrappedNormal(0.4), (-1.0, 1.0))
+    turned = quasi_stationary_distribution(CircleMap.arnold(0.0, 0.9), WrappedNormal(0.4), (-1.0, 1.0))
     assert turned.density(0.7 + TWO_PI) == pytest.approx(turned.density(0.7), rel=1e-12)
 
 
@@ -99,7 +106,7 @@ def test_survival_probabilities_sum_to_the_mean_passage_and_end_geometric():
     assert np.all(np.diff(chances) < 0)
     time = mean_passage_time(STICKY, NOISE, STABLE, QUARTER)
     assert abs(chances.sum() - time) < 1e-11
-    law = quasi_stationary_law(STICKY, NOISE, QUARTER)
+    law = quasi_stationary_distribution(STICKY, NOISE, QUARTER)
     assert abs(chances[201] / chances[200] - law.survival) < 1e-13
 
 
@@ -116,7 +123,7 @@ def test_survival_and_exits_agree_with_monte_carlo():
     chances = survival_probabilities(STICKY, noise, STABLE, arc, 40, lifted=True)
     sigma = np.sqrt(chances * (1 - chances) / paths)
     assert np.all(np.abs(np.array(alive) / paths - chances) < 5 * sigma + 1e-12)
-    law = quasi_stationary_law(STICKY, noise, arc, lifted=True)
+    law = quasi_stationary_distribution(STICKY, noise, arc, lifted=True)
     for seen, told in zip(exits, (law.up, law.down), strict=True):
         assert abs(seen - told) < 4 * np.sqrt(told / alive[-2])
 
@@ -147,9 +154,9 @@ def test_slips_between_equal_zones_half_a_turn_apart():
 
 def test_bad_requests_are_refused():
     with pytest.raises(InvalidInput, match="arc"):
-        quasi_stationary_law(STICKY, NOISE, (0.0, 7.0))
+        quasi_stationary_distribution(STICKY, NOISE, (0.0, 7.0))
     with pytest.raises(InvalidInput, match="jumps"):
-        quasi_stationary_law(STICKY, UniformNoise(0.3), QUARTER)
+        quasi_stationary_distribution(STICKY, UniformNoise(0.3), QUARTER)
     with pytest.raises(InvalidInput, match="outside the arc"):
         survival_probabilities(STICKY, NOISE, 3.0, QUARTER, 5)
     with pytest.raises(InvalidInput, match="cycles"):
@@ -159,10 +166,10 @@ def test_bad_requests_are_refused():
     with pytest.raises(InvalidInput, match="rise by at most a turn"):
         slip_probabilities(STICKY, NOISE, STABLE, STABLE + 1.0)
     with pytest.raises(ConvergenceError, match="1e300"):
-        quasi_stationary_law(STICKY, WrappedNormal(0.025), WELL, lifted=True)
+        quasi_stationary_distribution(STICKY, WrappedNormal(0.025), WELL, lifted=True)
 
 
 def test_two_wells_left_equally_slowly_have_no_single_law():
     twice = CircleMap(lambda x: x - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
     with pytest.raises(ConvergenceError, match="equally slowly"):
-        quasi_stationary_law(twice, WrappedNormal(0.1), (-0.5, np.pi + 0.5001))
+        quasi_stationary_distribution(twice, WrappedNormal(0.1), (-0.5, np.pi + 0.5001))

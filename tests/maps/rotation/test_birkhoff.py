@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.rotation.birkhoff import birkhoff_average, orbit_angles, weighted_mean
+from cyclemap.maps import CircleMap, birkhoff_average
+from cyclemap.maps.rotation.rotation_number import orbit_angles, weighted_mean
 
 TWO_PI = 2 * np.pi
 KNOWN = [

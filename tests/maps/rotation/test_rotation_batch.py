@@ -7,10 +7,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
-from cyclemap.maps.rotation.rotation_batch import rotation_numbers
-from cyclemap.maps.rotation.rotation_number import rotation_number
+from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, ParametricLift, rotation_number, rotation_numbers
 
 TWO_PI = 2 * np.pi
 

@@ -7,10 +7,7 @@ from math import ceil, floor
 import numpy as np
 import pytest
 
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY, MOEBIUS_FAMILY
-from cyclemap.maps.rotation.rotation_batch import rotation_numbers
-from cyclemap.maps.rotation.rotation_number import rotation_interval, rotation_number
+from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, rotation_interval, rotation_number, rotation_numbers
 
 TWO_PI = 2 * np.pi
 ITERATES = 200

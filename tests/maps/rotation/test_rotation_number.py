@@ -7,10 +7,17 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.periodic_orbits import periodic_orbits
-from cyclemap.maps.rotation.envelopes import is_nondecreasing, largest_descent, lower_envelope, upper_envelope
-from cyclemap.maps.rotation.rotation_number import rotation_interval, rotation_number, simplest_between
+from cyclemap.maps import (
+    CircleMap,
+    is_nondecreasing,
+    lower_envelope,
+    periodic_orbits,
+    rotation_interval,
+    rotation_number,
+    upper_envelope,
+)
+from cyclemap.maps.rotation.envelopes import largest_descent
+from cyclemap.maps.rotation.rotation_number import simplest_between
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-9.0, 9.0, 4001)

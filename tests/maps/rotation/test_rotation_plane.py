@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY, MOEBIUS_FAMILY
-from cyclemap.maps.orbits.periodic_orbits import periodic_orbits
-from cyclemap.maps.rotation.rotation_batch import rotation_numbers
-from cyclemap.maps.rotation.rotation_plane import rotation_plane
+from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, periodic_orbits, rotation_numbers, rotation_plane
 
 TWO_PI = 2 * np.pi
 EDGE = (0.46966533712136485155, 1 - 0.46966533712136485155)  # of the tongue 1/2 at K = 0.9

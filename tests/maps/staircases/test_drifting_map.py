@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import WrappedNormal
-from cyclemap.maps.operator.transfer_operator import transfer_operator
-from cyclemap.maps.staircases.drifting_map import DriftingMap, predict_drift
-from cyclemap.maps.staircases.staircase import sample_staircase, sample_staircases
+from cyclemap.maps import (
+    CircleMap,
+    DriftingMap,
+    WrappedNormal,
+    predict_drift,
+    sample_staircase,
+    sample_staircases,
+    transfer_operator,
+)
 
 TWO_PI = 2 * np.pi
 FRESH, WORN = CircleMap.arnold(0.15, 0.9), CircleMap.arnold(0.2, 0.9)

@@ -4,13 +4,18 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.estimate import Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import WrappedNormal
-from cyclemap.maps.operator.transfer_operator import transfer_operator
-from cyclemap.maps.passages.passage_times import mean_passage_time
-from cyclemap.maps.staircases.drifting_map import DriftingMap
-from cyclemap.maps.staircases.staircase import SlowZone, predict_staircase, sample_staircase, sample_staircases
+from cyclemap.maps import (
+    CircleMap,
+    DriftingMap,
+    Estimate,
+    SlowZone,
+    WrappedNormal,
+    mean_passage_time,
+    predict_staircase,
+    sample_staircase,
+    sample_staircases,
+    transfer_operator,
+)
 
 TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)

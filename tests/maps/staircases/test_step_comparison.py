@@ -8,12 +8,8 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import WrappedNormal
-from cyclemap.maps.staircases.slow_zones import predict_staircase
-from cyclemap.maps.staircases.staircase import sample_staircases
-from cyclemap.maps.staircases.step_comparison import compare_steps, kaplan_meier_mean
-from cyclemap.maps.staircases.step_detection import find_steps
+from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps, predict_staircase, sample_staircases
+from cyclemap.maps.staircases.step_comparison import kaplan_meier_mean
 
 TWO_PI = 2 * np.pi
 RUNS = 200

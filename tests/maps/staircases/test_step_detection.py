@@ -4,11 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise_law import WrappedNormal
-from cyclemap.maps.staircases.slow_zones import SlowZone, predict_staircase
-from cyclemap.maps.staircases.staircase import sample_staircase
-from cyclemap.maps.staircases.step_detection import find_steps
+from cyclemap.maps import CircleMap, SlowZone, WrappedNormal, find_steps, predict_staircase, sample_staircase
 
 TWO_PI = 2 * np.pi
 GHOST, GHOST_NOISE = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)

@@ -1,0 +1,71 @@
+"""`cyclemap audit`: what a data set that exists is worth, as a paragraph for its card, JSON and a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cyclemap.cli.options import decorated, result_options
+from cyclemap.cli.own_data import readable_data, table_options
+
+
+def _results(command: Any) -> Any:
+    return decorated(command, result_options("audit_DATA.png and .json"))
+
+
+@click.command("audit")
+@click.argument("data", type=click.Path(path_type=Path))
+@table_options
+@_results
+def audit_command(
+    data: Path, columns: str | None, units: str | None, out: Path, picture_format: str, json_target: str | None
+) -> None:
+    """Audit a data set of pushes: what it covers, where it locked in, what it is worth, what its reset did.
+
+    DATA is a file, folder or tree in the MIT layout, or a table: orientations alone tell much, poses more.
+    """
+    from cyclemap.cli.json_numbers import degrees, direction_deg
+    from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
+    from cyclemap.cli.terminal import PeopleConsole
+    from cyclemap.resets.monitor.audit import audit
+    from cyclemap.views.audit_page import audit_headline, audit_page, audit_paragraph
+    from cyclemap.views.style import render
+    from cyclemap.whole_files import write_whole
+
+    read = readable_data(data, columns, units, out)
+    with progress_bar(f"auditing {data.name}") as report:
+        found = audit(read, progress=report)
+    alarm, reset = found.report.alarm, found.reset
+    told = {
+        "data": str(data),
+        "headline": audit_headline(found),
+        "paragraph": audit_paragraph(found),
+        "pushes": len(found.theta),
+        "pushes_of_other_sets": found.others,
+        "order_known": found.ordered,
+        "covered_deg": [[direction_deg(low), direction_deg(high)] for low, high in found.covered],
+        "covered_share": found.report.coverage.covered,
+        "locked_from": found.locked_from,
+        "locked_towards_deg": [] if alarm is None else [direction_deg(theta) for theta in alarm.directions],
+        "worth": found.worth,
+        "reset": None
+        if reset is None
+        else {
+            "push_turn_deg": degrees(float(reset.push_turn.mean())),
+            "reset_turn_deg": degrees(float(reset.reset_turn.mean())),
+            "undone": reset.undone,
+            "slope": reset.slope if reset.slope == reset.slope else None,
+        },
+        "good": found.is_good,
+    }
+    stem = f"audit_{file_stem(data.stem)}"
+    write_json(out / f"{stem}.json", told)
+    picture = out / f"{stem}.{picture_format}"
+    write_whole(picture, render(audit_page(found), picture_format))
+    if not publish_json(told, json_target):
+        console = PeopleConsole()
+        console.print(audit_headline(found), style="bold")
+        console.print(audit_paragraph(found))
+        console.print(f"picture: {picture}")

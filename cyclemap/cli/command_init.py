@@ -1,0 +1,151 @@
+"""`cyclemap init`: a collection file for one's own object, commented, and a picture of what it says."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cyclemap.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from cyclemap.mechanics.outline import Outline
+
+NOTES = {
+    "vertices_mm": "Counter-clockwise; side i runs from vertex i (from 0) to the next. The frame is the drawing's.",
+    "object_name": "As the data call it.",
+    "mass_kg": "Weigh it. It scales forces alone, never the motion.",
+    "side": "Which side is pushed; see the picture.",
+    "fraction": "Where on it, from its first vertex (0) to its second (1).",
+    "angle_deg": "Direction of the push from the side's inward normal, counter-clockwise.",
+    "push_mm": "How far the rod goes from its first touch.",
+    "pusher_radius_mm": "Measure your rod.",
+    "pusher_mu": "Friction of rod and object; 0.15 is steel on steel.",
+    "hitch_x_mm": "The ring that drags the object back, in the object's frame: measure where yours is.",
+    "noise_deg": "Scatter of the orientation from cycle to cycle; 1.1 was measured on plywood.",
+}
+COMMENTS = (
+    "What is pushed, on what, where, and how it is dragged back: lengths in mm, angles in degrees counter-clockwise.",
+    "Every command takes this file as MATERIAL, or as --protocol beside another material. [friction] is the surface:",
+    "mu_a and mu_b along its axes, the first at phi_deg from the robot's x, its centre off by m0, n0.",
+)
+
+
+@click.command("init")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--rectangle-mm", metavar="WIDTH,HEIGHT", help="A rectangle: its lengths along x and y.")
+@click.option("--ellipse-mm", metavar="WIDTH,HEIGHT", help="An ellipse, or a disc: its whole widths along x and y.")
+@click.option(
+    "--shape", metavar="NAME", help="An object of the MIT push dataset: rect1 to rect3, tri1 to tri3, hex, ..."
+)
+@click.option(
+    "--outline",
+    metavar="PATH",
+    type=click.Path(path_type=Path),
+    help="An SVG, DXF, STL, URDF or CSV file of it.",
+)
+@click.option(
+    "--unit", type=click.Choice(["mm", "cm", "m", "inch"]), help="Of the outline file. [default: guessed, said]"
+)
+@click.option("--tolerance-mm", type=float, default=0.1, show_default=True, help="Corners of the outline that may go.")
+@click.option("--underside", is_flag=True, help="The foot print of a mesh, not its silhouette.")
+@click.option("--name", help="Of the object. [default: the file's]")
+@click.option("--surface", default="table", show_default=True, help="Name of the surface.")
+@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="One fact of the experiment; repeatable.")
+@click.option("--force", is_flag=True, help="Write over a file that is there.")
+@click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
+def init_command(file: Path, json_target: str | None, **asked: Any) -> None:
+    """Write FILE.toml for your own object: its outline, a first guess of push, rod and ring, and a picture of it all.
+
+    Asked for no outline, it asks back.
+    """
+    if file.suffix != ".toml":
+        raise InvalidInput(f"{file}: the file's name must end in .toml")
+    if file.exists() and not asked["force"]:
+        raise InvalidInput(f"{file} is there already: choose another name, or give --force to write over it")
+    if not any(asked[key] for key in ("rectangle_mm", "ellipse_mm", "shape", "outline")):
+        _ask(asked)
+    outline, said = _outline(asked)
+    name = asked["name"] or asked["shape"] or (asked["outline"] or file).stem
+    _write(file, outline, name, asked)
+    from cyclemap.cli.command_check import tell_check
+
+    tell_check(file, file.with_suffix(".png"), json_target, [*said, f"written: {file}"])
+
+
+def _ask(asked: dict[str, Any]) -> None:
+    """Ask people what was not said; InvalidInput where nobody answers."""
+    if not _is_asked():
+        raise InvalidInput(
+            "say what the object is: --rectangle-mm 120,60, --ellipse-mm 80,80, --shape NAME or --outline FILE"
+        )
+    kind = click.prompt("The object", type=click.Choice(["rectangle", "ellipse", "mit", "file"]), default="rectangle")
+    key: str = {"rectangle": "rectangle_mm", "ellipse": "ellipse_mm", "mit": "shape", "file": "outline"}[kind]
+    words = {"rectangle_mm": "Its width,height in mm", "ellipse_mm": "Its widths along x,y in mm", "shape": "Its name"}
+    answer = click.prompt(words.get(key, "The file"), default="rect1" if key == "shape" else None)
+    asked[key] = Path(answer) if key == "outline" else answer
+    asked["name"] = asked["name"] or (None if key == "shape" else click.prompt("A name for it", default="object"))
+    asked["surface"] = click.prompt("A name for the surface", default=asked["surface"])
+
+
+def _is_asked() -> bool:
+    """Whether people sit at the other end."""
+    return sys.stdin is not None and sys.stdin.isatty()
+
+
+def _outline(asked: dict[str, Any]) -> tuple[Outline, list[str]]:
+    """The outline that is asked for, and what is to be said of it."""
+    from cyclemap.mechanics import Ellipse, Polygon, Slider
+
+    given = [key for key in ("rectangle_mm", "ellipse_mm", "shape", "outline") if asked[key]]
+    if len(given) > 1:
+        raise InvalidInput(
+            f"--{given[0].replace('_', '-')} and --{given[1].replace('_', '-')} both say the outline: give one"
+        )
+    if given == ["outline"]:
+        from cyclemap.collection.outline_files import read_outline
+
+        found = read_outline(asked["outline"], asked["unit"], 1e-3 * asked["tolerance_mm"], asked["underside"])
+        return found.outline, list(found.words)
+    if given == ["shape"]:
+        return Slider.mit(asked["shape"]).outline, []
+    x, y = (0.5e-3 * length for length in _lengths(given[0], asked[given[0]]))
+    return (Polygon(((x, y), (-x, y), (-x, -y), (x, -y))) if given == ["rectangle_mm"] else Ellipse(x, y)), []
+
+
+def _lengths(key: str, text: str) -> list[float]:
+    from cyclemap.plain_text import plain_number
+
+    try:
+        found = [plain_number(part) for part in text.split(",")]
+    except ValueError:
+        found = []
+    if len(found) != 2 or not min(found) > 0.0 or not max(found) < float("inf"):
+        raise InvalidInput(f"--{key.replace('_', '-')} {text}: give two lengths in mm, such as 120,60")
+    return found
+
+
+def _write(file: Path, outline: Outline, name: str, asked: dict[str, Any]) -> None:
+    import math
+    from dataclasses import replace
+
+    from cyclemap.cli.settings import set_settings
+    from cyclemap.collection.collection_file import NOISE_KEY, collection_text
+    from cyclemap.collection.loop import CollectionLoop
+    from cyclemap.collection.own_object import first_settings, within_reach
+    from cyclemap.collection.portrait import DEFAULT_SIGMA
+    from cyclemap.collection.settings import layered
+    from cyclemap.whole_files import write_whole
+
+    own = set_settings(asked["settings"])
+    noise_deg = own.pop(NOISE_KEY, round(math.degrees(DEFAULT_SIGMA), 9))
+    first = {"shape": asked["shape"]} if asked["shape"] else first_settings(outline, name)
+    loop = CollectionLoop.from_settings(layered(first, own), CollectionLoop.mit("isotropic"))
+    material = replace(loop.material, name=asked["surface"], provenance="given with cyclemap init, not measured")
+    loop = replace(loop, material=material)
+    if "push_mm" not in own and not asked["shape"]:
+        loop = within_reach(loop)
+    text = collection_text(loop, noise=math.radians(float(str(noise_deg))), comments=COMMENTS, notes=NOTES)
+    write_whole(file, text.encode())

@@ -1,0 +1,135 @@
+"""A collection as one TOML file: the object and its surface, push and reset; what a command writes every one reads.
+
+The tables [object], [push], [reset] and [noise] hold settings by the names of `--set`. The surface stands beside them
+as in a material file. What else is in it ([strategy], [predicted], [simulation]) belongs to those who wrote it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from decimal import Decimal
+from pathlib import Path
+
+from cyclemap.checks import positive_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_settings import loop_tables, plain_numbers
+from cyclemap.collection.settings import SETTING_KEYS, Settings, warn_of_defaults
+from cyclemap.errors import DataFileError
+from cyclemap.file_text import Table, check_checksum, located, toml_text
+from cyclemap.maps import WrappedNormal
+from cyclemap.mechanics import load_material
+from cyclemap.mechanics.material import FILE_KEYS
+from cyclemap.mechanics.material_text import material_toml
+from cyclemap.suggestions import unknown_name
+from cyclemap.text_files import read_text, read_toml
+
+NOISE_KEY = "noise_deg"
+STRATEGY, PREDICTED, SIMULATION = "strategy", "predicted", "simulation"
+# Data folders keep the collection that they are of under this name.
+FILE_NAME = "collection.toml"
+_PASSED_OVER = {*FILE_KEYS, STRATEGY, PREDICTED, SIMULATION} - {"friction"}
+_FOLDERS_UP = 4
+
+
+def read_settings(path: str | Path) -> Settings:
+    """Return the settings of a file, in its units, for `CollectionLoop.from_settings`; `noise_deg` among them.
+
+    They stand in tables of any name. A surface's own keys and tables are passed over; a table [friction] is one where
+    it has both mu_a and mu_b, and settings otherwise.
+
+    Raises DataFileError, naming file, key and value, where the file cannot be read, nests deeper, gives a key twice,
+    holds what is no setting, or is not what its checksum was made of.
+    """
+    check_checksum(path, read_text(Path(path), "TOML"))
+    settings: Settings = {}
+    # Decimals, so that no number is rounded before its unit is known.
+    for key, value in _entries(read_toml(path, Decimal)):
+        if key in settings:
+            raise DataFileError(f"{path}: {key} is given twice; keep one")
+        if isinstance(value, bool) or not isinstance(value, (int, Decimal, str, list)):
+            raise DataFileError(f"{path}: {key} is {_plain(value)!r}; it must be a number, text or list of points")
+        settings[key] = plain_numbers(value)
+    with located(str(path), DataFileError):
+        for key in settings:
+            if key not in (*SETTING_KEYS, NOISE_KEY):
+                raise unknown_name("setting", key, (*SETTING_KEYS, NOISE_KEY))
+    return settings
+
+
+def _entries(tables: Mapping[str, object]) -> Iterator[tuple[str, object]]:
+    for name, table in tables.items():
+        if name not in _PASSED_OVER and not _is_surface(name, table):
+            yield from table.items() if isinstance(table, dict) else [(name, table)]
+
+
+def _plain(value: object) -> object:
+    """A value of a file as people wrote it."""
+    return {key: _plain(part) for key, part in value.items()} if isinstance(value, dict) else plain_numbers(value)
+
+
+def _is_surface(name: str, table: object) -> bool:
+    return name == "friction" and isinstance(table, dict) and {"mu_a", "mu_b"} <= set(table)
+
+
+def names_surface(path: str | Path) -> bool:
+    """Whether a file tells a whole surface, as a material file does."""
+    return any(_is_surface(*entry) for entry in read_toml(path).items())
+
+
+def read_collection(path: str | Path, surface: str | Path | None = None) -> CollectionLoop:
+    """Return the loop of a file; `surface`: a material, or a material file, in place of the file's own.
+
+    What the file does not say is MIT's; where its object is not, a `DoubtfulInput` warning tells what that is.
+    """
+    settings = read_settings(path)
+    settings.pop(NOISE_KEY, None)
+    material = load_material(surface or (path if names_surface(path) else "isotropic"))
+    warn_of_defaults(settings)
+    return CollectionLoop.from_settings(settings, CollectionLoop.mit(material))
+
+
+def data_settings(data: str | Path) -> Settings:
+    """Return what the folder of data, or one above it, says of object, push and reset; empty where none does.
+
+    The surface is not among them: it is what data are to tell.
+    """
+    place = Path(data)
+    for folder in [place, *place.absolute().parents[:_FOLDERS_UP]]:
+        if (folder / FILE_NAME).is_file():
+            return {k: value for k, value in read_settings(folder / FILE_NAME).items() if k != NOISE_KEY}
+    return {}
+
+
+def collection_tables(loop: CollectionLoop, noise: WrappedNormal | float | None = None) -> dict[str, Table]:
+    """Return the tables of a loop and of the noise of its cycles (rad); see `loop_tables`."""
+    tables: dict[str, Table] = dict(loop_tables(loop))
+    if noise is not None:
+        sigma = noise.sigma if isinstance(noise, WrappedNormal) else noise
+        tables["noise"] = {NOISE_KEY: math.degrees(positive_number("noise", sigma))}
+    return tables
+
+
+def collection_text(
+    loop: CollectionLoop,
+    *,
+    noise: WrappedNormal | float | None = None,
+    more: Mapping[str, Table] | None = None,
+    comments: tuple[str, ...] = (),
+    notes: Mapping[str, str] | None = None,
+) -> str:
+    """Return a loop with its surface as the text of a file.
+
+    noise : of a cycle, a `WrappedNormal` or its standard deviation in rad. more : further tables. comments : lines
+    before all else. notes : what is said of a setting, by its key. Raises InvalidInput for a loop no setting can say.
+
+    >>> import tempfile
+    >>> loop = CollectionLoop.from_settings({"semi_x_mm": 40, "semi_y_mm": 50, "object_name": "puck"})
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     _ = Path(place, "puck.toml").write_text(collection_text(loop))
+    ...     read_collection(f"{place}/puck.toml").slider == loop.slider
+    True
+    """
+    head = "".join(f"# {line}".rstrip() + "\n" for line in comments)
+    tables = {**collection_tables(loop, noise), **(more or {})}
+    return f"{head}{material_toml(loop.material)}\n{toml_text(tables, notes=notes or {})}"

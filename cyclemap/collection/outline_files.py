@@ -1,0 +1,300 @@
+"""Outlines from drawings and models: SVG, DXF, STL (and what else trimesh reads), URDF, and CSV vertices."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.mechanics import Polygon
+from cyclemap.plain_text import plain_number
+from cyclemap.text_files import read_bytes, read_text
+
+Array = NDArray[np.float64]
+
+UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
+MESHES = (".stl", ".obj", ".ply", ".off", ".glb", ".dae")
+# DXF's own numbers of units, and CSS's names of them; a pixel is 1/96 inch there.
+_DXF_UNITS = {1: "inch", 4: "mm", 5: "cm", 6: "m"}
+_SVG_UNITS = {
+    "mm": 1e-3,
+    "cm": 1e-2,
+    "in": 0.0254,
+    "pt": 0.0254 / 72,
+    "pc": 0.0254 / 6,
+    "px": 0.0254 / 96,
+    "": 0.0254 / 96,
+}
+# A curve is cut into so many pieces before those that the tolerance allows are left out.
+_PIECES = 64
+_MOST_VERTICES = 400
+# Of what is that small nobody would make a drawing in metres, and of what is that large none in millimetres.
+_METRES_BELOW = 1.5
+# Triangles that lie this near to the lowest place, as a share of the height, are the underside.
+_UNDERSIDE = 1e-3
+
+
+@dataclass(frozen=True)
+class OutlineFile:
+    """The outline of a file, m, about its centroid, vertex 0 the one farthest up and right; words: what was assumed."""
+
+    outline: Polygon
+    words: tuple[str, ...]
+
+
+def read_outline(
+    path: str | Path, unit: str | None = None, tolerance: float = 1e-4, underside: bool = False
+) -> OutlineFile:
+    """Read the outline of an object from a file: the largest closed line of it, holes left out.
+
+    - ``.svg``: paths and shapes, drawn with y down, in the unit of the drawing's width.
+    - ``.dxf``: closed polylines, lines that meet, circles, splines, in the drawing's unit.
+    - ``.stl`` and other meshes, ``.urdf``: the silhouette from above (along z); `underside`: the foot print.
+    - ``.csv``: two columns, x and y, with a header or without.
+
+    unit : "mm", "cm", "m" or "inch"; None: the file's own, or guessed by the size, which `words` say. tolerance : m, by
+    which the outline may be simplified. Needs the libraries of the extra ``cyclemap[outlines]`` for all but CSV.
+    Raises DataFileError where the file has no closed outline, InvalidInput where a library is missing.
+    """
+    path = Path(path)
+    kind = path.suffix.lower()
+    if kind == ".csv":
+        line, own = _csv_vertices(path), None
+    else:
+        read_bytes(path, 2**26)
+        if kind == ".svg":
+            line, own = _svg_outline(path)
+        elif kind == ".dxf":
+            line, own = _dxf_outline(path)
+        elif kind in MESHES:
+            line, own = _mesh_outline(_loaded_mesh(path), underside, path), None
+        elif kind == ".urdf":
+            line, own = _mesh_outline(_urdf_mesh(path), underside, path), 1.0
+        else:
+            listed = ", ".join((".svg", ".dxf", ".urdf", ".csv", *MESHES))
+            raise InvalidInput(
+                f"{path}: an outline is read from {listed}, not from {kind or 'a file without an ending'}"
+            )
+    return _finished(path, line, _unit(line, unit, own), tolerance)
+
+
+def _unit(line: Array, named: str | None, own: float | None) -> tuple[float, str]:
+    """Metres of one unit of a file, and how that is known."""
+    if named is not None:
+        return UNITS[named], f"as told, in {named}"
+    size = float(np.ptp(line, axis=0).max())
+    if own is not None:
+        return own, "in the file's own unit"
+    guess = "m" if size < _METRES_BELOW else "mm"
+    return UNITS[guess], f"in {guess}, guessed by its size: give --unit where that is wrong"
+
+
+def _finished(path: Path, line: Array, unit: tuple[float, str], tolerance: float) -> OutlineFile:
+    points = unit[0] * line
+    points = points[:-1] if np.allclose(points[0], points[-1], atol=1e-9) else points
+    drawn = len(points)
+    if path.suffix.lower() != ".csv":
+        shape = _library("shapely").Polygon(points).buffer(0).simplify(tolerance)
+        if shape.geom_type != "Polygon" or shape.is_empty:
+            raise DataFileError(f"{path}: the outline crosses itself: draw it as one closed line")
+        points = np.array(shape.exterior.coords)[:-1]
+    if len(points) > _MOST_VERTICES:
+        raise DataFileError(
+            f"{path}: {len(points)} vertices: take a larger --tolerance-mm, {_MOST_VERTICES} are enough"
+        )
+    around = np.roll(points, -1, axis=0)
+    if float((points[:, 0] * around[:, 1] - points[:, 1] * around[:, 0]).sum()) < 0.0:
+        points = points[::-1]
+    points = points - Polygon(tuple(map(tuple, points.tolist()))).centroid
+    points = np.roll(points, -int(np.argmax(points.sum(axis=1).round(9))), axis=0)
+    outline = Polygon(tuple(map(tuple, points.round(9).tolist())))
+    width, height = 1e3 * np.ptp(points, axis=0)
+    told = (
+        f"{path.name}: {width:.4g} x {height:.4g} mm, {unit[1]}; {outline.sides} sides of {drawn} points, simplified "
+        f"within {1e3 * tolerance:g} mm; the frame's origin is its centroid"
+    )
+    return OutlineFile(outline, (told,))
+
+
+def _largest(path: Path, lines: Sequence[Array]) -> Array:
+    """The closed line around the largest area."""
+    if not lines:
+        raise DataFileError(f"{path}: no closed line: close the path of the outline, or join its lines")
+
+    def area(line: Array) -> float:
+        x, y = (line - line[0]).T
+        return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+    return max(lines, key=area)
+
+
+def _csv_vertices(path: Path) -> Array:
+    rows = [line.replace(";", ",").split(",") for line in read_text(path, "CSV").splitlines() if line.strip()]
+    points = []
+    for number, row in enumerate(rows, 1):
+        try:
+            points.append([plain_number(row[0]), plain_number(row[1])])
+        except (ValueError, IndexError) as error:
+            if number > 1:
+                raise DataFileError(
+                    f"{path}, line {number}: two numbers x,y are wanted, not {','.join(row)!r}"
+                ) from error
+    if len(points) < 3:
+        raise DataFileError(f"{path}: {len(points)} vertices; an outline has three or more, one x,y a line")
+    return np.array(points)
+
+
+def _svg_outline(path: Path) -> tuple[Array, float]:
+    svg = _library("svgpathtools")
+    try:
+        root = ElementTree.fromstring(read_bytes(path))
+        paths = svg.Document(str(path)).paths()
+    except Exception as error:
+        raise DataFileError(f"{path}: not an SVG drawing that can be read ({error})") from error
+    lines = []
+    for one in paths:
+        for part in one.continuous_subpaths():
+            ends = [
+                part.start,
+                *(segment.point(t) for segment in part for t in _places(type(segment).__name__ == "Line")),
+            ]
+            if len(ends) > 3 and abs(ends[-1] - ends[0]) <= 1e-3 * max(abs(end - ends[0]) for end in ends):
+                lines.append(np.array([[end.real, -end.imag] for end in ends]))
+    return _largest(path, lines), _svg_unit(root)
+
+
+def _places(is_line: bool) -> list[float]:
+    return [1.0] if is_line else [step / _PIECES for step in range(1, _PIECES + 1)]
+
+
+def _svg_unit(root: ElementTree.Element) -> float:
+    """Metres of one unit of the drawing: its width in the world over its width in the drawing's own units."""
+    width, box = (root.get("width") or "").strip(), (root.get("viewBox") or "").replace(",", " ").split()
+    digits = width.rstrip("abcdefghijklmnopqrstuvwxyz%")
+    try:
+        name, across = width[len(digits) :], plain_number(digits)
+        return _SVG_UNITS[name] * (across / plain_number(box[2]) if len(box) == 4 else 1.0)
+    except (ValueError, KeyError):
+        return _SVG_UNITS["px"]
+
+
+def _dxf_outline(path: Path) -> tuple[Array, float | None]:
+    ezdxf = _library("ezdxf")
+    drawing_paths = import_module("ezdxf.path")
+    try:
+        drawing = ezdxf.readfile(path)
+    except Exception as error:
+        raise DataFileError(f"{path}: not a DXF drawing that can be read ({error})") from error
+    pieces = []
+    for entity in drawing.modelspace():
+        try:
+            made = drawing_paths.make_path(entity)
+        except (TypeError, ValueError):
+            continue
+        pieces.append(np.array([[point.x, point.y] for point in made.flattening(1e-4 * _size(made))]))
+    unit = _DXF_UNITS.get(drawing.header.get("$INSUNITS", 0))
+    return _largest(path, _closed(pieces)), None if unit is None else UNITS[unit]
+
+
+def _size(path: Any) -> float:
+    ends = np.array([[point.x, point.y] for point in path.control_vertices()])
+    return max(float(np.ptp(ends, axis=0).max()), 1e-9)
+
+
+def _closed(pieces: Sequence[Array]) -> list[Array]:
+    """The closed lines, and those that open ones make where their ends meet."""
+    shapely = _library("shapely")
+    pieces = [piece for piece in pieces if len(piece) > 1]
+    closed = [piece for piece in pieces if len(piece) > 3 and math.dist(piece[0], piece[-1]) <= 1e-6 * np.ptp(piece)]
+    rest = [shapely.LineString(piece.round(6)) for piece in pieces if not any(piece is one for one in closed)]
+    if rest:
+        closed += [np.array(found.exterior.coords) for found in shapely.polygonize(rest).geoms]
+    return closed
+
+
+def _loaded_mesh(path: Path) -> Array:
+    """The triangles (n, 3, 3) of a mesh file, in its unit."""
+    try:
+        return np.asarray(_library("trimesh").load_mesh(str(path)).triangles, dtype=float)
+    except InvalidInput:
+        raise
+    except Exception as error:
+        raise DataFileError(f"{path}: not a mesh that can be read ({error})") from error
+
+
+def _mesh_outline(triangles: Array, underside: bool, path: Path) -> Array:
+    shapely = _library("shapely")
+    if not len(triangles):
+        raise DataFileError(f"{path}: the mesh has no triangles")
+    if underside:
+        low, high = triangles[..., 2].min(), triangles[..., 2].max()
+        triangles = triangles[(triangles[..., 2] <= low + _UNDERSIDE * (high - low)).all(axis=1)]
+    flat = [shapely.Polygon(corners) for corners in triangles[..., :2]]
+    size = float(np.ptp(triangles[..., :2], axis=(0, 1)).max()) if len(triangles) else 0.0
+    # Triangles meet within rounding of the file only: a hair's breadth closes the seams.
+    hair = 1e-6 * size
+    parts = [one.buffer(hair, join_style="mitre") for one in flat if one.area > 1e-12 * size * size]
+    union = shapely.union_all(parts).buffer(-hair, join_style="mitre")
+    outlines = [np.array(part.exterior.coords) for part in getattr(union, "geoms", [union]) if not part.is_empty]
+    return _largest(path, outlines)
+
+
+def _urdf_mesh(path: Path) -> Array:
+    """The triangles of a URDF's one link, m: its collision shapes, else its visual ones."""
+    try:
+        root = ElementTree.fromstring(read_bytes(path))
+    except ElementTree.ParseError as error:
+        raise DataFileError(f"{path}: not XML: {error}") from error
+    links = {link.get("name"): link for link in root.iter("link") if link.find(".//geometry") is not None}
+    if len(links) != 1:
+        raise DataFileError(
+            f"{path}: {len(links)} links with a geometry ({', '.join(map(str, links))}): keep the object's alone"
+        )
+    link = next(iter(links.values()))
+    parts = link.findall("collision") or link.findall("visual")
+    found = [_placed(_geometry(part.find("geometry"), path), part.find("origin")) for part in parts]
+    return np.concatenate(found)
+
+
+def _geometry(geometry: Any, path: Path) -> Array:
+    trimesh, shape = _library("trimesh"), geometry[0]
+    if shape.tag == "box":
+        return np.asarray(trimesh.creation.box(_numbers(shape.get("size"))).triangles)
+    if shape.tag == "cylinder":
+        radius, length = float(shape.get("radius")), float(shape.get("length"))
+        return np.asarray(trimesh.creation.cylinder(radius, length, sections=_PIECES).triangles)
+    if shape.tag == "mesh":
+        name = str(shape.get("filename")).rpartition("://")[2]
+        places = [path.parent / name, *(parent / name for parent in path.absolute().parents)]
+        file = next((place for place in places if place.is_file()), None)
+        if file is None:
+            raise DataFileError(f"{path}: its mesh {name} is not there: put it beside the URDF")
+        return np.asarray(_loaded_mesh(file) * np.array(_numbers(shape.get("scale") or "1 1 1")))
+    raise DataFileError(f"{path}: a {shape.tag} has no flat underside: give a box, cylinder or mesh")
+
+
+def _placed(triangles: Array, origin: Any) -> Array:
+    if origin is None:
+        return triangles
+    trimesh = _library("trimesh")
+    turn = trimesh.transformations.euler_matrix(*_numbers(origin.get("rpy") or "0 0 0"), "sxyz")[:3, :3]
+    return np.asarray(triangles @ turn.T + np.array(_numbers(origin.get("xyz") or "0 0 0")))
+
+
+def _numbers(text: str | None) -> list[float]:
+    return [plain_number(part) for part in (text or "").split()]
+
+
+def _library(name: str) -> Any:
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise InvalidInput(f"this kind of file needs {name}: pip install 'cyclemap[outlines]'") from error

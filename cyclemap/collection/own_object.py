@@ -1,0 +1,235 @@
+"""An experiment with one's own object: a first guess of where to push it, and what is likely wrong with a guess."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.collection.collection_file import NOISE_KEY, names_surface, read_settings
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.settings import Settings, inherited_defaults, layered
+from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
+from cyclemap.mechanics import Ellipse, Polygon, SidePush, Slider, load_material
+from cyclemap.mechanics.outline import Outline
+
+MM = 1000.0
+# MIT's experiment by the size of its object, the square root of the plate's area: where the ring is, how far it pushes.
+_RING, _PUSH, _FRACTION = 15.0 / 90.0, 150.0 / 90.0, 0.7
+_RULED_MM = 5.0
+# Objects that a rod on a robot's arm pushes about are within these sizes (m); a hand moves none that is heavier (kg).
+_SMALLEST, _LARGEST, _HEAVIEST = 0.01, 1.0, 50.0
+_LEAST_FRICTION, _MOST_FRICTION, _MOST_RATIO, _MOST_ROD_FRICTION = 0.05, 1.2, 2.0, 0.8
+_ORIENTATIONS = 24
+# A ring nearer to the centre than this share of the object's reach hardly turns it; a push shorter than this neither.
+_SHORT_LEVER, _SHORT_PUSH = 0.03, 0.1
+
+
+def first_settings(outline: Outline, name: str) -> Settings:
+    """Return settings of an experiment with an object of this outline, in proportion as MIT's is.
+
+    The pushed side is the longest that a straight wall could touch, the ring on the way from the centroid to the corner
+    that ends it. Rod and friction are MIT's rod and no surface at all: they want to be measured.
+
+    >>> found = first_settings(Polygon([(0.06, 0.03), (-0.06, 0.03), (-0.06, -0.03), (0.06, -0.03)]), "box")
+    >>> found["side"], found["push_mm"], found["hitch_x_mm"]
+    (0, 140.0, -12.65)
+    """
+    size, centre = math.sqrt(outline.area), np.array(outline.centroid)
+    if isinstance(outline, Ellipse):
+        shape: Settings = {"semi_x_mm": MM * outline.semi_x, "semi_y_mm": MM * outline.semi_y}
+        side, corner = 0, np.array([-outline.semi_x, outline.semi_y])
+    else:
+        shape = {"vertices_mm": [[round(MM * part, 6) for part in vertex] for vertex in outline.vertices]}
+        side = _longest_outer_side(outline)
+        corner = outline.array[(side + 1) % outline.sides]
+    ring = centre + _RING * size * (corner - centre) / math.hypot(*(corner - centre))
+    while not outline.contains(ring):
+        ring = 0.5 * (ring + centre)
+    return {
+        **shape,
+        "object_name": name,
+        "mass_kg": 1.0,
+        "side": side,
+        "fraction": _FRACTION if isinstance(outline, Polygon) else 0.3,
+        "angle_deg": 0.0,
+        "push_mm": _RULED_MM * round(MM * _PUSH * size / _RULED_MM) or round(MM * _PUSH * size, 3),
+        "pusher_radius_mm": 4.75,
+        "pusher_mu": 0.15,
+        "hitch_x_mm": round(MM * float(ring[0]), 2),
+        "hitch_y_mm": round(MM * float(ring[1]), 2),
+    }
+
+
+def within_reach(loop: CollectionLoop) -> CollectionLoop:
+    """Return the loop with its push no longer than its rod stays on the object, from 24 orientations, less a tenth."""
+    coarse = replace(loop, accuracy=1e-6)
+    travel = min(coarse.cycle(theta).push.travel for theta in _around())
+    if travel >= loop.push.distance * (1.0 - 1e-9):
+        return loop
+    shorter = 0.9 * MM * travel
+    ruled = _RULED_MM * math.floor(shorter / _RULED_MM) or shorter
+    return replace(loop, push=replace(loop.push, distance=ruled / MM))
+
+
+def _around() -> list[float]:
+    return [2.0 * math.pi * number / _ORIENTATIONS for number in range(_ORIENTATIONS)]
+
+
+def _longest_outer_side(outline: Polygon) -> int:
+    """The longest side that has the whole object on its inner side."""
+    start = outline.array
+    edge = np.roll(start, -1, axis=0) - start
+    length = np.hypot(*edge.T)
+    beyond = [
+        float((ahead[0] * (start - corner)[:, 1] - ahead[1] * (start - corner)[:, 0]).min())
+        for corner, ahead in zip(start, edge / length[:, None], strict=True)
+    ]
+    outer = [side for side in range(outline.sides) if beyond[side] >= -1e-9 * outline.extent]
+    return max(outer or range(outline.sides), key=lambda side: (round(float(length[side]), 9), -side))
+
+
+def first_contact(slider: Slider, push: SidePush, radius: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the centre of the rod as it first touches (2,) m, and the push's unit vector (2,), in the object's frame.
+
+    radius : of the rod, m. Raises InvalidInput for a side that is not there.
+
+    >>> place, way = first_contact(Slider.mit("rect1"), SidePush(), 0.00475)
+    >>> (1e3 * place).round(6), way.round(6) + 0.0
+    (array([-18.  ,  49.75]), array([ 0., -1.]))
+    """
+    outline = slider.outline
+    if push.side >= outline.sides:
+        raise InvalidInput(f"there is no side {push.side}: the object has sides 0 to {outline.sides - 1}")
+    if isinstance(outline, Ellipse):
+        angle = 2.0 * math.pi * push.fraction
+        place = np.array([outline.semi_x * math.cos(angle), outline.semi_y * math.sin(angle)])
+        inward = -np.array([math.cos(angle) / outline.semi_x, math.sin(angle) / outline.semi_y])
+    else:
+        first, second = outline.array[push.side], outline.array[(push.side + 1) % outline.sides]
+        place = first + push.fraction * (second - first)
+        inward = np.array([first[1] - second[1], second[0] - first[0]])
+    x, y = inward / math.hypot(*inward)
+    c, s = math.cos(push.angle), math.sin(push.angle)
+    return place - radius * np.array([x, y]), np.array([c * x - s * y, s * x + c * y])
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What is wrong, or likely so, in plain words: `wrong` where nothing can be computed with it."""
+
+    wrong: bool
+    words: str
+
+
+@dataclass(frozen=True)
+class CheckedCollection:
+    """A collection file as it was understood, and what is doubted of it; loop: None where there can be none."""
+
+    loop: CollectionLoop | None
+    findings: tuple[Finding, ...]
+
+
+def check_collection(path: str | Path) -> CheckedCollection:
+    """Look at a collection file as a careful colleague would.
+
+    Asked are: units, the ring's place, the pushed side and what is left to MIT's experiment, then, by running the push
+    and drag from 24 orientations, whether the rod runs off the object and whether cycles turn it; last, friction.
+    Raises DataFileError where the file is no collection at all.
+    """
+    settings = read_settings(path)
+    settings.pop(NOISE_KEY, None)
+    told = [Finding(False, words) for words in _unsaid(settings, names_surface(path))]
+    with warnings.catch_warnings(record=True) as doubts:
+        warnings.simplefilter("always", DoubtfulInput)
+        try:
+            material = load_material(path if names_surface(path) else "isotropic")
+            loop = CollectionLoop.from_settings(layered(settings), CollectionLoop.mit(material))
+            first_contact(loop.slider, loop.push, loop.pusher.radius)
+            _ = loop.model
+        except InvalidInput as error:
+            return CheckedCollection(None, (Finding(True, str(error)), *told))
+    told += [Finding(False, words) for words in dict.fromkeys(str(doubt.message) for doubt in doubts)]
+    told += [Finding(False, words) for words in (*_sizes(loop.slider), *_friction(loop))]
+    return CheckedCollection(loop, (*_strokes(loop), *told))
+
+
+def _unsaid(settings: Settings, has_surface: bool) -> list[str]:
+    left = inherited_defaults(settings)
+    told = [
+        f"{words} is not said, so it is that of MIT's experiment: give {', '.join(keys)}"
+        for words, keys in left.items()
+    ]
+    if not {"vertices_mm", "semi_x_mm", "shape"} & set(settings):
+        told.append(
+            "no object is said, so it is MIT's 90 mm square rect1: give vertices_mm, semi_x_mm and semi_y_mm, or shape"
+        )
+    if not has_surface:
+        told.append(
+            "no surface is said: give a table [friction] with mu_a and mu_b, or name a material with each command"
+        )
+    return told
+
+
+def _sizes(slider: Slider) -> list[str]:
+    reach, told = slider.outline.extent, []
+    size = f"the object reaches {MM * reach:.4g} mm from its centre"
+    if reach < _SMALLEST:
+        told.append(f"{size}: were its lengths given in metres or centimetres? They are read as millimetres")
+    if reach > _LARGEST:
+        told.append(f"{size}: were its lengths given in finer units than millimetres?")
+    away = math.dist(slider.outline.centroid, (0.0, 0.0))
+    if away > reach:
+        told.append(f"{size}, which is {MM * away:.4g} mm from the origin of its frame: was the drawing not centred?")
+    if math.dist(slider.hitch, slider.centre_of_mass) < _SHORT_LEVER * reach:
+        told.append("the ring is all but at the centre of mass: the drag back will hardly turn the object")
+    if slider.mass > _HEAVIEST:
+        told.append(f"the mass is {slider.mass:g} kg: was it given in grams?")
+    return told
+
+
+def _friction(loop: CollectionLoop) -> list[str]:
+    law, told = loop.material.friction, []
+    low, high = sorted((law.mu_a, law.mu_b))
+    if low < _LEAST_FRICTION or high > _MOST_FRICTION:
+        told.append(f"friction of {low:g} to {high:g} is rare between dry solids, 0.1 to 0.8 is usual")
+    if high > _MOST_RATIO * low:
+        told.append(
+            f"friction is {high / low:.3g} times as large in one direction as in another; measured ones reach 1.6"
+        )
+    if loop.pusher.friction > _MOST_ROD_FRICTION:
+        told.append(f"friction of {loop.pusher.friction:g} between rod and object is that of rubber")
+    if law.mu_a == law.mu_b and law.m0 == law.n0 == 0.0:
+        told.append(
+            "friction is the same in every direction, so that no push direction is preferred: a guess to start with; "
+            "cyclemap identify finds it from data"
+        )
+    return told
+
+
+def _strokes(loop: CollectionLoop) -> list[Finding]:
+    """What running the cycle from orientations all around shows."""
+    coarse, asked = replace(loop, accuracy=1e-6), loop.push.distance
+    shortest, turns = (math.inf, 0.0), []
+    for theta in _around():
+        try:
+            cycle = coarse.cycle(theta)
+        except CycleMapError as error:
+            return [Finding(True, f"from θ0 = {math.degrees(theta):.0f}°: {error}")]
+        shortest = min(shortest, (cycle.push.travel, theta))
+        turns.append(abs(cycle.push_turn))
+    told = []
+    if shortest[0] < asked * (1.0 - 1e-9):
+        told.append(
+            f"the rod slides past the edge after {MM * shortest[0]:.0f} of {MM * asked:.0f} mm "
+            f"(from θ0 = {math.degrees(shortest[1]):.0f}°): take a shorter push_mm, or push nearer to the middle"
+        )
+    if asked < _SHORT_PUSH * loop.slider.outline.extent:
+        told.append(f"a push of {MM * asked:.4g} mm hardly moves this object: is push_mm in millimetres?")
+    if max(turns) < math.radians(1.0):
+        told.append("the push goes through the centre of friction and does not turn the object: move the contact")
+    return [Finding(False, words) for words in told]

@@ -1,0 +1,252 @@
+"""Does a simulator, or a robot, push alike in all directions? The answer, the friction ellipse that does the same, and
+the lock-in that it would cause.
+
+The same push is made from orientations all around. Were friction the same in every direction, the object's motion in
+its own frame would not depend on the orientation: what depends on it is anisotropy of the surface, or of the solver.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import optimize, stats
+
+from cyclemap.checks import finite_array, whole_number
+from cyclemap.collection.fingerprint import Anisotropy
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
+from cyclemap.evidence.laws.linear_fit import fit_linear
+from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.maps import fixed_points
+from cyclemap.mechanics import Material
+
+Array = NDArray[np.float64]
+Push = Callable[[float], Sequence[float]]
+
+PUSHES = 72
+FEWEST = 12
+# What chance alone passes for anisotropy once in a thousand probes is not called anisotropy.
+ALARM_RATE = 1e-3
+CONFIDENCE = 0.95
+MOST_HARMONICS = 4
+OUTCOMES = ("dx", "dy", "dtheta")
+# Of what a solver leaves in a motion that is the same from all orientations: m and rad of a rounding error.
+_ROUNDING = 1e-9
+# A map is asked for where it locks; no finer than intervals of probes are.
+_TOLERANCE = 1e-4
+_AROUND = np.linspace(0.0, 2.0 * math.pi, 721)
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """How much of an outcome goes with `order` times the orientation, with its 95 % interval (m, rad)."""
+
+    outcome: str
+    order: int
+    amplitude: float
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True, eq=False)
+class Probe:
+    """What a set of pushes from all around tells.
+
+    theta : (n,) rad. change : (n, 3) dx, dy (m, in the object's frame before the push), dtheta (rad).
+    harmonics : of each outcome. p_value : of pushes that are alike in all directions but for noise, over all harmonics
+    and outcomes. noise : (3,) standard deviation of what no harmonic explains.
+    anisotropy : of the friction ellipse under `loop` that mimics them; ratio, offset : its axes' ratio, 1 or more, and
+    its centre over the mean radius, each (value, lower, upper) with 95 % confidence. explained : share of the pushes'
+    dependence on orientation that it accounts for.
+    """
+
+    loop: CollectionLoop
+    theta: Array
+    change: Array
+    harmonics: tuple[Harmonic, ...]
+    p_value: float
+    noise: Array
+    anisotropy: Anisotropy
+    ratio: tuple[float, float, float]
+    offset: tuple[float, float, float]
+    explained: float
+
+    @property
+    def found(self) -> bool:
+        """Whether pushes depend on their direction, by more than chance in one of a thousand probes."""
+        return self.p_value < ALARM_RATE
+
+    @cached_property
+    def mimic(self) -> CollectionLoop:
+        """The loop on the friction ellipse that mimics what was probed."""
+        law = self.loop.material.friction
+        friction = self.anisotropy.friction(math.sqrt(law.mu_a * law.mu_b))
+        return replace(self.loop, material=Material(f"{self.loop.material.name} (probed)", friction))
+
+    @cached_property
+    def stable(self) -> tuple[float, ...]:
+        """Orientations (rad) in which a collection on that ellipse would lock; none where it would not."""
+        return tuple(orbit.points[0] for orbit in fixed_points(self.mimic.circle_map(_TOLERANCE)) if orbit.stable)
+
+    @cached_property
+    def turns(self) -> tuple[float, float]:
+        """Least and greatest turn of a cycle on that ellipse, rad."""
+        turned = self.mimic.next_theta(_AROUND[::4]) - _AROUND[::4]
+        return float(turned.min()), float(turned.max())
+
+
+def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
+    """Push from `count` orientations spread evenly and look at what comes back.
+
+    push : gives (dx, dy, dtheta) of one push from orientation theta (rad): m in the object's frame before it, rad. It
+    has to be the push of `loop`, on whatever surface it has. See `probe_pushes`.
+
+    >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
+    >>> def plywood(theta):
+    ...     cycle = loop.cycle(theta)
+    ...     return (*cycle.push_displacement, cycle.push_turn)
+    >>> found = probe(plywood, CollectionLoop.mit("isotropic", accuracy=1e-6), 24)
+    >>> found.found, round(found.ratio[0], 3)
+    (True, 1.085)
+    """
+    number = whole_number("pushes of a probe", count, least=FEWEST)
+    theta = 2.0 * math.pi * np.arange(number) / number
+    changes = []
+    for angle in theta.tolist():
+        given = push(angle)
+        try:
+            changes.append(finite_array("a pose change", given, last=3, ndim=1))
+        except InvalidInput as error:
+            raise InvalidInput(f"from theta = {angle:.4g} rad: {error}; give (dx, dy, dtheta) in m and rad") from error
+    return probe_pushes(theta, np.array(changes), loop)
+
+
+def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> Probe:
+    """Look at pushes from orientations (n,), rad, and how each moved the object, (n, 3): see `Probe`.
+
+    Each outcome is fitted by harmonics of the orientation up to the fourth (as the pushes allow), and the ellipse by
+    least squares of the loop's own pushes, its mean motion left free: neither mean friction nor how the object rests
+    matters much then. Outcomes are weighted by the scatter that the harmonics leave. Intervals take noise as normal and
+    independent from push to push. Raises InvalidInput for fewer than 12 pushes, or ones that leave gaps of a quarter
+    turn.
+    """
+    angles, moved = finite_array("theta", theta, ndim=1), finite_array("change", change, last=3, ndim=2)
+    if angles.size < FEWEST or len(moved) != angles.size:
+        raise InvalidInput(
+            f"{angles.size} orientations and {len(moved)} changes: give {FEWEST} or more, as many of both"
+        )
+    gaps = np.diff(np.sort(np.mod(angles, 2.0 * math.pi)))
+    if max(float(gaps.max(initial=0.0)), 2.0 * math.pi - float(gaps.sum())) > 0.5 * math.pi:
+        raise InvalidInput("the orientations leave a gap of more than a quarter turn: push from all around")
+    order = min(MOST_HARMONICS, (angles.size - 4) // 4)
+    design = fourier_columns(angles, order)
+    fits = [fit_linear(design, column) for column in moved.T]
+    noise = np.array([max(fit.sigma, _ROUNDING) for fit in fits])
+    found = tuple(
+        _harmonic(name, number, fit.coefficients, fit.covariance, angles.size - design.shape[1])
+        for name, fit in zip(OUTCOMES, fits, strict=True)
+        for number in range(1, order + 1)
+    )
+    values, covariance, explained = _ellipse(angles, moved, noise, loop)
+    vector = Anisotropy.of_components(values)
+    free = 3 * angles.size - 7
+    return Probe(
+        loop, angles, moved, found, _p_value(moved, fits, noise, order), noise, vector,
+        tuple(math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free)),  # type: ignore[arg-type]
+        _length(values[:2], covariance[:2, :2], free), explained,
+    )  # fmt: skip
+
+
+def _harmonic(outcome: str, order: int, coefficients: Array, covariance: Array, free: int) -> Harmonic:
+    rows = slice(2 * order - 1, 2 * order + 1)
+    return Harmonic(outcome, order, *_length(coefficients[rows], covariance[rows, rows], free))
+
+
+def _length(vector: Array, covariance: Array, free: int) -> tuple[float, float, float]:
+    """The length of a vector (2,), and those of the shortest and longest in its 95 % confidence ellipse."""
+    values, axes = np.linalg.eigh(covariance)
+    reach = math.sqrt(2.0 * stats.f.ppf(CONFIDENCE, 2, free))
+    radii = reach * np.sqrt(np.maximum(values, 0.0))
+    edge = vector + np.stack([radii[0] * np.cos(_AROUND), radii[1] * np.sin(_AROUND)], axis=-1) @ axes.T
+    lengths = np.hypot(*edge.T)
+    seen = axes.T @ vector
+    inside = bool(np.sum((seen / np.maximum(radii, 1e-300)) ** 2) <= 1.0)
+    return float(np.hypot(*vector)), 0.0 if inside else float(lengths.min()), float(lengths.max())
+
+
+def _p_value(moved: Array, fits: Sequence[Any], noise: Array, order: int) -> float:
+    """Of no dependence on orientation: the likelihood ratio of Wilks, with Rao's F for three outcomes."""
+    count, extra = len(moved), 2 * order
+    centred = (moved - moved.mean(axis=0)) / noise
+    left = np.stack([fit.residuals for fit in fits], axis=-1) / noise
+    floor = (_ROUNDING / noise) ** 2 * count * np.eye(3)
+    log_ratio = np.linalg.slogdet(left.T @ left + floor)[1] - np.linalg.slogdet(centred.T @ centred + floor)[1]
+    p, q, free = 3.0, float(extra), count - extra - 1.0
+    s = math.sqrt((p * p * q * q - 4.0) / (p * p + q * q - 5.0))
+    m = free - 0.5 * (p - q + 1.0)
+    first, second = p * q, m * s - 0.5 * p * q + 1.0
+    root = math.exp(log_ratio / s)
+    return float(stats.f.sf((1.0 - root) / max(root, 1e-300) * second / first, first, second))
+
+
+def _ellipse(angles: Array, moved: Array, noise: Array, loop: CollectionLoop) -> tuple[Array, Array, float]:
+    """The four numbers of the ellipse (see `Anisotropy.of_components`), their covariance, and the share explained."""
+    coarse, law = replace(loop, accuracy=min(loop.accuracy, 1e-7)), loop.material.friction
+    mean = math.sqrt(law.mu_a * law.mu_b)
+
+    def residuals(values: Array) -> Array:
+        try:
+            friction = Anisotropy.of_components(values).friction(mean)
+            made = replace(coarse, material=Material("probed", friction)).cycles(angles)
+        except CycleMapError:
+            return np.full(moved.size, 1e3)
+        predicted = np.column_stack([made.push_displacement, made.push_turn])
+        away = (moved - predicted) / noise
+        return np.asarray((away - away.mean(axis=0)).ravel())
+
+    fit = optimize.least_squares(residuals, np.zeros(4), diff_step=1e-4, x_scale=0.02, method="lm", ftol=1e-6)
+    if not fit.success:
+        raise ConvergenceError(f"no friction ellipse could be fitted: {fit.message}")
+    # What an ellipse cannot mimic counts as scatter of its own, so that its intervals do not forget it.
+    free = moved.size - 7
+    scatter = max(float(fit.fun @ fit.fun) / free, 1e-30)
+    covariance = scatter * np.linalg.inv(fit.jac.T @ fit.jac)
+    total = (moved - moved.mean(axis=0)) / noise
+    return fit.x, covariance, max(1.0 - float(fit.fun @ fit.fun) / max(float((total**2).sum()), 1e-300), 0.0)
+
+
+def command_push(command: Sequence[str]) -> Push:
+    """Return a push that a program makes: a line {"theta_deg": 30} in, a line {"dx_mm", "dy_mm", "dtheta_deg"} out.
+
+    The program is started once, and asked line by line. Raises InvalidInput where it answers otherwise.
+    """
+    try:
+        process = subprocess.Popen(list(command), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    except OSError as error:
+        raise InvalidInput(f"{' '.join(command)}: cannot be started ({error.strerror})") from error
+    assert process.stdin is not None and process.stdout is not None
+    reader, writer = process.stdout, process.stdin
+
+    def push(theta: float) -> tuple[float, float, float]:
+        line = ""
+        try:
+            writer.write(json.dumps({"theta_deg": math.degrees(theta)}) + "\n")
+            writer.flush()
+            line = reader.readline()
+            told = json.loads(line)
+            return 1e-3 * float(told["dx_mm"]), 1e-3 * float(told["dy_mm"]), math.radians(float(told["dtheta_deg"]))
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise InvalidInput(
+                f'{command[0]} answered {line.strip()[:200]!r}: for each line {{"theta_deg": ...}} a line '
+                '{"dx_mm": ..., "dy_mm": ..., "dtheta_deg": ...} is wanted, written out at once'
+            ) from error
+
+    return push

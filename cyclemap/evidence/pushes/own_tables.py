@@ -1,0 +1,454 @@
+"""Tables of one's own brought to the columns of `read_push_csv`: CSV of any house, Excel, LeRobot's parquet, ROS bags.
+
+What a column means is told or guessed by its name, its unit by name or size; every guess is said, and nothing that two
+readings are possible of is guessed. A stream of one object's poses becomes pushes by its episodes, or by its rests.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.pushes.push_files import SUFFIXES
+from cyclemap.text_files import read_text
+
+Array = NDArray[np.float64]
+Columns = dict[str, Array]
+
+EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mcap")
+TEXTS = (".csv", ".tsv", ".txt", ".dat")
+ANGLES, LENGTHS = ("theta0", "theta1", "theta_next", "theta"), ("x0", "y0", "x1", "y1", "x", "y", "length")
+_QUATERNION = ("qx", "qy", "qz", "qw")
+_OTHERS = ("t", "episode", "repetition", "side", "fraction")
+KNOWN = (*ANGLES, *LENGTHS, *_OTHERS, *_QUATERNION)
+UNITS = {"deg": math.pi / 180.0, "rad": 1.0, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
+_ANGLE_UNITS, _LENGTH_UNITS = ("deg", "rad"), ("mm", "cm", "m")
+
+_ANGLE = r"(?:yaw|theta|th|angle|orientation|heading|rot|rotation|rz|winkel)"
+_BEFORE, _AFTER = r"(?:0|before|start|initial|init|pre|vorher|first)", r"(?:1|after|end|final|post|nachher|last)"
+_MEANING = {
+    "theta0": (rf"{_ANGLE}_?{_BEFORE}", rf"{_BEFORE}_{_ANGLE}"),
+    "theta1": (rf"{_ANGLE}_?{_AFTER}", rf"{_AFTER}_{_ANGLE}"),
+    "theta_next": (rf"(?:{_ANGLE}_next|next_{_ANGLE}|th0n)(?:_?0)?",),
+    "theta": (rf"{_ANGLE}",),
+    **{
+        f"{axis}{end}": (rf"(?:pos_?)?{axis}_?{words}", rf"{words}_(?:pos_)?{axis}")
+        for axis in "xy"
+        for end, words in (("0", _BEFORE), ("1", _AFTER))
+    },
+    "x": (r"(?:pos(?:ition)?_)?x",),
+    "y": (r"(?:pos(?:ition)?_)?y",),
+    "t": (r"t|time|timestamp|stamp|secs?|seconds|zeit",),
+    "episode": (r"episode(?:_index|_id)?|trial|push_id",),
+    "repetition": (r"rep|repetition|push|cycle|nr|no|number",),
+    "length": (r"push_?length|push_?distance",),
+    **{
+        name: (rf"(?:orientation_|quat(?:ernion)?_)?{name}", rf"(?:orientation|quat(?:ernion)?)_{name[1]}")
+        for name in _QUATERNION
+    },
+}
+_UNIT_WORDS = {
+    "degrees": "deg",
+    "degree": "deg",
+    "°": "deg",
+    "grad": "deg",
+    "radians": "rad",
+    "metres": "m",
+    "meters": "m",
+}
+# A rest of a stream of poses, and what counts as one: slower than m/s and rad/s for so many seconds.
+_REST_SECONDS, _SLOW, _SLOW_TURN = 0.4, 0.003, 0.03
+_SMOOTHED_SECONDS = 0.2
+# Angles beyond this are no radians, places beyond this no metres of a table.
+_NO_RADIANS, _NO_METRES = 7.0, 3.0
+
+
+@dataclass(frozen=True)
+class OwnTable:
+    """Columns of pushes in SI units by the names of `read_push_csv`; words: what was read as what, and left out."""
+
+    columns: Mapping[str, Array]
+    words: tuple[str, ...]
+    guessed: bool
+
+    def csv_text(self) -> str:
+        """The table as a CSV file that every reader of pushes takes."""
+        names = {name: name for name in self.columns}
+        if "theta1" not in self.columns:
+            names = {name: f"{name}_deg" for name in ("theta0", "theta_next") if name in self.columns}
+        out = io.StringIO()
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(names.values())
+        scale = [math.degrees(1.0) if new.endswith("_deg") else 1.0 for new in names.values()]
+        for row in zip(*(self.columns[name] for name in names), strict=True):
+            writer.writerow(["" if math.isnan(v) else repr(float(f * v)) for f, v in zip(scale, row, strict=True)])
+        return out.getvalue()
+
+
+def is_own(path: str | Path) -> bool:
+    """Whether data are of a kind or with columns that `load_pushes` and its like do not read as they are."""
+    place = Path(path)
+    if place.is_dir():
+        return (place / "meta" / "info.json").is_file() or (place / "metadata.yaml").is_file()
+    kind = place.suffix.lower()
+    if kind in (*EXCEL, *PARQUET, *BAGS):
+        return True
+    if kind not in TEXTS or kind in SUFFIXES or not place.is_file():
+        return False
+    header = (read_text(place, "CSV").splitlines() or [""])[0].lower()
+    names = {name.strip().strip('"') for name in header.split(",")}
+    ours = (
+        {"theta0_deg"},
+        {"theta0_accum_deg"},
+        {"x0", "y0", "x1", "y1"},
+        {"x1", "y1", "x0n", "y0n"},
+        {"fx", "fy", "vx", "vy"},
+    )
+    return not any(names >= wanted for wanted in ours)
+
+
+def read_own_table(path: str | Path, columns: Mapping[str, str] | None = None, units: Sequence[str] = ()) -> OwnTable:
+    """Read a table of one's own, or a stream of poses, as pushes.
+
+    columns : the file's column of each of theta0, theta1, theta_next, x0, y0, x1, y1, of a stream t, x, y, theta (or
+    the quaternion qx, qy, qz, qw) and episode; for a bag pose = its topic. A part of a list is named[i]. units : of
+    angles (deg, rad) and lengths (mm, cm, m). What is not told is guessed.
+    Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
+    """
+    place, told = Path(path), dict(columns or {})
+    for name in told:
+        if name not in (*KNOWN, "pose"):
+            raise InvalidInput(f"--columns {name}=...: know {', '.join((*KNOWN, 'pose'))}")
+    for unit in units:
+        if unit not in UNITS:
+            raise InvalidInput(f"--units {unit}: know {', '.join(UNITS)}")
+    raw = _raw(place, told)
+    meaning = _meaning(place, raw, told)
+    words = [f"{place.name}: {len(next(iter(raw.values())))} rows"]
+    found: Columns = {}
+    for name, column in meaning.items():
+        factor, said = _factor(name, column, raw[column], units)
+        found[name] = factor * raw[column]
+        words.append(f"{column} read as {name}{said}")
+    if "qw" in found:
+        found["theta"] = _yaw(*(found.pop(name) for name in _QUATERNION))
+    if "theta" in found and "theta0" not in found and ("t" in found or "episode" in found):
+        found, more = _pushes(place, found)
+        words.append(more)
+    elif "theta" in found and "theta0" not in found:
+        found["theta0"] = found.pop("theta")
+    pushes, more_words = _cleaned(place, found)
+    return OwnTable(pushes, (*words, *more_words), guessed=len(meaning) > len(told) or not units)
+
+
+# -- what kind of file ------------------------------------------------------------------------------------------
+
+
+def _raw(path: Path, told: Mapping[str, str]) -> Columns:
+    """The columns of a file, by its own names, NaN where a field is empty."""
+    if path.is_dir() and (path / "meta" / "info.json").is_file():
+        return _lerobot(path)
+    if path.is_dir() or path.suffix.lower() in BAGS:
+        return _bag(path, told.get("pose"))
+    if not path.is_file():
+        raise DataFileError(f"{path}: there is no such file; check the path")
+    pandas: Any = import_module("pandas")
+    if path.suffix.lower() in EXCEL:
+        _library("openpyxl", "excel")
+        try:
+            return _numbers(path, pandas.read_excel(path))
+        except (ValueError, KeyError, OSError) as error:
+            raise DataFileError(f"{path}: not a spreadsheet that can be read ({error})") from error
+    if path.suffix.lower() in PARQUET:
+        return _parquet([path])
+    return _numbers(path, _text_table(pandas, path))
+
+
+def _text_table(pandas: Any, path: Path) -> Any:
+    """A CSV file of any separator; where that is no comma, commas in numbers are decimal ones."""
+    text = read_text(path, "CSV")
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith(("#", "sep="))]
+    if len(lines) < 2:
+        raise DataFileError(f"{path}: {len(lines)} lines; a header and rows are wanted")
+    separator = max(";\t,|", key=lambda sign: (lines[0].count(sign), sign == ","))
+    if not lines[0].count(separator):
+        separator = ","
+    try:
+        return pandas.read_csv(
+            io.StringIO("\n".join(lines)),
+            sep=separator,
+            decimal="," if separator != "," else ".",
+            skipinitialspace=True,
+        )
+    except (ValueError, pandas.errors.ParserError) as error:
+        raise DataFileError(f"{path}: rows of different lengths, or none ({error})") from error
+
+
+def _numbers(path: Path, frame: Any) -> Columns:
+    pandas: Any = import_module("pandas")
+    found: Columns = {}
+    for name in frame.columns:
+        column = frame[name]
+        if column.dtype.kind not in "iufb":
+            text = column.astype("string").str.strip().str.replace(",", ".", regex=False)
+            column = pandas.to_numeric(text, errors="coerce")
+        found[str(name).strip()] = column.to_numpy(dtype=float, na_value=math.nan)
+    if not any(np.isfinite(values).any() for values in found.values()):
+        raise DataFileError(f"{path}: no column of numbers among {', '.join(map(str, frame.columns))[:200]}")
+    return found
+
+
+def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = None) -> Columns:
+    """Columns of parquet files, one after the other; of lists each part as a column named[i], or by its own name."""
+    _library("pyarrow", "lerobot")
+    pandas: Any = import_module("pandas")
+    try:
+        frame = pandas.concat([pandas.read_parquet(file) for file in files], ignore_index=True)
+    except (ValueError, OSError) as error:
+        raise DataFileError(f"{files[0]}: not parquet that can be read ({error})") from error
+    found: Columns = {}
+    for column in frame.columns:
+        values = frame[column]
+        if values.dtype.kind in "iufb":
+            found[column] = values.to_numpy(dtype=float)
+        elif len(values) and np.ndim(values.iloc[0]) == 1:
+            parts = np.stack(values.to_numpy())
+            if parts.dtype.kind in "iuf":
+                own = (names or {}).get(column, ())
+                for number in range(parts.shape[1]):
+                    found[f"{column}[{number}]"] = parts[:, number].astype(float)
+                    if number < len(own) and own[number] not in found:
+                        found[own[number]] = found.pop(f"{column}[{number}]")
+    return found
+
+
+def _lerobot(path: Path) -> Columns:
+    """A LeRobot data set: its parquet files in order, the parts of its features by the names that it gives them."""
+    files = sorted((path / "data").rglob("*.parquet"))
+    if not files:
+        raise DataFileError(f"{path}: a LeRobot data set without data/*.parquet: fetch its data, not meta alone")
+    try:
+        features = json.loads(read_text(path / "meta" / "info.json", "JSON")).get("features", {})
+    except ValueError as error:
+        raise DataFileError(f"{path / 'meta' / 'info.json'}: not JSON ({error})") from error
+    names = {}
+    for name, feature in features.items():
+        listed = feature.get("names") if isinstance(feature, dict) else None
+        listed = next(iter(listed.values()), None) if isinstance(listed, dict) else listed
+        if isinstance(listed, list) and all(isinstance(one, str) for one in listed):
+            names[name] = listed
+    return _parquet(files, names)
+
+
+def _bag(path: Path, topic: str | None) -> Columns:
+    """The poses of one topic of a ROS bag, 1 or 2."""
+    _library("rosbags", "ros")
+    highlevel: Any = import_module("rosbags.highlevel")
+    typesys: Any = import_module("rosbags.typesys")
+    rows = []
+    try:
+        store = typesys.get_typestore(typesys.Stores.LATEST)
+        with highlevel.AnyReader([path], default_typestore=store) as reader:
+            posed = [one for one in reader.connections if re.search(r"Pose|Odometry|Transform", one.msgtype)]
+            topics = sorted({one.topic for one in posed})
+            wanted = topic or (topics[0] if len(topics) == 1 else None)
+            if wanted not in topics:
+                have = (
+                    ", ".join(topics)
+                    or f"none among {', '.join(sorted({c.topic for c in reader.connections})) or 'none'}"
+                )
+                raise DataFileError(
+                    f"{path}: give the topic of the object's pose, --columns pose=TOPIC; with poses: {have}"
+                )
+            for one, stamp, content in reader.messages([c for c in posed if c.topic == wanted]):
+                pose = _pose_of(reader.deserialize(content, one.msgtype))
+                rows.append([1e-9 * stamp, *pose])
+    except DataFileError:
+        raise
+    except Exception as error:
+        raise DataFileError(f"{path}: not a ROS bag that can be read ({error})") from error
+    if not rows:
+        raise DataFileError(f"{path}: the topic {wanted} has no message")
+    return dict(zip(("t", "x", "y", *_QUATERNION), np.array(rows).T, strict=True))
+
+
+def _pose_of(message: Any) -> tuple[float, ...]:
+    while not hasattr(message, "orientation") and not hasattr(message, "rotation"):
+        message = message.pose if hasattr(message, "pose") else message.transform
+    place = getattr(message, "position", None) or message.translation
+    turn = getattr(message, "orientation", None) or message.rotation
+    return place.x, place.y, turn.x, turn.y, turn.z, turn.w
+
+
+def _library(name: str, extra: str) -> None:
+    try:
+        import_module(name)
+    except ImportError as error:
+        raise InvalidInput(f"this kind of file needs {name}: pip install 'cyclemap[{extra}]'") from error
+
+
+# -- what a column means ------------------------------------------------------------------------------------------
+
+
+def _bare(column: str) -> tuple[str, str]:
+    """A column's name without its unit, and the unit; both in small letters."""
+    name = re.sub(r"[\s.\-/]+", "_", column.strip().lower())
+    found = re.search(r"[_\[(]*(deg|degrees?|rad|radians|grad|°|mm|cm|m|metres|meters)[\])]*$", name)
+    if found and found.start() > 0 and found.group(0)[0] in "_[(":
+        unit = found.group(1)
+        return name[: found.start()].strip("_"), _UNIT_WORDS.get(unit, unit)
+    return name.strip("_"), ""
+
+
+def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str]:
+    """The file's column for each name that is told or recognised."""
+    have = ", ".join(list(raw)[:20])
+    meaning: dict[str, str] = {}
+    for name, column in told.items():
+        if name != "pose":
+            if column not in raw:
+                raise DataFileError(f"{path}: no column {column} for {name}; it has {have}")
+            meaning[name] = column
+    for name, patterns in _MEANING.items():
+        hits = [column for column in raw if any(re.fullmatch(one, _bare(column)[0]) for one in patterns)]
+        hits = [column for column in hits if column not in meaning.values()]
+        if len(hits) > 1 and name not in meaning:
+            raise DataFileError(
+                f"{path}: {' and '.join(hits)} may both be {name}: say which, --columns {name}={hits[0]}"
+            )
+        if hits and name not in meaning:
+            meaning[name] = hits[0]
+    places = {"x0", "y0", "x1", "y1"} <= set(meaning)
+    if "theta1" in meaning and "theta1" not in told and not places:
+        after = meaning["theta1"]
+        raise DataFileError(
+            f"{path}: is {after} the orientation after the push, or before the next one? Say --columns theta1={after} "
+            f"or theta_next={after}"
+        )
+    quaternion = set(_QUATERNION) & set(meaning)
+    if quaternion and quaternion != set(_QUATERNION):
+        raise DataFileError(f"{path}: of a quaternion all of qx, qy, qz, qw are wanted; it has {have}")
+    if not {"theta0", "theta", "qw"} & set(meaning):
+        raise DataFileError(
+            f"{path}: no column of the object's orientation before each push: say which, --columns theta0=NAME; it has "
+            f"{have}"
+        )
+    return meaning
+
+
+def _factor(name: str, column: str, values: Array, units: Sequence[str]) -> tuple[float, str]:
+    """SI units of one unit of a column, and how that is said."""
+    kinds = _ANGLE_UNITS if name in ANGLES else _LENGTH_UNITS if name in LENGTHS else ()
+    if not kinds:
+        return 1.0, ""
+    told = next((unit for unit in units if unit in kinds), None)
+    if told is not None:
+        return UNITS[told], f" in {told}"
+    named = _bare(column)[1]
+    if named in kinds:
+        return UNITS[named], f" in {named}, by its name"
+    known = values[np.isfinite(values)]
+    reach = float(np.abs(known).max()) if known.size else 0.0
+    small, large, limit = ("rad", "deg", _NO_RADIANS) if name in ANGLES else ("m", "mm", _NO_METRES)
+    unit = large if reach > limit else small
+    return UNITS[unit], f" in {unit}, guessed: it reaches {reach:.4g}"
+
+
+def _yaw(x: Array, y: Array, z: Array, w: Array) -> Array:
+    size = x * x + y * y + z * z + w * w
+    return np.asarray(np.arctan2(2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size))
+
+
+# -- from streams and rows to pushes ---------------------------------------------------------------------------------
+
+
+def _pushes(path: Path, stream: Columns) -> tuple[Columns, str]:
+    """The pushes of a stream of poses: one an episode, else every other motion between rests, the first a push."""
+    good = np.isfinite(stream["theta"])
+    stream = {name: values[good] for name, values in stream.items()}
+    if "episode" in stream:
+        cuts = np.flatnonzero(np.diff(stream["episode"])) + 1
+        spans = [
+            (int(part[0]), int(part[-1])) for part in np.split(np.arange(stream["theta"].size), cuts) if part.size > 1
+        ]
+        words = f"{len(spans)} pushes, one an episode"
+    else:
+        motions = _motions(stream)
+        spans = motions[::2]
+        words = f"{len(motions)} motions between rests: the first and every other one a push, the rest drags back"
+    if not spans:
+        raise DataFileError(f"{path}: no push in it: its object never moves, or never rests")
+    theta = np.concatenate([np.unwrap(stream["theta"][a : b + 1])[[0, -1]] for a, b in spans]).reshape(-1, 2)
+    found: Columns = {"theta0": theta[:, 0], "theta1": theta[:, 1]}
+    ends = np.array(spans)
+    for axis in ("x", "y"):
+        for end in (0, 1):
+            found[f"{axis}{end}"] = stream[axis][ends[:, end]] if axis in stream else np.zeros(len(spans))
+    return found, words
+
+
+def _motions(stream: Columns) -> list[tuple[int, int]]:
+    """First and last sample of each motion that rests divide."""
+    t, count = stream["t"], stream["theta"].size
+    step = max(float(np.median(np.diff(t))), 1e-6)
+    width = max(1, round(_SMOOTHED_SECONDS / step))
+    zero = np.zeros(count)
+    place = [
+        np.convolve(np.pad(stream.get(a, zero), width, "edge"), np.ones(2 * width + 1) / (2 * width + 1), "valid")
+        for a in "xy"
+    ]
+    angle = np.convolve(
+        np.pad(np.unwrap(stream["theta"]), width, "edge"), np.ones(2 * width + 1) / (2 * width + 1), "valid"
+    )
+    moves = (np.hypot(*(np.gradient(one, t) for one in place)) > _SLOW) | (np.abs(np.gradient(angle, t)) > _SLOW_TURN)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], moves.astype(np.int8), [0]])))
+    found: list[tuple[int, int]] = []
+    for low, high in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):
+        if found and t[low] - t[found[-1][1]] < _REST_SECONDS:
+            found[-1] = (found[-1][0], high)
+        else:
+            found.append((low, high))
+    # Where smoothing begins to see a motion the object may be on its way: go out to the rests' own samples.
+    return [(max(low - width, 0), min(high + width, count - 1)) for low, high in found]
+
+
+def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
+    """Rows with an orientation, and with it the next one's where that follows; what was left out is told."""
+    words: list[str] = []
+    known = np.isfinite(found["theta0"])
+    posed = {"x0", "y0", "theta1", "x1", "y1"} <= set(found)
+    number = found.get("repetition", np.arange(known.size, dtype=float))
+    if "theta_next" not in found and not posed and known.all() and (np.diff(number) == 1.0).all() and known.size > 1:
+        return {"theta0": found["theta0"]}, words
+    if "theta_next" not in found:
+        following = np.append(found["theta0"][1:], math.nan)
+        follows = np.append(np.diff(number) == 1.0, False)
+        found["theta_next"] = np.where(follows, following, math.nan)
+        if not follows[:-1].all():
+            words.append(f"{int((~follows[:-1]).sum())} gaps in the numbers of the pushes: no pair across them")
+    kept = known if posed else known & np.isfinite(found["theta_next"])
+    if posed:
+        kept = kept & np.all([np.isfinite(found[name]) for name in ("x0", "y0", "theta1", "x1", "y1")], axis=0)
+    if not known.all():
+        words.append(f"{int((~known).sum())} rows without an orientation left out")
+    if int(kept.sum()) < 2:
+        raise DataFileError(
+            f"{path}: {int(kept.sum())} pushes with an orientation and what follows it; two or more are wanted"
+        )
+    poses = ("x0", "y0", "theta0", "x1", "y1", "theta1", "theta_next", "repetition", "side", "fraction", "length")
+    if posed and "repetition" not in found:
+        found["repetition"] = number
+    named = [name for name in (poses if posed else ("theta0", "theta_next")) if name in found]
+    return {name: found[name][kept] for name in named}, words

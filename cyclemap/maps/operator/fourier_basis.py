@@ -1,0 +1,354 @@
+"""Densities on the circle as trigonometric polynomials, and one cycle of a noisy map as a matrix on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.checks import whole_number
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.estimate import MATRIX
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.quadrature import circle_rule
+
+
+class Discretisation(Protocol):
+    """A basis of n functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix on their coefficients.
+
+    A density p(θ) = Σ_j c_j φ_j(θ), per radian, is its coefficients c, shape (n,), real, or complex where said.
+    """
+
+    @property
+    def map(self) -> CircleMap:
+        """The map of the cycle."""
+
+    @property
+    def noise(self) -> Noise:
+        """The noise of the cycle."""
+
+    @property
+    def size(self) -> int:
+        """n."""
+
+    @property
+    def matrix(self) -> Array:
+        """(n, n): coefficients of the law after one cycle from those before it."""
+
+    @property
+    def mass(self) -> Array:
+        """(n,): the integral of each φ_j over the circle."""
+
+    @property
+    def uniform(self) -> Array:
+        """(n,): coefficients of the density 1/2π."""
+
+    def evaluate(self, theta: Array) -> Array:
+        """(m, n): every φ_j at the angles ``theta``, shape (m,), any turn."""
+
+    def slope(self, theta: Array) -> Array:
+        """(m, n): every φ_j' there (from the right where it is not smooth)."""
+
+    def moments(self, order: int) -> Any:
+        """(n,), complex: ∫ e^{i·order·θ} φ_j(θ) dθ over the circle."""
+
+    def rule(self) -> tuple[Array, Array]:
+        """Nodes and weights over one turn, exact to rounding for φ_j(θ) h(θ), h as smooth as F between its breaks."""
+
+    def residual(self, law: Array) -> float:
+        """A bound on sup_θ |(Lp)(θ) - p(θ)| per radian, L the true operator: truncation, quadrature and rounding."""
+
+    def map_response(self, law: Any, tangent: Callable[[Array], Array], break_shifts: Array) -> Any:
+        """(n,): coefficients of d(Lp) when F moves by ``tangent`` (radians a unit) and F's breaks by ``break_shifts``.
+
+        ``law`` may be complex. ``break_shifts``: one rate a break of F, radians a unit.
+        """
+
+    def noise_response(self, law: Any) -> Any:
+        """(n,): coefficients of d(Lp)/d(the noise's own parameter); ``law`` may be complex."""
+
+
+MAX_MODES = 2_000
+NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
+_ENTRIES = 400_000  # nodes times basis functions handled at a time: waves made anew in the cache beat kept ones
+
+Waves = tuple[slice, Array]
+Block = tuple[slice, Array, Array]
+
+
+def needed_modes(noise: Noise) -> int:
+    """Fourier modes beyond which the noise's coefficients add up to less than 1e-17.
+
+    Raises InvalidInput where that takes more than 2000.
+
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> needed_modes(WrappedNormal(0.5))
+    19
+    """
+    modes = 1
+    while noise.tail(modes) > NEGLIGIBLE and modes <= MAX_MODES:
+        modes = int(np.ceil(1.05 * modes + 1))
+    if modes > MAX_MODES:
+        raise InvalidInput(f"{noise!r} needs more than {MAX_MODES} Fourier modes: raise its width")
+    return modes
+
+
+def waves(theta: Array, modes: int) -> Array:
+    """1, cos mθ (m = 1..modes), sin mθ at the angles ``theta`` (shape (n,)), as rows: shape (2·modes + 1, n)."""
+    powers = np.empty((modes + 1, theta.size), dtype=np.complex128)
+    powers[0], powers[1] = 1.0, np.exp(1j * np.mod(theta, TWO_PI))
+    filled = 2
+    while filled <= modes:
+        # Orders filled .. 2·filled - 2 are the known ones times the highest known power.
+        more = min(filled - 1, modes + 1 - filled)
+        np.multiply(powers[1 : more + 1], powers[filled - 1], out=powers[filled : filled + more])
+        filled += more
+    return np.concatenate([powers.real, powers[1:].imag])
+
+
+@dataclass(frozen=True, eq=False)
+class WavesInBlocks:
+    """Blocks of some angles, each with its ``waves``; kept where all fit in one block, else made as they are used."""
+
+    angles: Array
+    modes: int
+
+    def __iter__(self) -> Iterator[Waves]:
+        step = max(64, _ENTRIES // (2 * self.modes + 1))
+        if self.angles.size <= step:
+            return iter([self._only_block])
+        parts = (slice(at, at + step) for at in range(0, self.angles.size, step))
+        return ((part, waves(self.angles[part], self.modes)) for part in parts)
+
+    @cached_property
+    def _only_block(self) -> Waves:
+        return slice(0, self.angles.size), waves(self.angles, self.modes)
+
+
+@dataclass(frozen=True, eq=False)
+class FourierDiscretisation:
+    """Trigonometric polynomials with ``modes`` harmonics, real: 1/2π, cos mθ/π, sin mθ/π; meets ``Discretisation``.
+
+    The coefficients of a law are its moments (1, E cos mθ, E sin mθ), and one cycle carries them to κ_m E cos mF,
+    κ_m E sin mF, κ_m the noise's coefficients: a Galerkin method, exact but for truncation and quadrature (the
+    setting of Galatolo, Monge & Nisoli 2020). Integrals are taken branch by branch, so jumps and kinks cost nothing.
+
+    map, noise : whose cycle it is. modes : 1 to 2000. finer : how many times as many quadrature nodes as are needed.
+    Raises InvalidInput for a number of modes outside that range.
+
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> basis = FourierDiscretisation(CircleMap.rigid(0.25), WrappedNormal(1.0), 3)
+    >>> basis.size, round(float(basis.matrix[4, 1]), 12)
+    (7, 0.606530659713)
+    """
+
+    map: CircleMap
+    noise: Noise
+    modes: int
+    finer: int = 1
+
+    def __post_init__(self) -> None:
+        if whole_number("modes", self.modes, least=1) > MAX_MODES:
+            raise InvalidInput(f"modes is {self.modes}: at most {MAX_MODES} Fourier modes can be kept")
+
+    # -- the basis -----------------------------------------------------------------------------------------
+
+    @property
+    def size(self) -> int:
+        """2·modes + 1."""
+        return 2 * self.modes + 1
+
+    @cached_property
+    def mass(self) -> Array:
+        """(n,): 1 for the constant, 0 for every wave."""
+        return np.asarray(np.eye(1, self.size)[0])
+
+    @property
+    def uniform(self) -> Array:
+        """(n,): the constant alone."""
+        return self.mass
+
+    @cached_property
+    def _scale(self) -> Array:
+        """(n,): what turns a wave into a basis function."""
+        return (2.0 - self.mass) / TWO_PI
+
+    @cached_property
+    def order(self) -> Array:
+        """(n,): the harmonic m of every basis function."""
+        rising = np.arange(1.0, self.modes + 1.0)
+        return np.concatenate([[0.0], rising, rising])
+
+    def evaluate(self, theta: Array) -> Array:
+        """(m, n): 1/2π, cos mθ/π, sin mθ/π at the angles ``theta``, shape (m,)."""
+        rows = waves(theta, self.modes)
+        rows *= self._scale[:, None]
+        return rows.T
+
+    def slope(self, theta: Array) -> Array:
+        """(m, n): the derivatives of the basis functions."""
+        return np.asarray((self._turned(waves(theta, self.modes)) * self._scale[:, None]).T)
+
+    def moments(self, order: int) -> Any:
+        """(n,), complex: ∫ e^{i·order·θ} φ_j dθ; all 0 beyond the modes kept."""
+        row = np.zeros(self.size, dtype=np.complex128)
+        if order == 0:
+            row[0] = 1.0
+        elif abs(order) <= self.modes:
+            row[abs(order)], row[self.modes + abs(order)] = 1.0, 1j * np.sign(order)
+        return row
+
+    def rule(self) -> tuple[Array, Array]:
+        """Nodes and weights over one turn, for products of waves of θ, waves of F(θ) and what is as smooth as F."""
+        return self._rule
+
+    @cached_property
+    def _rule(self) -> tuple[Array, Array]:
+        return circle_rule(self.map, self.modes, self.finer)
+
+    # -- one cycle -----------------------------------------------------------------------------------------
+
+    @cached_property
+    def kappa(self) -> Array:
+        """(n,): the noise's coefficient of every basis function."""
+        return self.noise.coefficients(self.order)
+
+    @cached_property
+    def matrix(self) -> Array:
+        """(n, n): κ_m ∫ (1, cos mF, sin mF) φ_k dθ; the first row keeps the mass exactly."""
+        _, weight = self._rule
+        matrix = np.zeros((self.size, self.size))
+        for part, before, after in self._blocks():
+            matrix += after @ (before * weight[part]).T
+        matrix *= self.kappa[:, None] * self._scale
+        matrix[0] = self.mass
+        return matrix
+
+    def cycle(self, law: Any) -> Any:
+        """(n,): coefficients after one cycle of the density with coefficients ``law``; or columns of several."""
+        return self.carried(self.on_nodes(law))
+
+    def backward(self, dual: Any) -> Any:
+        """(n,): the transpose of ``cycle``, on the integrals ∫ zφ_j of a function z; columns of several too."""
+        _, weight = self._rule
+        ahead = _times(self.kappa, dual)
+        parts = [before @ _times(weight[part], after.T @ ahead) for part, before, after in self._blocks()]
+        return _times(self._scale, np.sum(parts, axis=0))
+
+    def expected_after(self, dual: Any) -> Any:
+        """E z(F(θ) + ξ) at the nodes of ``rule``, for the function z with the integrals ``dual``, ∫ zφ_j."""
+        ahead = _times(self.kappa, dual)
+        return np.concatenate([after.T @ ahead for _, after in self._after])
+
+    def expected_slope(self, dual: Array, factors: Array | None = None, at: Array | None = None) -> Array:
+        """d/dF of ``expected_after``, E z'(F(θ) + ξ), there or at the angles ``at``; ``factors`` to use for the κ_m."""
+        images = self._after if at is None else WavesInBlocks(self.map(at), self.modes)
+        ahead = _times(self.kappa if factors is None else factors, dual)
+        # Turning the few factors back is the same as turning the many waves, and costs nothing.
+        back = -self._turned(ahead)
+        return np.concatenate([after.T @ back for _, after in images])
+
+    def on_nodes(self, law: Any) -> Any:
+        """The density with coefficients ``law``, per radian, at the nodes of ``rule``."""
+        return np.concatenate([before.T @ _times(self._scale, law) for _, before in self._before])
+
+    def carried(self, density: Any) -> Any:
+        """(n,): coefficients after one cycle of the density with these values at the nodes of ``rule``."""
+        return _times(self.kappa, self._image_moments(density))
+
+    def _image_moments(self, density: Any) -> Any:
+        _, weight = self._rule
+        return np.sum([after @ _times(weight[part], density[part]) for part, after in self._after], axis=0)
+
+    # -- accuracy ------------------------------------------------------------------------------------------
+
+    def refined(self) -> FourierDiscretisation:
+        """The same with every mode that the noise lets through and twice as many nodes: for residuals."""
+        return FourierDiscretisation(self.map, self.noise, max(self.modes, needed_modes(self.noise)), 2 * self.finer)
+
+    def padded(self, coefficients: Any, coarse: FourierDiscretisation) -> Any:
+        """(n,): coefficients on a ``coarse`` basis, of fewer modes, as coefficients on this one."""
+        part = np.split(coefficients, [1, coarse.modes + 1])
+        rest = np.zeros((self.modes - coarse.modes, *np.shape(coefficients)[1:]))
+        return np.concatenate([part[0], part[1], rest, part[2], rest])
+
+    def cut(self, coefficients: Any, coarse: FourierDiscretisation) -> Any:
+        """The coefficients of the modes that a ``coarse`` basis has too."""
+        return np.concatenate([coefficients[: coarse.modes + 1], coefficients[self.modes + 1 :][: coarse.modes]])
+
+    def residual(self, law: Array) -> float:
+        """A bound on sup_θ |(Lp)(θ) - p(θ)| per radian, L the true operator: truncation, quadrature and rounding.
+
+        From twice as many nodes and every mode that the noise lets through. The modes beyond are bounded by the
+        noise's ``tail`` (proved); quadrature and rounding are measured.
+        """
+        fine = self.refined()
+        wide = fine.padded(law, self)
+        density = fine.on_nodes(wide)
+        left = fine.carried(density) - wide
+        return fine.largest(left) + fine.left_out(density) / np.pi
+
+    def largest(self, coefficients: Any) -> float:
+        """A bound on |p| per radian from p's coefficients, real or complex: |c_0|/2π + Σ |c_m|/π."""
+        squares = np.abs(coefficients) ** 2
+        harmonics = np.sqrt(squares[1 : self.modes + 1] + squares[self.modes + 1 :])
+        return float(np.sqrt(squares[0]) / TWO_PI + np.sum(harmonics) / np.pi)
+
+    def left_out(self, density: Any) -> float:
+        """Bound on Σ over m > modes of |E e^{imθ}| after one cycle (proved), and an allowance for rounding."""
+        _, weight = self._rule
+        rounding = MATRIX * float(np.linalg.norm(self.kappa))
+        return (self.noise.tail(self.modes) + rounding) * float(np.dot(weight, np.abs(density)))
+
+    # -- responses -----------------------------------------------------------------------------------------
+
+    def map_response(self, law: Any, tangent: Callable[[Array], Array], break_shifts: Array) -> Any:
+        """(n,): coefficients of d(Lp) when F moves by ``tangent`` (radians a unit) and its breaks by ``break_shifts``.
+
+        κ_m (∫ im·tangent·e^{imF} p dθ + Σ_b shift_b p(b) (e^{imF(b-)} - e^{imF(b+)})): the sum has the mass that a
+        moving break hands from the branch on its right to that on its left.
+        """
+        theta, _ = self._rule
+        moved = self._turned(self._image_moments(self.on_nodes(law) * tangent(theta)))
+        breaks = self.map.breaks
+        if breaks.size and np.any(break_shifts):
+            handed = break_shifts * (self.evaluate(breaks) @ law)
+            sides = waves(self.map.left(breaks), self.modes) - waves(self.map.right(breaks), self.modes)
+            moved = moved + sides @ handed
+        return self.kappa * moved
+
+    def noise_response(self, law: Any) -> Any:
+        """(n,): coefficients of d(Lp)/d(the noise's own parameter)."""
+        return self.noise.coefficient_rates(self.order) * self._image_moments(self.on_nodes(law))
+
+    # -- inside --------------------------------------------------------------------------------------------
+
+    def _turned(self, rows: Any) -> Any:
+        """Rows of waves to rows of their derivatives: cos → -m sin, sin → m cos."""
+        cosines, sines = rows[1 : self.modes + 1], rows[self.modes + 1 :]
+        m = self.order[1 : self.modes + 1].reshape(-1, *(1,) * (rows.ndim - 1))
+        return np.concatenate([0.0 * rows[:1], -m * sines, m * cosines])
+
+    def _blocks(self) -> Iterable[Block]:
+        """Nodes in blocks: (their place, waves of θ, waves of F(θ))."""
+        return ((part, before, after) for (part, before), (_, after) in zip(self._before, self._after, strict=True))
+
+    @cached_property
+    def _before(self) -> Iterable[Waves]:
+        """Waves of the nodes θ."""
+        return WavesInBlocks(self._rule[0], self.modes)
+
+    @cached_property
+    def _after(self) -> Iterable[Waves]:
+        """Waves of F(θ) at the nodes."""
+        return WavesInBlocks(self.map(self._rule[0]), self.modes)
+
+
+def _times(factors: Array, columns: Any) -> Any:
+    """Row j of a vector or of columns, times factors[j]."""
+    return (factors * columns.T).T

@@ -1,1 +1,0 @@
-"""Laws and passages under uniform noise, on panels that end where they are not smooth."""

@@ -1,0 +1,352 @@
+"""A noisy map killed when it leaves some arcs: its chain on quadrature nodes (Nyström), solved without subtraction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import solve_triangular
+
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.arcs import Arc
+from cyclemap.maps.estimate import EPS
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise.uniform_noise import UniformNoise
+from cyclemap.maps.quadrature import arc_rule
+
+_BLOCK = 48  # unknowns eliminated together
+_VISITS = 64  # cycles after which the states are ranked by how often they are visited
+
+
+@dataclass(frozen=True, eq=False)
+class Elimination:
+    """I - q = (I - U)(D - L) on the states in ``order``; the most visited is first, and eliminated last.
+
+    ``packed`` (n, n) holds -U above the diagonal, D on it and -L below it; U, L >= 0.
+    """
+
+    packed: Array
+    out: Array
+    order: npt.NDArray[np.int64]
+
+    @property
+    def leaves(self) -> bool:
+        """Whether every state is left in the end, in floating point."""
+        return bool(np.all(np.diag(self.packed) > 0.0))
+
+    def solve(self, reward: Array) -> Array:
+        """(I - q)⁻¹ reward: what is collected on average until the chain leaves; shape (n,) or (n, columns)."""
+        after = _triangular(self.packed, reward[self.order], upper=True)
+        return self._restored(_triangular(self.packed, after))
+
+    def visits(self, mass: Array) -> Array:
+        """mass (I - q)⁻¹: mean numbers of visits of a chain that starts with ``mass`` on the states."""
+        after = _triangular(self.packed, mass[self.order], transposed=True)
+        return self._restored(_triangular(self.packed, after, upper=True, transposed=True))
+
+    def stationary(self) -> Array:
+        """The stationary law of a chain that never leaves, sum 1, each entry to full relative accuracy."""
+        first = np.zeros(self.order.size)
+        first[0] = 1.0
+        law = _triangular(self.packed, first, upper=True, transposed=True)
+        return self._restored(law / law.sum())
+
+    def expected(self, reward: Array) -> tuple[Array, float, Array]:
+        """x = (I - q)⁻¹ reward; x at the most visited state; and its differences from that, with their own digits."""
+        sources = np.stack([reward[self.order], self.out], axis=1)
+        collected, gone = _triangular(self.packed, sources, upper=True).T
+        if not self.leaves:
+            return np.full(reward.size, np.inf), np.inf, np.full(reward.size, np.nan)
+        values = _triangular(self.packed, collected)
+        # Before the first visit to that state: what is collected, and the chance of leaving.
+        before = _triangular(self.packed[1:, 1:], np.stack([collected[1:], gone[1:]], axis=1))
+        change = before[:, 0] - values[0] * before[:, 1]
+        return self._restored(values), float(values[0]), self._restored(np.append(0.0, change))
+
+    def returns(self) -> Array:
+        """The chance of visiting the most visited state before leaving; 1 for that state itself."""
+        before = _triangular(self.packed[1:, 1:], -self.packed[1:, 0])
+        return self._restored(np.append(1.0, before))
+
+    def _restored(self, ordered: Array) -> Array:
+        values = np.empty_like(ordered)
+        values[self.order] = ordered
+        return values
+
+
+def eliminated(q: Array, out: Array) -> Elimination:
+    """Grassmann-Taksar-Heyman elimination (1985), in blocks: without a difference, so small chances keep their digits.
+
+    q : (n, n) chances of going from i to j (the diagonal is not used); out : (n,) of leaving. Every entry of what
+    it solves has a small relative error whatever the sizes (O'Cinneide 1993).
+    """
+    order = _by_visits(q)
+    work, left = q[np.ix_(order, order)], out[order]
+    for high in range(left.size, 0, -_BLOCK):
+        low = max(0, high - _BLOCK)
+        _eliminate_block(work, left, low, high)
+        work[:low, :low] += work[:low, low:high] @ work[low:high, :low]
+    pivot = np.diag(work).copy()
+    packed = np.negative(work, out=np.empty_like(work, order="F"))
+    np.fill_diagonal(packed, pivot)
+    return Elimination(packed, out[order], order)
+
+
+def _eliminate_block(work: Array, left: Array, low: int, high: int) -> None:
+    """Eliminate the states of a block among themselves, then towards those before it; all sums are of >= 0."""
+    inside = slice(low, high)
+    block, away = work[inside, inside], left[inside] + work[inside, :low].sum(axis=1)
+    for k in range(high - low - 1, -1, -1):
+        pivot = away[k] + np.sum(block[k, :k])
+        share = block[:k, k] / pivot if pivot > 0.0 else np.zeros(k)
+        block[k, k], block[:k, k] = pivot, share
+        block[:k, :k] += np.multiply.outer(share, block[k, :k])
+        away[:k] += share * away[k]
+    pivots = np.diag(block)
+    factors = np.diag(np.where(pivots > 0.0, pivots, np.inf)) - np.tril(block, -1) - np.triu(block, 1)
+    left[inside] = _triangular(factors, left[inside], upper=True)
+    work[inside, :low] = _triangular(factors, work[inside, :low], upper=True)
+    work[:low, inside] = _triangular(factors, work[:low, inside].T, transposed=True).T
+    left[:low] += work[:low, inside] @ left[inside]
+
+
+def _by_visits(q: Array) -> npt.NDArray[np.int64]:
+    """States in falling order of visits: each that is eliminated then has a fair chance to go to one that is not."""
+    mass = np.full(q.shape[0], 1.0 / q.shape[0])
+    for _ in range(_VISITS):
+        mass = mass @ q
+        mass /= max(mass.sum(), np.finfo(float).tiny)
+    return np.argsort(-mass, kind="stable")
+
+
+def _triangular(packed: Array, values: Array, *, upper: bool = False, transposed: bool = False) -> Array:
+    """Solve with the unit upper factor, or with the lower one; nothing cancels when ``values`` >= 0."""
+    if packed.shape[0] == 0:
+        return values
+    trans = "T" if transposed else "N"
+    return np.asarray(
+        solve_triangular(packed, values, trans=trans, lower=not upper, unit_diagonal=upper, check_finite=False)
+    )
+
+
+MAX_UNKNOWNS = 6_000
+NEGLECTED = 1e-6  # noise coefficients beyond the nodes' bandwidth are smaller; residuals then are rounding
+_MIN_BANDWIDTH = 4
+
+
+def killed_chain(
+    circle_map: CircleMap,
+    noise: Noise,
+    arcs: tuple[Arc, ...],
+    exits: tuple[Arc, ...],
+    lifted: bool,
+    *,
+    every_sample: bool = False,
+    stretch: float = 1.0,
+    most: int = MAX_UNKNOWNS,
+) -> KilledChain:
+    """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they fill the space.
+
+    lifted : the space is the real line, and an exit may reach to ±inf; else the circle. every_sample : panels
+    of nodes end at every sample of a sampled map. stretch : factor on the nodes' bandwidth.
+
+    Raises InvalidInput when the noise is so narrow that more than ``most`` nodes would be needed, and for
+    ``UniformNoise``, whose density jumps.
+    """
+    if not isinstance(circle_map, CircleMap):
+        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    if not isinstance(noise, Noise):
+        raise InvalidInput(f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)")
+    if isinstance(noise, UniformNoise):
+        raise InvalidInput(f"{noise!r} has a density that jumps, which this method cannot resolve: take a smooth law")
+    bandwidth = float(_MIN_BANDWIDTH)
+    while noise.coefficients(bandwidth) > NEGLECTED and bandwidth < 1e5:
+        bandwidth *= 1.05
+    bandwidth *= stretch
+    rules = [arc_rule(circle_map, *ends, bandwidth, every_sample=every_sample) for ends in arcs]
+    theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
+    if theta.size > most:
+        raise InvalidInput(f"{noise!r} needs {theta.size} nodes on the arc, more than {most}: raise its width")
+    return KilledChain(circle_map, noise, arcs, exits, lifted, every_sample, bandwidth, theta, weight)
+
+
+@dataclass(frozen=True, eq=False)
+class KilledChain:
+    """θ' = F(θ) + ξ on ``theta`` (n nodes of its arcs), until it enters an exit.
+
+    Below ``images`` are values F(x), shape (m,): the same questions are asked at nodes and between them.
+    """
+
+    map: CircleMap
+    noise: Noise
+    arcs: tuple[Arc, ...]
+    exits: tuple[Arc, ...]
+    lifted: bool
+    every_sample: bool
+    bandwidth: float
+    theta: Array
+    weight: Array
+
+    @cached_property
+    def images(self) -> Array:
+        """(n,): F at the nodes."""
+        return self.map(self.theta)
+
+    @cached_property
+    def elimination(self) -> Elimination:
+        """The chain on its own nodes, eliminated."""
+        return eliminated(self.transitions(self.images), self.departures(self.images).sum(axis=0))
+
+    def with_noise(self, noise: Noise) -> KilledChain:
+        """The same map, arcs and exits under another noise, on nodes for it."""
+        most = max(MAX_UNKNOWNS, self.theta.size)
+        return killed_chain(
+            self.map, noise, self.arcs, self.exits, self.lifted, every_sample=self.every_sample, most=most
+        )
+
+    def distance(self, gap: Array) -> Array:
+        """How far a noise must carry the path over a gap, at least: the shorter way where it is on the circle."""
+        return np.abs(gap if self.lifted else gap - TWO_PI * np.round(gap / TWO_PI))
+
+    def finer(self) -> KilledChain:
+        """The same chain on twice as many nodes."""
+        rules = [arc_rule(self.map, *ends, self.bandwidth, 2, self.every_sample) for ends in self.arcs]
+        theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
+        return replace(self, theta=theta, weight=weight)
+
+    # -- chances and their derivatives ---------------------------------------------------------------------
+
+    def transitions(self, images: Array) -> Array:
+        """(m, n): g(θ_j - F(x)) w_j, the chance of going to node j."""
+        gap = self.theta - images[:, None]
+        return (self.noise.line_density(gap) if self.lifted else self.noise.density(gap)) * self.weight
+
+    def transition_slopes(self, images: Array) -> Array:
+        """(m, n): d/dF of ``transitions``."""
+        gap = self.theta - images[:, None]
+        return -(self.noise.line_slope(gap) if self.lifted else self.noise.slope(gap)) * self.weight
+
+    def transition_rates(self, images: Array) -> Array:
+        """(m, n): d/d(the noise's parameter) of ``transitions``."""
+        gap = self.theta - images[:, None]
+        return (self.noise.line_rate(gap) if self.lifted else self.noise.rate(gap)) * self.weight
+
+    def departures(self, images: Array) -> Array:
+        """(exits, m): P(F(x) + ξ in the exit), to full relative accuracy also where it is small."""
+        if not self.lifted:
+            return np.array([self.noise.arc_probability(low - images, high - images) for low, high in self.exits])
+        beyond = [self._half_line(exit_ends, images) for exit_ends in self.exits]
+        return np.array([self.noise.exceedance(gap) for gap in beyond])
+
+    def departure_slopes(self, images: Array) -> Array:
+        """(exits, m): d/dF of ``departures``."""
+        law = self.noise.line_density if self.lifted else self.noise.density
+        ends = [(law(low - images), law(high - images)) for low, high in self.exits]
+        return np.array([at_low - at_high for at_low, at_high in ends])
+
+    def departure_rates(self, images: Array) -> Array:
+        """(exits, m): d/d(the noise's parameter) of ``departures``."""
+        if not self.lifted:
+            return np.array([self.noise.arc_probability_rate(low - images, high - images) for low, high in self.exits])
+        return np.array([self.noise.exceedance_rate(self._half_line(ends, images)) for ends in self.exits])
+
+    @staticmethod
+    def _half_line(exit_ends: Arc, images: Array) -> Array:
+        """How far the noise must carry the image to enter an exit (-inf, end) or (end, inf)."""
+        low, high = exit_ends
+        return np.asarray(low - images if np.isinf(high) else images - high)
+
+    # -- expectations --------------------------------------------------------------------------------------
+
+    def expected(self, each: float, at: Array) -> Expectation:
+        """What a path collects on average until it leaves: ``each`` a cycle, and ``at[e]`` on leaving by exit e."""
+        reward = each + at @ self.departures(self.images)
+        return Expectation(self, each, at, *self.elimination.expected(reward))
+
+
+@dataclass(frozen=True, eq=False)
+class Expectation:
+    """X(x), the solution of X = c + ∫_arcs g(y - F(x)) X(y) dy with c(x) = each + at·(chances of leaving).
+
+    It is kept twice at the nodes: as ``values``, and as ``top`` + ``change``, top its value at the node visited most.
+    Values have their digits where they are small, changes have theirs where top is 1e100 and the path is most of the
+    time; each, at >= 0.
+    """
+
+    chain: KilledChain
+    each: float
+    at: Array
+    values: Array
+    top: float
+    change: Array
+
+    def values_at(self, images: Array) -> tuple[Array, Array]:
+        """X, and X - top, at points whose images are given: Nyström's interpolant."""
+        moves, gone = self.chain.transitions(images), self.chain.departures(images)
+        share = 1.0 / (gone.sum(axis=0) + moves.sum(axis=1))
+        value = self.each + self.at @ gone + moves @ self.values
+        change = self.each + (self.at - self.top) @ gone + moves @ self.change
+        return value * share, change * share
+
+    def value_at(self, theta: float) -> float:
+        """X(θ)."""
+        return float(self.values_at(self.chain.map(np.array([theta])))[0][0])
+
+    def map_slope(self, images: Array, chain: KilledChain, change: Array) -> Array:
+        """How fast c + ∫ g(y - F) X dy grows with F alone; ``change`` is X - top on the nodes of ``chain``."""
+        return np.asarray(
+            (self.at - self.top) @ chain.departure_slopes(images) + chain.transition_slopes(images) @ change
+        )
+
+    def error_bounds(self, theta: float) -> tuple[float, float]:
+        """Bounds on the error of X(θ): of the discretisation with rounding, and from the map's ``max_error``.
+
+        The operator I - K is monotone: if (I - K)Φ >= |r|, r the residual of the interpolant on a finer rule, then
+        Φ bounds the error everywhere. Φ is solved for on the chain's own nodes.
+        """
+        chain, fine = self.chain, self.chain.finer()
+        images = np.append(chain.images, chain.map(theta))
+        on_fine = self.values_at(fine.images)
+        residual, size = self._residual(images, fine, on_fine)
+        slope = np.abs(self.map_slope(images, fine, on_fine[1]))
+        # The distances to the exits are rounded one by one, so that their slopes do not cancel.
+        ruggedness = slope + np.abs(self.at - self.top) @ np.abs(chain.departure_slopes(images))
+        own = _widened(np.abs(residual)) + 2.0 * EPS * (size + ruggedness * (1.0 + np.abs(images)))
+        sources = np.stack([own, slope * chain.map.max_error], axis=1)
+        with np.errstate(over="ignore", invalid="ignore"):
+            bounds = sources[-1] + chain.transitions(images[-1:])[0] @ chain.elimination.solve(sources[:-1])
+        own_bound, from_map = np.where(np.isfinite(bounds), bounds, np.inf)
+        return float(own_bound), float(from_map) if chain.map.max_error else 0.0
+
+    def _residual(self, images: Array, fine: KilledChain, on_fine: tuple[Array, Array]) -> tuple[Array, Array]:
+        """X - c - ∫ g X dy at points of given images, and the sum of its terms' sizes: of the two forms the better."""
+        moves, gone, here = fine.transitions(images), fine.departures(images), self.values_at(images)
+        forms = []
+        # A constant part of X, however large, drops out of the second form exactly.
+        for value, around, top in zip(here, on_fine, (0.0, self.top), strict=True):
+            stay, lost = value * moves.sum(axis=1), value * gone.sum(axis=0) - (self.at - top) @ gone
+            size = np.abs(lost) + np.abs(stay) + moves @ np.abs(around) + self.each
+            forms.append((lost + stay - moves @ around - self.each, size))
+        (residual, size), (other, other_size) = forms
+        better = size <= other_size
+        return np.where(better, residual, other), np.where(better, size, other_size)
+
+
+def _widened(values: Array) -> Array:
+    """The largest of each value and its neighbours: what lies between the nodes."""
+    padded = np.concatenate([values[:1], values, values[-1:]])
+    return np.asarray(np.maximum(np.maximum(padded[:-2], padded[2:]), values))
+
+
+def line_exits(ends: Arc) -> tuple[Arc, Arc]:
+    """What lies below and above an arc on the line."""
+    return (-np.inf, ends[0]), (ends[1], np.inf)
+
+
+def circle_exit(ends: Arc) -> tuple[Arc]:
+    """The rest of the circle."""
+    return ((ends[1], ends[0] + TWO_PI),)

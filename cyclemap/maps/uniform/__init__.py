@@ -1,0 +1,1 @@
+"""The transfer operator and passages under uniform noise, whose density jumps."""

@@ -1,1 +1,0 @@
-"""The dynamic simulation: the slider with its inertia, pushed and dragged through a stiff contact."""

@@ -1,0 +1,324 @@
+/* Friction under ellipses: even or leaning patches, and loads along the rim, by trapezoidal rules.
+
+   Integrands are analytic and periodic: the error of n nodes falls with exp(-2 n delta), delta the distance of the
+   nearest singularity from the real axis. Where that is short, tan t = beta tan x, beta = k^-1/2, takes a singularity
+   from atanh(k) beside t = pi/2 to atanh(k^1/2) beside x = pi/2. The least number of nodes that does is taken from
+   tables (RULES); beyond, it is Gauss's rule on panels no longer than their distance from singularities. */
+
+/* Rules up to this are not worth a beta, which costs a third more a node. */
+enum { WORTH = 3 };
+
+/* An ellipse in the coordinates of its own unit disc, w = middle + omega M J diag(semi) x, and the centre of rotation:
+   far: whether it lies outside; size: its distance from the centre, or one over it; away: the direction from it to the
+   centre. */
+typedef struct {
+    Frame frame;
+    double semi[2], slope[2], level, det, size, away[2];
+    int far;
+} Ellipse;
+
+static Ellipse ellipse_of(const Friction *f, const double *geometry) {
+    Ellipse e = {.frame = frame_of(f, geometry[2], geometry[3], geometry[0], geometry[1]), .semi = {geometry[0], geometry[1]},
+                 .slope = {geometry[4], geometry[5]}, .level = geometry[6]};
+    const double *v = f->twist, *spin = e.frame.spin, *middle = e.frame.middle;
+    e.det = spin[0] * spin[3] - spin[1] * spin[2];
+    double px = (spin[3] * middle[0] - spin[2] * middle[1]) / e.det, py = (spin[0] * middle[1] - spin[1] * middle[0]) / e.det;
+    double p = size_of(px, py), omega = fabs(v[2]), sign = v[2] < 0.0 ? -1.0 : 1.0;
+    /* the centre of rotation is -(px, py) / omega */
+    e.far = p > omega;
+    e.size = e.far ? omega / p : p / omega;
+    e.away[0] = p > 0.0 ? sign * px / p : 1.0;
+    e.away[1] = p > 0.0 ? sign * py / p : 0.0;
+    return e;
+}
+
+/* Squared hyperbolic cosine of the distance from the real axis of x, tan x = tan t / beta, sin^2 t = z; z at infinity:
+   the singularity that beta brings. */
+static double distance_of(double complex z, double beta) {
+    double square = beta * beta, x = creal(z), y = cimag(z);
+    double size = size_of(square * (1.0 - x) + x, y - square * y);
+    return (size_of(x, y) + square * size_of(1.0 - x, y) + size) / (2.0 * size);
+}
+
+/* The least rule of which `reach` admits singularities at both places, the first real, and the beta that it takes;
+   RULE_COUNT: none. */
+static int rule_for(const double *reach, double first, double complex second, double *beta) {
+    int plain = 0, bent = 0;
+    double nearest = fmin(first, distance_of(second, 1.0));
+    *beta = 1.0;
+    while (plain < RULE_COUNT && !(nearest >= reach[plain])) ++plain;
+    if (plain <= WORTH) return plain;
+    double tried = 1.0 / sqrt(sqrt(1.0 - 1.0 / first));
+    nearest = fmin(fmin(distance_of(first, tried), distance_of(second, tried)), tried * tried / (tried * tried - 1.0));
+    while (bent < RULE_COUNT && !(nearest >= reach[bent])) ++bent;
+    if (bent + 1 >= plain) return plain;
+    *beta = tried;
+    return bent;
+}
+
+/* Chords through the centre of rotation at angles t, for a width of them: along each, all of it moves along one
+   direction u. Outside, a chord's distance from the middle is sin t; inside, its angle from the direction to the middle
+   is t. root: of 1 - (size sin t)^2. */
+static ALWAYS_INLINE void add_chords(const Ellipse *e, int far, int leans, const Lanes *cosine, const Lanes *sine,
+                                     const Lanes *root, const Lanes *width, Sums *sums) {
+    Lanes c = *cosine, s = *sine, ex, ey, offset, q, wx, wy, first, second;
+    if (far) {
+        Lanes across = e->size * s;
+        ex = *root * e->away[0] - across * e->away[1];
+        ey = *root * e->away[1] + across * e->away[0];
+        offset = s;
+        q = c;
+    } else {
+        ex = c * e->away[0] - s * e->away[1];
+        ey = c * e->away[1] + s * e->away[0];
+        offset = e->size * s;
+        q = *root;
+    }
+    /* the images of the directions along and across the chord */
+    Lanes tx = e->frame.spin[0] * ex + e->frame.spin[2] * ey, ty = e->frame.spin[1] * ex + e->frame.spin[3] * ey;
+    Lanes nx = (e->frame.spin[2] * ex - e->frame.spin[0] * ey) * offset, ny = (e->frame.spin[3] * ex - e->frame.spin[1] * ey) * offset;
+    if (far) {
+        wx = e->frame.middle[0] + e->frame.omega * nx;
+        wy = e->frame.middle[1] + e->frame.omega * ny;
+    } else {
+        wx = e->frame.omega * tx;
+        wy = e->frame.omega * ty;
+    }
+    Lanes speed = wx * wx + wy * wy;
+    roots(&speed);
+    Lanes slowness = 1.0 / speed, ux = wx * slowness, uy = wy * slowness, steep = ux * tx + uy * ty, by_speed;
+    if (far) {
+        first = *width * c;
+        by_speed = first * slowness;
+        second = by_speed * (e->frame.omega * steep);
+    } else {
+        first = *width * c * e->size;
+        second = *width;
+        by_speed = *width * slowness;
+    }
+    /* the pressure along the chord is f0 + tau f1, |tau| <= q */
+    Lanes px = -e->semi[0] * ey * offset, py = e->semi[1] * ex * offset;
+    Lanes two = 2.0 * q, cube = two * q * q * (1.0 / 3.0), even = two * first, odd = cube * second, k = two * by_speed;
+    if (leans) {
+        Lanes f0 = e->level + e->slope[0] * px + e->slope[1] * py;
+        Lanes f1 = e->slope[0] * e->semi[0] * ex + e->slope[1] * e->semi[1] * ey;
+        even = even * f0 + odd * f1;
+        odd = odd * f0 + cube * first * f1;
+        k *= f0;
+    }
+    Lanes middle = ux * ny - uy * nx, kx = -k * uy, ky = k * ux;
+    sums->of[0] += even * ux;
+    sums->of[1] += even * uy;
+    sums->of[2] += even * (ux * nx + uy * ny) + odd * steep;
+    sums->of[3] -= kx * uy;
+    sums->of[4] += kx * ux;
+    sums->of[5] += ky * ux;
+    sums->of[6] += kx * middle;
+    sums->of[7] += ky * middle;
+    sums->of[8] += k * middle * middle;
+}
+
+/* One chord's derivative of the wrench as M moves. */
+static void move_chord(Friction *f, const Ellipse *e, double c, double s, double width, double load) {
+    double given[11], *middle = given + 2, *chord_way = given + 4, *moment = given + 6, found[3], *results[] = {found};
+    double ex, ey, wx, wy, first = width * c, second = width, by_speed = width, offset = e->far ? s : e->size * s;
+    double across = e->size * s, root = sqrt(1.0 - across * across), q = e->far ? c : root;
+    double along = e->far ? root : c;
+    if (!e->far) across = s;
+    ex = along * e->away[0] - across * e->away[1];
+    ey = along * e->away[1] + across * e->away[0];
+    double tx = e->frame.omega * (e->frame.spin[0] * ex + e->frame.spin[2] * ey), ty = e->frame.omega * (e->frame.spin[1] * ex + e->frame.spin[3] * ey);
+    wx = e->far ? e->frame.middle[0] + e->frame.omega * offset * (e->frame.spin[2] * ex - e->frame.spin[0] * ey) : tx;
+    wy = e->far ? e->frame.middle[1] + e->frame.omega * offset * (e->frame.spin[3] * ex - e->frame.spin[1] * ey) : ty;
+    double slowness = 1.0 / sqrt(wx * wx + wy * wy);
+    given[0] = wx * slowness;
+    given[1] = wy * slowness;
+    if (e->far) {
+        by_speed = first * slowness;
+        second = by_speed * (tx * given[0] + ty * given[1]);
+    } else {
+        first *= e->size;
+        by_speed = width * slowness;
+    }
+    middle[0] = -e->semi[0] * offset * ey;
+    middle[1] = e->semi[1] * offset * ex;
+    chord_way[0] = e->semi[0] * ex;
+    chord_way[1] = e->semi[1] * ey;
+    double f0 = e->level + e->slope[0] * middle[0] + e->slope[1] * middle[1];
+    double f1 = e->slope[0] * chord_way[0] + e->slope[1] * chord_way[1], two = 2.0 * q, cube = 2.0 / 3.0 * q * q * q;
+    /* int (first + second tau) (f0 + f1 tau) (1, tau), and int (f0 + f1 tau) (1, tau, tau^2) by_speed */
+    moment[0] = two * first * f0 + cube * second * f1;
+    moment[1] = cube * (first * f1 + second * f0);
+    moment[2] = two * f0 * by_speed;
+    moment[3] = cube * f1 * by_speed;
+    moment[4] = cube * f0 * by_speed;
+    const double *all[] = {f->twist, f->matrix, given, f->toward};
+    chord_toward(all, results, 0, 0, 0);
+    add(f->wrench, found, load, 3);
+}
+
+/* Lanes pairs of chords at angles t and -t. */
+static ALWAYS_INLINE void add_pairs(Friction *f, const Ellipse *e, int far, int leans, const Lanes *c, const Lanes *s, const Lanes *width, double load,
+                             Sums *sums) {
+    Lanes root = 1.0 - (e->size * *s) * (e->size * *s), opposite = -*s;
+    if (f->toward) {
+        for (int k = 0; k < 2 * LANES; ++k) move_chord(f, e, (*c)[k / 2], k % 2 ? (*s)[k / 2] : -(*s)[k / 2], (*width)[k / 2], load);
+        return;
+    }
+    roots(&root);
+    add_chords(e, far, leans, c, s, &root, width, sums);
+    add_chords(e, far, leans, c, &opposite, &root, width, sums);
+}
+
+/* sin^2 of where, beside the ends, the speed along a chord vanishes: in the direction that is mapped on the image's
+   shorter axis, at the complex angle atanh(ratio of the axes) from it. */
+static double complex slowest(const Ellipse *e) {
+    const double *t = e->frame.spin;
+    double stretch = t[0] * t[0] + t[1] * t[1] - t[2] * t[2] - t[3] * t[3], mixed = 2.0 * (t[0] * t[2] + t[1] * t[3]);
+    double half = (t[0] * t[0] + t[1] * t[1] + t[2] * t[2] + t[3] * t[3]) / 2.0, apart = size_of(stretch, mixed) / 2.0;
+    /* cosh and sinh of twice that angle; the double angle between the slow direction and the one to the middle */
+    if (apart < 1e-12 * half) return 1e24;
+    double wide = half / apart, deep = fabs(e->det) / apart, ax = e->away[0], ay = e->away[1];
+    double twice_c = ax * ax - ay * ay, twice_s = 2.0 * ax * ay, along_c = -stretch / (2.0 * apart), along_s = -mixed / (2.0 * apart);
+    double cosine = along_c * twice_c + along_s * twice_s, sine = along_s * twice_c - along_c * twice_s;
+    double complex z = (1.0 - cosine * wide + I * sine * deep) / 2.0;
+    return e->far ? z / fmax(e->size * e->size, 1e-24) : z;
+}
+
+/* How wide a panel from t on may be, to reach no farther than the singularities are away, nor over the end. */
+static double panel_width(const double complex *at, int count, double t, double end) {
+    double width = end - t;
+    for (int k = 0; k < count; ++k) {
+        double ahead = creal(at[k]) - t, away = cimag(at[k]);
+        width = fmin(width, ahead > 0.0 ? fmax(away, ahead / 2.0) : hypot(away, ahead));
+    }
+    return fmax(width, 1e-15);
+}
+
+static ALWAYS_INLINE void add_rule(Friction *f, const Ellipse *e, int far, int leans, int rule, double beta,
+                                   double load, Sums *sums) {
+    Lanes width = (Lanes){0.0} + 1.0 / RULES[rule];
+    Sums all = *sums;
+    for (int j = FIRST_NODE[rule]; j < FIRST_NODE[rule + 1]; j += LANES) {
+        Lanes c, s, wide = width;
+        memcpy(&c, NODE_COSINES + j, sizeof c);
+        memcpy(&s, NODE_SINES + j, sizeof s);
+        if (beta != 1.0) {
+            Lanes norm = c * c + beta * beta * s * s;
+            wide = width * beta / norm;
+            roots(&norm);
+            c /= norm;
+            s *= beta / norm;
+        }
+        add_pairs(f, e, far, leans, &c, &s, &wide, load, &all);
+    }
+    *sums = all;
+}
+
+static void add_patch(Friction *f, const double *geometry, double load) {
+    Ellipse e = ellipse_of(f, geometry);
+    Sums sums = {0};
+    double size = fmin(fmax(e.size, 1e-12), 1.0 - 1e-15), beta;
+    double complex slow = slowest(&e);
+    int rule = rule_for(PATCH_REACH, 1.0 / (size * size), slow, &beta);
+    if (rule < RULE_COUNT) {
+        if (e.far && geometry[6] == 1.0) add_rule(f, &e, 1, 0, rule, beta, load, &sums);
+        else if (e.far) add_rule(f, &e, 1, 1, rule, beta, load, &sums);
+        else if (geometry[6] == 1.0) add_rule(f, &e, 0, 0, rule, beta, load, &sums);
+        else add_rule(f, &e, 0, 1, rule, beta, load, &sums);
+    } else {
+        double complex t = casin(csqrt(slow)), near = fabs(creal(t)) + I * fabs(cimag(t));
+        const double complex at[] = {M_PI / 2.0 + I * acosh(1.0 / size), near, M_PI - conj(near), -near};
+        for (double from = 0.0; from < M_PI / 2.0;) {
+            double wide = panel_width(at, 4, from, M_PI / 2.0);
+            for (int j = 0; j < PANEL_ORDER; j += LANES) {
+                Lanes c, s, width;
+                for (int k = 0; k < LANES; ++k) {
+                    double x = from + wide * (1.0 + GAUSS_NODES[j + k]) / 2.0;
+                    c[k] = cos(x);
+                    s[k] = sin(x);
+                    width[k] = wide * GAUSS_WEIGHTS[j + k] / (2.0 * M_PI);
+                }
+                add_pairs(f, &e, e.far, 1, &c, &s, &width, load, &sums);
+            }
+            from += wide;
+        }
+    }
+    if (!f->toward) add_sums(f, &e.frame, &sums, load);
+}
+
+/* Places on the rim, in the unit disc's coordinates. */
+static inline void add_rim_places(Friction *f, const Ellipse *e, const Lanes *x, const Lanes *y, const Lanes *share,
+                                  double load, Sums *sums) {
+    const double *at = e->frame.at;
+    if (!f->toward) add_places(&e->frame, x, y, share, sums);
+    for (int k = 0; k < LANES && f->toward; ++k)
+        move_point(f, at[0] + e->semi[0] * (*x)[k], at[1] + e->semi[1] * (*y)[k], load * (*share)[k]);
+}
+
+/* A load along the rim, even in the eccentric angle tau (the derivative of the even patch by its scale). |w| is singular
+   at the complex tau where p z^2 + c z + q = 0, z = exp(i tau), w as a complex number. */
+static void add_rim(Friction *f, const double *geometry, double load) {
+    Ellipse e = ellipse_of(f, geometry);
+    Sums sums = {0};
+    const double *t = e.frame.spin;
+    double complex c = e.frame.middle[0] + I * e.frame.middle[1], p = e.frame.omega * ((t[0] + t[3]) + I * (t[1] - t[2])) / 2.0;
+    double complex q = e.frame.omega * ((t[0] - t[3]) + I * (t[1] + t[2])) / 2.0, r = csqrt(c * c - 4.0 * p * q);
+    double complex b = -(creal(conj(c) * r) >= 0.0 ? c + r : c - r) / 2.0;
+    /* roots b/p and q/b: their directions, and how far from the rim they are */
+    const double tiny = 1e-40, sizes[] = {cabs(p), cabs(b), cabs(q)};
+    double ratio[] = {sizes[1] / fmax(sizes[0], tiny * sizes[1]), sizes[1] / fmax(sizes[2], tiny * sizes[1])};
+    double complex way[] = {b * conj(p), q * conj(b)};
+    double complex turn[2];
+    for (int k = 0; k < 2; ++k) {
+        if (!(ratio[k] > 1.0)) ratio[k] = ratio[k] > 0.0 ? 1.0 / ratio[k] : 1.0;
+        ratio[k] = fmin(fmax(ratio[k], 1.0 + 1e-13), 1e12);
+        double long_way = cabs(way[k]);
+        turn[k] = long_way > 0.0 ? way[k] / long_way : 1.0;
+    }
+    /* the nearer one is turned to half a turn; sin^2 (tau/2) of both */
+    int near = ratio[1] < ratio[0];
+    double complex start = -turn[near], other = turn[!near] * conj(start);
+    double g = ratio[near], h = ratio[!near], beta, from = (2.0 + g + 1.0 / g) / 4.0;
+    double complex second = (1.0 - (creal(other) * (h + 1.0 / h) - I * cimag(other) * (h - 1.0 / h)) / 2.0) / 2.0;
+    int rule = rule_for(RIM_REACH, from, second, &beta);
+    if (rule == RULE_COUNT) {
+        double begin = carg(turn[near]), apart = carg(other * -1.0);
+        double complex at[6];
+        for (int k = 0; k < 6; ++k)
+            at[k] = (k % 2 ? apart + I * log(h) : I * log(g)) + 2.0 * M_PI * (k / 2 - 1);
+        for (double tau = 0.0; tau < 2.0 * M_PI;) {
+            double wide = panel_width(at, 6, tau, 2.0 * M_PI);
+            for (int j = 0; j < PANEL_ORDER; j += LANES) {
+                Lanes x, y, share;
+                for (int k = 0; k < LANES; ++k) {
+                    double angle = begin + tau + wide * (1.0 + GAUSS_NODES[j + k]) / 2.0;
+                    x[k] = cos(angle);
+                    y[k] = sin(angle);
+                    share[k] = wide * GAUSS_WEIGHTS[j + k] / (4.0 * M_PI);
+                }
+                add_rim_places(f, &e, &x, &y, &share, load, &sums);
+            }
+            tau += wide;
+        }
+        if (!f->toward) add_sums(f, &e.frame, &sums, load);
+        return;
+    }
+    double cx = creal(start), sx = cimag(start), square = beta * beta;
+    for (int j = FIRST_NODE[rule]; j < FIRST_NODE[rule + 1]; j += LANES) {
+        Lanes cosine, sine;
+        memcpy(&cosine, NODE_COSINES + j, sizeof cosine);
+        memcpy(&sine, NODE_SINES + j, sizeof sine);
+        for (int side = 0; side < 2; ++side) {
+            Lanes down = (1.0 + cosine) + square * (1.0 - cosine), share = beta / (RULES[rule] * down);
+            Lanes cc = ((1.0 + cosine) - square * (1.0 - cosine)) / down, ss = 2.0 * beta * sine / down;
+            for (int k = 0; k < 2; ++k) {
+                Lanes x = cx * cc - sx * ss, y = sx * cc + cx * ss;
+                add_rim_places(f, &e, &x, &y, &share, load, &sums);
+                ss = -ss;
+            }
+            cosine = -cosine;
+        }
+    }
+    if (!f->toward) add_sums(f, &e.frame, &sums, load);
+}

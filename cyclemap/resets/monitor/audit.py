@@ -1,0 +1,152 @@
+"""A data set that exists already, looked at for what its reset did to it: cover, lock-in, worth, and what to change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
+from cyclemap.evidence.theta0.covered_arcs import covered_arcs
+from cyclemap.evidence.theta0.theta0_pairs import read_theta0_pairs
+from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
+from cyclemap.text_files import read_csv_table
+
+Array = NDArray[np.float64]
+
+# Pushes worth less than this share of as many spread evenly want another reset.
+LEAST_WORTH = 0.5
+FEWEST = 10
+_NEAR = np.radians(10.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ResetEffect:
+    """What the resets of a data set did to the orientation, over n of them.
+
+    push_turn, reset_turn : (n,) rad, of each push and of what followed it until the next.
+    """
+
+    push_turn: Array
+    reset_turn: Array
+
+    @property
+    def undone(self) -> float:
+        """Share of the mean turn of a push that the reset takes back; 1: all of it."""
+        return float(-self.reset_turn.mean() / self.push_turn.mean())
+
+    @property
+    def slope(self) -> float:
+        """Of a reset's turn on its push's: -1 where it undoes each push, 0 where it knows none."""
+        spread = float(np.var(self.push_turn, ddof=1))
+        return float(np.cov(self.push_turn, self.reset_turn)[0, 1] / spread) if spread > 0.0 else float("nan")
+
+
+@dataclass(frozen=True, eq=False)
+class Audit:
+    """What a data set is worth.
+
+    name : of the data. theta : its orientations, rad, in order. reports : of the monitor after each, its chance of a
+    false alarm being `alarm_rate`. ordered : whether their order is known. covered : arcs
+    (from, to), rad, with no gap of 20 degrees. reset : None where the data do not tell poses before and after pushes.
+    others : pushes of other sets in the data, left out.
+    """
+
+    name: str
+    theta: tuple[float, ...]
+    reports: tuple[BiasReport, ...]
+    alarm_rate: float
+    ordered: bool
+    covered: tuple[tuple[float, float], ...]
+    reset: ResetEffect | None
+    others: int
+
+    @property
+    def report(self) -> BiasReport:
+        """What the monitor says after the last push."""
+        return self.reports[-1]
+
+    @property
+    def worth(self) -> float:
+        """How many pushes spread evenly it is worth."""
+        return self.report.coverage.effective_pushes
+
+    @property
+    def locked_from(self) -> int | None:
+        """The push from which on it locked in; None where it did not, or its order is unknown."""
+        alarm = self.report.alarm
+        if alarm is None or not self.ordered:
+            return None
+        return alarm.push if alarm.began is None else alarm.began
+
+    @property
+    def gathered(self) -> float:
+        """Share of the pushes from the lock-in on that lie within 10 degrees of its directions; 0 without one."""
+        alarm, start = self.report.alarm, self.locked_from
+        if alarm is None or start is None:
+            return 0.0
+        away = [np.abs(np.angle(np.exp(1j * (np.array(self.theta[start:]) - theta)))) for theta in alarm.directions]
+        return float(np.mean(np.min(away, axis=0) < _NEAR))
+
+    @property
+    def is_good(self) -> bool:
+        """Whether nothing speaks for another reset: no lock-in, the circle covered, pushes worth half their number."""
+        covers_all = len(self.covered) == 1 and self.covered[0][1] - self.covered[0][0] > 6.28
+        return self.locked_from is None and covers_all and self.worth >= LEAST_WORTH * len(self.theta)
+
+
+def audit(
+    data: str | Path | PushTable, *, alarm_rate: float = ALARM_RATE, progress: Callable[[float], None] | None = None
+) -> Audit:
+    """Look at the orientations of a data set, and at the poses where it has them.
+
+    data : a path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several sets pushed alike
+    the one of most pushes is taken. Raises InvalidInput for fewer than 10 pushes, DataFileError for a bad file.
+
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     _ = Path(place, "still.csv").write_text("theta0_deg\\n" + "63.2\\n" * 40)
+    ...     found = audit(f"{place}/still.csv")
+    >>> found.locked_from, found.is_good, round(found.worth)
+    (0, False, 1)
+    """
+    name = data.table["path"].iloc[0] if isinstance(data, PushTable) else str(data)
+    theta, ordered, reset, others = _orientations(data)
+    if theta.size < FEWEST:
+        raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
+    monitor, reports = BiasMonitor(alarm_rate), []
+    for done, angle in enumerate(theta.tolist(), 1):
+        reports.append(monitor.update(angle))
+        if progress is not None:
+            progress(done / theta.size)
+    return Audit(Path(name).name, monitor.path, tuple(reports), alarm_rate, ordered, covered_arcs(theta), reset, others)
+
+
+def _orientations(data: str | Path | PushTable) -> tuple[Array, bool, ResetEffect | None, int]:
+    """The orientations of the largest set, whether in order, what its resets did, and the number of other pushes."""
+    if isinstance(data, (str, Path)) and Path(data).is_file() and Path(data).suffix.lower() == ".csv":
+        header = read_csv_table(data).header
+        if not {"x0", "x1"} <= set(header):
+            pairs = read_theta0_pairs(data)
+            return (pairs.theta, False, None, 0) if pairs.path is None else (pairs.path, True, None, 0)
+    given = load_pushes(data) if isinstance(data, (str, Path)) else data
+    table = given.table.dropna(subset=["theta0"])
+    if not len(table):
+        raise InvalidInput(f"{data}: no push with an orientation in it")
+    columns = ["surface", "object", "acceleration", "speed", "side", "fraction", "angle"]
+    sets = table.groupby(columns, dropna=False, sort=False)
+    largest = max((rows for _, rows in sets), key=len)
+    ordered = bool(largest["repetition"].notna().all()) and len(set(largest["repetition"])) == len(largest)
+    rows = largest.sort_values("repetition", kind="stable") if ordered else largest
+    # A table of one file is in the order in which it was written.
+    ordered = ordered or rows["path"].nunique() == 1
+    followed = rows.dropna(subset=["theta1", "theta_next"])
+    reset = None
+    if len(followed) >= FEWEST:
+        before, after, then = (followed[name].to_numpy() for name in ("theta0", "theta1", "theta_next"))
+        reset = ResetEffect(after - before, then - after)
+    return rows["theta0"].to_numpy(), ordered, reset, len(table) - len(rows)

@@ -1,0 +1,144 @@
+"""One file for object, surface and protocol: what is written is read back, layer by layer, and defaults are told."""
+
+import math
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cyclemap.collection import CollectionLoop
+from cyclemap.collection.collection_file import FILE_NAME, collection_text, data_settings, names_surface, read_settings
+from cyclemap.collection.own_object import check_collection, first_contact, first_settings, within_reach
+from cyclemap.collection.settings import layered
+from cyclemap.errors import DataFileError, DoubtfulInput
+from cyclemap.mechanics import EllipseFriction, FoundWith, Material, Polygon, load_material
+
+BOX = Polygon([(0.06, 0.03), (-0.06, 0.03), (-0.06, -0.03), (0.06, -0.03)])
+WALNUT = Material("walnut", EllipseFriction(0.35, 0.31, 0.01, 0.0, 0.4), "made up")
+
+
+def own_loop() -> CollectionLoop:
+    return CollectionLoop.from_settings(first_settings(BOX, "box"), CollectionLoop.mit(WALNUT))
+
+
+def written(tmp_path, text: str):
+    path = tmp_path / "box.toml"
+    path.write_text(text)
+    return path
+
+
+def test_a_loop_with_its_surface_is_read_back_as_it_was(tmp_path) -> None:
+    """Every part to rounding; no MIT default is left in an own object's file, so nothing is doubted."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        path = written(tmp_path, collection_text(own_loop(), noise=math.radians(2.0)))
+        found = CollectionLoop.from_file(path)
+    assert (found.slider, found.push, found.pusher, found.reset) == (
+        own_loop().slider, own_loop().push, own_loop().pusher, own_loop().reset,
+    )  # fmt: skip
+    assert found.material.name == "walnut"
+    assert found.material.friction.phi == pytest.approx(0.4)
+    assert read_settings(path)["noise_deg"] == pytest.approx(2.0)
+    assert names_surface(path) and load_material(path).friction == found.material.friction
+
+
+def test_the_same_file_on_another_surface_keeps_its_object_and_push(tmp_path) -> None:
+    found = CollectionLoop.from_file(written(tmp_path, collection_text(own_loop())), surface="plywood")
+    assert found.material.name == "plywood" and found.slider == own_loop().slider
+
+
+def test_what_was_found_with_a_surface_stays_in_force(tmp_path) -> None:
+    """An effective ring and pressure, identified with the surface, are the loop's when the file is read back."""
+    found = FoundWith(pusher_friction=0.2, hitch_scale=0.7, hitch_turn=0.3, rim_share=0.25)
+    from cyclemap.collection.found_with import with_found
+
+    loop = with_found(replace(own_loop(), material=replace(WALNUT, found_with=found)), found)
+    again = CollectionLoop.from_file(written(tmp_path, collection_text(loop)))
+    assert again.slider.hitch == pytest.approx(loop.slider.hitch, abs=1e-12)
+    theta = np.linspace(0.0, 6.0, 5)
+    assert again.next_theta(theta) == pytest.approx(loop.next_theta(theta), abs=1e-9)
+
+
+def test_an_own_object_that_leaves_facts_to_mit_is_doubted_once_by_name() -> None:
+    with pytest.warns(
+        DoubtfulInput, match=r"the ring, the mass, .*still are: give hitch_x_mm, hitch_y_mm, mass_kg"
+    ) as told:
+        from cyclemap.collection.settings import warn_of_defaults
+
+        warn_of_defaults({"vertices_mm": [[0, 0], [9, 0], [0, 9]]})
+    assert len(told) == 1
+
+
+def test_the_nearest_folder_above_data_tells_what_they_are_of_but_not_the_surface(tmp_path) -> None:
+    (tmp_path / FILE_NAME).write_text(collection_text(own_loop(), noise=0.02))
+    below = tmp_path / "walnut" / "box" / "normal"
+    below.mkdir(parents=True)
+    for place in (tmp_path, below, below / "push.h5"):
+        found = data_settings(place)
+        assert found["object_name"] == "box" and not {"mu_a", "noise_deg"} & set(found)
+    assert data_settings(tmp_path.parent / "elsewhere") == {}
+
+
+def test_a_later_outline_takes_the_place_of_an_earlier_one() -> None:
+    one = {"vertices_mm": [[0, 0], [9, 0], [0, 9]], "object_name": "wedge", "push_mm": 80}
+    assert layered(one, {"shape": "hex"}) == {"push_mm": 80, "shape": "hex"}
+
+
+def test_a_file_that_is_neither_is_refused(tmp_path) -> None:
+    with pytest.raises(DataFileError, match="did you mean 'push_mm'"):
+        read_settings(written(tmp_path, "[push]\npush_m = 3\n"))
+
+
+@pytest.mark.parametrize("shape", ["rect1", "hex", "tri1", "ellip2"])
+@pytest.mark.parametrize(("fraction", "angle_deg"), [(0.7, 0), (0.3, 20)])
+def test_the_rod_first_touches_where_the_mechanics_begin(shape, fraction, angle_deg) -> None:
+    loop = CollectionLoop.from_settings({"shape": shape, "fraction": fraction, "angle_deg": angle_deg})
+    place, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
+    rod = loop.cycle(0.0).trajectory.push
+    start = rod.pusher[0] - rod.pose[0, :2]
+    assert start == pytest.approx(place, abs=1e-9)
+    gone = rod.pusher[-1] - rod.pusher[0]
+    assert gone / np.hypot(*gone) == pytest.approx(way, abs=1e-9)
+
+
+def test_a_first_guess_pushes_the_box_as_far_as_its_rod_stays_on_it() -> None:
+    loop = within_reach(own_loop())
+    assert loop.push.distance < own_loop().push.distance
+    for theta in np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False).tolist():
+        assert loop.cycle(theta).push.travel == pytest.approx(loop.push.distance)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words", "wrong"),
+    [
+        ({}, None, False),
+        ({"push_mm": 140}, "slides past the edge after", False),
+        ({"push_mm": 0.12}, "is push_mm in millimetres?", False),
+        ({"hitch_x_mm": -80}, "it lies outside", False),
+        ({"hitch_x_mm": 0, "hitch_y_mm": 0}, "hardly turn the object", False),
+        ({"mass_kg": 837.4}, "was it given in grams?", False),
+        ({"mu_a": 0.9}, "times as large in one direction", False),
+        ({"pusher_mu": 1.5}, "that of rubber", False),
+        ({"side": 9}, "side", True),
+        ({"hitch_x_mm": 9000}, "same unit", True),
+    ],
+)
+def test_check_says_what_is_likely_wrong_and_nothing_of_what_is_right(tmp_path, settings, words, wrong) -> None:
+    """The file is one that init wrote, with one fact changed by hand."""
+    lines = collection_text(within_reach(own_loop())).splitlines()
+    for key, value in settings.items():
+        place = next(number for number, line in enumerate(lines) if line.startswith(f"{key} ="))
+        lines[place] = f"{key} = {value}"
+    found = check_collection(written(tmp_path, "\n".join(lines) + "\n"))
+    assert [finding.wrong for finding in found.findings if words and words in finding.words] == (
+        [wrong] if words else []
+    )
+    assert words is not None or found.findings == ()
+
+
+def test_check_names_what_is_left_to_mit(tmp_path) -> None:
+    found = check_collection(written(tmp_path, "[object]\nsemi_x_mm = 40\nsemi_y_mm = 30\n"))
+    told = " ".join(finding.words for finding in found.findings)
+    for words in ("the ring is not said", "the length of the push is not said", "no surface is said"):
+        assert words in told

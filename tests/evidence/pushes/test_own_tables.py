@@ -1,0 +1,209 @@
+"""Tables as laboratories keep them: each read as the pushes that it holds, or refused with the sentence that helps."""
+
+import json
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence import load_pushes
+from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
+from cyclemap.evidence.theta0.theta0_pairs import read_theta0_pairs
+
+pandas = pytest.importorskip("pandas")
+
+# Orientations before twelve pushes, degrees, not wrapped, and the turn of each push.
+THETA_DEG = 12.0 + 27.3 * np.arange(12)
+TURN_DEG = 65.0 + np.cos(np.radians(THETA_DEG))
+
+
+def orientations(tmp_path, path, columns=None, units=()):
+    """What every command reads of the table: orientations before successive pushes, degrees."""
+    target = tmp_path / "read.csv"
+    target.write_text(read_own_table(path, columns, units).csv_text())
+    return np.degrees(read_theta0_pairs(target).theta)
+
+
+def wrapped(degrees):
+    return (np.asarray(degrees) + 180.0) % 360.0 - 180.0
+
+
+def test_semicolons_and_decimal_commas(tmp_path) -> None:
+    lines = [f"{n};{angle:.2f}".replace(".", ",") for n, angle in enumerate(THETA_DEG % 360.0)]
+    path = tmp_path / "messung.csv"
+    path.write_text("\n".join(["Nr;Winkel vorher [°]", *lines]) + "\n")
+    assert is_own(path)
+    assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=0.006)
+
+
+def test_radians_are_told_by_their_size_and_that_is_said(tmp_path) -> None:
+    path = tmp_path / "rad.csv"
+    path.write_text("yaw\n" + "".join(f"{math.radians(x):.6f}\n" for x in THETA_DEG % 360.0))
+    found = read_own_table(path)
+    assert found.guessed and any("in rad, guessed" in line for line in found.words)
+    assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-3)
+
+
+def test_an_excel_export(tmp_path) -> None:
+    pytest.importorskip("openpyxl")
+    path = tmp_path / "log.xlsx"
+    pandas.DataFrame({"Push": range(12), "Start angle (deg)": THETA_DEG % 360.0, "Remark": ["ok"] * 12}).to_excel(
+        path, index=False
+    )
+    assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-9)
+
+
+def test_columns_of_any_name_as_told(tmp_path) -> None:
+    path = tmp_path / "pairs.csv"
+    rows = pairwise(THETA_DEG)
+    path.write_text("alpha,beta\n" + "".join(f"{a},{b}\n" for a, b in rows))
+    with pytest.raises(DataFileError, match=r"say which, --columns theta0=NAME; it has alpha, beta"):
+        read_own_table(path)
+    told = {"theta0": "alpha", "theta_next": "beta"}
+    assert wrapped(orientations(tmp_path, path, told, ["deg"])) == pytest.approx(wrapped(THETA_DEG[:-1]))
+    assert not read_own_table(path, told, ["deg"]).guessed
+
+
+def test_what_two_readings_are_possible_of_is_asked_not_guessed(tmp_path) -> None:
+    path = tmp_path / "after.csv"
+    path.write_text("yaw,yaw_after\n1,2\n3,4\n")
+    with pytest.raises(DataFileError, match=r"after the push, or before the next one\? Say --columns theta1=yaw_after"):
+        read_own_table(path)
+
+
+def test_poses_in_millimetres_and_degrees_become_pushes(tmp_path) -> None:
+    path = tmp_path / "poses.csv"
+    x1 = 40.0 * np.cos(np.radians(THETA_DEG))
+    rows = zip(THETA_DEG, x1, THETA_DEG + TURN_DEG, strict=True)
+    header = "x_before_mm,y_before_mm,yaw_before_deg,x_after_mm,y_after_mm,yaw_after_deg\n"
+    path.write_text(header + "".join(f"0,0,{a},{x},-70,{b}\n" for a, x, b in rows))
+    target = tmp_path / "read.csv"
+    target.write_text(read_own_table(path).csv_text())
+    table = load_pushes(target).table
+    assert np.degrees(table["dtheta"].to_numpy()) == pytest.approx(TURN_DEG)
+    assert table["x1"].to_numpy() == pytest.approx(1e-3 * x1) and table["y1"].to_numpy() == pytest.approx(
+        np.full(12, -0.07)
+    )
+
+
+def test_missing_rows_make_no_pair_across_them_and_are_told(tmp_path) -> None:
+    path = tmp_path / "gaps.csv"
+    rows = [(n, x) for n, x in enumerate(THETA_DEG) if n not in (4, 5)]
+    path.write_text("push,theta0_degrees\n" + "".join(f"{n},{x}\n" for n, x in rows) + "12,\n")
+    found = read_own_table(path, {"theta0": "theta0_degrees"}, ["deg"])
+    assert len(found.columns["theta0"]) == 8
+    assert np.degrees(found.columns["theta_next"] - found.columns["theta0"]) == pytest.approx(27.3)
+    assert any("1 gaps" in line for line in found.words) and any("1 rows without" in line for line in found.words)
+
+
+def quaternions(theta_deg):
+    half = np.radians(theta_deg) / 2.0
+    return {"qx": 0.0 * half, "qy": 0.0 * half, "qz": np.sin(half), "qw": np.cos(half)}
+
+
+def stream(rate=30.0):
+    """Two cycles of a tracked object: rest, push, rest, drag back, and again; t, x, y, theta (degrees)."""
+    t, x, theta = [], [], []
+    marks = [(0.0, 10.0), (40.0, 75.0), (0.0, 22.0), (41.0, 86.0), (0.0, 35.0)]
+    for (x0, a0), (x1, a1) in pairwise(marks):
+        moving, still = np.linspace(0.0, 1.0, int(2 * rate)), np.ones(int(1.5 * rate))
+        share = np.concatenate([moving, still]) if t else np.concatenate([0.0 * still, moving, still])
+        x += (x0 + (x1 - x0) * share).tolist()
+        theta += (a0 + (a1 - a0) * share).tolist()
+        t = (np.arange(len(x)) / rate).tolist()
+    return np.array(t), 1e-3 * np.array(x), np.array(theta)
+
+
+def test_a_stream_of_poses_is_cut_at_its_rests_into_pushes_and_drags(tmp_path) -> None:
+    t, x, theta = stream()
+    path = tmp_path / "tracker.csv"
+    frame = pandas.DataFrame({"timestamp": t, "x": x, "y": 0.0 * x, **quaternions(theta)})
+    frame.to_csv(path, index=False)
+    found = read_own_table(path)
+    assert any("4 motions" in line for line in found.words)
+    assert np.degrees(found.columns["theta0"]) == pytest.approx([10.0, 22.0], abs=0.2)
+    turned = np.degrees(found.columns["theta1"] - found.columns["theta0"])
+    assert turned == pytest.approx([65.0, 64.0], abs=0.4)
+    assert found.columns["x1"] == pytest.approx([0.040, 0.041], abs=5e-4)
+
+
+def test_a_lerobot_data_set_has_a_push_an_episode(tmp_path) -> None:
+    pytest.importorskip("pyarrow")
+    home = tmp_path / "pusht"
+    (home / "meta").mkdir(parents=True)
+    (home / "data" / "chunk-000").mkdir(parents=True)
+    names = ["block_x", "block_y", "block_angle"]
+    (home / "meta" / "info.json").write_text(json.dumps({"features": {"observation.state": {"names": names}}}))
+    rows = []
+    for episode, (start, turn) in enumerate(zip(THETA_DEG, TURN_DEG, strict=True)):
+        for share in (0.0, 0.5, 1.0):
+            state = [0.1 * share, 0.02, math.radians(start + turn * share)]
+            rows.append({"observation.state": state, "episode_index": episode, "frame_index": int(2 * share)})
+    pandas.DataFrame(rows).to_parquet(home / "data" / "chunk-000" / "file-000.parquet")
+    columns = {"x": "block_x", "y": "block_y", "theta": "block_angle"}
+    found = read_own_table(home, columns, ["rad", "m"])
+    assert is_own(home) and any("12 pushes, one an episode" in line for line in found.words)
+    assert np.degrees(found.columns["theta0"]) == pytest.approx(THETA_DEG)
+    assert np.degrees(found.columns["theta1"] - found.columns["theta0"]) == pytest.approx(TURN_DEG)
+
+
+def test_a_ros_2_bag_is_read_by_the_topic_of_the_objects_pose(tmp_path) -> None:
+    pytest.importorskip("rosbags")
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store, path = get_typestore(Stores.LATEST), tmp_path / "run1"
+    kinds = store.types
+    t, x, theta = stream()
+    half = np.radians(theta) / 2.0
+    with Writer(path, version=9) as writer:
+        topics = [
+            writer.add_connection(name, "geometry_msgs/msg/PoseStamped", typestore=store) for name in ("/box", "/tip")
+        ]
+        for seconds, place, angle in zip(t, x, half, strict=True):
+            stamp = kinds["builtin_interfaces/msg/Time"](int(seconds), int(seconds % 1 * 1e9))
+            header = kinds["std_msgs/msg/Header"](stamp, "world")
+            point = kinds["geometry_msgs/msg/Point"](place, 0.0, 0.0)
+            turn = kinds["geometry_msgs/msg/Quaternion"](0.0, 0.0, math.sin(angle), math.cos(angle))
+            message = kinds["geometry_msgs/msg/PoseStamped"](header, kinds["geometry_msgs/msg/Pose"](point, turn))
+            for topic in topics:
+                writer.write(
+                    topic, int(1e9 * seconds) + 1, store.serialize_cdr(message, "geometry_msgs/msg/PoseStamped")
+                )
+    with pytest.raises(DataFileError, match=r"--columns pose=TOPIC; with poses: /box, /tip"):
+        read_own_table(path)
+    found = read_own_table(path, {"pose": "/box"})
+    assert np.degrees(found.columns["theta0"]) == pytest.approx([10.0, 22.0], abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "told", "message"),
+    [
+        ("empty.csv", "yaw\n", {}, "1 lines; a header and rows are wanted"),
+        ("words.csv", "yaw,remark\nlots,none\nsome,few\n", {}, "no column of numbers among yaw, remark"),
+        ("two.csv", "yaw_before,angle_start\n1,2\n3,4\n", {}, "may both be theta0: say which"),
+        ("short.csv", "yaw\n12\n", {}, "1 pushes|0 pushes"),
+        ("turned.csv", "qx,qy,qz\n0,0,1\n0,0,1\n", {}, "of a quaternion all of qx, qy, qz, qw are wanted"),
+        ("told.csv", "yaw\n1\n2\n", {"theta0": "yaww"}, "no column yaww for theta0; it has yaw"),
+        ("fake.xlsx", "yaw\n1\n2\n", {}, "not a spreadsheet that can be read"),
+        ("fake.parquet", "yaw\n1\n2\n", {}, "not parquet that can be read"),
+    ],
+)
+def test_what_cannot_be_read_is_refused_with_what_it_has_and_what_is_wanted(
+    tmp_path, name, content, told, message
+) -> None:
+    path = tmp_path / name
+    path.write_text(content)
+    with pytest.raises(DataFileError, match=message):
+        read_own_table(path, told)
+
+
+def test_an_unknown_name_or_unit_is_refused(tmp_path) -> None:
+    path = tmp_path / "yaw.csv"
+    path.write_text("yaw\n1\n2\n3\n")
+    with pytest.raises(InvalidInput, match="--columns speed="):
+        read_own_table(path, {"speed": "yaw"})
+    with pytest.raises(InvalidInput, match="--units turns"):
+        read_own_table(path, units=["turns"])

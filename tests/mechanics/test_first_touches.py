@@ -1,0 +1,38 @@
+"""Theorem: many first touches at once are the first touches one by one, on every sort of outline."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cyclemap.evidence.replay.shapes import dataset_sliders
+from cyclemap.mechanics.contact_curve import contact_curve
+from cyclemap.mechanics.first_touch import first_touch, first_touches, overlaps
+
+
+@pytest.mark.parametrize("name", ["rect1", "tri3", "hex", "ellip1", "ellip3", "butter"])
+def test_many_touches_are_each_ones(name: str) -> None:
+    outline = dataset_sliders()[name].outline
+    radius, rng = 0.00475, np.random.default_rng(5)
+    curve = contact_curve(outline, radius)
+    starts = rng.uniform(-2.0, 2.0, (120, 2)) * outline.extent
+    starts = starts[[not overlaps(outline, radius, place) for place in starts]]
+    directions = np.arctan2(*(-starts).T[::-1]) + rng.normal(0.0, 0.4, len(starts))
+    travel, piece, coordinate = first_touches(curve.pieces, radius, starts, directions)
+    met = 0
+    for number, (start, direction) in enumerate(zip(starts, directions.tolist(), strict=True)):
+        one = first_touch(curve.pieces, radius, start, direction)
+        if one is None:
+            assert math.isnan(travel[number])
+            continue
+        met += 1
+        assert travel[number] == pytest.approx(one[0], abs=1e-10)
+        if piece[number] == one[1]:
+            turns = (coordinate[number] - one[2]) / (2.0 * math.pi) if "ellip" in name else 0.0
+            assert coordinate[number] - 2.0 * math.pi * round(turns) == pytest.approx(one[2], abs=1e-7)
+        # From inside, the same touch lies behind.
+        behind = start + (one[0] + 1e-3) * np.array([math.cos(direction), math.sin(direction)])
+        if overlaps(outline, radius, behind):
+            back = first_touches(curve.pieces, radius, behind[None], np.array([direction]))[0][0]
+            assert back == pytest.approx(-1e-3, abs=1e-10)
+    assert met > 30

@@ -1,0 +1,63 @@
+"""An audit tells a lock-in from a spread, what the reset took back, and says when the data cannot tell."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.resets.monitor.audit import audit
+from cyclemap.views.audit_page import audit_headline, audit_page, audit_paragraph
+from cyclemap.views.style import render
+
+
+def table(tmp_path, theta_deg, turn_deg=None):
+    """A CSV file of orientations, or of poses with the turn of each push."""
+    path = tmp_path / "log.csv"
+    if turn_deg is None:
+        path.write_text("theta0_deg\n" + "".join(f"{x}\n" for x in theta_deg))
+        return path
+    rows = [
+        f"0,0,{np.radians(a)},0.04,-0.07,{np.radians(a + b)},{n}"
+        for n, (a, b) in enumerate(zip(theta_deg, turn_deg, strict=True))
+    ]
+    path.write_text("x0,y0,th0,x1,y1,th1,rep\n" + "\n".join(rows) + "\n")
+    return path
+
+
+def test_a_collection_that_ends_in_one_direction_is_told_from_which_push_on(tmp_path) -> None:
+    noise = np.random.default_rng(1).normal(0.0, 1.0, 60)
+    theta = np.concatenate([np.arange(0.0, 360.0, 15.0), 63.0 + noise])
+    found = audit(table(tmp_path, theta))
+    assert 20 <= found.locked_from <= 30
+    assert found.gathered > 0.95 and found.worth < 40 and not found.is_good
+    assert "locks in from push" in audit_headline(found)
+    assert "lock in about 6" in audit_paragraph(found) and "cyclemap reset" in audit_paragraph(found)
+
+
+def test_orientations_spread_evenly_are_good_as_they_are(tmp_path) -> None:
+    theta = np.random.default_rng(2).uniform(0.0, 360.0, 200)
+    found = audit(table(tmp_path, theta))
+    assert found.locked_from is None and found.is_good and found.gathered == 0.0
+    assert "Nothing needs to change" in audit_paragraph(found)
+
+
+def test_part_of_the_circle_is_named(tmp_path) -> None:
+    theta = np.random.default_rng(3).uniform(20.0, 160.0, 100)
+    found = audit(table(tmp_path, theta))
+    assert len(found.covered) == 1 and not found.is_good
+    assert np.degrees(found.covered[0]) == pytest.approx([theta.min(), theta.max()])
+
+
+def test_what_the_reset_took_back_is_told_where_poses_tell_it(tmp_path) -> None:
+    """Pushes of 60 ± 5 degrees and resets that take back nine tenths of each: exactly, by construction."""
+    turn = 60.0 + np.random.default_rng(4).normal(0.0, 5.0, 80)
+    theta = np.concatenate([[0.0], np.cumsum(0.1 * turn)])[:80]
+    found = audit(table(tmp_path, theta, turn))
+    assert found.reset.undone == pytest.approx(0.9, abs=2e-3)
+    assert found.reset.slope == pytest.approx(-0.9, abs=1e-9)
+    assert "90% back" in audit_paragraph(found)
+    assert render(audit_page(found)).startswith(b"\x89PNG")
+
+
+def test_too_few_pushes_are_refused(tmp_path) -> None:
+    with pytest.raises(InvalidInput, match="3 pushes of one set; an audit needs 10"):
+        audit(table(tmp_path, [1.0, 2.0, 3.0]))

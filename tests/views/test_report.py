@@ -1,0 +1,98 @@
+"""The report: one file, the same bytes each time, its numbers the command's, alive without a network."""
+
+import json
+import math
+import re
+
+import pytest
+from click.testing import CliRunner
+
+import cyclemap as cm
+from cyclemap.cli.main import cli
+from cyclemap.views.report.report_page import RING_STEPS
+
+
+@pytest.fixture(scope="module")
+def theta0_file(tmp_path_factory):
+    """A short staircase on plywood, with noise."""
+    loop = cm.CollectionLoop.mit(material="plywood")
+    run = cm.sample_staircase(loop.circle_map(1e-4), cm.WrappedNormal(math.radians(1.1)), 120, 0.5, 3)
+    path = tmp_path_factory.mktemp("data") / "mine.csv"
+    lines = [
+        f"{math.degrees(one):.6f},{math.degrees(after):.6f}"
+        for one, after in zip(run.theta, run.theta[1:], strict=False)
+    ]
+    path.write_text("theta0_deg,theta_next_deg\n" + "\n".join(lines) + "\n")
+    return path
+
+
+@pytest.fixture(scope="module")
+def report(theta0_file, tmp_path_factory):
+    return written(theta0_file, tmp_path_factory.mktemp("one"))
+
+
+def written(theta0_file, folder):
+    done = CliRunner().invoke(cli, ["report", "plywood", "--data", str(theta0_file), "--out", str(folder)])
+    assert done.exit_code == 0, done.output
+    return folder / "report_plywood.html"
+
+
+def test_the_same_input_makes_the_same_bytes_and_less_than_a_megabyte(report, theta0_file, tmp_path) -> None:
+    assert report.read_bytes() == written(theta0_file, tmp_path).read_bytes()
+    assert len(report.read_bytes()) < 1e6
+
+
+def test_numbers_are_those_of_the_mechanics_and_words_those_of_the_comparison(report, theta0_file) -> None:
+    text = report.read_text()
+    data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)[1])
+    loop = cm.CollectionLoop.mit(material="plywood")
+    points = cm.fixed_points(loop.circle_map())
+    assert [one["theta_deg"] for one in data["answer"]["fixed_points"]] == [
+        round(math.degrees(orbit.points[0]), 6) for orbit in points
+    ]
+    assert len(data["rings"]) == RING_STEPS
+    assert len(data["measured"]["theta"]) == len(theta0_file.read_text().splitlines()) - 1
+    shown = [
+        one["fixed_points"] for one in data["rings"] if 8.0 <= one["ring_mm"] <= 9.0 or 14.0 <= one["ring_mm"] <= 16.0
+    ]
+    assert {len(one) for one in shown} == {0, 2}, "the fixed points end in a saddle-node as the ring moves in"
+    assert "Recorded against predicted" in text
+    assert "SHA-256" in text
+
+
+def test_report_lives_without_a_network(report, open_page) -> None:
+    page, troubles, asked = open_page(offline=True)
+    page.goto(report.as_uri())
+    page.wait_for_selector("body[data-drawn=true]")
+    before = page.locator("canvas.object").screenshot()
+    page.locator("#moment").fill("0.3")
+    assert page.locator("canvas.object").screenshot() != before, "the object moves with the scrubber"
+    page.locator("#ring").fill("24")
+    page.wait_for_selector("body[data-ring='24']")
+    assert "27.0 mm" in page.locator("#ring-told").inner_text() or "27 mm" in page.locator("#ring-told").inner_text()
+    for width in (1400, 420):
+        page.set_viewport_size({"width": width, "height": 900})
+        assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    assert not troubles
+    assert all(url.startswith(("file:", "data:")) for url in asked)
+
+
+def test_report_without_script_shows_the_picture(report, open_page) -> None:
+    page, _, _ = open_page(offline=True, java_script_enabled=False)
+    page.goto(report.as_uri())
+    assert page.locator("img").bounding_box()["width"] > 600
+    page.context.close()
+
+
+def test_a_name_cannot_bring_script_into_the_report(tmp_path) -> None:
+    """What a file says is text, whatever it looks like."""
+    material = tmp_path / "evil.toml"
+    material.write_text(
+        'name = "x</script><script>alert(1)</script>"\nprovenance = "<img src=x onerror=alert(1)>"\n'
+        "[friction]\nmu_a = 0.25\nmu_b = 0.24\nm0 = 0.0\nn0 = 0.0\nphi_deg = 0.0\n"
+    )
+    done = CliRunner().invoke(cli, ["report", str(material), "--out", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    [page] = tmp_path.glob("*.html")
+    assert "<script>alert" not in page.read_text()
+    assert "<img src=x" not in page.read_text()
