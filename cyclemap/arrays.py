@@ -16,7 +16,7 @@ TWO_PI = 2.0 * np.pi
 def shorter_way(angle: Any) -> Array:
     """The same angles, radians, any shape, taken the shorter way round: in [-π, π).
 
-    >>> float(shorter_way(1.75 * np.pi)) == -0.25 * np.pi
-    True
+    >>> round(float(shorter_way(1.75 * np.pi)) / np.pi, 12)
+    -0.25
     """
     return np.asarray(np.mod(np.asarray(angle) + np.pi, TWO_PI) - np.pi)

@@ -78,8 +78,16 @@ def _derived(one: Derived) -> Json:
 
 def _errors(one: KindErrors) -> Json:
     kind, unit, factor = readable_kind(one.kind)
-    sizes = ("mean", "median", "rms", "left_out_mean", "left_out_median", "left_out_rms")
-    sizes = (*sizes, "isotropic_mean", "isotropic_median")
+    sizes = (
+        "mean",
+        "median",
+        "rms",
+        "left_out_mean",
+        "left_out_median",
+        "left_out_rms",
+        "isotropic_mean",
+        "isotropic_median",
+    )
     told = {name: number(factor * getattr(one, name)) for name in sizes}
     return {"block": one.block, "kind": kind, "unit": _NAMES.get(unit, unit.strip()), "rows": one.rows, **told}
 

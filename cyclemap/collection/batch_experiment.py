@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, shorter_way
 from cyclemap.checks import finite_array, positive_number, whole_number
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.dynamic_loop import DynamicLoop, isotropic_twin
@@ -75,7 +75,7 @@ class BatchRun:
     def _grouped(self, within: float) -> tuple[float, ...]:
         found: list[Array] = []
         for end in np.sort(self.final):
-            near = [k for k, group in enumerate(found) if abs(_wrapped(end - group[0])) <= within]
+            near = [k for k, group in enumerate(found) if abs(shorter_way(end - group[0])) <= within]
             if near:
                 found[near[0]] = np.append(found[near[0]], end)
             else:
@@ -193,7 +193,3 @@ def _course(loop: DynamicLoop | CollectionLoop, theta: float) -> tuple[float, Ar
     centre = placed(course.pose.T, np.array(loop.slider.centre_of_mass))
     travel = np.linspace(0.0, loop.push.distance, SAMPLES + 1)
     return drag.end.theta, np.column_stack([np.interp(travel, course.path, values) for values in centre.T])
-
-
-def _wrapped(angle: Array) -> Array:
-    return np.asarray(np.angle(np.exp(1j * angle)))

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse
 from cyclemap.errors import InvalidInput
@@ -210,7 +210,7 @@ class Prediction:
     @cached_property
     def slowest(self) -> float:
         """Orientation (rad) at which the first-order turn is nearest to a whole number of turns; 0 if all are equal."""
-        return float(_ANGLES[np.argmin(np.abs(_wrapped(self.turn(_ANGLES))))]) if self._anisotropic else 0.0
+        return float(_ANGLES[np.argmin(np.abs(shorter_way(self.turn(_ANGLES))))]) if self._anisotropic else 0.0
 
     @cached_property
     def lock_in(self) -> LockIn:
@@ -251,15 +251,15 @@ class Prediction:
         theta = float(orbit.points[0])
         error = max(self._reach(theta, 1.0), self._reach(theta, -1.0))
         same = [other for other in self.second_order_points if other.stable == orbit.stable]
-        nearest = min(same, key=lambda other: abs(_wrapped(other.points[0] - theta)), default=None)
-        near = nearest is not None and abs(_wrapped(nearest.points[0] - theta)) <= error
+        nearest = min(same, key=lambda other: abs(shorter_way(other.points[0] - theta)), default=None)
+        near = nearest is not None and abs(shorter_way(nearest.points[0] - theta)) <= error
         return PredictedDirection(orbit, error, nearest if near else None)
 
     def _reach(self, theta: float, sense: float) -> float:
         """How far from the fixed point `theta`, in one sense, a turn within the error may still be none; π at most."""
         reach = _ANGLES[: _ANGLES.size // 2 + 1]
         places = theta + sense * reach
-        inside = self.turn_error(places) - np.abs(_wrapped(self.turn(places)))
+        inside = self.turn_error(places) - np.abs(shorter_way(self.turn(places)))
         out = int(np.argmax(inside < 0.0))
         if out == 0:
             return 0.0 if inside[0] < 0.0 else math.pi
@@ -304,8 +304,3 @@ def _two_harmonic_map(turn: float, p: complex, q: complex) -> CircleMap:
         return theta + turn + (z * (p + q * z)).real
 
     return CircleMap.with_scalar(lift, derivative, one)
-
-
-def _wrapped(angle: ArrayLike) -> Array:
-    """Angles (...) in [-π, π)."""
-    return np.asarray((np.asarray(angle, dtype=float) + math.pi) % TWO_PI - math.pi)

@@ -2,6 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
@@ -51,13 +54,28 @@ def drifting_map(
     """
     if loop.material.wear is None:
         raise InvalidInput(f"{loop.material.name} does not wear: its file has no table [worn]; use its circle_map()")
-    count, done = whole_number("cycles", cycles, least=1), [0]
+    wear, count, done = loop.material.wear, whole_number("cycles", cycles, least=1), [0]
+    # The way is blended, then gone through at the pace of the course: kinks of the course cost no maps.
+    first, last = wear.share(0.0), wear.share(count - 1.0)
+    even = replace(loop, material=replace(loop.material, wear=replace(wear, cycles=1.0, course=())))
 
-    def at(cycle: float) -> CircleMap:
-        found = worn_loop(loop, cycle).circle_map(MAP_TOLERANCE)
+    def at(share: float) -> CircleMap:
+        found = worn_loop(even, share).circle_map(MAP_TOLERANCE)
         done[0] += 1
         if progress is not None:
             progress(done[0])
         return found
 
-    return DriftingMap.of_family(at, lambda n: n, count, tolerance)
+    steps = count if last > first else 1
+    blend = DriftingMap.of_family(at, np.linspace(first, last, steps), steps, tolerance)
+    shares = first + (last - first) * blend.cycles / max(steps - 1, 1)
+    bends = [(0.0, first), *((n, gone) for n, gone in wear.course if 0.0 < n < count - 1.0), (count - 1.0, last)]
+    knots: dict[float, CircleMap] = {}
+    for (begin, low), (end, high) in pairwise(bends):
+        for n, share in ((begin, low), (end, high)):
+            knots.setdefault(n, blend.at((share - first) / max(last - first, 1e-300) * (steps - 1)))
+        for share, one in zip(shares, blend.maps, strict=True):
+            if low < share < high:
+                knots.setdefault(begin + (end - begin) * float((share - low) / (high - low)), one)
+    order = sorted(knots)
+    return DriftingMap(np.array(order), tuple(knots[n] for n in order), blend.max_error)

@@ -104,9 +104,9 @@ def _crossings(
     a, b, found = piece.semi_x, piece.semi_y, []
     for sign in (-1.0, 1.0):
         # Between the two tangents along the path the distance from it changes sign once.
-        middle = np.arctan2(sign * toward[:, 1], sign * toward[:, 0])
-        low = np.arctan2(b * np.sin(middle - np.pi / 2.0), a * np.cos(middle - np.pi / 2.0))
-        high = np.arctan2(b * np.sin(middle + np.pi / 2.0), a * np.cos(middle + np.pi / 2.0))
+        facing = np.arctan2(sign * toward[:, 1], sign * toward[:, 0])
+        low = np.arctan2(b * np.sin(facing - np.pi / 2.0), a * np.cos(facing - np.pi / 2.0))
+        high = np.arctan2(b * np.sin(facing + np.pi / 2.0), a * np.cos(facing + np.pi / 2.0))
         high = low + np.remainder(high - low, 2.0 * np.pi)
         aside, _ = _from_line(piece, radius, low, starts, toward)
         meets = aside * _from_line(piece, radius, high, starts, toward)[0] < 0.0

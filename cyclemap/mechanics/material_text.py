@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import fields
 
 from cyclemap.mechanics.friction import EllipseFriction
@@ -42,7 +43,9 @@ def material_toml(material: Material) -> str:
     found = _found_with(material.found_with)
     lines += _table("found_with", found) if found else []
     for one in material.plates:
-        lines += _table(f"plates.{_text(one.plate)}", {key: value for key, value in one.shares.items() if value})
+        bare = re.fullmatch(r"[A-Za-z0-9_-]+", one.plate)
+        name = one.plate if bare else _text(one.plate)
+        lines += _table(f"plates.{name}", {key: value for key, value in one.shares.items() if value})
     if material.noise is not None:
         lines += ["", "[cycle_noise]", f"log_sigma = {list(material.noise.log_sigma)!r}"]
         lines += [f"correlation = {material.noise.correlation!r}"]

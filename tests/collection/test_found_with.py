@@ -98,6 +98,10 @@ def test_every_number_found_is_read_from_a_file_in_its_unit(tmp_path):
             "sample 1: .*rim_share 1.3",
         ),
         ("[posterior]\nparameters = ['worn.mu_a']\nsamples = [[0.3], [0.3]]", "only where the surface wears"),
+        ("[noise]\ncorrelation = 0.5", "needs log_sigma"),
+        ("[noise]\nlog_sigma = [1.0, 2.0]", "2 numbers"),
+        ("[noise]\nlog_sigma = [1.0]\ncorrelation = 1.0", "it must lie in"),
+        ("[worn]\nmu_a = 0.3\nmu_b = 0.3\ncycles = 9\ncourse = [[5, 0.5], [3, 0.6]]", "course of wear"),
         ("[posterior]\nparameters = 3\nsamples = [[0.3], [0.3]]", "a list of names"),
     ],
 )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import EllipseFriction, load_material, worn_friction
+from cyclemap.mechanics import EllipseFriction, Material, Wear, load_material, worn_friction
 
 FRESH = load_material("plywood").friction
 WORN = EllipseFriction(0.31, 0.19, m0=-0.02, n0=0.05, phi=0.7)
@@ -71,3 +71,22 @@ def test_a_little_wear_changes_each_of_the_five_numbers_a_little() -> None:
 def test_a_share_beyond_the_ends_is_refused(share) -> None:
     with pytest.raises(InvalidInput, match="share of wear"):
         worn_friction(FRESH, WORN, share)
+
+
+def test_a_course_says_when_the_way_is_gone_and_leaves_the_way_itself() -> None:
+    even, early = Wear(WORN, 1000.0), Wear(WORN, 1000.0, ((100.0, 0.5), (600.0, 0.5)))
+    assert [early.share(n) for n in (-5.0, 0.0, 50.0, 100.0, 300.0, 600.0, 800.0, 1000.0, 2000.0)] == pytest.approx(
+        [0.0, 0.0, 0.25, 0.5, 0.5, 0.5, 0.75, 1.0, 1.0]
+    )
+    slow, fast = (Material("floor", FRESH, wear=wear) for wear in (even, early))
+    assert fast.friction_after(50.0) == slow.friction_after(250.0)
+    assert fast.friction_after(2000.0) == WORN and fast.friction_after(0.0) == FRESH
+
+
+@pytest.mark.parametrize(
+    "course",
+    [((100.0, 0.5), (50.0, 0.6)), ((100.0, 0.5), (200.0, 0.4)), ((1000.0, 0.5),), ((10.0, 1.5),), ((0.0, 0.1),)],
+)
+def test_a_course_that_goes_back_or_beyond_is_refused(course) -> None:
+    with pytest.raises(InvalidInput, match="must be pairs"):
+        Wear(WORN, 1000.0, course)

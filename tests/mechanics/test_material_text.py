@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 import pytest
 
 from cyclemap.mechanics import (
+    CycleNoise,
     EllipseFriction,
     FoundWith,
     Material,
@@ -24,7 +25,8 @@ RICH = Material(
     misfit="turn 2.1°",
     inferred=True,
     found_with=FoundWith(pusher_friction=0.17, pin_friction_radius=0.00123),
-    wear=Wear(EllipseFriction(0.29, 0.24, 0.01, -0.02, 1.1), 1500.0),
+    wear=Wear(EllipseFriction(0.29, 0.24, 0.01, -0.02, 1.1), 1500.0, ((100.0, 0.1), (1 / 3 + 400.0, 2 / 3))),
+    noise=CycleNoise((-4.1, 1 / 3, -0.2), 0.69),
     plates=(PlatePressure("rect1", 0.1, 1 / 3), PlatePressure('my "box"', corner_share=0.1 + 0.2)),
     posterior=MaterialPosterior(
         ("mu_a", "phi_deg", "worn.mu_a", "worn.phi_deg", "rect1.rim_share"),
@@ -44,6 +46,7 @@ def assert_same(found: Material, given: Material) -> None:
     laws = [(found.friction, given.friction)]
     if given.wear is not None:
         assert found.wear is not None and found.wear.cycles == given.wear.cycles
+        assert found.wear.course == given.wear.course
         laws.append((found.wear.friction, given.wear.friction))
     for law, other in laws:
         assert [getattr(law, f.name) for f in fields(law)] == pytest.approx(

@@ -8,7 +8,7 @@ import pytest
 
 import cyclemap as cm
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import FoundWith, MaterialPosterior
+from cyclemap.mechanics import FoundWith, MaterialPosterior, PlatePressure
 from cyclemap.resets import MaterialRange, material_range, on_material
 
 PLYWOOD = cm.load_material("plywood")
@@ -43,6 +43,7 @@ SLATE = replace(
     PLYWOOD,
     name="slate",
     found_with=FoundWith(pusher_friction=0.15, hitch_scale=0.9),
+    plates=(PlatePressure("rect1", rim_share=0.3),),
     posterior=MaterialPosterior(
         ("mu_a", "m0", "pusher_mu", "hitch_scale", "rect1.rim_share"),
         tuple((0.25 + 1e-4 * k, 0.03, 0.14 + 1e-4 * k, 0.9 + 1e-3 * k, 0.01 * k) for k in range(70)),
@@ -58,7 +59,7 @@ def test_a_material_with_a_posterior_ranges_over_its_samples_unless_percentages_
     assert (min(shares), max(shares), len(set(shares))) == (0.0, pytest.approx(0.69), 24)
     few = replace(SLATE, posterior=replace(SLATE.posterior, samples=SLATE.posterior.samples[:3]))
     assert material_range(few).told == "3 of the 3 samples of its posterior"
-    assert {one.pressure_of("rect1") for one in material_range(SLATE, axes=0.05).searched} == {None}
+    assert {one.pressure_of("rect1") for one in material_range(SLATE, axes=0.05).searched} == set(SLATE.plates)
 
 
 def test_samples_of_a_surface_that_wears_lie_along_its_wear() -> None:

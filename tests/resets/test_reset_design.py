@@ -9,7 +9,7 @@ import pytest
 
 import cyclemap as cm
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import MaterialPosterior
+from cyclemap.mechanics import FoundWith, MaterialPosterior
 from cyclemap.resets import (
     ResetDemands,
     ResetStrategy,
@@ -125,7 +125,8 @@ def test_a_material_with_a_narrow_posterior_is_designed_for_by_that() -> None:
     """
     law, random = LOOP.material.friction, np.random.default_rng(0)
     drawn = random.normal(1.0, 0.015, (6, 3)) * [law.mu_a, law.m0, 0.15]
-    known = replace(LOOP.material, posterior=MaterialPosterior(("mu_a", "m0", "pusher_mu"), tuple(drawn.tolist())))
+    posterior = MaterialPosterior(("mu_a", "m0", "pusher_mu"), tuple(drawn.tolist()))
+    known = replace(LOOP.material, found_with=FoundWith(pusher_friction=0.15), posterior=posterior)
     demands = ResetDemands(keep_push=True, abilities=("gripper",))
     wide, narrow = (design_reset(replace(LOOP, material=one), demands) for one in (LOOP.material, known))
     assert len(wide.chosen.strategy.actions) == 36 and wide.about.told.startswith("axis ratio")

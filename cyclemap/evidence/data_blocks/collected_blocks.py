@@ -172,10 +172,10 @@ def _add(
     if len(rows.surfaces) > 1:
         return rows.surfaces
     for plate in sorted(rows.objects) or [choices.loop.slider.name]:
-        own = rows if len(rows.objects) < 2 else select_csv(file.path, replace(selection, objects=(plate,)))
-        if own.texts:
+        chosen = rows if len(rows.objects) < 2 else select_csv(file.path, replace(selection, objects=(plate,)))
+        if chosen.texts:
             with built.plate(plate):
-                csv_part(built, file, own, replace(choices, loop=_of_plate(choices.loop, plate)))
+                csv_part(built, file, chosen, replace(choices, loop=_of_plate(choices.loop, plate)))
     return rows.surfaces
 
 

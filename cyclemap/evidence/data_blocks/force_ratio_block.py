@@ -110,9 +110,7 @@ def pusher_friction_from_forces(
     if len(found.ratio) < 2:
         note = "not identifiable: only one piece of a push slides, so that nothing tells its error"
         return PusherFriction(math.nan, 0.0, math.inf, level, *counts, (note,))
-    result = identify(
-        [force_ratio_block(found)], ["pusher_friction"], starts=1, level=level, intervals="covariance", student=student
-    )
+    result = identify([force_ratio_block(found)], ["pusher_friction"], starts=1, level=level, student=student)
     one = result["pusher_friction"]
     return PusherFriction(one.value, one.lower, one.upper, level, *counts, (*_doubts(found), *result.notes))
 

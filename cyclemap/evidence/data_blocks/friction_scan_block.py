@@ -97,7 +97,6 @@ def friction_ellipse_from_scans(
         ELLIPSE,
         starts=4,
         level=level,
-        intervals="covariance",
         folds=folds,
         noise=known,
         student=student,

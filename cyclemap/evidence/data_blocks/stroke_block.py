@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 Rows = tuple[Array, Array]
 
 # Radians (extents): a tenth of what a camera sees.
-ACCURACY = 1e-3
+ACCURACY = 1e-4
 # A rod that starts further inside the object than this, m, is in another frame: measured poses overlap by tenths of mm.
 _DEEPEST = 0.04
 

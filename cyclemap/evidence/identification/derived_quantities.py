@@ -70,8 +70,8 @@ def sampled_values(found: Identification, count: int = DRAWS, seed: int = 0) -> 
     spread = np.array([student_quantile(found.level, float(freedom)) for freedom in errors.freedom])
     spread /= student_quantile(found.level, 1e9)
     size = np.sqrt(np.maximum(np.diag(errors.covariance), 0.0))
-    values, vectors = np.linalg.eigh(np.asarray(errors.correlation))
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    squares, vectors = np.linalg.eigh(np.asarray(errors.correlation))
+    root = vectors * np.sqrt(np.maximum(squares, 0.0))
     draws = np.random.default_rng(seed).standard_normal((count, len(space))) @ root.T
     vectors_drawn = np.clip(found.fit.vector + draws * size * spread, space.lower, space.upper)
     drawn = []

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, finite_number, read_only, whole_number
+from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import JUMP, SIDE_STEP, CircleMap
@@ -181,7 +181,7 @@ class Branch:
         return self.table.inverse(wanted)
 
 
-def branches(circle_map: CircleMap, resolution: int = RESOLUTION) -> tuple[Branch, ...]:
+def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     """The maximal monotone pieces of F over one turn, in order, the first starting in [0, 2π).
 
     Cut at folds, at jumps, at the ends of plateaus, and at kinks where the direction changes; a kink inside a
@@ -194,7 +194,7 @@ def branches(circle_map: CircleMap, resolution: int = RESOLUTION) -> tuple[Branc
     >>> [(round(b.start, 6), round(b.end, 6), b.direction) for b in branches(CircleMap.arnold(0.2, 2.0))]
     [(1.047198, 5.235988, 1), (5.235988, 7.330383, -1)]
     """
-    cells = monotone_cells(circle_map, 1, 0.0, whole_number("resolution", resolution, least=8))
+    cells = monotone_cells(circle_map, 1, 0.0, RESOLUTION)
     first, last = _one_sided_values(circle_map, cells)
     smooth = _joined(first, last, cells.climb)
     direction = _directions(cells, first, last, smooth)
@@ -259,7 +259,7 @@ def _branch(circle_map: CircleMap, cells: Cells, first: Array, last: Array, dire
 # -- preimages ---------------------------------------------------------------------------------------------
 
 
-def preimages(circle_map: CircleMap, angle: float, resolution: int = RESOLUTION) -> Array:
+def preimages(circle_map: CircleMap, angle: float) -> Array:
     """All θ in [0, 2π) with F(θ) = angle mod 2π, sorted, each once: shape (n,), radians.
 
     Solved to rounding on each branch. A fold within 1e-12 radians of the angle is one preimage, never two and
@@ -271,7 +271,7 @@ def preimages(circle_map: CircleMap, angle: float, resolution: int = RESOLUTION)
     [0.5, 3.641593]
     """
     wanted = finite_number("angle", angle)
-    found, flat = preimages_on(branches(circle_map, resolution), np.array([wanted]), circle_map.degree)
+    found, flat = preimages_on(branches(circle_map), np.array([wanted]), circle_map.degree)
     if flat.size:
         raise InvalidInput(
             f"F is {wanted:.9g} (mod 2π) all along [{flat[0]:.9g}, {flat[1]:.9g}]: the preimages cannot be listed; "

@@ -48,9 +48,7 @@ class Extremum:
     theta: float
 
 
-def extreme_displacement(
-    circle_map: CircleMap, ratio: Fraction, resolution: int, sign: float, marks: Sequence[float] = ()
-) -> Extremum:
+def extreme_displacement(circle_map: CircleMap, ratio: Fraction, sign: float, marks: Sequence[float] = ()) -> Extremum:
     """The largest (``sign`` 1) or least (-1) value of F^q - id - 2πp over the circle.
 
     Taken from the ends of the scanner's cells, ``marks`` among them, and from both sides of the map's own breaks:
@@ -59,7 +57,7 @@ def extreme_displacement(
     """
     found = _beside_breaks(circle_map, ratio, sign)
     if found.value < 0.0:
-        cells = monotone_cells(circle_map, ratio.denominator, 1.0, resolution, marks)
+        cells = monotone_cells(circle_map, ratio.denominator, 1.0, RESOLUTION, marks)
         theta = cells.start[~cells.cut]
         values = sign * displacement(circle_map, theta, ratio.denominator, np.asarray(ratio.numerator))[0]
         best = int(np.argmax(np.append(values, found.value)))
@@ -141,7 +139,6 @@ class EdgeSearch:
     family: Family
     ratio: Fraction
     side: str
-    resolution: int
     within: Range
     marks: list[float] = field(default_factory=list)
     tried: dict[float, _Trial] = field(default_factory=dict)
@@ -164,7 +161,7 @@ class EdgeSearch:
         if member.degree != 1:
             raise InvalidInput(f"the map at {p:.9g} has degree {member.degree}: a tongue needs degree 1")
         monotone = upper_envelope(member) if self.side == "left" else lower_envelope(member)
-        found = extreme_displacement(monotone, self.ratio, self.resolution, self._sign, self.marks)
+        found = extreme_displacement(monotone, self.ratio, self._sign, self.marks)
         return _Trial(member, monotone, found, np.asarray(member(_PROBES)))
 
     def _check_monotone(self, p: float) -> None:
@@ -306,12 +303,11 @@ class TongueBoundaries:
         return np.maximum(self.right - self.left, 0.0)
 
 
-def tongue(family: Family, ratio: Any, parameters: Range, *, resolution: int = RESOLUTION) -> Tongue:
+def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     """The edges of the tongue p/q of a family whose lifts nowhere fall as the parameter grows.
 
     family : parameter → CircleMap of degree 1. ratio : a Fraction, a whole number, or (p, q) in lowest terms.
     parameters : (low, high), with the whole tongue inside; the family is called only there.
-    resolution : cells a turn at least in the search for extrema of F^q - id.
 
     Left edge: where the largest value of F^q - id - 2πp over the circle reaches 0; right edge: where the
     least does (Arnold 1965; Herman 1977). At a smooth edge a saddle-node of period q is born, at a kink or jump
@@ -336,10 +332,9 @@ def tongue(family: Family, ratio: Any, parameters: Range, *, resolution: int = R
     (True, True)
     """
     wanted, within = rotation_ratio(ratio), parameter_range("parameters", parameters)
-    nodes = whole_number("resolution", resolution, least=16)
     edges = []
     for side in ("left", "right"):
-        search = EdgeSearch(family, wanted, side, nodes, within)
+        search = EdgeSearch(family, wanted, side, within)
         search.require_inside()
         edges.append(search.edge(*within))
     left, right = edges
@@ -368,9 +363,7 @@ def rotation_ratio(ratio: Any) -> Fraction:
 # -- over a second parameter -----------------------------------------------------------------------------------
 
 
-def tongues(
-    family: Family, ratios: Sequence[Any], second: Any, parameters: Range, *, resolution: int = RESOLUTION
-) -> TongueBoundaries:
+def tongues(family: Family, ratios: Sequence[Any], second: Any, parameters: Range) -> TongueBoundaries:
     """The edges of the tongues ``ratios`` of a family (p, q) → CircleMap, for each value q of ``second``.
 
     family : nowhere falling in its first parameter. second : shape (m,), in the order in which it is
@@ -385,13 +378,12 @@ def tongues(
     wanted = tuple(rotation_ratio(ratio) for ratio in ratios)
     values = finite_array("second", second, ndim=1)
     low, high = parameter_range("parameters", parameters)
-    nodes = whole_number("resolution", resolution, least=16)
     if not wanted or values.size == 0:
         raise InvalidInput(f"{len(wanted)} ratios and {values.size} values of the second parameter: give some of each")
     found = np.empty((2, len(wanted), values.size, 3))
     for s, side in enumerate(("left", "right")):
         for i, ratio in enumerate(wanted):
-            found[s, i] = _curve(family, ratio, side, values, (low, high), nodes)
+            found[s, i] = _curve(family, ratio, side, values, (low, high))
     (left, left_error), (right, right_error) = (
         tuple(map(read_only, side[..., :2].transpose(2, 0, 1))) for side in found
     )
@@ -399,11 +391,11 @@ def tongues(
     return TongueBoundaries(wanted, read_only(values), left, right, left_error, right_error, folded)
 
 
-def _curve(family: Family, ratio: Fraction, side: str, second: Array, within: Range, resolution: int) -> Array:
+def _curve(family: Family, ratio: Fraction, side: str, second: Array, within: Range) -> Array:
     """(m, 3): parameter, error and folding of one edge at every value of the second parameter."""
     rows = np.empty((second.size, 3))
     for j, value in enumerate(second):
-        search = EdgeSearch(_at(family, float(value)), ratio, side, resolution, within)
+        search = EdgeSearch(_at(family, float(value)), ratio, side, within)
         search.require_inside()
         edge = search.edge(*_bracket(search, rows[:j, 0], within))
         rows[j] = edge.parameter, edge.error, edge.folded

@@ -53,7 +53,6 @@ def basins(
     max_period: int = MAX_PERIOD,
     left_over: float = LEFT_OVER,
     max_arcs: int = MAX_ARCS,
-    resolution: int = _RESOLUTION,
 ) -> tuple[Basin, ...]:
     """The basins of all stable orbits of periods 1 to ``max_period``, sorted by period, then by angle.
 
@@ -82,16 +81,16 @@ def basins(
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     longest, share = whole_number("max_period", max_period, least=1), positive_number("left_over", left_over)
-    cells_a_turn, most = whole_number("resolution", resolution, least=8), whole_number("max_arcs", max_arcs, least=1)
+    most = whole_number("max_arcs", max_arcs, least=1)
     orbits, immediate = [], []
     for period in range(1, longest + 1):
-        stable = [o for o in periodic_orbits(circle_map, period, resolution=cells_a_turn) if o.stable]
+        stable = [o for o in periodic_orbits(circle_map, period) if o.stable]
         if stable:
             orbits += stable
-            immediate += _immediate_basins(circle_map, stable, period, cells_a_turn)
+            immediate += _immediate_basins(circle_map, stable, period)
     if not orbits:
         return ()
-    arcs, owner = _all_preimages(circle_map, immediate, share, most, cells_a_turn)
+    arcs, owner = _all_preimages(circle_map, immediate, share, most)
     return _as_basins(orbits, immediate, arcs, owner)
 
 
@@ -111,10 +110,10 @@ def _as_basins(orbits: list[Orbit], immediate: list[Array], arcs: Array, owner: 
 # -- immediate basins ----------------------------------------------------------------------------------------
 
 
-def _immediate_basins(circle_map: CircleMap, orbits: list[Orbit], period: int, resolution: int) -> list[Array]:
+def _immediate_basins(circle_map: CircleMap, orbits: list[Orbit], period: int) -> list[Array]:
     """One (period, 2) array of arcs for each orbit."""
-    cells = monotone_cells(circle_map, period, 0.0, resolution)
-    found = periodic_points(circle_map, period, resolution=resolution)
+    cells = monotone_cells(circle_map, period, 0.0, _RESOLUTION)
+    found = periodic_points(circle_map, period)
     return [
         np.array([_immediate_arc(circle_map, cells, found, orbit, float(p)) for p in orbit.points]) for orbit in orbits
     ]
@@ -206,11 +205,9 @@ def _moves_back(x: Array, image: Array, other: float, way: float) -> Mask:
 # -- whole basins --------------------------------------------------------------------------------------------
 
 
-def _all_preimages(
-    circle_map: CircleMap, immediate: list[Array], left_over: float, most: int, resolution: int
-) -> tuple[Array, Turns]:
+def _all_preimages(circle_map: CircleMap, immediate: list[Array], left_over: float, most: int) -> tuple[Array, Turns]:
     """All arcs of all basins and the basin of each; the longest arcs are pulled back first."""
-    cells = monotone_cells(circle_map, 1, 0.0, resolution)
+    cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
     start = np.concatenate(immediate)
     waiting, mark = start, np.repeat(np.arange(len(immediate)), [arcs.shape[0] for arcs in immediate])
     found, marks, covered = [start], [mark], _total(start)

@@ -321,11 +321,11 @@ class Orbit:
     error_bound: float = float("inf")
 
 
-def fixed_points(circle_map: CircleMap, *, resolution: int = RESOLUTION, tangency: float = TANGENCY) -> list[Orbit]:
+def fixed_points(circle_map: CircleMap) -> list[Orbit]:
     """All θ in [0, 2π) with F(θ) = θ + 2πw for some whole w, sorted by angle.
 
     Found and judged as in ``periodic_points`` with period 1: complete but for pairs of extrema that F
-    hides within half a milliradian; an extremum within ``tangency`` (radians) of 2πw is one fixed point of
+    hides within half a milliradian; an extremum within 1e-12 radians of 2πw is one fixed point of
     kind "saddle-node", never two and never none. A fixed point on a kink carries both one-sided multipliers.
     Jumps across the diagonal are no fixed points: see ``crossings_by_jump``.
 
@@ -334,17 +334,10 @@ def fixed_points(circle_map: CircleMap, *, resolution: int = RESOLUTION, tangenc
     >>> [(round(float(p.points[0]), 6), p.kind) for p in fixed_points(CircleMap.arnold(0.0, 0.5))]
     [(0.0, 'stable'), (3.141593, 'unstable')]
     """
-    return periodic_orbits(circle_map, 1, resolution=resolution, tangency=tangency)
+    return periodic_orbits(circle_map, 1)
 
 
-def periodic_orbits(
-    circle_map: CircleMap,
-    period: int,
-    winding: int | None = None,
-    *,
-    resolution: int = RESOLUTION,
-    tangency: float = TANGENCY,
-) -> list[Orbit]:
+def periodic_orbits(circle_map: CircleMap, period: int, winding: int | None = None) -> list[Orbit]:
     """All orbits of prime period n, Fⁿ(θ) = θ + 2πw, each once, sorted by their smallest angle.
 
     winding : keep only orbits with this w at their smallest point (for degree 1: rotation number w/n); None keeps all.
@@ -356,20 +349,19 @@ def periodic_orbits(
     [1, 1]
     """
     wanted = None if winding is None else whole_number("winding", winding)
-    found = periodic_points(circle_map, period, resolution=resolution, tangency=tangency)
+    found = periodic_points(circle_map, period)
     orbits = _linked(found) + _followed(circle_map, found)
     chosen = [orbit for orbit in orbits if wanted is None or orbit.winding == wanted]
     return sorted(chosen, key=lambda orbit: float(orbit.points[0]))
 
 
-def crossings_by_jump(circle_map: CircleMap, *, resolution: int = RESOLUTION) -> list[JumpCrossing]:
+def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:
     """Where a jump of F carries the turn F - id across a multiple of 2π, sorted by angle.
 
     A downward jump (``attracting``) gathers orbits from both sides as a stable fixed point would. A jump one side
     of which meets 2πw within 1e-12 radians is a fixed point of kind "border-collision" instead.
     """
-    cells_a_turn = whole_number("resolution", resolution, least=8)
-    return sorted(diagonal_scan(circle_map, 1, cells_a_turn, TANGENCY).jumps, key=lambda jump: jump.theta)
+    return sorted(diagonal_scan(circle_map, 1, RESOLUTION, TANGENCY).jumps, key=lambda jump: jump.theta)
 
 
 # -- points to orbits --------------------------------------------------------------------------------------

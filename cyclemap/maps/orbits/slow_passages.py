@@ -54,13 +54,11 @@ def slow_passages(
     winding: int | None = None,
     *,
     least_cycles: float = LEAST_CYCLES,
-    resolution: int = RESOLUTION,
-    tangency: float = TANGENCY,
 ) -> list[SlowPassage]:
     """All bottlenecks of Fⁿ, n = ``period``, by angle: what saddle-nodes leave behind when their orbits are gone.
 
     A bottleneck is a local extremum of the move Fⁿ - id - 2πw that lies on its own side of zero (a least upward
-    or a least downward move), by more than ``tangency`` (radians; nearer it is a saddle-node, see
+    or a least downward move), by more than 1e-12 radians (nearer it is a saddle-node, see
     ``periodic_points``), such that
     - the passage π/√(aε) takes at least ``least_cycles`` cycles of F in all, and
     - |ε| is at most half the mean of |Fⁿ - id - 2πw| over the circle: elsewhere orbits are faster.
@@ -83,10 +81,10 @@ def slow_passages(
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     n = whole_number("period", period, least=1)
     wanted = None if winding is None else whole_number("winding", winding)
-    longest_short, within = positive_number("least_cycles", least_cycles), positive_number("tangency", tangency)
-    cells = monotone_cells(circle_map, n, 1.0, whole_number("resolution", resolution, least=8))
+    longest_short = positive_number("least_cycles", least_cycles)
+    cells = monotone_cells(circle_map, n, 1.0, RESOLUTION)
     theta, whole, gap = _near_misses(circle_map, cells, wanted)
-    near = (np.abs(gap) > within) & ~_shorter(circle_map, theta, gap, n)
+    near = (np.abs(gap) > TANGENCY) & ~_shorter(circle_map, theta, gap, n)
     passages = [_passage(circle_map, n, *place) for place in zip(theta[near], whole[near], gap[near], strict=True)]
     return [passage for passage in passages if passage and passage.passage_cycles >= longest_short]
 

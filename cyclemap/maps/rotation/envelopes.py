@@ -14,6 +14,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import SIDE_STEP, CircleMap, Scalar
 from cyclemap.maps.orbits.scan import GRAIN, INSET, bracketed_root, monotone_cells
 
+_RESOLUTION = 512
 SLACK = 1e-12  # radians: a smaller descent is rounding
 _GRID = np.linspace(0.0, TWO_PI, ceil(TWO_PI / GRAIN) + 1)
 
@@ -30,16 +31,16 @@ class _Skeleton:
     steepest: float
 
 
-def is_nondecreasing(circle_map: CircleMap, resolution: int = 512) -> bool:
+def is_nondecreasing(circle_map: CircleMap) -> bool:
     """Whether F falls by no more than 1e-12 radians from any angle to a later one: rounding of the lift.
 
     >>> is_nondecreasing(CircleMap.arnold(0.2, 0.9)), is_nondecreasing(CircleMap.arnold(0.2, 1.1))
     (True, False)
     """
-    return largest_descent(circle_map, resolution) <= SLACK
+    return largest_descent(circle_map) <= SLACK
 
 
-def largest_descent(circle_map: CircleMap, resolution: int = 512) -> float:
+def largest_descent(circle_map: CircleMap) -> float:
     """The largest F(x) - F(y) over x < y, radians; 0 for a nondecreasing lift.
 
     Folds as wide as half a milliradian are found, narrower ones may be missed.
@@ -51,12 +52,12 @@ def largest_descent(circle_map: CircleMap, resolution: int = 512) -> float:
         falls = -np.diff(circle_map(_GRID))
         if np.max(falls) <= 2.0 * circle_map.max_error:  # a nondecreasing lift lies within max_error of such values
             return 0.0
-    value = _skeleton(circle_map, resolution).value
+    value = _skeleton(circle_map).value
     twice = np.concatenate([value, value + TWO_PI * circle_map.degree])
     return float(np.max(np.maximum.accumulate(twice) - twice))
 
 
-def upper_envelope(circle_map: CircleMap, resolution: int = 512) -> CircleMap:
+def upper_envelope(circle_map: CircleMap) -> CircleMap:
     """F⁺(x) = sup of F over (-∞, x]: nondecreasing, degree 1, at or above F.
 
     Folds and downward jumps become plateaus, whose ends are the breaks of the result. (Chenciner, Gambaudo &
@@ -69,12 +70,12 @@ def upper_envelope(circle_map: CircleMap, resolution: int = 512) -> CircleMap:
     True
     """
     _need_degree_one(circle_map)
-    skeleton = _skeleton(circle_map, resolution)
+    skeleton = _skeleton(circle_map)
     made = _with_plateaus(circle_map, *_plateaus(circle_map, skeleton, 1.0), SIDE_STEP * skeleton.steepest)
-    return made if made is circle_map else made.remade_by(upper_envelope, circle_map, resolution)
+    return made if made is circle_map else made.remade_by(upper_envelope, circle_map)
 
 
-def lower_envelope(circle_map: CircleMap, resolution: int = 512) -> CircleMap:
+def lower_envelope(circle_map: CircleMap) -> CircleMap:
     """F⁻(x) = inf of F over [x, ∞): nondecreasing, degree 1, at or below F; see ``upper_envelope``.
 
     >>> lowered = lower_envelope(CircleMap.arnold(0.0, 3.0))
@@ -82,12 +83,12 @@ def lower_envelope(circle_map: CircleMap, resolution: int = 512) -> CircleMap:
     True
     """
     _need_degree_one(circle_map)
-    skeleton = _skeleton(circle_map, resolution)
+    skeleton = _skeleton(circle_map)
     # x → -F(-x) swaps infimum from the right with supremum from the left.
     mirrored = _Skeleton(-skeleton.theta[::-1], -skeleton.value[::-1], skeleton.steepest)
     start, end, level = _plateaus(circle_map, mirrored, -1.0)
     made = _with_plateaus(circle_map, -end[::-1], -start[::-1], -level[::-1], SIDE_STEP * skeleton.steepest)
-    return made if made is circle_map else made.remade_by(lower_envelope, circle_map, resolution)
+    return made if made is circle_map else made.remade_by(lower_envelope, circle_map)
 
 
 def _need_degree_one(circle_map: CircleMap) -> None:
@@ -95,8 +96,8 @@ def _need_degree_one(circle_map: CircleMap) -> None:
         raise InvalidInput(f"the map has degree {circle_map.degree}: rotation is defined for degree 1")
 
 
-def _skeleton(circle_map: CircleMap, resolution: int) -> _Skeleton:
-    cells = monotone_cells(circle_map, 1, 0.0, resolution)
+def _skeleton(circle_map: CircleMap) -> _Skeleton:
+    cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
     g_start, g_end, cut_after = cells.g_start.copy(), cells.g_end.copy(), np.roll(cells.cut, -1)
     # The limits at a break, nearer than the cells read them.
     g_start[cells.cut] = circle_map.right(cells.start[cells.cut])

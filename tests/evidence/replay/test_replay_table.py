@@ -18,9 +18,12 @@ def push_name(kind="rect1", speed=20, repetition=0):
     return f"motion_surface=abs_shape={kind}_a=0_v={speed}_i=0.000_s=0.700_t=0.000_rep={repetition:04d}.json"
 
 
-def write_push(path, model, off=0.0, depth=0.0):
-    """Write a push of the model by -y, its last poses `off` (m) too far along x, the tip `depth` (m) too deep."""
-    start, heading = np.array(START.to_world(0.0, 0.08)), START.theta - math.pi / 2
+def write_push(path, model, off=0.0, depth=0.0, aside=0.0):
+    """Write a push of the model by -y, its last poses `off` (m) too far along x, the tip `depth` (m) too deep.
+
+    aside : m, of the tip along the object's x axis.
+    """
+    start, heading = np.array(START.to_world(aside, 0.08)), START.theta - math.pi / 2
     push = model.push(START, WorldPush(tuple(start.tolist()), heading, 0.05), 0.5e-3)
     time, travel = clock(0.05, 80)
     course = push.trajectory
@@ -63,7 +66,7 @@ def test_every_file_is_replayed_or_left_out_with_its_reason(folder, replayed) ->
     assert len(reasons) == len(replayed.not_replayed) == 6
     assert len(reasons) + 5 == len(list(folder.iterdir()))
     for name, reason in {
-        push_name("star"): "object 'star' has no outline here",
+        push_name("star"): "object 'star' has no outline",
         push_name("rect2"): "mm inside the object, more than the 5 mm",
         "some_push.json": "does not say which object",
         push_name("tri1"): "not JSON, or cut short",
@@ -112,7 +115,7 @@ def test_a_plates_pressure_explains_its_pushes_and_isotropy_stands_beside(tmp_pa
     """Pushes made under a pressure come back with it; what stands beside is the replay on isotropic friction."""
     slider = Slider.mit("rect1")
     pressed = replace(model_of("rect1", 1e-5), footprint=PatchFootprint(slider.outline, rim_share=0.8))
-    write_push(tmp_path / push_name(), pressed)
+    write_push(tmp_path / push_name(), pressed, aside=0.02)
     own = replay_pushes(tmp_path, FRICTION, plates=[PlatePressure("rect1", rim_share=0.8)], pusher=pressed.pusher)
     plain = replay_pushes(tmp_path, EllipseFriction.isotropic(0.25), pusher=pressed.pusher)
     row, beside = own.table.iloc[0], plain.table.iloc[0]

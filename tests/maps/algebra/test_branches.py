@@ -207,5 +207,3 @@ def test_a_level_on_a_plateau_is_refused_and_levels_beside_it_are_not():
     assert preimages(made, 2.0 + 1e-9).size >= 1
     with pytest.raises(InvalidInput, match="angle"):
         preimages(made, np.inf)
-    with pytest.raises(InvalidInput, match="resolution must be at least 8"):
-        branches(made, 4)

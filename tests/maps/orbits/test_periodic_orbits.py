@@ -241,7 +241,5 @@ def test_bad_requests_are_refused():
     for bad in (0, -1, 1.5, True):
         with pytest.raises(InvalidInput):
             periodic_orbits(sine, bad)
-    with pytest.raises(InvalidInput):
-        fixed_points(sine, tangency=0.0)
     with pytest.raises(ConvergenceError, match="shorter period"):
         periodic_orbits(CircleMap(lambda x: 9 * x, degree=9), 9)

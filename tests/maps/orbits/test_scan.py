@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps import CircleMap, preimages
-from cyclemap.maps.orbits.scan import bracketed_root, crossings, iterate, iterate_breaks, monotone_cells
+from cyclemap.maps import CircleMap
+from cyclemap.maps.orbits.scan import bracketed_root, crossings, iterate, iterate_breaks, monotone_cells, preimages
 
 TWO_PI = 2 * np.pi
 
