@@ -10,7 +10,9 @@ from __future__ import annotations
 import json
 import math
 import subprocess
+import weakref
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -249,4 +251,11 @@ def command_push(command: Sequence[str]) -> Push:
                 '{"dx_mm": ..., "dy_mm": ..., "dtheta_deg": ...} is wanted, written out at once'
             ) from error
 
+    def close() -> None:
+        process.terminate()
+        with suppress(OSError):
+            process.communicate()
+
+    # The program ends with the last user of the function.
+    weakref.finalize(push, close)
     return push

@@ -66,7 +66,7 @@ def test_what_no_ellipse_can_mimic_is_found_and_said_to_be_unexplained() -> None
     found = probe_pushes(THETA, change + NOISE * np.random.default_rng(0).normal(size=(72, 3)), ISOTROPIC)
     assert found.found and found.explained < 0.1
     turn = {one.order: one for one in found.harmonics if one.outcome == "dtheta"}
-    assert turn[4].lower <= 0.05 <= turn[4].upper and turn[1].lower == 0.0
+    assert turn[4].lower <= 0.05 <= turn[4].upper and turn[1].lower < 1e-3
 
 
 def test_a_program_is_asked_line_by_line(tmp_path) -> None:
