@@ -125,7 +125,8 @@ def test_failed_first_installation_leaves_no_stamp(installer, run) -> None:
 def test_each_environment_pins_what_it_says(run, monkeypatch, tmp_path, pins, numpy) -> None:
     """The tested set, the lower bounds of pyproject.toml, or nothing: for what is installed and what builds it."""
     (tmp_path / "pyproject.toml").write_text(
-        '[project]\ndependencies = ["numpy>=2.0.0"]\n[dependency-groups]\ntest = ["pytest>=9"]\n'
+        '[project]\ndependencies = ["numpy>=2.0.0"]\n[project.optional-dependencies]\npeers = ["drake>=1.51"]\n'
+        '[dependency-groups]\ntest = ["pytest>=9"]\n'
     )
     (tmp_path / "constraints.txt").write_text("numpy==2.4.6\npytest==9.2.0\n")
     made = []

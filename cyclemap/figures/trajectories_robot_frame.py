@@ -116,19 +116,8 @@ def caption(result: RobotFramePaths) -> str:
         "shade is a larger turn. Thick arcs mark orientations before the push that occur at least twice as "
         f"often as if all were alike (in bins of 10°): {marked}. Of {pairs} pairs of paths from orientations "
         f"{np.degrees(APART):.0f}° or more apart, {here} cross here and {there} in the object's frame: seen from the "
-        f"floor the pushes are told apart. {_told_ring(result)}{material_sentence(result.surfaces)}"
+        f"floor the pushes are told apart. {material_sentence(result.surfaces)}"
     )
-
-
-def _told_ring(result: RobotFramePaths) -> str:
-    """Where the paths on plywood begin, whose identified ring is far from the nominal one; empty without them."""
-    for paths in result.surfaces:
-        if paths.material == "plywood-measured":
-            lever = MM * float(np.hypot(*paths.robot_frame[0, 0]))
-            return (
-                f"With the ring identified along with plywood-measured the centre begins {lever:.1f} mm off, not 15. "
-            )
-    return ""
 
 
 def _told_arcs(paths: PushedPaths, arcs: list[Arc]) -> str:

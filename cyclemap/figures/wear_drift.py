@@ -1,8 +1,7 @@
 """Figure: the cycle map as plywood wears: its bottleneck opens, and a turn takes fewer and fewer cycles."""
 
 import math
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,13 +12,13 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
 from cyclemap.figures.exhibit import BEYOND, PaperFigure
-from cyclemap.figures.loop_family import LoopFamily, loop_family
 from cyclemap.figures.measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
-from cyclemap.maps import WrappedNormal, transfer_operator
+from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
 from cyclemap.views.panel_parts import legend_above
+from cyclemap.views.sentences import LONGEST_STAY
 from cyclemap.views.style import (
     MEASURED,
     MEASURED_EDGE,
@@ -34,8 +33,6 @@ MATERIAL = "plywood-measured"
 AGES = (250, 1000, 1750)
 # Cycles: pushes that far from an age say where the measured map of that age is known.
 NEAR = 240
-# Radians, of the cycles that are interpolated.
-_ACCURACY = 1e-6
 _GRID = 2 * np.pi * np.arange(721) / 720
 _EVEN = 2 * np.pi * np.arange(4096) / 4096
 # The ages in shades and dashes that differ in grey too.
@@ -50,7 +47,8 @@ class WearDrift:
     cycles : (n,). least, measured_least : (n,) rad, the least turn of a cycle, where the bottleneck is. turns : the
     turn (rad) at `_GRID` at AGES, computed; measured_turns : as fitted, nan where the robot hardly was; None without
     data. ages, mean_turn : (k,) of the map frozen at some cycles, with noise, rad a cycle. fitted : the measured map
-    and its turns, None without data. error : rad, as of `LoopFamily.error_at`.
+    and its turns, None without data. error : rad, bound on that of the maps between
+    those computed.
     """
 
     cycles: Array
@@ -74,8 +72,9 @@ class WearDrift:
 
     @property
     def cycles_a_turn(self) -> Array:
-        """Cycles in which the frozen map climbs a turn, at `ages`."""
-        return 2 * np.pi / self.mean_turn
+        """Cycles in which the frozen map climbs a turn, at `ages`; nan where it takes more than any collection has."""
+        climbs = self.mean_turn > 2 * np.pi / LONGEST_STAY
+        return np.asarray(np.where(climbs, 2 * np.pi / np.where(climbs, self.mean_turn, 1.0), np.nan))
 
     @property
     def expected_turns(self) -> float:
@@ -85,27 +84,25 @@ class WearDrift:
 
 def compute(
     measured: MeasuredFolder,
-    nodes: int = 5,
-    angles: int = 96,
     points: int = 17,
     runs: int = 50,
     harmonics: int | None = None,
 ) -> WearDrift:
-    """Interpolate the maps of the worn loops, foretell their staircase, and fit the measured map with its wear.
+    """Follow the map as the loop wears, foretell its staircase, and fit the measured map with its wear.
 
-    nodes, angles : cycles run are their product. points : ages at which the pace is foretold. runs : paths of the
+    points : ages at which the pace is foretold. runs : paths of the
     fitted map a measured turn. harmonics : of the fitted map, None to choose them.
     """
-    loop = replace(CollectionLoop.mit(material=MATERIAL), accuracy=_ACCURACY)
+    loop = CollectionLoop.mit(material=MATERIAL)
     wear = loop.material.wear
     assert wear is not None
-    family = loop_family(partial(worn_loop, loop), ((0.0, wear.cycles),), (nodes,), angles)
+    drifting = drifting_map(loop, int(wear.cycles) + 1)
     ages = np.linspace(0.0, wear.cycles, points)
-    mean_turn = np.array([_mean_turn(family, float(age)) for age in ages])
+    mean_turn = np.array([_mean_turn(drifting.at(float(age))) for age in ages])
     cycles = np.linspace(0.0, wear.cycles, 41)
-    turns = tuple(family.turn(_GRID, float(age)) for age in AGES)
-    error = max(float(family.error_at(_GRID[::30], float(age)).max()) for age in AGES)
-    least = family.turn(_GRID, cycles[:, np.newaxis]).min(axis=1)
+    turns = tuple(drifting.at(float(age)).turn(_GRID) for age in AGES)
+    error = drifting.max_error
+    least = np.array([drifting.at(float(age)).turn(_GRID).min() for age in cycles])
     file = measured.file(THETA0_FILE)
     if file is None:
         return WearDrift(cycles, least, turns, ages, mean_turn, error, None, None, None)
@@ -131,10 +128,10 @@ def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
     return np.asarray(np.where(apart <= math.radians(8.0), turn, np.nan))
 
 
-def _mean_turn(family: LoopFamily, age: float) -> float:
+def _mean_turn(frozen: CircleMap) -> float:
     """The mean turn (rad) of a cycle on the frozen surface under noise; the trapezoidal rule is exact for waves."""
-    operator = transfer_operator(family(age), WrappedNormal(DEFAULT_SIGMA))
-    return float(np.mean(operator.density(_EVEN) * family.turn(_EVEN, age))) * 2 * np.pi
+    operator = transfer_operator(frozen, WrappedNormal(DEFAULT_SIGMA))
+    return float(np.mean(operator.density(_EVEN) * frozen.turn(_EVEN))) * 2 * np.pi
 
 
 def draw(result: WearDrift) -> Figure:

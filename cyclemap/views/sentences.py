@@ -135,6 +135,8 @@ def noise_sentence(portrait: Portrait) -> str:
     operator, noise = portrait.operator, f"With {angle(portrait.noise.sigma)} of noise a cycle{fresh}"
     forgotten = cycles(operator.mixing_cycles)
     away = portrait.tv_from_uniform
+    if away is None and len(portrait.stable_points) < 2:
+        return f"{noise} the map is not known well enough to tell how often each direction is recorded."
     if away is None or (len(portrait.stable_points) > 1 and operator.mixing_cycles > LONGEST_STAY):
         stays = "stays at the stable direction it falls into first"
         return f"{noise} the loop {stays}, and moves on once in {forgotten}."

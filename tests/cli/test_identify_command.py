@@ -114,7 +114,7 @@ def test_fixed_and_started_values_are_taken(here, capsys) -> None:
     ("arguments", "words"),
     [
         (["absent.csv"], "there is nothing there"),
-        (["notes.txt"], "no data of rect1 recognised: notes.txt: a file of another kind (.txt)"),
+        (["notes.txt"], "notes.txt: 1 lines; a header and rows are wanted"),
         (["ends.csv", "--free", "offset_z"], "unknown parameter 'offset_z': did you mean"),
         (["ends.csv", "--free", "hitch_scale"], "no block of data depends on hitch_scale"),
         (["ends.csv", "--fix", "rim_share"], "--fix 'rim_share' is not of the form name=number"),

@@ -36,7 +36,7 @@ def test_json_tells_prediction_run_and_data_and_nothing_else(here, capsys) -> No
     shown = capsys.readouterr()
     assert shown.err == ""
     report = json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
-    assert list(report) == ["noise_deg", "prediction", "run", "data"]
+    assert list(report) == ["noise_deg", "prediction", "run", "uncertainty", "data"]
     (zone,) = report["prediction"]["zones"]
     assert set(zone) == ZONE_KEYS
     assert zone["kind"] == "ghost"

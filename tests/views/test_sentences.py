@@ -128,8 +128,9 @@ def test_angles_never_say_minus_zero() -> None:
     assert sentences.angle(math.radians(-65.04)) == "−65.0°"
 
 
-def test_an_inferred_material_is_said_to_be_and_a_measured_one_says_nothing() -> None:
+def test_a_material_says_where_it_is_from_and_what_it_misses() -> None:
     told = sentences.material_line(load_material("plywood-measured"))
     assert told.startswith("plywood-measured was inferred, not measured: blocks left out")
     assert "wears over 2000 cycles" in told
-    assert sentences.material_line(load_material("plywood")) == ""
+    assert "where isotropic friction misses" in sentences.material_line(load_material("plywood"))
+    assert sentences.material_line(load_material("isotropic")) == ""

@@ -15,8 +15,8 @@ from cyclemap.evidence.identification.surface_parameters import SurfaceParameter
 
 MIT = CollectionLoop.mit()
 TRUTH = SurfaceParameters(
-    ellipticity_x=-0.1, ellipticity_y=0.12, offset_x=0.03, offset_y=-0.02, pusher_friction=0.17, rim_share=0.2,
-    hitch_scale=0.8, hitch_turn=0.1, pin_friction_radius=5e-4,
+    ellipticity_x=-0.1, ellipticity_y=0.12, offset_x=0.03, offset_y=-0.02, pusher_friction=0.17,
+    inner_share=0.1, rim_share=0.2, corner_share=0.1, hitch_scale=0.8, hitch_turn=0.1, pin_friction_radius=5e-4,
 )  # fmt: skip
 WORN = {"worn_ellipticity_x": -0.05, "worn_ellipticity_y": 0.1, "worn_offset_x": 0.01, "worn_offset_y": -0.01}
 THETA = np.random.default_rng(0).uniform(-3.0, 9.0, 12)
@@ -33,10 +33,10 @@ def test_cycles_made_by_the_mechanics_leave_no_residual_and_true_derivatives() -
     # The Fourier series through 47 cycles is this near; a measured cycle scatters by ten times as much.
     assert np.abs(residual).max() < 2e-3
     for column, name in enumerate(CYCLE_UNKNOWNS):
-        step = 1e-6 if name == "pin_friction_radius" else 1e-4
+        step = 1e-6 if name == "pin_friction_radius" else 1e-3 if name.endswith("share") else 1e-4
         sides = [block.residuals({**TRUTH.values(), name: getattr(TRUTH, name) + s * step})[0] for s in (1, -1)]
         expected = (sides[0] - sides[1]) / (2.0 * step)
-        assert jacobian[:, column] == pytest.approx(expected, abs=0.01 * np.abs(expected).max()), name
+        assert jacobian[:, column] == pytest.approx(expected, abs=0.02 * np.abs(expected).max()), name
 
 
 def test_wear_blends_the_turns_of_the_fresh_and_the_worn_surface() -> None:

@@ -22,7 +22,9 @@ SURFACE = SurfaceParameters(
     offset_x=0.04,
     offset_y=0.08,
     pusher_friction=0.16,
+    inner_share=0.1,
     rim_share=0.4,
+    corner_share=0.1,
     hitch_scale=0.95,
     pin_friction_radius=1.5e-3,
 )
