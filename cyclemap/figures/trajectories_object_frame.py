@@ -45,7 +45,7 @@ def draw(result: ObjectFramePaths) -> Figure:
             draw_paths(axes, paths.object_frame, paths.turn, shades)
             axes.plot(0.0, 0.0, "+", color=QUIET, markersize=8)
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x (mm)")
-            axes.set_title(panel_title(paths))
+            axes.set_title(panel_title(paths).replace(", ", ",\n"))
             axes.text(0.97, 0.97, _spread(result, number), transform=axes.transAxes, ha="right", va="top", fontsize=8)
             if number:
                 axes.tick_params(labelleft=False)

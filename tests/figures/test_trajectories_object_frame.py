@@ -71,7 +71,7 @@ def test_every_path_lies_within_its_panel(result) -> None:
 def test_without_data_the_caption_and_the_panels_say_so(result) -> None:
     assert f"Recorded pushes on plywood, abs, delrin and pu: {NO_DATA}." in FIGURE.caption(result)
     figure = draw(result)
-    assert words_of(figure).count(", simulated") == 4
+    assert words_of(figure).count(",\nsimulated") == 4
     assert_drawn(figure, 5)
 
 
@@ -81,7 +81,7 @@ def test_recorded_pushes_take_the_place_of_simulated_ones(tmp_path_factory) -> N
     assert "Recorded pushes: plywood." in told
     assert f"Recorded pushes on abs, delrin and pu: {NO_DATA}." in told
     assert "with Table I" not in told
-    assert "plywood, recorded" in words_of(figure) and words_of(figure).count(", simulated") == 3
+    assert "plywood,\nrecorded" in words_of(figure) and words_of(figure).count(",\nsimulated") == 3
     assert_drawn(figure, 5)
 
 
