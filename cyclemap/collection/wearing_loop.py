@@ -12,11 +12,11 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, DriftingMap
 
 # Radians: the blend between computed cycles stays this near the map of each cycle.
-BLEND_TOLERANCE = 1e-4
+BLEND_TOLERANCE = 1e-3
 # Maps that most drifts take.
 _USUAL_MAPS = 12
 # Radians: accuracy of the maps that are blended.
-MAP_TOLERANCE = 1e-5
+MAP_TOLERANCE = 1e-4
 
 
 def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:

@@ -81,7 +81,8 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
     if known is None:
         return ""
     if not known.is_posterior:
-        told = [f"{angle(one.lower, 0)} to {angle(one.upper % (2 * math.pi), 0)}" for one in known.directions]
+        ends = [(angle(one.lower, 0), angle(one.upper % (2 * math.pi), 0)) for one in known.directions]
+        told = [" to ".join(dict.fromkeys(pair)) for pair in ends]
         where = f", the stable direction at {_listed(told)}" if told else ""
         many = ("neither surface locks in", "one of the two surfaces locks in", "both surfaces lock in")[known.locks]
         return f"The numbers of {name} come without an error: with the axes' ratio 10 % less or more {many}{where}."
