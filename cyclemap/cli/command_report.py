@@ -54,7 +54,7 @@ def report_command(options: LoopOptions, data: Path | None, reset: bool, out: Pa
     start = 0.0 if pairs is None or pairs.path is None else float(pairs.path[0])
     with progress_bar(f"report on {loop.material.name}") as progress:
         cycles = 2000 if pairs is None or pairs.path is None else max(len(pairs.path) - 1, 1)
-        found = portrait(loop, sigma=sigma, cycles=cycles, start=start, progress=lambda share: progress(0.4 * share))
+        found = portrait(loop, sigma=chosen, cycles=cycles, start=start, progress=lambda share: progress(0.4 * share))
         rings = ring_answers(loop, sigma, start, lambda share: progress(0.4 + 0.2 * share))
         sections: list[Section] = []
         if data is not None:

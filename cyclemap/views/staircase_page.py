@@ -30,7 +30,7 @@ def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | No
     with picture_style():
         figure = new_figure(*PAGE_INCHES)
         grid = GridSpec(
-            2, 2, figure, width_ratios=(1.0, 1.0), left=0.06, right=0.985, bottom=0.115, top=0.78, wspace=0.17,
+            2, 2, figure, width_ratios=(1.0, 1.0), left=0.06, right=0.985, bottom=0.115, top=0.755, wspace=0.17,
             hspace=0.5,
         )  # fmt: skip
         _draw_paths(figure.add_subplot(grid[:, 0]), forecast, measured)

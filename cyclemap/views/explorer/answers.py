@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.portrait import Portrait, Progress, portrait
+from cyclemap.collection.portrait import DEFAULT_SIGMA, Portrait, Progress, portrait
 from cyclemap.evidence import Theta0Pairs
 from cyclemap.maps import CircleMap, Orbit, WrappedNormal, fixed_points, sample_staircase
 from cyclemap.mechanics import Ellipse
@@ -30,9 +30,10 @@ _SENTENCES = (sentences.headline, sentences.lock_sentence, sentences.noise_sente
 _SPREAD = (np.arange(4) + 0.5) / 4
 
 
-def coarse(loop: CollectionLoop, sigma: float, start: float, cycles: int) -> dict[str, object]:
+def coarse(loop: CollectionLoop, sigma: float | None, start: float, cycles: int) -> dict[str, object]:
     """The answer while a slider moves; sigma, start in rad, cycles of the staircase."""
-    circle_map, noise = loop.circle_map(tolerance=COARSE_TOLERANCE), WrappedNormal(sigma)
+    circle_map = loop.circle_map(tolerance=COARSE_TOLERANCE)
+    noise = WrappedNormal(DEFAULT_SIGMA if sigma is None else sigma)
     points = tuple(fixed_points(circle_map))
     stable = [sentences.angle(orbit.points[0]) for orbit in points if orbit.stable]
     path = sample_staircase(circle_map, noise, cycles, start, 0).theta
@@ -45,7 +46,7 @@ def coarse(loop: CollectionLoop, sigma: float, start: float, cycles: int) -> dic
 
 
 def exact(
-    loop: CollectionLoop, sigma: float, start: float, cycles: int, progress: Progress | None = None
+    loop: CollectionLoop, sigma: float | None, start: float, cycles: int, progress: Progress | None = None
 ) -> dict[str, object]:
     """The answer once it rests: numbers and sentences of `cyclemap portrait`; `progress` may raise to end it."""
     return of_portrait(portrait(loop, sigma=sigma, cycles=cycles, start=start, progress=progress), start, progress)

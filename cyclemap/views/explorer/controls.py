@@ -60,13 +60,13 @@ class Explored:
     """What the explorer was started with.
 
     words : of the command line that name the material. settings : of protocol file and --set. loop, sigma (rad) : what
-    they come to.
+    they come to; None: the noise of the material, where it has one.
     """
 
     words: tuple[str, ...]
     settings: Settings
     loop: CollectionLoop
-    sigma: float
+    sigma: float | None = None
 
     def controls(self) -> list[dict[str, object]]:
         """The sliders that suit the object, each with where it stands; a range reaches as far as the value does."""
@@ -99,7 +99,7 @@ class Explored:
             "push_mm": 1e3 * loop.push.distance,
             "pusher_radius_mm": 1e3 * loop.pusher.radius,
             "pusher_mu": loop.pusher.friction,
-            "noise_deg": math.degrees(self.sigma),
+            "noise_deg": math.degrees(DEFAULT_SIGMA if self.sigma is None else self.sigma),
         }
         if isinstance(patch, PatchFootprint):
             found |= {key: getattr(patch, key) for key in ("inner_share", "rim_share", "corner_share")}
@@ -134,7 +134,7 @@ class Explored:
 
 def explored(words: tuple[str, ...], material: str, settings: Settings) -> Explored:
     """What the explorer starts with: a material, and settings as on the command line."""
-    return _with_settings(Explored(words, {}, CollectionLoop.mit(material=material), DEFAULT_SIGMA), settings)
+    return _with_settings(Explored(words, {}, CollectionLoop.mit(material=material)), settings)
 
 
 def _with_settings(found: Explored, settings: Mapping[str, object]) -> Explored:
