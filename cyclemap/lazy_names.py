@@ -38,17 +38,20 @@ class _LazyRoom(ModuleType):
     def __getattr__(self, name: str) -> Any:
         if name not in self._places:
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
-        value = getattr(importlib.import_module(self._places[name]), name)
+        place = self._places[name]
+        inside = place == self.__name__
+        value = importlib.import_module(f"{place}.{name}") if inside else getattr(importlib.import_module(place), name)
         super().__setattr__(name, value)
         return value
 
     def __setattr__(self, name: str, value: object) -> None:
         # Python binds every submodule that is imported; a function that is called like its module stays the function.
-        if not (name in self._places and isinstance(value, ModuleType)):
+        elsewhere = self._places.get(name, self.__name__) != self.__name__
+        if not (elsewhere and isinstance(value, ModuleType)):
             super().__setattr__(name, value)
 
     def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *self._places})
+        return sorted({name for name in super().__dir__() if name.startswith("__")} | {*self._places})
 
 
 def _source(module: ModuleType) -> str:

@@ -173,11 +173,12 @@ def short_properties(app: Sphinx, doctree: nodes.document) -> None:
 def public_link(app: Sphinx, env: Any, node: Any, content: nodes.Node) -> nodes.Node | None:
     """Link `cyclemap.room.module.Name`, as types in signatures say it, to where `Name` is documented."""
     target = str(node.get("reftarget", ""))
-    name = target.rpartition(".")[2]
-    if node.get("refdomain") != "py" or target == f"cyclemap.{name}" or name not in cyclemap.__all__:
+    room, _, name = target.removeprefix("cyclemap.").partition(".")
+    name = name.rpartition(".")[2] or room
+    path = f"cyclemap.{name}" if name in cyclemap.__all__ else f"cyclemap.{room}.{name}"
+    if node.get("refdomain") != "py" or target == path:
         return None
-    python = env.get_domain("py")
-    return python.resolve_xref(env, node["refdoc"], app.builder, "obj", f"cyclemap.{name}", node, content)
+    return env.get_domain("py").resolve_xref(env, node["refdoc"], app.builder, "obj", path, node, content)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

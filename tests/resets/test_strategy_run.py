@@ -49,7 +49,7 @@ def test_a_surface_that_wears_does_so_in_a_run() -> None:
     run = run_strategy(measured, own, 3, start=1.0)
     theta = 1.0
     for number in range(3):
-        theta = cm.worn_loop(measured, number).cycle(theta).theta_next
+        theta = cm.collection.worn_loop(measured, number).cycle(theta).theta_next
         assert run.theta[0, number + 1] == pytest.approx(theta, abs=1e-8)
 
 
@@ -81,6 +81,6 @@ def test_steered_runs_do_what_the_next_action_says() -> None:
     coverage = cm.resets.Coverage()
     for push in range(14):
         coverage.add(float(theta[push]))
-        chosen = cm.next_action(maps, coverage, float(theta[push]))
+        chosen = cm.resets.next_action(maps, coverage, float(theta[push]))
         away = (theta[push + 1] - chosen.lands + math.pi) % (2 * math.pi) - math.pi
         assert abs(away) < 1e-3
