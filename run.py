@@ -108,7 +108,7 @@ def ensure_installed(testing: bool) -> None:
 
 def install_key() -> str:
     """What an installation depends on: the project's metadata, how it is built, the Python, and the place."""
-    files = [ROOT / "pyproject.toml", ROOT / "constraints.txt", *sorted(BUILDING.glob("*.py"))]
+    files = [ROOT / "pyproject.toml", ROOT / "setup.py", ROOT / "constraints.txt", *sorted(BUILDING.glob("*.py"))]
     parts = (*(path.read_bytes() for path in files), sys.version.encode(), os.fsencode(ROOT))
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 

@@ -9,6 +9,8 @@ import pytest
 import cyclemap
 
 PACKAGE = Path(cyclemap.__file__).parent
+# The room that lies beside the package and is installed in it.
+FIGURES = PACKAGE.parent / "figures"
 # A room may import itself and rooms of lower rank; two rooms of one rank do not know each other.
 RANK = {
     "mechanics": 2,
@@ -81,12 +83,13 @@ def violations(source: str, module: str, is_package: bool = False) -> list[str]:
 
 
 def module_name(path: Path) -> tuple[str, bool]:
-    parts = ["cyclemap", *path.relative_to(PACKAGE).with_suffix("").parts]
+    root = PACKAGE.parent if FIGURES in path.parents else PACKAGE
+    parts = ["cyclemap", *path.relative_to(root).with_suffix("").parts]
     is_package = parts[-1] == "__init__"
     return ".".join(parts[:-1] if is_package else parts), is_package
 
 
-FILES = sorted(PACKAGE.rglob("*.py"))
+FILES = sorted([*PACKAGE.rglob("*.py"), *FIGURES.rglob("*.py")])
 
 
 def test_every_file_belongs_to_a_known_room() -> None:

@@ -29,6 +29,7 @@ class Installer:
         }.items():
             monkeypatch.setattr(run, name, value)
         (folder / "pyproject.toml").write_text("[project]\n")
+        (folder / "setup.py").touch()
         (folder / "constraints.txt").touch()
         self.pip, self.engine = False, True
 

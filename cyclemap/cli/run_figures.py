@@ -20,7 +20,7 @@ _KEYS = ("name", "title", "source", "caption", "file", "measured")
 
 
 @dataclass(frozen=True)
-class WatchedFolder(MeasuredFolder):
+class WatchedFolder(MeasuredFolder):  # type: ignore[misc]
     """Measured data that remember what was asked for and, of that, what was there (names within the folder)."""
 
     asked: list[str] = field(default_factory=list)

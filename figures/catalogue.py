@@ -1,0 +1,93 @@
+"""The gallery in order: names, sources and titles, and the modules behind the names, imported when asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from cyclemap.suggestions import unknown_name
+
+if TYPE_CHECKING:
+    from .exhibit import Exhibit
+
+# What a module of this room calls what it has to show.
+EXPORTS = ("FIGURE", "TABLE", "ANIMATION")
+# The source of what the paper does not have.
+BEYOND = "not in the paper"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One exhibit as the gallery lists it; its module says the same name, source and title."""
+
+    name: str
+    source: str
+    title: str
+
+    @property
+    def module(self) -> str:
+        """The module's name in this room.
+
+        >>> Entry("saddle-node", "", "").module
+        'saddle_node'
+        """
+        return self.name.replace("-", "_")
+
+
+CATALOGUE = (
+    Entry("setup-and-cycle", "Figs. 1 (left) and 2", "The set-up and two cycles"),
+    Entry("trajectories-object-frame", "Fig. 3", "Paths of the centre in the object's frame"),
+    Entry("trajectories-robot-frame", "Fig. 4", "Paths of the centre in the robot's frame"),
+    Entry(
+        "limit-ellipse-and-patch",
+        "the paper's limit ellipse and patch, and Fig. 10 (right)",
+        "Limit ellipse of a point, of plywood, and the forces of the patch",
+    ),
+    Entry("force-ratio", "Fig. 10 (left)", "Ratio of tangential to normal force at the pushing point"),
+    Entry("simulated-against-measured", "Fig. 13", "Simulated and measured turns over θ0, plywood"),
+    Entry("turn-over-theta0", "Fig. 5", "Turn of the push over its first orientation"),
+    Entry("theta0-histograms", "Fig. 6", "Histograms of the orientation before a push"),
+    Entry("turn-histograms", "Fig. 7", "Histograms of the turn, predicted by the law and recorded"),
+    Entry("staircases", "the paper's staircases", "Staircases of θ0 over the pushes"),
+    Entry("table-friction", "Table I", "Friction ellipses of the materials"),
+    Entry("table-deviations", "Table II", "How much equal pushes differ"),
+    Entry("table-law-errors", "Table III", "How far pushes lie from a law of θ0"),
+    Entry(
+        "anisotropic-against-isotropic", "Figs. 11 and 12", "Simulated paths on anisotropic and on isotropic friction"
+    ),
+    Entry(
+        "dynamic-against-quasi-static", BEYOND, "What inertia changes at 20 mm/s, and how it vanishes with the speed"
+    ),
+    Entry("fingerprint", BEYOND, "Five numbers against the full map"),
+    Entry("saddle-node", BEYOND, "Two directions meet as the ring moves in"),
+    Entry("phase-diagram", BEYOND, "Ring radius against anisotropy: where the robot locks in"),
+    Entry("staircase-bottleneck", BEYOND, "A staircase and the bottleneck that makes it"),
+    Entry("wear-drift", BEYOND, "The cycle map as plywood wears"),
+    Entry("locking-in", BEYOND, "The loop of push and drag locks in"),
+)
+
+
+def entries(names: tuple[str, ...] = ()) -> tuple[Entry, ...]:
+    """Return the entries of these names, in the gallery's order and each once; of none or "all", all of them.
+
+    Raises InvalidInput, with the nearest name, for one that is unknown.
+
+    >>> [entry.name for entry in entries(("wear-drift", "saddle-node"))]
+    ['saddle-node', 'wear-drift']
+    """
+    known = {entry.name for entry in CATALOGUE}
+    for name in names:
+        if name not in known and name != "all":
+            raise unknown_name("figure", name, known)
+    everything = not names or "all" in names
+    return tuple(entry for entry in CATALOGUE if everything or entry.name in names)
+
+
+def load_exhibit(name: str) -> Exhibit:
+    """Return the figure, table or animation of this name; InvalidInput where it is unknown."""
+    if name == "all" or not (found := entries((name,))):
+        raise unknown_name("figure", name, {entry.name for entry in CATALOGUE})
+    module = import_module(f"cyclemap.figures.{found[0].module}")
+    (exhibit,) = (getattr(module, export) for export in EXPORTS if hasattr(module, export))
+    return exhibit  # type: ignore[no-any-return]

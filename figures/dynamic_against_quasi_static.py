@@ -1,0 +1,127 @@
+"""What inertia changes: the dynamic simulation less the quasi-static model over θ0, and as the rod slows down."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
+
+from cyclemap.arrays import Array
+from cyclemap.collection.dynamic_loop import DynamicLoop, DynamicsComparison, compare_dynamics, isotropic_twin
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.views.dynamics_page import draw_place_differences, draw_turn_differences, largest
+from cyclemap.views.panel_parts import legend_above
+from cyclemap.views.style import FORCE, PREDICTED, QUIET, new_figure, picture_style
+
+from .exhibit import BEYOND, PaperFigure
+from .measured_folder import MeasuredFolder
+
+ORIENTATIONS = 12
+# Of the rod, m/s.
+SPEEDS = (0.005, 0.01, 0.02, 0.04, 0.08)
+# Contact and friction sharper than by default, so that nothing but inertia is left at the lowest speed.
+_STIFFNESS, _REGULARISATION, _TOLERANCE = 4e6, 2e-5, 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class InertiaStudy:
+    """The comparison at the experiment's speed, and the largest difference of a cycle's turn over speed.
+
+    material, isotropic : by orientation, at 20 mm/s. speeds : (k,) m/s. differences : (2, k) rad, largest over the
+    orientations, on the material and on isotropic friction.
+    """
+
+    material: DynamicsComparison
+    isotropic: DynamicsComparison
+    speeds: Array
+    differences: Array
+
+    @property
+    def orders(self) -> tuple[float, float]:
+        """Exponents of the speed that the differences follow, by least squares in logarithms."""
+        first, second = (np.polyfit(np.log(self.speeds), np.log(row), 1)[0] for row in self.differences)
+        return float(first), float(second)
+
+
+def compute(
+    measured: MeasuredFolder,
+    orientations: int = ORIENTATIONS,
+    speeds: tuple[float, ...] = SPEEDS,
+    fewer: int = 3,
+) -> InertiaStudy:
+    """Compare both models on plywood and its isotropic twin; over speed from `fewer` orientations. No measured data."""
+    loop = DynamicLoop(CollectionLoop.mit(material="plywood"))
+    twin = replace(loop, loop=isotropic_twin(loop.loop))
+    theta, some = (2.0 * np.pi * np.arange(count) / count for count in (orientations, fewer))
+    differences = [[_difference(each, speed, some) for speed in speeds] for each in (loop, twin)]
+    return InertiaStudy(
+        compare_dynamics(loop, theta), compare_dynamics(twin, theta), np.array(speeds), np.array(differences)
+    )
+
+
+def draw(study: InertiaStudy) -> Figure:
+    """Draw the differences over θ0, and their fall with the speed."""
+    with picture_style():
+        figure = new_figure(11.0, 4.2)
+        turns, places, fall = figure.subplots(1, 3, gridspec_kw={"wspace": 0.32})
+        figure.subplots_adjust(left=0.07, right=0.985, bottom=0.18, top=0.83)
+        draw_turn_differences(turns, study.material, study.isotropic)
+        draw_place_differences(places, study.material, study.isotropic)
+        _draw_fall(fall, study)
+        foot = "left and middle at 20 mm/s: solid, filled: plywood; dashed, open: isotropic friction"
+        figure.text(0.07, 0.02, foot, fontsize=8, color=QUIET)
+    return figure
+
+
+def caption(study: InertiaStudy) -> str:
+    """How far inertia matters, with the numbers of the study."""
+    speed = 1e3 * study.material.loop.speed
+    first, second = study.orders
+    slowest = f"{1e3 * study.speeds.min():g}"
+    left = math.degrees(float(study.differences[:, int(study.speeds.argmin())].max()))
+    return (
+        f"The paper's dynamic simulation less the quasi-static model at {speed:g} mm/s: {_at_most(study.material)} on "
+        f"plywood, {_at_most(study.isotropic)} on isotropic friction. The difference of a cycle falls with the speed "
+        f"to the power {first:.2f} on plywood and {second:.2f} on isotropic friction: inertia enters as the speed "
+        f"squared. At {slowest} mm/s {left:.3f}° are left."
+    )
+
+
+def _difference(loop: DynamicLoop, speed: float, theta: Array) -> float:
+    sharp = DynamicLoop(loop.loop, speed, _STIFFNESS, regularisation=_REGULARISATION, tolerance=_TOLERANCE)
+    return largest(compare_dynamics(sharp, theta).difference("theta_next"))
+
+
+def _at_most(comparison: DynamicsComparison) -> str:
+    push, drag, cycle = (
+        math.degrees(largest(comparison.difference(name))) for name in ("push_turn", "drag_turn", "theta_next")
+    )
+    place = 1e3 * largest(comparison.difference("push_displacement"))
+    return f"at most {push:.2f}° in the push, {drag:.2f}° in the drag, {cycle:.2f}° in the cycle and {place:.2f} mm"
+
+
+def _draw_fall(axes: Axes, study: InertiaStudy) -> None:
+    speeds = 1e3 * study.speeds
+    looks = (("plywood", PREDICTED, "o", PREDICTED), ("isotropic", FORCE, "s", "white"))
+    for values, (name, colour, marker, face) in zip(np.degrees(study.differences), looks, strict=True):
+        axes.plot(speeds, values, marker=marker, color=colour, markerfacecolor=face, label=name, zorder=3)
+    guide = np.degrees(study.differences[0, -1]) * (speeds / speeds[-1]) ** 2
+    axes.plot(speeds, 0.5 * guide, ":", color=QUIET, label="speed squared", zorder=2)
+    axes.set(xscale="log", yscale="log", xlabel="speed of the rod (mm/s)", ylabel="largest difference of a cycle (°)")
+    axes.xaxis.set_major_locator(FixedLocator(speeds.tolist()))
+    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_title("Its fall with the speed", pad=22.0)
+    legend_above(axes)
+
+
+FIGURE = PaperFigure(
+    name="dynamic-against-quasi-static",
+    source=BEYOND,
+    title="What inertia changes at 20 mm/s, and how it vanishes with the speed",
+    compute=compute,
+    draw=draw,
+    caption=caption,
+)

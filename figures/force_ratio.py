@@ -1,0 +1,228 @@
+"""Tangential over normal force at the pushing point over one push: predicted, and of one recorded push."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from numpy.typing import NDArray
+
+from cyclemap.arrays import Array
+from cyclemap.checks import read_only
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.evidence.data_blocks.force_ratio_block import SLIDING, STICKING, SlidingForces, sliding_forces
+from cyclemap.evidence.pushes.contact_forces import contact_samples
+from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
+from cyclemap.evidence.pushes.push_record import PushRecord
+from cyclemap.mechanics import (
+    MIT_SHAPE_NAMES,
+    Slider,
+    Trajectory,
+)
+from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
+
+from .exhibit import PaperFigure
+from .measured_folder import NO_DATA, MeasuredFolder
+from .push_records import push_file_names, readable_pushes
+
+Chosen = NDArray[np.bool_]
+MM = 1000.0
+FOLDER = "mit_files"
+# Most recorded pushes that are looked through for one that both sticks and slides.
+MOST_FILES = 120
+_STEPS = 240
+
+
+@dataclass(frozen=True, eq=False)
+class PredictedRatio:
+    """travel (n,) m, of the rod; ratio (n,) tangential over normal force; sliding (n,); friction : of the rod.
+
+    The tangent is a quarter turn counter-clockwise from the normal into the object.
+    """
+
+    travel: Array
+    ratio: Array
+    sliding: Chosen
+    friction: float
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedRatio:
+    """The samples of one recorded push in which rod and object touch.
+
+    name : object, surface and speed. travel (n,) m; ratio (n,); sliding, sticking (n,) by the motion alone, neither
+    where the poses do not tell. forces : of its pieces. files : looked through; unreadable :
+    those passed over.
+    """
+
+    name: str
+    travel: Array
+    ratio: Array
+    sliding: Chosen
+    sticking: Chosen
+    forces: SlidingForces
+    files: int
+    unreadable: int
+
+    @property
+    def friction(self) -> float:
+        """Median ratio of the sliding pieces, positive where friction goes with the slip."""
+        return float(np.median(self.forces.ratio))
+
+
+@dataclass(frozen=True, eq=False)
+class ForceRatio:
+    """The predicted push, and the recorded one; None where none was found that sticks and slides."""
+
+    predicted: PredictedRatio
+    recorded: RecordedRatio | None
+
+
+def compute(measured: MeasuredFolder, material: str = "plywood", theta: float = 0.0) -> ForceRatio:
+    """Run the MIT push on `material` from `theta` (rad), and read the recorded push that sticks and slides most."""
+    loop = CollectionLoop.mit(material)
+    push = loop.model.push(loop.start_pose(theta), loop.push, loop.push.distance / _STEPS)
+    predicted = predicted_ratio(push.trajectory, loop.pusher.radius, loop.pusher.friction)
+    return ForceRatio(predicted, recorded_ratio(measured))
+
+
+def predicted_ratio(course: Trajectory, radius: float, friction: float) -> PredictedRatio:
+    """Return the ratio along a push of a rod of `radius` (m) and friction coefficient `friction`."""
+    normal = (course.contact_point - course.pusher) / radius
+    tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=-1)
+    along, into = np.sum(course.contact_force * tangent, axis=1), np.sum(course.contact_force * normal, axis=1)
+    sliding = np.char.startswith(np.asarray(course.mode, dtype=str), "slide")
+    return PredictedRatio(read_only(course.path), read_only(along / into), sliding, friction)
+
+
+def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
+    """Return the ratio of that recorded push of an MIT shape which has most samples of sticking and of sliding both."""
+    home = measured.folder(FOLDER)
+    files = [] if home is None else [path for path in push_file_names(home) if _facts(path).object in MIT_SHAPE_NAMES]
+    records, unreadable = readable_pushes(files[:MOST_FILES])
+    best: tuple[int, Path, PushRecord, SlidingForces] | None = None
+    for path, record in records:
+        forces = sliding_forces([(record, _outline(path))])
+        both = min(int(forces.samples.sum()), forces.sticking)
+        if both > (best[0] if best else 0):
+            best = both, path, record, forces
+    return None if best is None else _samples(*best[1:], len(records), unreadable)
+
+
+def _facts(path: Path) -> PushFacts:
+    facts = push_facts(path)
+    assert facts is not None
+    return facts
+
+
+def _outline(path: Path) -> Array:
+    return Slider.mit(str(_facts(path).object)).outline_points(360)
+
+
+def _samples(path: Path, record: PushRecord, forces: SlidingForces, files: int, unreadable: int) -> RecordedRatio:
+    samples, facts = contact_samples(record, _outline(path)), _facts(path)
+    kept = samples.touching & np.isfinite(samples.slip)
+    slip = np.abs(samples.slip[kept])
+    return RecordedRatio(
+        f"{facts.object} on {facts.surface}, {MM * facts.speed:.0f} mm/s",
+        read_only(_travel(record)[kept]),
+        read_only(samples.tangential[kept] / samples.pressing[kept]),
+        slip > SLIDING,
+        slip < STICKING,
+        forces,
+        files,
+        unreadable,
+    )
+
+
+def _travel(record: PushRecord) -> Array:
+    """The rod's way (m) at the times of the wrenches that both other clocks cover."""
+    tip, time = record.tip_pose, record.ft_wrench[:, 0]
+    clocks = record.object_pose[:, 0], tip[:, 0]
+    time = time[(time >= max(c[0] for c in clocks)) & (time <= min(c[-1] for c in clocks))]
+    travelled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(tip[:, 1:3], axis=0).T))])
+    return np.asarray(np.interp(time, tip[:, 0], travelled))
+
+
+def draw(result: ForceRatio) -> Figure:
+    """Draw the predicted ratio, and the recorded one, where there is one, to the right of it, on one scale."""
+    shown = [np.abs(result.predicted.ratio)] + ([np.abs(result.recorded.ratio)] if result.recorded else [])
+    half = 1.4 * max(float(ratio.max()) for ratio in shown)
+    with picture_style():
+        count = 1 if result.recorded is None else 2
+        figure = new_figure(5.5 * count, 4.3)
+        grid = GridSpec(1, count, figure, left=0.15 / count, right=0.985, bottom=0.13, top=0.85, wspace=0.17)
+        left, *right = (figure.add_subplot(grid[number]) for number in range(count))
+        _draw_predicted(left, result.predicted)
+        if result.recorded is not None:
+            _draw_recorded(right[0], result.recorded)
+        for axes in (left, *right):
+            axes.set(ylim=(-half, half), xlabel="travel of the rod (mm)")
+        left.set_ylabel("tangential / normal force (1)")
+    return figure
+
+
+def _draw_predicted(axes: Axes, predicted: PredictedRatio) -> None:
+    _bounds(axes, predicted.friction)
+    travel, sticking = MM * predicted.travel, np.where(predicted.sliding, np.nan, predicted.ratio)
+    axes.plot(travel, predicted.ratio, color=PREDICTED, linewidth=1.2, label="sliding", zorder=5)
+    axes.plot(travel, sticking, color=PREDICTED, linewidth=3.0, label="sticking", zorder=5)
+    axes.set_title("Predicted, plywood")
+    axes.legend(loc="lower center", ncols=3)
+
+
+def _bounds(axes: Axes, friction: float) -> None:
+    for sign in (-1.0, 1.0):
+        label = f"±μp = ±{friction:.2f}" if sign > 0 else None
+        axes.axhline(sign * friction, color=QUIET, linewidth=1.0, linestyle=(0, (5, 4)), label=label, zorder=1)
+
+
+def _draw_recorded(axes: Axes, recorded: RecordedRatio) -> None:
+    axes.set_title(f"Recorded, {recorded.name}")
+    _bounds(axes, recorded.friction)
+    unclear = ~(recorded.sliding | recorded.sticking)
+    kinds: tuple[tuple[str, Chosen, dict[str, Any]], ...] = (
+        ("sliding", recorded.sliding, {"marker": "o", "markerfacecolor": "white", "markeredgecolor": MEASURED_EDGE}),
+        ("sticking", recorded.sticking, {"marker": "o", "markerfacecolor": MEASURED, "markeredgecolor": MEASURED_EDGE}),
+        ("neither", unclear, {"marker": ".", "markerfacecolor": QUIET, "markeredgecolor": "none"}),
+    )
+    for name, chosen, look in kinds:
+        axes.plot(MM * recorded.travel[chosen], recorded.ratio[chosen], label=name, ls="none", ms=4.0, **look)
+    axes.legend(loc="lower center", ncols=4)
+
+
+def caption(result: ForceRatio) -> str:
+    """Where the predicted ratio sits, and where the recorded one does."""
+    predicted, recorded = result.predicted, result.recorded
+    stuck = predicted.travel[~predicted.sliding]
+    words = (
+        "Ratio of tangential to normal force of the rod on the object over one push; the tangent is a quarter turn "
+        "counter-clockwise from the normal into the object. The push from θ0 = 0 on plywood, predicted: "
+        f"±{predicted.friction:.2f} where the rod slides (thin), between where it sticks (thick, from "
+        f"{MM * stuck[0]:.0f} to {MM * stuck[-1]:.0f} mm)."
+    )
+    if recorded is None:
+        return f"{words} {NO_DATA.capitalize()} of a push that sticks and slides (sought in {FOLDER})."
+    over = float(np.mean(np.abs(recorded.ratio[recorded.sticking]) < recorded.friction))
+    damaged = f" ({recorded.unreadable} more could not be read)" if recorded.unreadable else ""
+    return (
+        f"{words} On the right, of {recorded.files} recorded pushes{damaged} the one that both sticks and slides most, "
+        f"{recorded.name}. Whether the rod slides is read off the motion, not off the forces. While it slides the "
+        f"ratio is {recorded.friction:.3f} (median of {len(recorded.forces.ratio)} pieces; the paper's push has "
+        f"0.15); while it sticks {100 * over:.0f} % of the samples lie below that."
+    )
+
+
+FIGURE = PaperFigure(
+    name="force-ratio",
+    source="Fig. 10 (left)",
+    title="Ratio of tangential to normal force at the pushing point",
+    compute=compute,
+    draw=draw,
+    caption=caption,
+)

@@ -1,0 +1,245 @@
+"""A point's limit ellipse and its traction, the ellipse fitted to friction scans, and the forces of the patch."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from matplotlib.patches import Polygon
+
+from cyclemap.arrays import Array
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.evidence.data_blocks.friction_scan_block import friction_ellipse_from_scans
+from cyclemap.evidence.data_blocks.scan_forces import ScanForces
+from cyclemap.evidence.pushes.push_table import load_pushes
+from cyclemap.mechanics import EllipseFriction
+from cyclemap.views.panel_parts import legend_above
+from cyclemap.views.style import (
+    FORCE,
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    new_figure,
+    picture_style,
+)
+
+from .exhibit import PaperFigure
+from .measured_folder import NO_DATA, MeasuredFolder
+from .patch_forces import SHARE, PatchForces, patch_forces
+
+MM = 1000.0
+# Direction (rad) in which the point of the first panel slides: one whose traction leans visibly away from it.
+SLIDING = math.radians(100.0)
+# The ellipse of the first panel, drawn rounder than no surface is: Table I's axes differ too little to be seen.
+SKETCHED = EllipseFriction(0.30, 0.15, m0=0.05, n0=0.02, phi=math.radians(25.0))
+_FEWEST_SCANS = 3
+# Millimetres of arrow a force of one point, and of the whole patch.
+_POINT_ARROW, _WHOLE_ARROW = 9.0, 34.0
+
+
+@dataclass(frozen=True, eq=False)
+class LimitEllipseAndPatch:
+    """What the three panels show: a sketched law, the law of plywood with scans and their fit, the patch.
+
+    table : Table I. scans, fitted : None where no scans were found.
+    """
+
+    sketched: EllipseFriction
+    sliding: float
+    table: EllipseFriction
+    scans: ScanForces | None
+    fitted: EllipseFriction | None
+    patch: PatchForces
+
+
+def compute(measured: MeasuredFolder, surface: str = "plywood") -> LimitEllipseAndPatch:
+    """Read and fit the friction scans of rect1 on `surface` where there are any, and run one push on the 8 x 8 grid."""
+    loop = CollectionLoop.mit("plywood")
+    scans = measured_scans(measured, surface, loop.model.weight)
+    return LimitEllipseAndPatch(
+        SKETCHED, SLIDING, loop.material.friction, scans, None if scans is None else _fitted(scans), patch_forces(loop)
+    )
+
+
+def measured_scans(measured: MeasuredFolder, surface: str, weight: float) -> ScanForces | None:
+    """Return the forces of the straight friction scans of rect1 on `surface`; None where fewer than three are found.
+
+    Looked for below SURFACE/rect1, as the MIT dataset lays them out; files that cannot be read are passed over.
+    """
+    home = measured.folder(f"{surface}/rect1")
+    folders = [] if home is None else sorted({path.parent for path in home.rglob("record_*")})
+    tables = [load_pushes(folder).scans for folder in folders]
+    parts = [scans[(scans["surface"] == surface) & (scans["object"] == "rect1")].dropna() for scans in tables]
+    columns = [[part[name].to_numpy() for name in ScanForces.columns()] for part in parts if len(part)]
+    found = [ScanForces(direction, along, across, weight) for direction, along, across in columns]
+    count = sum(len(part.direction) for part in found)
+    return ScanForces.joined(found) if count >= _FEWEST_SCANS else None
+
+
+def _fitted(scans: ScanForces) -> EllipseFriction:
+    columns = {name: getattr(scans, name) for name in ScanForces.columns()}
+    return friction_ellipse_from_scans(columns, scans.weight).friction()
+
+
+def limit_curve(law: EllipseFriction, count: int = 241) -> Array:
+    """Return the limit ellipse as a closed polyline (count, 2), by the traction of every direction of sliding."""
+    angle = np.linspace(0.0, 2.0 * math.pi, count)
+    return law.traction(np.stack([np.cos(angle), np.sin(angle)], axis=-1))
+
+
+def draw(result: LimitEllipseAndPatch) -> Figure:
+    """Draw the law of a point, the law of the surface, and the patch, side by side."""
+    with picture_style():
+        figure = new_figure(13.0, 4.7)
+        grid = GridSpec(1, 3, figure, left=0.055, right=0.985, bottom=0.12, top=0.86, wspace=0.26)
+        _draw_law(figure.add_subplot(grid[0]), result)
+        _draw_surface(figure.add_subplot(grid[1]), result)
+        _draw_patch(figure.add_subplot(grid[2]), result.patch)
+    return figure
+
+
+def _draw_law(axes: Axes, result: LimitEllipseAndPatch) -> None:
+    law, velocity = result.sketched, np.array([math.cos(result.sliding), math.sin(result.sliding)])
+    curve, traction = limit_curve(law), law.traction(velocity)
+    centre = _turned(np.array([law.m0, law.n0]), law.phi)
+    axes.fill(*curve.T, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.8)
+    for reach, turn, name in ((law.mu_a, 0.0, "m"), (law.mu_b, 0.5 * math.pi, "n")):
+        axis = _turned(np.array([reach, 0.0]), law.phi + turn)
+        axes.plot(*np.stack([centre - axis, centre + axis]).T, color=QUIET, linewidth=0.9, linestyle="--")
+        x, y = (centre + (1.0 + 0.03 / reach) * axis).tolist()
+        axes.text(x, y, name, color=QUIET, ha="center", va="center", style="italic")
+    along = np.array([-velocity[1], velocity[0]])
+    axes.plot(*np.stack([traction - 0.25 * along, traction + 0.1 * along]).T, color=QUIET, linewidth=1.2, linestyle=":")
+    axes.plot(*centre, "o", color=PREDICTED, markersize=4)
+    axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
+    _arrow(axes, np.zeros(2), traction, FORCE)
+    _arrow(axes, traction, traction + 0.13 * velocity, INK)
+    axes.text(0.75 * traction[0] + 0.025, 0.75 * traction[1] - 0.003, "traction μ", color=FORCE, va="center")
+    head = traction + 0.13 * velocity
+    axes.text(head[0] + 0.03, head[1], "sliding velocity v", color=INK, va="center")
+    axes.text(centre[0] + 0.012, centre[1] - 0.012, "centre (m0, n0)", color=PREDICTED, fontsize=8, va="top")
+    _traction_axes(axes, 0.34, "Limit ellipse of a point (sketch)", centre)
+
+
+def _draw_surface(axes: Axes, result: LimitEllipseAndPatch) -> None:
+    law = result.table
+    axes.plot(*limit_curve(law).T, color=PREDICTED, linewidth=1.8, label="Table I")
+    mean = math.sqrt(law.mu_a * law.mu_b)
+    axes.plot(
+        *limit_curve(EllipseFriction.isotropic(mean)).T, color=QUIET, linewidth=1.0, linestyle=":", label="isotropic"
+    )
+    axes.plot(*_turned(np.array([law.m0, law.n0]), law.phi), "o", color=PREDICTED, markersize=4)
+    axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
+    if result.scans is not None and result.fitted is not None:
+        look: dict[str, Any] = {"color": MEASURED, "markeredgecolor": MEASURED_EDGE, "markersize": 4.0}
+        axes.plot(*result.scans.traction.T, "o", label="friction scans", zorder=2, **look)
+        axes.plot(*limit_curve(result.fitted).T, color=MEASURED_EDGE, linewidth=1.5, linestyle="--", label="fitted")
+    _traction_axes(axes, 0.34, "Plywood", np.zeros(2))
+    legend_above(axes, columns=2)
+
+
+def _draw_patch(axes: Axes, patch: PatchForces) -> None:
+    points = MM * patch.footprint.quadrature[0]
+    axes.add_patch(Polygon(MM * patch.outline, facecolor="#f6f6f6", edgecolor=QUIET))
+    share = np.hypot(*patch.force.T).max()
+    tips = points + _POINT_ARROW * patch.force / share
+    for point, tip in zip(points, tips, strict=True):
+        _arrow(axes, point, tip, PREDICTED, 1.0, 7.0)
+    axes.plot(*points.T, ".", color=PREDICTED, markersize=3)
+    spin = patch.twist[2]
+    pivot = MM * np.array([-patch.twist[1], patch.twist[0]]) / spin
+    axes.plot(*pivot, "*", color=INK, markersize=10)
+    axes.text(pivot[0], pivot[1] - 6.0, "centre of\nrotation", fontsize=8, ha="center", va="top")
+    whole = _WHOLE_ARROW / float(np.hypot(*patch.wrench[:2]))
+    _arrow(axes, np.zeros(2), whole * patch.wrench[:2], FORCE, 3.0, 18.0)
+    axes.plot(0.0, 0.0, "o", color=FORCE, markersize=5)
+    contact = MM * patch.contact
+    _arrow(axes, contact - whole * patch.rod[:2], contact, INK, 3.0, 18.0)
+    _name_forces(axes, patch, contact - whole * patch.rod[:2])
+    axes.set(xlim=(-58, 96), ylim=(-58, 96), aspect="equal", xlabel="x (mm), object's frame", ylabel="y (mm)")
+    axes.set_title("Patch of 8 x 8 points")
+
+
+def _name_forces(axes: Axes, patch: PatchForces, tail: Array) -> None:
+    force, torque = float(np.hypot(*patch.wrench[:2])), 1e3 * patch.wrench[2]
+    words = f"friction on the object: {force:.2f} N\nand {torque:.1f} N mm about its centre"
+    axes.text(2.0, tail[1] + 8.0, words, color=FORCE, fontsize=8, va="top")
+    axes.text(tail[0] - 3.0, tail[1] - 2.0, "rod", color=INK, ha="right", va="top")
+
+
+def _traction_axes(axes: Axes, half: float, title: str, middle: Array) -> None:
+    x, y = middle.tolist()
+    axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal", title=title)
+    axes.set(xlabel="traction coefficient along x", ylabel="traction coefficient along y")
+
+
+def _arrow(axes: Axes, tail: Array, tip: Array, colour: str, width: float = 2.2, head: float = 14.0) -> None:
+    look = {
+        "arrowstyle": "-|>",
+        "color": colour,
+        "linewidth": width,
+        "shrinkA": 0,
+        "shrinkB": 0,
+        "mutation_scale": head,
+    }
+    axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=look, zorder=6)
+
+
+def _turned(vector: Array, angle: float) -> Array:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]])
+
+
+def caption(result: LimitEllipseAndPatch) -> str:
+    """What the law says, how far scans and their fit lie from Table I, and what the patch adds up to."""
+    patch, lean = result.patch, math.degrees(lean_of(result.sketched, result.sliding))
+    return (
+        "Left: the traction of a sliding point is the point of its limit ellipse where the outward normal is the "
+        f"direction of sliding (maximum dissipation); here the two differ by {lean:.0f}°. Axes differ more, and the "
+        f"offset is larger, than on plywood, to be seen. Middle: {_told_surface(result)} Right: the forces of the "
+        "ground on the 8 x 8 "
+        f"points after {100 * SHARE:.0f} % of the push from θ0 = 0 on plywood (Table I), and their resultant: "
+        f"{np.hypot(*patch.wrench[:2]):.2f} N and {1e3 * patch.wrench[2]:.1f} N mm about the centre, which balance the "
+        f"rod's {np.hypot(*patch.rod[:2]):.2f} N. Each point's force is one {len(patch.force)}th of the weight times "
+        "its traction; the object turns about the star."
+    )
+
+
+def lean_of(law: EllipseFriction, angle: float) -> float:
+    """Return the angle (rad, positive) between the sliding velocity in direction `angle` and its traction."""
+    traction = law.traction(np.array([math.cos(angle), math.sin(angle)]))
+    return abs(math.remainder(math.atan2(traction[1], traction[0]) - angle, 2.0 * math.pi))
+
+
+def _told_surface(result: LimitEllipseAndPatch) -> str:
+    law = result.table
+    told = (
+        f"the limit ellipse of plywood in Table I, axes {law.mu_a:g} and {law.mu_b:g}, its centre "
+        f"{math.hypot(law.m0, law.n0):.3f} off zero, beside the isotropic circle of the same area."
+    )
+    if result.scans is None or result.fitted is None:
+        return f"{told} {NO_DATA.capitalize()} of friction scans (record_surface=plywood_shape=rect1_...)."
+    fitted = result.fitted
+    apart = float(np.hypot(*(limit_curve(fitted) - limit_curve(law)).T).max())
+    return (
+        f"{told} Dots: {len(result.scans.direction)} friction scans; dashed: the ellipse fitted to them, axes "
+        f"{fitted.mu_a:.4f} and {fitted.mu_b:.4f}, at most {apart:.4f} from Table I."
+    )
+
+
+FIGURE = PaperFigure(
+    name="limit-ellipse-and-patch",
+    source="the paper's limit ellipse and patch, and Fig. 10 (right)",
+    title="Limit ellipse of a point, of plywood, and the forces of the patch",
+    compute=compute,
+    draw=draw,
+    caption=caption,
+)

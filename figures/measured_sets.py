@@ -1,0 +1,145 @@
+"""The repeated pushes that the user's folder holds of each material, and what a caption says where it holds none."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cyclemap.evidence import PushSet, Theta0Pairs, load_pushes, push_sets, read_theta0_pairs
+from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
+from cyclemap.evidence.pushes.push_files import SUFFIXES
+from cyclemap.evidence.tables.push_sets import FEWEST
+
+from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
+
+if TYPE_CHECKING:
+    import pandas
+
+# The paper's repeated pushes, as the names of the MIT files say it; SI units and radians.
+PROTOCOL: dict[str, str | float] = {
+    "object": "rect1",
+    "acceleration": 0.0,
+    "speed": 0.02,
+    "side": 0.0,
+    "fraction": 0.7,
+    "angle": 0.0,
+}
+# The material whose θ0 are at hand in a file of their own.
+THETA0_SURFACE = "plywood"
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredRun:
+    """A measured set of the paper's repeated pushes.
+
+    unreadable : files in its folder that could not be read. home : that folder.
+    """
+
+    pushes: PushSet
+    unreadable: int
+    home: Path
+
+
+def measured_run(measured: MeasuredFolder, surface: str) -> MeasuredRun | None:
+    """Return the set of ``surface`` with the most pushes in the folder, in the MIT layout; None where there is none.
+
+    Looked for in all sub-folders by the names of the files, ``motion_surface=SURFACE_shape=rect1_..._rep=NNNN`` with
+    the paper's protocol (``PROTOCOL``); at least 20 of them, in one folder, make a set.
+    """
+    found = None if measured.path is None else _run_below(measured.path, surface)
+    if found is not None:
+        _told_used(measured, found.home)
+    return found
+
+
+def _told_used(measured: MeasuredFolder, home: Path) -> None:
+    """Ask the folder for what was found in it, so that one who watches it knows what was used."""
+    assert measured.path is not None
+    measured.folder(home.relative_to(measured.path).as_posix())
+
+
+def measured_theta0(measured: MeasuredFolder, surface: str) -> Theta0Pairs | None:
+    """Return the measured θ0 of ``surface`` in order: of its set, else for plywood of its own file; None without."""
+    found = measured_run(measured, surface)
+    if found is not None and found.pushes.pairs is not None:
+        return found.pushes.pairs
+    file = measured.file(THETA0_FILE) if surface == THETA0_SURFACE else None
+    return None if file is None else read_theta0_pairs(file)
+
+
+def measured_scans(measured: MeasuredFolder, surface: str) -> pandas.DataFrame | None:
+    """Return the friction scans of rect1 on ``surface`` as ``PushTable.scans`` has them; None where there are none.
+
+    Of several folders that hold some, the one with the most; scans whose force could not be told are left out.
+    """
+    if measured.path is None:
+        return None
+    homes: Counter[str] = Counter()
+    for home, _, names in sorted(os.walk(measured.path)):
+        homes[home] += sum(_is_scan(scan_facts(name), surface) for name in names if name.endswith(SUFFIXES))
+    for home, count in homes.most_common(1):
+        if count:
+            _told_used(measured, Path(home))
+            scans = load_pushes(home).scans
+            told = scans[(scans["surface"] == surface) & (scans["object"] == PROTOCOL["object"])]
+            return told.dropna(subset=["force_along", "force_across"])
+    return None
+
+
+def not_found(what: str, surfaces: Iterable[str]) -> str:
+    """Say that ``what`` was not found for these surfaces; empty where there are none.
+
+    >>> not_found("pushes", ["abs", "pu"])
+    'Recorded pushes on abs and pu: no measured data found.'
+    """
+    names = list(surfaces)
+    return f"Recorded {what} on {listed(names)}: {NO_DATA}." if names else ""
+
+
+def listed(names: Iterable[str]) -> str:
+    """Words as people list them.
+
+    >>> listed(["plywood", "abs", "pu"])
+    'plywood, abs and pu'
+    """
+    *first, last = names
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+@lru_cache(maxsize=32)
+def _run_below(folder: Path, surface: str) -> MeasuredRun | None:
+    homes: Counter[str] = Counter()
+    for home, _, names in sorted(os.walk(folder)):
+        homes[home] += sum(_is_repeated(push_facts(name), surface) for name in names if name.endswith(SUFFIXES))
+    for home, count in homes.most_common():
+        if count < FEWEST:
+            return None
+        table = load_pushes(home)
+        found = push_sets(table, {"surface": surface, **PROTOCOL})
+        best = max(found, key=lambda one: one.count)
+        if best.count >= FEWEST:
+            return MeasuredRun(best, len(table.unreadable), Path(home))
+    return None
+
+
+def _is_repeated(facts: PushFacts | None, surface: str) -> bool:
+    """Whether a file's name says that it is one of the repeated pushes on the surface."""
+    if facts is None or facts.surface != surface or math.isnan(facts.repetition):
+        return False
+    return all(_same(getattr(facts, name), value) for name, value in PROTOCOL.items())
+
+
+def _is_scan(facts: ScanFacts | None, surface: str) -> bool:
+    return facts is not None and facts.surface == surface and facts.object == PROTOCOL["object"]
+
+
+def _same(found: str | float | None, wanted: str | float) -> bool:
+    if isinstance(wanted, str) or found is None or isinstance(found, str):
+        return found == wanted
+    return math.isclose(found, wanted, rel_tol=1e-6, abs_tol=1e-9)

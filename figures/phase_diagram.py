@@ -1,0 +1,249 @@
+"""Figure: ring radius against anisotropy: where the robot locks into a direction, and how it winds elsewhere."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from numpy.typing import NDArray
+from scipy.interpolate import BarycentricInterpolator
+from scipy.optimize import brentq
+
+from cyclemap.arrays import Array
+from cyclemap.collection.fingerprint import Anisotropy, TurnResponse, fingerprint
+from cyclemap.collection.fingerprint_prediction import first_order_lock_in
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.maps import RotationPlane, rotation_plane
+from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE, new_figure, picture_style
+
+from .exhibit import BEYOND, PaperFigure
+from .loop_family import LoopFamily, chebyshev_nodes, loop_family
+from .loop_variants import RingFold, ring_fold, ring_radius, with_anisotropy_times, with_ring_at
+from .measured_folder import MeasuredFolder
+
+MM = 1000.0
+RADII, SCALES = (0.006, 0.034), (0.0, 1.5)
+# Turns a cycle, to which the shade is computed.
+TOLERANCE = 2e-4
+_ACCURACY = 1e-6
+_THETA = 2 * np.pi * np.arange(720) / 720
+LEVELS = (-5.0, 10.0, 20.0, 30.0)
+ROWS = (0.0, 0.25, 0.5, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class FirstOrder:
+    """The lock-in boundary to first order in the anisotropy: Ω(r) + ε h(θ; r) touches zero, h by the fingerprint.
+
+    radius : (n,) m. turn : (n,) rad, Ω, the isotropic turn of a cycle. scale : (n,) ε at which it locks.
+    neutral : m, the radius where Ω is zero: the tip of the tongue.
+    """
+
+    radius: Array
+    turn: Array
+    scale: Array
+    neutral: float
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseDiagram:
+    """The loop on plywood with its ring at a radius (m) and its anisotropy times a scale.
+
+    plane : rotation numbers, turns a cycle; rows radii, columns scales. stable : (rows, columns) stable fixed points.
+    inner, outer : ((scale, fold), ...) of the boundary nearer to the centre and farther from it, exact. first : to
+    first order. error : rad, the most by which the interpolated f differs from cycles that were run at some places.
+    mit : m, the ring of the MIT protocol; mit_scale : from which scale on it locks, by the interpolated maps.
+    """
+
+    plane: RotationPlane
+    stable: NDArray[np.int64]
+    inner: tuple[tuple[float, RingFold], ...]
+    outer: tuple[tuple[float, RingFold], ...]
+    first: FirstOrder
+    error: float
+    mit: float
+    mit_scale: float
+
+
+def loop_at(loop: CollectionLoop, radius: float, scale: float) -> CollectionLoop:
+    """Return the loop with its ring at `radius` (m) and its anisotropy times `scale`."""
+    return replace(with_ring_at(with_anisotropy_times(loop, scale), radius), accuracy=_ACCURACY)
+
+
+def compute(
+    measured: MeasuredFolder,
+    nodes: tuple[int, int] = (9, 6),
+    angles: int = 32,
+    shape: tuple[int, int] = (85, 43),
+    scales: int = 9,
+    fingerprints: int = 9,
+) -> PhaseDiagram:
+    """Interpolate the maps, wind them on a grid of `shape`, and trace the boundary exactly at `scales` scales a side.
+
+    nodes, angles : of `loop_family`. fingerprints : at so many radii, for the boundary to first order.
+    """
+    del measured
+    loop = CollectionLoop.mit(material="plywood")
+    family = loop_family(partial(loop_at, loop), (RADII, SCALES), nodes, angles)
+    radius, scale = np.linspace(*RADII, shape[0]), np.linspace(*SCALES, shape[1])
+    plane = rotation_plane(family.parametric, radius, scale, TOLERANCE)
+    inner, outer = (_boundary(loop, family, side, scales) for side in (1, -1))
+    places = ((0.010, 1.0), (0.020, 0.7), (0.030, 1.2))
+    error = max(float(family.error_at(_THETA[::36], *place).max()) for place in places)
+    mit, stable = ring_radius(loop), _stable_points(family, radius, scale)
+    locks_from = _touch(family, 1, mit)
+    return PhaseDiagram(plane, stable, inner, outer, first_order(loop, fingerprints), error, mit, locks_from)
+
+
+def _stable_points(family: LoopFamily, radius: Array, scale: Array) -> NDArray[np.int64]:
+    """How often the turn falls through zero at each radius (rows) and scale (columns)."""
+    counts = []
+    for r in radius:
+        turn = family.turn(_THETA, np.full((scale.size, 1), r), scale[:, np.newaxis])
+        counts.append(np.sum((turn > 0.0) & (np.roll(turn, -1, axis=1) <= 0.0), axis=1))
+    return np.array(counts)
+
+
+def _margin(family: LoopFamily, side: int, radius: float, scale: float) -> float:
+    """The least turn (side 1), or the largest with its sign changed (side -1): negative where the robot may lock."""
+    return float((side * family.turn(_THETA, radius, scale)).min())
+
+
+def _touch(family: LoopFamily, side: int, radius: float) -> float:
+    """The scale at which the boundary passes a radius; the largest one where it does not."""
+    low, high = (_margin(family, side, radius, scale) for scale in SCALES)
+    if low * high > 0.0:
+        return SCALES[1]
+    return float(brentq(lambda scale: _margin(family, side, radius, scale), *SCALES))
+
+
+def _boundary(loop: CollectionLoop, family: LoopFamily, side: int, count: int) -> tuple[tuple[float, RingFold], ...]:
+    """The folds where the least (side 1) or the largest (side -1) turn is zero, up to where they leave the radii."""
+    edge = RADII[0] if side > 0 else RADII[1]
+    top, found = _touch(family, side, edge), []
+    for step in range(1, count + 1):
+        scale, radius = top * step / count, edge
+        if step < count or top == SCALES[1]:
+            radius = brentq(lambda r, now=scale: _margin(family, side, r, now), *RADII, xtol=1e-6)
+        theta = _THETA[np.argmin(side * family.turn(_THETA, radius, scale))]
+        found.append((scale, ring_fold(partial(_fine, loop, scale), float(theta), radius)))
+    return tuple(found)
+
+
+def _fine(loop: CollectionLoop, scale: float, radius: float) -> CollectionLoop:
+    return with_ring_at(with_anisotropy_times(loop, scale), radius)
+
+
+def first_order(loop: CollectionLoop, nodes: int = 9, count: int = 201) -> FirstOrder:
+    """Return the boundary that the fingerprints of the protocol at `nodes` radii foretell, at `count` radii.
+
+    Turn and gradient of a fingerprint belong to the protocol alone; between the Chebyshev nodes they are interpolated.
+    """
+    radii, radius = chebyshev_nodes(*RADII, nodes), np.linspace(*RADII, count)
+    found = [fingerprint(with_ring_at(loop, r)).cycle for r in radii.tolist()]
+    curve = BarycentricInterpolator(radii, np.array([[one.turn, *one.gradient] for one in found]))
+    surface, flat = Anisotropy.of(loop.material.friction), np.zeros((4, 4))
+    responses = [TurnResponse(float(row[0]), row[1:], flat) for row in curve(radius)]
+    scale = np.array([first_order_lock_in(one, surface).scale for one in responses])
+    neutral = float(brentq(lambda r: float(curve(r)[0]), *RADII))
+    return FirstOrder(radius, np.array([one.turn for one in responses]), scale, neutral)
+
+
+def draw(result: PhaseDiagram) -> Figure:
+    """The plane, shaded by the mean turn, with its boundary; and the mean turn along four of its rows."""
+    with picture_style():
+        figure = new_figure(10.0, 4.9)
+        grid = GridSpec(
+            1, 2, figure, width_ratios=(1.5, 1.0), left=0.07, right=0.985, bottom=0.125, top=0.86, wspace=0.2
+        )
+        _draw_plane(figure.add_subplot(grid[0]), result)
+        _draw_rows(figure.add_subplot(grid[1]), result)
+    return figure
+
+
+def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
+    plane = result.plane
+    radius, scale, turn = MM * plane.first_values, plane.second_values, 360 * plane.value.T
+    axes.grid(visible=False)
+    axes.pcolormesh(radius, scale, np.abs(turn), cmap="YlGnBu", vmin=-4, vmax=45, shading="gouraud", rasterized=True)
+    lines = axes.contour(radius, scale, turn, levels=LEVELS, colors=INK, linewidths=0.7)
+    axes.clabel(lines, fmt=lambda value: f"{value:+.0f}°", fontsize=7.5, inline_spacing=3)
+    _draw_tongue(axes, result)
+    first = result.first
+    axes.plot(MM * first.radius, first.scale, "--", color=INK, linewidth=1.3, label="first order", zorder=3)
+    look: dict[str, Any] = {
+        "markerfacecolor": UNSTABLE,
+        "markeredgecolor": INK,
+        "markersize": 11,
+        "linestyle": "none",
+        "zorder": 6,
+    }
+    axes.plot(MM * result.mit, 1.0, "*", label="MIT ring, plywood", **look)
+    axes.text(21.5, 1.12, "locked\none stable direction", ha="center", va="center", color=PREDICTED)
+    axes.set(xlabel="distance of the ring from the centre (mm)", ylabel="anisotropy over that of Table I (1)")
+    axes.set_xlim(MM * RADII[0], MM * RADII[1])
+    axes.set_ylim(*SCALES)
+    axes.set_title("Mean turn of a cycle", pad=24)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
+
+
+def _draw_tongue(axes: Axes, result: PhaseDiagram) -> None:
+    """The tongue in white, and its two edges."""
+    tip = np.array([[MM * result.first.neutral, 0.0]])
+    inner, outer = (
+        np.concatenate([tip, [(MM * fold.radius, scale) for scale, fold in side]])
+        for side in (result.inner, result.outer)
+    )
+    corners = [(MM * RADII[1], SCALES[1]), (MM * RADII[0], SCALES[1])]
+    axes.fill(*np.concatenate([outer, corners, inner[::-1]]).T, facecolor="white", linewidth=0, zorder=2)
+    look: dict[str, Any] = {"color": PREDICTED, "markersize": 4, "linewidth": 2.0, "zorder": 4}
+    axes.plot(*inner.T, "o-", label="saddle-nodes", **look)
+    axes.plot(*outer.T, "o-", **look)
+
+
+def _draw_rows(axes: Axes, result: PhaseDiagram) -> None:
+    plane = result.plane
+    looks = ((QUIET, ":"), (PREDICTED, "-."), (PREDICTED, "-"), (INK, "--"))
+    axes.axhline(0.0, color=QUIET, linewidth=0.8)
+    for scale, (color, dashes) in zip(ROWS, looks, strict=True):
+        column = int(np.argmin(np.abs(plane.second_values - scale)))
+        label = "isotropic" if scale == 0.0 else f"× {plane.second_values[column]:.2g}"
+        turn = 360 * plane.value[:, column]
+        axes.plot(MM * plane.first_values, turn, dashes, color=color, linewidth=1.7, label=label)
+    axes.set(xlabel="distance of the ring (mm)", ylabel="mean turn of a cycle (°)")
+    axes.set_xlim(MM * RADII[0], MM * RADII[1])
+    axes.set_title("Along rows", pad=24)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, columnspacing=1.0)
+
+
+def caption(result: PhaseDiagram) -> str:
+    """What is seen, with its numbers."""
+    plane, first = result.plane, result.first
+    locked = plane.period == 1
+    one = bool(np.all(result.stable[locked] == 1))
+    at_mit = float(np.interp(result.mit, first.radius, first.scale))
+    other = int(np.sum(plane.period > 1))
+    return (
+        f"Plywood's anisotropy (offset and ellipticity of Table I, times 0 to {SCALES[1]:g}) against the distance of "
+        f"the ring from the centre. In the tongue the robot locks{' into one stable direction' if one else ''}, "
+        f"elsewhere it winds, shaded by the size of its mean turn (lines: with sign). The tongue starts at "
+        f"{MM * first.neutral:.1f} mm, where isotropic friction turns the object by nothing in a cycle; its edges are "
+        f"saddle-nodes, solved with the mechanics itself. The MIT ring at {MM * result.mit:.0f} mm locks from "
+        f"{result.mit_scale:.2f} times Table I on; to first order in the anisotropy (dashes) from {at_mit:.2f} times. "
+        f"{_other(other)} The interpolated maps miss cycles that were run by at most {math.degrees(result.error):.1g}°."
+    )
+
+
+def _other(count: int) -> str:
+    if count == 0:
+        return f"No other locking was found on the grid, to {TOLERANCE:g} turns a cycle."
+    return f"At {count} places of the grid the robot locks into a longer period."
+
+
+FIGURE = PaperFigure(
+    "phase-diagram", BEYOND, "Ring radius against anisotropy: where the robot locks in", compute, draw, caption
+)

@@ -1,0 +1,204 @@
+"""Paths of an object's centre in the pushes of a collection: recorded where there are files, simulated where not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cyclemap.arrays import Array
+from cyclemap.checks import read_only
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.evidence.published.published_statistics import published_statistics
+from cyclemap.evidence.pushes.mit_names import push_facts
+from cyclemap.evidence.pushes.push_record import PushRecord
+from cyclemap.evidence.simulation.recorded_motion import MIT_TARGET
+from cyclemap.evidence.tables.push_sets import PushSet
+from cyclemap.maps import DriftingMap, sample_staircase
+
+from .measured_folder import MeasuredFolder
+from .measured_sets import measured_run, measured_theta0
+from .push_records import push_file_names, readable_pushes
+from .simulated_collections import NOISE, STANDS_FOR
+
+CYCLES, DRAWN = 2000, 250
+RECORDED, MEASURED_THETA0, SIMULATED = "recorded", "from measured θ0", "simulated"
+STATIONS = 41
+# Radians: error of the sampled maps, well below the noise of a cycle.
+MAP_TOLERANCE = 1e-3
+_ACCURACY = 1e-6
+# Parts of the wear at whose ends maps are made: between them they are blended.
+_WEAR_STAGES = 2
+
+
+@dataclass(frozen=True, eq=False)
+class PushedPaths:
+    """Paths of the object's centre in k pushes on one surface.
+
+    surface : as the paper names it. material : what was simulated, "" where the pushes are recorded ones. origin : of
+    the pushes, `RECORDED`, `MEASURED_THETA0` (simulated from measured orientations) or `SIMULATED`.
+    theta0, turn : (k,) rad, before the push, and of the push. object_frame : (k, m, 2) m, in the object's frame before
+    the push. robot_frame : (k, m, 2) m, in the world, from the reset's target. orientations : (n,) rad, θ0 of all
+    cycles of the run from which the pushes were taken at equal distances.
+    """
+
+    surface: str
+    material: str
+    origin: str
+    theta0: Array
+    turn: Array
+    object_frame: Array
+    robot_frame: Array
+    orientations: Array
+
+    @property
+    def recorded(self) -> bool:
+        """Whether the paths are those of recorded pushes."""
+        return self.origin == RECORDED
+
+    @property
+    def end(self) -> Array:
+        """(k, 2) m, displacement of each push in the object's frame."""
+        return np.asarray(self.object_frame[:, -1])
+
+
+def paths_on_four_surfaces(measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN) -> list[PushedPaths]:
+    """Return the paths on the paper's four surfaces: of recorded pushes, else from measured θ0, else of a run.
+
+    cycles : of a simulated run. drawn : how many of all these pushes, at equal distances. Recorded pushes are looked
+    for by the names of the MIT dataset, as `measured_run` does, θ0 as `measured_theta0` does.
+    """
+    return [
+        recorded_paths(measured, surface, drawn)
+        or paths_from_measured_theta0(measured, surface, drawn)
+        or simulated_paths(surface, cycles, drawn)
+        for surface in STANDS_FOR
+    ]
+
+
+@lru_cache(maxsize=16)
+def simulated_paths(surface: str, cycles: int = CYCLES, drawn: int = DRAWN) -> PushedPaths:
+    """Return paths of pushes of a noisy simulated run on `surface`; the noise of a cycle is 1.1 degrees.
+
+    The run starts at the direction that the paper names first, else at 0; where the material wears it goes from fresh
+    to worn within the run, whatever its length.
+    """
+    loop = CollectionLoop.mit(STANDS_FOR[surface], accuracy=_ACCURACY)
+    start = (*published_statistics(surface).directions, 0.0)[0]
+    run = sample_staircase(_map_of_the_run(loop, cycles), NOISE, cycles, start, seed=1)
+    chosen = _evenly(cycles, drawn)
+    poses = _simulated(loop, run.theta[chosen], _worn_cycles(loop) * chosen / cycles)
+    return _paths(surface, loop.material.name, SIMULATED, poses, run.theta[:-1])
+
+
+def paths_from_measured_theta0(measured: MeasuredFolder, surface: str, drawn: int = DRAWN) -> PushedPaths | None:
+    """Return paths simulated from `drawn` of the measured θ0, on the surface as worn as it then was; None without θ0.
+
+    orientations : all the measured ones.
+    """
+    pairs = measured_theta0(measured, surface)
+    if pairs is None or pairs.path is None or pairs.path_cycle is None:
+        return None
+    loop = CollectionLoop.mit(STANDS_FOR[surface], accuracy=_ACCURACY)
+    chosen = _evenly(len(pairs.path), drawn)
+    poses = _simulated(loop, pairs.path[chosen], pairs.path_cycle[chosen])
+    return _paths(surface, loop.material.name, MEASURED_THETA0, poses, pairs.path)
+
+
+def recorded_paths(measured: MeasuredFolder, surface: str, drawn: int = DRAWN) -> PushedPaths | None:
+    """Return paths of `drawn` of the recorded pushes on `surface`, evenly chosen; None where `measured_run` finds none.
+
+    Of the files chosen those that cannot be read are left out. orientations : those of all the recorded pushes.
+    """
+    run = measured_run(measured, surface)
+    if run is None:
+        return None
+    files = [path for path in push_file_names(run.pushes.source) if _is_one_of(path, run.pushes)]
+    records, _ = readable_pushes(files[number] for number in _evenly(len(files), drawn).tolist())
+    poses = np.array([_recorded_poses(record) for _, record in records])
+    poses[..., :2] -= MIT_TARGET
+    return _paths(surface, "", RECORDED, poses, run.pushes.theta)
+
+
+def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return how many pairs of paths (k, m, 2) cross, and how many there are, among those with `apart` (k, k) true.
+
+    Paths that meet at an end do not cross there.
+
+    >>> paths = np.array([[[0.0, 0.0], [1.0, 1.0]], [[0.0, 1.0], [1.0, 0.0]], [[2.0, 0.0], [2.0, 1.0]]])
+    >>> crossing_pairs(paths, np.ones((3, 3), dtype=bool))
+    (1, 3)
+    """
+    later = np.triu(apart, 1)
+    crossed = [int(np.sum(_crosses(paths[i], paths[row]))) for i, row in enumerate(later)]
+    return sum(crossed), int(np.sum(later))
+
+
+def _crosses(path: Array, others: Array) -> NDArray[np.bool_]:
+    """Whether a polyline (m, 2) crosses each of others (k, m, 2)."""
+    a, b = path[:-1, None], path[1:, None]
+    c, d = others[:, None, :-1], others[:, None, 1:]
+    found = (_side(a, b, c) * _side(a, b, d) < 0.0) & (_side(c, d, a) * _side(c, d, b) < 0.0)
+    return np.asarray(np.any(found, axis=(1, 2)), dtype=bool)
+
+
+def _side(a: Array, b: Array, point: Array) -> Array:
+    """Twice the area of the triangles a, b, point: positive where the point lies left of the way from a to b."""
+    return np.asarray((b - a)[..., 0] * (point - a)[..., 1] - (b - a)[..., 1] * (point - a)[..., 0], dtype=np.float64)
+
+
+def _map_of_the_run(loop: CollectionLoop, cycles: int) -> DriftingMap:
+    stages = np.linspace(0.0, 1.0, _WEAR_STAGES + 1) if loop.material.wear else np.zeros(1)
+    return DriftingMap.between(
+        [(cycles * share, worn_loop(loop, share * _worn_cycles(loop)).circle_map(MAP_TOLERANCE)) for share in stages]
+    )
+
+
+def _worn_cycles(loop: CollectionLoop) -> float:
+    return loop.material.wear.cycles if loop.material.wear else 0.0
+
+
+def _evenly(count: int, drawn: int) -> NDArray[np.intp]:
+    """Numbers below `count`, at most `drawn` of them, the first and the last included."""
+    return np.linspace(0, count - 1, min(drawn, count)).round().astype(np.intp)
+
+
+def _simulated(loop: CollectionLoop, theta: Array, cycle: Array) -> Array:
+    """Poses (k, m, 3) of the pushes from orientations (k,) at cycles (k,) of the wear."""
+    pairs = zip(theta.tolist(), cycle.tolist(), strict=True)
+    return np.array([_push_path(worn_loop(loop, now), start) for start, now in pairs])
+
+
+def _push_path(loop: CollectionLoop, theta: float) -> Array:
+    """Poses (m, 3) of the object at equal distances of the rod's stroke; it rests where the rod has left it."""
+    course = loop.model.push(loop.start_pose(theta), loop.push, loop.push.distance / (STATIONS - 1)).trajectory
+    travel = np.linspace(0.0, loop.push.distance, STATIONS)
+    return np.stack([np.interp(travel, course.path, column) for column in course.pose.T], axis=-1)
+
+
+def _is_one_of(path: Path, pushes: PushSet) -> bool:
+    """Whether a file's name says what all pushes of the set share: a folder may hold others too."""
+    facts = push_facts(path)
+    return all(getattr(facts, name) == value for name, value in pushes.facts.items())
+
+
+def _recorded_poses(record: PushRecord) -> Array:
+    """Poses (m, 3) of the object of a recorded push at equal times."""
+    clock = record.object_pose[:, 0]
+    columns = (*record.object_pose[:, 1:3].T, record.object_angle)
+    return np.stack([np.interp(np.linspace(clock[0], clock[-1], STATIONS), clock, one) for one in columns], axis=-1)
+
+
+def _paths(surface: str, material: str, origin: str, poses: Array, orientations: Array) -> PushedPaths:
+    theta0 = poses[:, 0, 2]
+    offset = poses[..., :2] - poses[:, :1, :2]
+    c, s = np.cos(theta0)[:, None], np.sin(theta0)[:, None]
+    x, y = offset[..., 0], offset[..., 1]
+    turned = np.stack([c * x + s * y, -s * x + c * y], axis=-1)
+    turn = poses[:, -1, 2] - theta0
+    arrays = (read_only(array) for array in (theta0, turn, turned, poses[..., :2], orientations))
+    return PushedPaths(surface, material, origin, *arrays)

@@ -1,0 +1,206 @@
+"""The set-up of the repeated push, to scale, and two cycles of push and drag that follow each other."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from matplotlib.patches import Circle, Polygon
+
+from cyclemap.arrays import Array
+from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, cycle_scene, placed
+from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET, new_figure, picture_style
+
+from .exhibit import PaperFigure
+from .measured_folder import MeasuredFolder
+
+MM = 1000.0
+# Where the first cycle starts: there the cycle turns the object enough to be seen.
+START = math.radians(270.0)
+# The shade of the first cycle and of the second, by lightness.
+_CYCLE_COLOURS = (QUIET, PREDICTED)
+# Drawn size of the ring, mm: as in the drawing of a cycle elsewhere.
+_RING = 7.0
+_ARROW, _WORDS = 38.0, 46.0
+
+
+@dataclass(frozen=True, eq=False)
+class SetupAndCycles:
+    """The loop, two cycles of it, the second from where the first ended, and their scenes."""
+
+    loop: CollectionLoop
+    cycles: tuple[Cycle, Cycle]
+    scenes: tuple[CycleScene, CycleScene]
+
+    @property
+    def contact(self) -> Array:
+        """(2,) m, where the rod first touches, in the object's frame."""
+        side = np.array(self.loop.slider.outline.points(4))
+        first, second = side[self.loop.push.side], side[self.loop.push.side + 1]
+        return np.asarray(first + self.loop.push.fraction * (second - first))
+
+
+def compute(measured: MeasuredFolder, material: str = "plywood", theta: float = START) -> SetupAndCycles:
+    """Run two cycles of the MIT loop on `material` from `theta` (rad); nothing here is measured."""
+    loop = CollectionLoop.mit(material)
+    first = loop.cycle(theta)
+    second = loop.cycle(first.theta_next)
+    return SetupAndCycles(loop, (first, second), (cycle_scene(loop, first), cycle_scene(loop, second)))
+
+
+def draw(result: SetupAndCycles) -> Figure:
+    """Draw the set-up in the object's frame on the left, the two cycles in the world on the right."""
+    with picture_style():
+        figure = new_figure(10.6, 5.9)
+        grid = GridSpec(1, 2, figure, left=0.06, right=0.985, bottom=0.1, top=0.9, wspace=0.18, width_ratios=(1, 1.33))
+        _draw_setup(figure.add_subplot(grid[0]), result)
+        _draw_cycles(figure.add_subplot(grid[1]), result)
+    return figure
+
+
+# -- the set-up --------------------------------------------------------------------------------------------
+
+
+def _draw_setup(axes: Axes, result: SetupAndCycles) -> None:
+    loop = result.loop
+    outline = MM * loop.slider.outline.points(4)
+    axes.add_patch(Polygon(outline, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6))
+    axes.plot(0.0, 0.0, "+", color=INK, markersize=9)
+    _name(axes, (3.0, -5.0), "centre", ha="left")
+    _name_sides(axes, outline)
+    _draw_ring(axes, MM * np.array(loop.slider.hitch))
+    _draw_push(axes, result)
+    _dimension(axes, (-45.0, -57.0), (45.0, -57.0), f"{np.ptp(outline[:, 0]):.0f} mm")
+    axes.set(xlim=(-78, 68), ylim=(-118, 78), aspect="equal", xlabel="x (mm), object's frame", ylabel="y (mm)")
+    axes.set_title("Set-up, to scale")
+
+
+def _name_sides(axes: Axes, outline: Array) -> None:
+    for number, middle in enumerate(0.5 * (outline[:-1] + outline[1:])):
+        place = middle * (38.0 / 45.0) if number else np.add(middle, (34.0, -7.0))
+        _name(axes, (float(place[0]), float(place[1])), f"side {number}", rotation=90.0 if number % 2 else 0.0)
+
+
+def _draw_ring(axes: Axes, hitch: Array) -> None:
+    axes.add_patch(Circle(tuple(hitch), _RING, fill=False, edgecolor=INK, linewidth=1.4))
+    axes.plot([0.0, hitch[0]], [0.0, hitch[1]], color=QUIET, linewidth=1.0, linestyle="--")
+    _name(axes, (-1.0, 20.0), f"ring, {np.hypot(*hitch):.0f} mm\nfrom centre", ha="left")
+
+
+def _draw_push(axes: Axes, result: SetupAndCycles) -> None:
+    """The rod where it first touches, its way, and how far from the middle of the side it stands."""
+    loop, contact = result.loop, MM * result.contact
+    radius, length = MM * loop.pusher.radius, MM * loop.push.distance
+    rod = np.add(contact, (0.0, radius))
+    axes.add_patch(Circle(tuple(rod), radius, facecolor=INK, zorder=4))
+    arrow = {"arrowstyle": "-|>", "color": FORCE, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=(rod[0], rod[1] - length), xytext=tuple(rod), arrowprops=arrow, zorder=5)
+    _name(axes, (rod[0] - 3.0, -88.0), f"push,\n{length:.0f} mm", ha="right", color=FORCE)
+    _name(axes, (rod[0] - 8.0, rod[1] + 2.0), f"rod, radius {radius:.2f} mm", ha="right")
+    _dimension(axes, (contact[0], 62.0), (0.0, 62.0), f"{abs(contact[0]):.0f} mm", above=True)
+
+
+def _dimension(
+    axes: Axes, start: tuple[float, float], end: tuple[float, float], words: str, above: bool = False
+) -> None:
+    """A level line with arrows at both ends and its length."""
+    axes.annotate("", xy=end, xytext=start, arrowprops={"arrowstyle": "<->", "color": INK, "shrinkA": 0, "shrinkB": 0})
+    place = 0.5 * (start[0] + end[0]), start[1] + (3.0 if above else -3.0)
+    _name(axes, place, words, va="bottom" if above else "top")
+
+
+def _name(axes: Axes, place: tuple[float, float], words: str, **look: Any) -> None:
+    given: dict[str, Any] = {"fontsize": 8, "ha": "center", "va": "center", "zorder": 6, **look}
+    axes.text(*place, words, **given)
+
+
+# -- two cycles --------------------------------------------------------------------------------------------
+
+
+def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
+    for number, (cycle, scene) in enumerate(zip(result.cycles, result.scenes, strict=True)):
+        colour = _CYCLE_COLOURS[number]
+        _outline(axes, scene.push.before, colour, 1.6)
+        _outline(axes, scene.push.after, colour, 0.7)
+        _path(axes, scene.push, colour, "-", f"push {_INDEX[number]}")
+        _path(axes, scene.drag, colour, (0, (4, 2)), f"drag back {_INDEX[number]}")
+        _start_arrow(axes, result.loop, cycle, scene, number)
+    axes.plot(0.0, 0.0, "x", color=INK, markersize=8, markeredgewidth=1.8, label="target of the ring", zorder=7)
+    _frame(axes, result)
+    axes.set(xlabel="x (mm), world frame", ylabel="y (mm)")
+    axes.set_title("Path of the centre in cycles k and k+1")
+    axes.legend(loc="lower right")
+
+
+_INDEX, _RAISED = ("k", "k+1"), ("ᵏ", "ᵏ⁺¹")
+
+
+def _frame(axes: Axes, result: SetupAndCycles) -> None:
+    """A square window about all that is drawn, with room for the words behind the arrows."""
+    words = [
+        MM * scene.push.rod[0] - (_ARROW + _WORDS) * _push_way(result.loop, cycle)
+        for cycle, scene in zip(result.cycles, result.scenes, strict=True)
+    ]
+    corners = np.concatenate([*(MM * scene.push.reach for scene in result.scenes), words])
+    middle, half = 0.5 * (corners.min(axis=0) + corners.max(axis=0)), np.ptp(corners, axis=0).max() / 2 + 12.0
+    axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half), aspect="equal")
+
+
+def _push_way(loop: CollectionLoop, cycle: Cycle) -> Array:
+    """(2,) unit vector of the push in the world; the touched side's inward normal is -y in the object's frame."""
+    return placed(np.array([0.0, 0.0, cycle.theta + loop.push.angle]), np.array([0.0, -1.0]))
+
+
+def _outline(axes: Axes, outline: Array, colour: str, width: float) -> None:
+    axes.add_patch(Polygon(MM * outline, fill=False, edgecolor=colour, linewidth=width))
+
+
+def _path(axes: Axes, stroke: StrokeScene, colour: str, style: Any, label: str) -> None:
+    path = MM * stroke.centre
+    axes.plot(*path.T, color=colour, linewidth=2.2, linestyle=style, label=label, zorder=5)
+    middle = len(path) // 2
+    arrow = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 13}
+    axes.annotate("", xy=tuple(path[middle + 1]), xytext=tuple(path[middle - 1]), arrowprops=arrow, zorder=6)
+
+
+def _start_arrow(axes: Axes, loop: CollectionLoop, cycle: Cycle, scene: CycleScene, number: int) -> None:
+    """An arrow that ends where the rod first touches, along the push, with the orientation beside its tail."""
+    tip = MM * scene.push.rod[0]
+    way = _push_way(loop, cycle)
+    tail = tip - _ARROW * way
+    arrow = {"arrowstyle": "-|>", "color": FORCE, "linewidth": 2.2, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=arrow, zorder=8)
+    words = f"θ₀{_RAISED[number]} = {math.degrees(cycle.theta):.0f}°"
+    (x, y), lean = (tail - 4.0 * way).tolist(), "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center"
+    axes.text(x, y, words, color=FORCE, fontsize=10, ha=lean, va="center", zorder=8)
+
+
+def caption(result: SetupAndCycles) -> str:
+    """The lengths of the set-up, and how the orientation goes from one cycle to the next."""
+    loop, (first, second) = result.loop, result.cycles
+    told = [math.degrees(turn) for turn in (first.theta, first.push_turn, first.drag_turn, second.theta)]
+    return (
+        f"Left: a square of {MM * np.ptp(loop.slider.outline.points(4)[:, 0]):.0f} mm is pushed over "
+        f"{MM * loop.push.distance:.0f} mm at side {loop.push.side}, {MM * abs(result.contact[0]):.0f} mm from its "
+        f"middle, and dragged back by a ring {MM * math.hypot(*loop.slider.hitch):.0f} mm from its centre; the size "
+        "of the ring is not published, that drawn is free. Right: path of the centre in two cycles that follow each "
+        f"other, solid in the push, dashed in the drag, computed on {loop.material.name}. The pushes (arrows) are "
+        "alike in the object's frame before the push. "
+        f"From θ0 = {told[0]:.0f}° the push turns the object by {told[1]:.1f}°, the drag by "
+        f"{told[2]:.1f}°, so that the next push starts at {told[3]:.1f}°: the ring is back at its target, the centre "
+        "is not where it was."
+    )
+
+
+FIGURE = PaperFigure(
+    name="setup-and-cycle",
+    source="Figs. 1 (left) and 2",
+    title="The set-up and two cycles",
+    compute=compute,
+    draw=draw,
+    caption=caption,
+)

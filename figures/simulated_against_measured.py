@@ -1,0 +1,225 @@
+"""Simulated turns of push and of cycle over θ0 for plywood, set against what was measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+
+from cyclemap.arrays import Array
+from cyclemap.checks import read_only, whole_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.evidence.published.published_statistics import published_statistics
+from cyclemap.evidence.theta0.overlay import MeasuredOverlay, measured_overlay
+from cyclemap.maps import CircleMap
+from cyclemap.mechanics import grid_footprint
+from cyclemap.views.panel_parts import legend_above
+from cyclemap.views.style import (
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    QUIET,
+    degree_axis,
+    new_figure,
+    picture_style,
+)
+
+from .exhibit import PaperFigure
+from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
+from .measured_sets import MeasuredRun, measured_run, measured_theta0
+
+SURFACE = "plywood"
+# As in the paper.
+GRID = 8
+NODES = 72
+_ACCURACY = 1e-6
+_CURVE = np.linspace(0.0, 2.0 * np.pi, 721)
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatedTurns:
+    """Simulated pushes and cycles from equally spaced orientations, and curves through them.
+
+    name : what was simulated. theta, push_turn, cycle_turn : (n,) rad.
+    """
+
+    name: str
+    theta: Array
+    push_turn: Array
+    cycle_turn: Array
+
+    def push_at(self, theta: Array) -> Array:
+        """Δθ (...), rad, at orientations (...): a shape-preserving cubic through the pushes."""
+        return CircleMap.from_samples(self.theta, self.theta + self.push_turn).turn(theta)
+
+    def cycle_at(self, theta: Array) -> Array:
+        """Turn of the cycle (...), rad, at orientations (...)."""
+        return CircleMap.from_samples(self.theta, self.theta + self.cycle_turn).turn(theta)
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatedAgainstMeasured:
+    """Table I on the paper's grid, then plywood-measured, fresh and worn; and what was measured, None where it is not.
+
+    recorded : the repeated pushes with their Δθ. cycles : for each of `simulated` the measured turns of the whole
+    cycle, push and drag, set against it; empty where no θ0 was found.
+    """
+
+    simulated: tuple[SimulatedTurns, ...]
+    recorded: MeasuredRun | None
+    cycles: tuple[MeasuredOverlay, ...]
+
+    def push_statistics(self, number: int) -> tuple[float, float]:
+        """Mean and standard deviation (rad) of the simulated Δθ at the measured θ0, without any at all θ0 alike."""
+        simulated = self.simulated[number]
+        turn = simulated.push_at(self.cycles[0].pairs.theta) if self.cycles else simulated.push_turn
+        return float(np.mean(turn)), float(np.std(turn))
+
+    def recorded_error(self, number: int) -> float:
+        """Root mean square (rad) of recorded less simulated Δθ; nan where no push is recorded."""
+        if self.recorded is None:
+            return float("nan")
+        pushes, simulated = self.recorded.pushes, self.simulated[number]
+        return float(np.sqrt(np.nanmean((pushes.dtheta - simulated.push_at(pushes.theta)) ** 2)))
+
+
+def compute(measured: MeasuredFolder, nodes: int = NODES) -> SimulatedAgainstMeasured:
+    """Simulate cycles from `nodes` orientations on each of three floors, and look for measured pushes and θ0."""
+    table = CollectionLoop.mit("plywood", accuracy=_ACCURACY)
+    gridded = replace(table, footprint=grid_footprint(table.slider.outline, GRID))
+    inferred = CollectionLoop.mit("plywood-measured", accuracy=_ACCURACY)
+    assert inferred.material.wear is not None
+    simulated = (
+        simulated_turns("Table I, 8 x 8 points", gridded, nodes),
+        simulated_turns("plywood-measured, fresh", worn_loop(inferred, 0.0), nodes),
+        simulated_turns("plywood-measured, worn", worn_loop(inferred, inferred.material.wear.cycles), nodes),
+    )
+    pairs = measured_theta0(measured, SURFACE)
+    cycles = () if pairs is None else tuple(measured_overlay(pairs, one.cycle_at) for one in simulated)
+    return SimulatedAgainstMeasured(simulated, measured_run(measured, SURFACE), cycles)
+
+
+def simulated_turns(name: str, loop: CollectionLoop, nodes: int = NODES) -> SimulatedTurns:
+    """Return pushes and cycles of `loop` from `nodes` equally spaced orientations."""
+    theta = np.linspace(0.0, 2.0 * np.pi, whole_number("nodes", nodes, least=4), endpoint=False)
+    runs = loop.cycles(theta)
+    return SimulatedTurns(name, read_only(theta), read_only(runs.push_turn), read_only(runs.theta_next - theta))
+
+
+def draw(result: SimulatedAgainstMeasured) -> Figure:
+    """Draw Δθ of the push on the left, the turn of the whole cycle on the right."""
+    with picture_style():
+        figure = new_figure(12.2, 5.0)
+        grid = GridSpec(1, 2, figure, left=0.06, right=0.985, bottom=0.11, top=0.8, wspace=0.15)
+        push, cycle = (figure.add_subplot(grid[number]) for number in range(2))
+        _draw_push(push, result)
+        _draw_cycle(cycle, result)
+        for axes in (push, cycle):
+            degree_axis(axes, "θ0, orientation before the push (°)")
+            legend_above(axes, columns=2)
+    return figure
+
+
+_LOOKS: tuple[dict[str, Any], ...] = (
+    {"color": PREDICTED, "linewidth": 2.2, "linestyle": "-"},
+    {"color": INK, "linewidth": 1.5, "linestyle": (0, (5, 2))},
+    {"color": QUIET, "linewidth": 1.5, "linestyle": (0, (1, 1.2))},
+)
+
+
+def _draw_push(axes: Axes, result: SimulatedAgainstMeasured) -> None:
+    published = published_statistics(SURFACE)
+    mean, spread = np.degrees([published.mean[0], published.std[0]])
+    axes.axhspan(mean - spread, mean + spread, color="#f6e3bd", zorder=0, label="published, mean ± σ")
+    axes.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, zorder=1)
+    if result.recorded is not None:
+        pushes = result.recorded.pushes
+        _dots(axes, pushes.theta, pushes.dtheta, "recorded pushes")
+    for simulated, look in zip(result.simulated, _LOOKS, strict=True):
+        _curve(axes, simulated.push_at(_CURVE), simulated.name, look)
+    axes.set_ylabel("Δθ, turn of the push (°)")
+    axes.set_title("Push", pad=34.0)
+
+
+def _draw_cycle(axes: Axes, result: SimulatedAgainstMeasured) -> None:
+    axes.axhline(0.0, color=QUIET, linewidth=0.9, zorder=1)
+    if result.cycles:
+        bins, pairs = result.cycles[0].bins, result.cycles[0].pairs
+        _dots(axes, pairs.theta, pairs.turn, "measured cycles")
+        look: dict[str, Any] = {
+            "color": MEASURED_EDGE,
+            "markerfacecolor": "white",
+            "markersize": 4.5,
+            "linestyle": "none",
+        }
+        axes.plot(*np.degrees([bins.centre, bins.median]), "s", label="their medians in 5°", zorder=6, **look)
+    for simulated, look in zip(result.simulated, _LOOKS, strict=True):
+        _curve(axes, simulated.cycle_at(_CURVE), simulated.name, look)
+    axes.set_ylabel("turn of push and drag (°)")
+    axes.set_title("Whole cycle", pad=34.0)
+
+
+def _dots(axes: Axes, theta: Array, turn: Array, label: str) -> None:
+    x, y = np.degrees(np.mod(theta, 2.0 * np.pi)), np.degrees(turn)
+    axes.plot(x, y, ".", color=MEASURED, markersize=2.5, alpha=0.6, label=label, zorder=2)
+
+
+def _curve(axes: Axes, turn: Array, label: str, look: dict[str, Any]) -> None:
+    axes.plot(np.degrees(_CURVE), np.degrees(turn), label=label, zorder=5, **look)
+
+
+def caption(result: SimulatedAgainstMeasured) -> str:
+    """What is measured here and what is not, and how far the simulations lie from it."""
+    return (
+        "Turns over the orientation before the push, on plywood. Simulated: Table I on the paper's 8 x 8 points, and "
+        "plywood-measured, which was inferred from the measured turns of the cycle, fresh and after 2000 cycles. "
+        f"Left, the push: {_told_push(result)} Right, push and drag together: {_told_cycle(result)}"
+    )
+
+
+def _told_push(result: SimulatedAgainstMeasured) -> str:
+    published = published_statistics(SURFACE)
+    mean, spread = np.degrees([published.mean[0], published.std[0]])
+    where = "at the measured θ0" if result.cycles else "over all θ0"
+    told = []
+    for number, simulated in enumerate(result.simulated):
+        here = np.degrees(result.push_statistics(number))
+        off = "" if result.recorded is None else f", {np.degrees(result.recorded_error(number)):.1f}° RMS off"
+        told.append(f"{simulated.name} {here[0]:.1f}° ± {here[1]:.1f}°{off}")
+    dots = f"{NO_DATA} of Δθ."
+    if result.recorded is not None:
+        dots = f"dots, {result.recorded.pushes.count} recorded pushes."
+    return (
+        f"{dots} The band is the published mean and standard deviation, {mean:.1f}° ± {spread:.1f}° (Table II); "
+        f"simulated {where}: {'; '.join(told)}."
+    )
+
+
+def _told_cycle(result: SimulatedAgainstMeasured) -> str:
+    if not result.cycles:
+        return f"{NO_DATA} of θ0 ({THETA0_FILE})."
+    errors = [f"{one.name} {_bin_error(both):.1f}°" for one, both in zip(result.simulated, result.cycles, strict=True)]
+    return (
+        f"dots, {result.cycles[0].pairs.theta.size} measured cycles, from the θ0 of successive pushes; squares, their "
+        f"medians in 5°. Root mean square of these less the simulated: {', '.join(errors)}."
+    )
+
+
+def _bin_error(both: MeasuredOverlay) -> float:
+    return float(np.degrees(both.agreement.bin_rms))
+
+
+FIGURE = PaperFigure(
+    name="simulated-against-measured",
+    source="Fig. 13",
+    title="Simulated and measured turns over θ0, plywood",
+    compute=compute,
+    draw=draw,
+    caption=caption,
+)

@@ -1,0 +1,203 @@
+"""The staircases: how θ0, not wrapped, climbs over 2000 pushes on four materials."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.evidence.tables.turn_pace import full_turns
+from cyclemap.maps import Steps, find_steps
+from cyclemap.maps.staircases.staircase import sample_staircases
+from cyclemap.views.fit_panels import CIRCLE
+from cyclemap.views.panel_parts import legend_above
+from cyclemap.views.record_panels import draw_staircase
+from cyclemap.views.style import PREDICTED_FILL
+
+from .exhibit import PaperFigure
+from .material_panels import draw_materials
+from .measured_folder import MeasuredFolder
+from .measured_sets import measured_theta0, not_found
+from .simulated_collections import NOISE, PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
+
+DEFAULT_RUNS = 200
+# A path has left a direction when it is further from it than this (rad).
+AWAY = float(np.deg2rad(30.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Climb:
+    """A path and what it does.
+
+    path : (m,) rad, not wrapped, one entry a push. steps : the dwells and steps found in it, without a model.
+    turn_pushes : (k,) pushes that each full turn took, in order, from where the map is fastest.
+    """
+
+    path: Array
+    steps: Steps
+    turn_pushes: Array
+
+    @property
+    def turns(self) -> float:
+        """Full turns from the first push to the last."""
+        return float(self.path[-1] - self.path[0]) / TWO_PI
+
+    @property
+    def first_stay(self) -> int:
+        """Pushes before the path is first more than 30 degrees from where it began; all, where it never is."""
+        away = np.abs(self.path - self.path[0]) > AWAY
+        return int(np.argmax(away)) if away.any() else int(self.path.size)
+
+
+@dataclass(frozen=True, eq=False)
+class MaterialStaircase:
+    """One panel.
+
+    run, climb : the predicted path that is drawn. lower, upper : (m,) rad, between which 95 % of such paths lie at each
+    push. turns : (runs,) full turns that these climb. recorded : the measured path; None where none was found.
+    """
+
+    run: SampledRun
+    climb: Climb
+    lower: Array
+    upper: Array
+    turns: Array
+    recorded: Climb | None
+
+
+@dataclass(frozen=True, eq=False)
+class Staircases:
+    """The four panels, in the paper's order."""
+
+    materials: tuple[MaterialStaircase, ...]
+
+
+def compute(
+    measured: MeasuredFolder,
+    sampling: Sampling = PAPER,
+    runs: int = DEFAULT_RUNS,
+) -> Staircases:
+    """Run cycles on each material, ``runs`` times, with its wear, and look for recorded paths."""
+    return Staircases(
+        tuple(
+            _material(measured, surface, sampled_run(material, sampling), runs)
+            for surface, material in STANDS_FOR.items()
+        )
+    )
+
+
+def _material(measured: MeasuredFolder, surface: str, run: SampledRun, runs: int) -> MaterialStaircase:
+    level = float(CIRCLE[np.argmax(np.abs(run.states[0].map.turn(CIRCLE)))])
+    starts = np.full(runs, run.run.start)
+    paths = sample_staircases(run.map, NOISE, run.run.cycles - 1, starts, run.run.seed + 1)
+    lower, upper = np.quantile(paths, [0.025, 0.975], axis=0)
+    turns = (paths[:, -1] - paths[:, 0]) / TWO_PI
+    pairs = measured_theta0(measured, surface)
+    path = None if pairs is None else pairs.path
+    recorded = None if path is None else climb_of(beside(path, run.run.start), level)
+    return MaterialStaircase(run, climb_of(run.run.theta[:-1], level), lower, upper, turns, recorded)
+
+
+def beside(path: Array, start: float) -> Array:
+    """The path (m,), rad, moved by whole turns so that it starts as near as may be to ``start`` (rad).
+
+    >>> beside(np.array([6.4, 6.5]), 0.0).round(3).tolist()
+    [0.117, 0.217]
+    """
+    return np.asarray(path - TWO_PI * np.round((path[0] - start) / TWO_PI))
+
+
+def climb_of(path: Array, level: float) -> Climb:
+    """Find the steps of a path (m,), rad, and how long its full turns take; level : rad, where a turn begins.
+
+    >>> climb = climb_of(np.linspace(0.0, 13.0, 131), 0.0)
+    >>> round(climb.turns, 3), climb.turn_pushes.tolist(), climb.first_stay
+    (2.069, [63, 63], 6)
+    """
+    return Climb(path, find_steps(path), np.diff(full_turns(path, level)))
+
+
+def draw(result: Staircases) -> Figure:
+    """Draw a panel a material; measured and predicted together where there is a measured path."""
+    return draw_materials(result.materials, _draw_material, _absence(result))
+
+
+def _draw_material(axes: Axes, one: MaterialStaircase) -> None:
+    lower, upper = np.degrees(one.lower), np.degrees(one.upper)
+    look: dict[str, Any] = {"color": PREDICTED_FILL, "linewidth": 0, "label": "95 % of predicted runs", "zorder": 1}
+    axes.fill_between(np.arange(lower.size), lower, upper, **look)
+    draw_staircase(axes, one.climb.path, None if one.recorded is None else one.recorded.path)
+    axes.set_xlabel("push")
+    legend_above(axes, columns=2)
+
+
+def caption(result: Staircases) -> str:
+    """What is drawn, and how each material climbs."""
+    first = result.materials[0]
+    told = [
+        f"θ0 before each of {first.climb.path.size} pushes, not wrapped, as one run of the predicted cycle map climbs "
+        f"with 1.1° of noise a cycle, and where 95 % of {first.turns.size} runs are. Plywood is plywood-measured, "
+        "which wears over the run and was inferred from the very path that is drawn beside it where it was found: that "
+        "agreement is a fit, not a test. The other materials are inferred from the paper's tables and words.",
+        *[_sentence(one) for one in result.materials],
+        _absence(result),
+    ]
+    return " ".join(filter(None, told))
+
+
+def _sentence(one: MaterialStaircase) -> str:
+    low, high = np.quantile(one.turns, [0.025, 0.975])
+    told = f"On {one.run.surface} the predicted run {_told(one.climb)}; "
+    told += f"95 % of runs end {_signed(low)} to {_signed(high)} turns on"
+    if one.run.published.first_share is not None:
+        first = float(np.degrees(one.climb.path[0])) % 360.0
+        told += f"; it stays within 30° of its first direction, {first:.0f}°, for {one.climb.first_stay} pushes"
+        told += " (paper: about 150)"
+    if one.recorded is not None:
+        told += f". The recorded path of {one.recorded.path.size} pushes {_told(one.recorded)}"
+    return f"{told}."
+
+
+def _told(climb: Climb) -> str:
+    """The steps, the rests and the turns of one path."""
+    steps, turns = climb.steps, f"ends {_signed(climb.turns)} turns from its start"
+    if not steps.levels.size:
+        return f"rests nowhere and {turns}{_paces(climb)}"
+    if not steps.count:
+        return f"stays at {float(np.degrees(steps.levels[0])) % 360.0:.0f}° and {turns}"
+    heights = np.degrees(steps.heights)
+    return (
+        f"makes {steps.count} steps of {np.median(heights):.0f}° ({heights.min():.0f}° to {heights.max():.0f}°) after "
+        f"rests of {np.median(steps.lengths):.0f} pushes (median; {steps.lengths.min()} to {steps.lengths.max()}) and "
+        f"{turns}{_paces(climb)}"
+    )
+
+
+def _signed(turns: float) -> str:
+    return f"{round(turns, 1) + 0.0:+.1f}"
+
+
+def _paces(climb: Climb) -> str:
+    """The first and the last full turn, where there are more than one."""
+    if climb.turn_pushes.size < 2:
+        return ""
+    return f", the first whole one in {climb.turn_pushes[0]} pushes and the last in {climb.turn_pushes[-1]}"
+
+
+def _absence(result: Staircases) -> str:
+    names = [one.run.surface for one in result.materials if one.recorded is None]
+    return not_found("θ0", names)
+
+
+FIGURE = PaperFigure(
+    "staircases",
+    "the paper's staircases",
+    "Staircases of θ0 over the pushes",
+    compute,
+    draw,
+    caption,
+)

@@ -1,0 +1,170 @@
+"""Fig. 6: how often each orientation θ0 is pushed from, on four materials."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from cyclemap.arrays import Array
+from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
+from cyclemap.views.fit_panels import CIRCLE, THETA0
+from cyclemap.views.panel_parts import legend_above, name_tag
+from cyclemap.views.record_panels import PER_DEGREE, draw_measured_histogram
+from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis
+
+from .exhibit import PaperFigure
+from .material_panels import draw_materials
+from .measured_folder import MeasuredFolder
+from .measured_sets import listed, measured_theta0, not_found
+from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
+
+UNIFORM = 1.0 / (2 * np.pi)
+# A maximum of the density counts as a peak from this many times the uniform density on.
+LEAST_PEAK = 0.5
+# The paper's words for the peaks, in the order of `PublishedStatistics.directions`.
+PEAK_WORDS = {"plywood": ("high", "small"), "abs": ("small", "high"), "delrin": ("only",), "pu": ()}
+# Pushes within so many rad of a direction are counted as there.
+NEAR = float(np.deg2rad(30.0))
+
+
+@dataclass(frozen=True, eq=False)
+class MaterialDirections:
+    """One panel.
+
+    run : simulated pushes. simulated : their histogram. density : (721,) per rad at ``CIRCLE``, stationary, of the map
+    with its noise. theta0 : (m,) rad, the recorded orientations, and recorded, their histogram; None where not found.
+    """
+
+    run: SampledRun
+    simulated: AngleHistogram
+    density: Array
+    theta0: Array | None
+    recorded: AngleHistogram | None
+
+    @property
+    def peaks(self) -> Array:
+        """(k,) rad, where the stationary density has a maximum above half the uniform one, the highest first."""
+        value = self.density[:-1]
+        top = (value >= np.roll(value, 1)) & (value > np.roll(value, -1)) & (value > LEAST_PEAK * UNIFORM)
+        places = np.flatnonzero(top)
+        return np.asarray(CIRCLE[places[np.argsort(-value[places])]])
+
+    @property
+    def apart(self) -> float | None:
+        """Total variation of the recorded and the simulated orientations; None without recorded ones."""
+        return None if self.theta0 is None else float(total_variation(self.theta0, self.run.pushes.theta))
+
+
+@dataclass(frozen=True, eq=False)
+class DirectionHistograms:
+    """The four panels, in the paper's order."""
+
+    materials: tuple[MaterialDirections, ...]
+
+
+def share_near(theta: ArrayLike, directions: ArrayLike) -> float:
+    """The share of the angles (n,), rad, within NEAR (rad) of one of the directions (k,).
+
+    >>> share_near([0.1, 3.0, 6.2], [0.0])
+    0.6666666666666666
+    """
+    apart = np.cos(np.subtract.outer(np.asarray(theta, dtype=float), np.asarray(directions, dtype=float)))
+    return float(np.mean((apart >= np.cos(NEAR)).any(axis=-1)))
+
+
+def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> DirectionHistograms:
+    """Simulate pushes on each material and look for recorded ones."""
+    return DirectionHistograms(
+        tuple(_material(measured, surface, sampled_run(material, sampling)) for surface, material in STANDS_FOR.items())
+    )
+
+
+def _material(measured: MeasuredFolder, surface: str, run: SampledRun) -> MaterialDirections:
+    pairs = measured_theta0(measured, surface)
+    theta0 = None if pairs is None else pairs.path if pairs.path is not None else pairs.theta
+    recorded = None if theta0 is None else angle_histogram(theta0)
+    return MaterialDirections(run, angle_histogram(run.pushes.theta), run.density(CIRCLE), theta0, recorded)
+
+
+def draw(result: DirectionHistograms) -> Figure:
+    """Draw a panel a material."""
+    return draw_materials(result.materials, _draw_material, _absence(result))
+
+
+def _draw_material(axes: Axes, one: MaterialDirections) -> None:
+    if one.recorded is not None:
+        draw_measured_histogram(axes, one.recorded)
+    edges, height = np.degrees(one.simulated.edges), PER_DEGREE * one.simulated.density
+    axes.stairs(height, edges, color=INK, linewidth=0.9, label="simulated", zorder=3)
+    density = PER_DEGREE * one.density
+    axes.plot(np.degrees(CIRCLE), density, color=PREDICTED, linewidth=1.8, label="stationary density", zorder=4)
+    axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=2)
+    degree_axis(axes, THETA0)
+    axes.set_ylabel("probability per degree")
+    shown = [height, density] if one.recorded is None else [height, density, PER_DEGREE * one.recorded.density]
+    axes.set_ylim(0.0, 1.3 * float(np.max(np.concatenate(shown))))
+    _mark_published(axes, one)
+    legend_above(axes, columns=2)
+
+
+def _mark_published(axes: Axes, one: MaterialDirections) -> None:
+    """The paper's peaks as dashed lines with their names at the top, where nothing else is drawn."""
+    label, top = "paper's peak", axes.get_ylim()[1]
+    for place, word in zip(_published(one), PEAK_WORDS[one.run.surface], strict=True):
+        axes.axvline(place, color=INK, linewidth=1.1, linestyle="--", label=label, zorder=2)
+        name_tag(axes, place, 0.94 * top, f"{place:.0f}° {word}")
+        label = "_"
+    if not PEAK_WORDS[one.run.surface]:
+        axes.text(0.5, 0.94, "paper: no stable direction", transform=axes.transAxes, ha="center", va="center", size=7.5)
+
+
+def _published(one: MaterialDirections) -> list[float]:
+    return [float(np.degrees(angle) % 360.0) for angle in one.run.published.directions]
+
+
+def caption(result: DirectionHistograms) -> str:
+    """What is drawn, and where each material's histogram has its peaks."""
+    count = result.materials[0].run.pushes.count
+    error = max(one.run.density_error for one in result.materials) * PER_DEGREE
+    told = [
+        f"Orientation before each push: {count} simulated pushes a material, 1.1° of noise a cycle, and the stationary "
+        f"density of the noisy map (within {error:.1g} per degree). Plywood is plywood-measured, "
+        f"whose density is the mean over {len(result.materials[0].run.states)} states of its wear. Dashed: the "
+        "peaks that the paper names. Maxima above half the uniform density count as peaks.",
+        *[_sentence(one) for one in result.materials],
+        _absence(result),
+    ]
+    return " ".join(filter(None, told))
+
+
+def _sentence(one: MaterialDirections) -> str:
+    name, peaks = one.run.surface, [f"{np.degrees(peak):.0f}°" for peak in one.peaks]
+    where = f"peaks at {listed(peaks)}" if peaks else "has no peak"
+    told = f"On {name} the density {where}"
+    if not _published(one):
+        return f"{told}, {one.density.max() / UNIFORM:.1f} times the uniform one at most (paper: none)."
+    words = [f"{at:.0f}° {word}" for at, word in zip(_published(one), PEAK_WORDS[name], strict=True)]
+    near = share_near(one.run.pushes.theta, one.run.published.directions)
+    told += f" (paper: {listed(words)}); {near:.0%} of the simulated pushes start within 30° of the paper's"
+    if one.theta0 is None or one.recorded is None:
+        return f"{told}."
+    recorded = share_near(one.theta0, one.run.published.directions)
+    highest = int(np.argmax(one.recorded.density))
+    low, high = np.degrees(one.recorded.edges[highest : highest + 2])
+    return (
+        f"{told}, {recorded:.0%} of the {one.theta0.size} recorded ones, whose highest bin is {low:.0f}° to "
+        f"{high:.0f}°; the two histograms are {one.apart:.2f} apart in total variation."
+    )
+
+
+def _absence(result: DirectionHistograms) -> str:
+    return not_found("θ0", [one.run.surface for one in result.materials if one.theta0 is None])
+
+
+FIGURE = PaperFigure(
+    "theta0-histograms", "Fig. 6", "Histograms of the orientation before a push", compute, draw, caption
+)

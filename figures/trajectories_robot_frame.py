@@ -1,0 +1,136 @@
+"""Paths of the pushed object's centre in the robot's frame, on the paper's four surfaces: they seldom cross."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+
+from cyclemap.arrays import Array
+from cyclemap.evidence.orientations.orientation_modes import angle_between
+from cyclemap.evidence.theta0.theta0_statistics import angle_histogram
+from cyclemap.views.style import FORCE, QUIET, new_figure, picture_style
+
+from .exhibit import PaperFigure
+from .measured_folder import MeasuredFolder
+from .path_panels import MM, draw_paths, material_sentence, panel_title, shade_bar, turn_shades
+from .pushed_paths import CYCLES, DRAWN, PushedPaths, crossing_pairs, paths_on_four_surfaces
+
+Arc = tuple[float, float]
+
+# A direction is crowded where it is recorded this many times as often as if all were recorded alike.
+CROWDED = 2.0
+# Crossings are counted among so many pushes, between those whose θ0 differ by at least so much (rad).
+COUNTED, APART = 60, np.deg2rad(5.0)
+_BINS = 36
+_MARK_GAP = 8.0
+
+
+@dataclass(frozen=True)
+class RobotFramePaths:
+    """The pushes on each surface, the crowded arcs of θ0, and how many pairs of paths cross.
+
+    arcs : for each surface, (begin, end) in rad, begin in [0, 2π). crossed : for each surface, pairs of paths that
+    cross in the robot's frame, in the object's frame, and pairs looked at.
+    """
+
+    surfaces: list[PushedPaths]
+    arcs: list[list[Arc]]
+    crossed: list[tuple[int, int, int]]
+
+
+def compute(measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN) -> RobotFramePaths:
+    """Run or read the pushes on the four surfaces, `drawn` of a run of `cycles`, and count their crossings."""
+    surfaces = paths_on_four_surfaces(measured, cycles, drawn)
+    return RobotFramePaths(
+        surfaces, [crowded_arcs(paths.orientations) for paths in surfaces], [_crossings(paths) for paths in surfaces]
+    )
+
+
+def crowded_arcs(orientations: Array) -> list[Arc]:
+    """Return the arcs (begin, end), rad, of orientations that are crowded, in bins of 10 degrees.
+
+    >>> [[round(float(np.degrees(end))) for end in arc] for arc in crowded_arcs(np.array([0.1, 0.02, -0.02]))]
+    [[350, 370]]
+    """
+    histogram = angle_histogram(orientations, _BINS)
+    crowded = histogram.density * (2 * np.pi) >= CROWDED
+    size = crowded.size
+    begins = np.flatnonzero(crowded & ~np.roll(crowded, 1))
+    widths = [next(k for k in range(1, size + 1) if not crowded[(first + k) % size]) for first in begins.tolist()]
+    return [
+        (float(histogram.edges[first]), float(histogram.edges[first] + width * 2 * np.pi / size))
+        for first, width in zip(begins.tolist(), widths, strict=True)
+    ]
+
+
+def _crossings(paths: PushedPaths) -> tuple[int, int, int]:
+    chosen = np.unique(np.linspace(0, len(paths.theta0) - 1, COUNTED).round().astype(int))
+    theta = paths.theta0[chosen]
+    apart = np.abs(angle_between(theta[:, None], theta)) >= APART
+    # Every second station: the paths bend too little between them to hide a crossing.
+    here, pairs = crossing_pairs(paths.robot_frame[chosen, ::2], apart)
+    return here, crossing_pairs(paths.object_frame[chosen, ::2], apart)[0], pairs
+
+
+def draw(result: RobotFramePaths) -> Figure:
+    """Draw four panels on one scale, the crowded directions marked outside the ends of the paths."""
+    reach = max(float(np.abs(paths.robot_frame).max()) for paths in result.surfaces)
+    window = MM * reach + 2.5 * _MARK_GAP
+    shades = turn_shades(result.surfaces)
+    with picture_style():
+        figure = new_figure(8.8, 8.4)
+        grid = GridSpec(2, 2, figure, left=0.085, right=0.86, bottom=0.065, top=0.94, wspace=0.25, hspace=0.22)
+        for number, paths in enumerate(result.surfaces):
+            axes = figure.add_subplot(grid[number])
+            draw_paths(axes, paths.robot_frame, paths.turn, shades)
+            for arc in result.arcs[number]:
+                _mark(axes, paths, arc)
+            axes.plot(0.0, 0.0, "+", color=QUIET, markersize=8)
+            axes.set(xlim=(-window, window), ylim=(-window, window), title=panel_title(paths))
+            axes.set(xlabel="x (mm)", ylabel="y (mm)")
+        shade_bar(figure, (0.9, 0.28, 0.018, 0.44), shades)
+        figure.text(0.9, 0.2, "thick arcs:\ncrowded\ndirections", color=FORCE, fontsize=8, va="top")
+    return figure
+
+
+def _mark(axes: Axes, paths: PushedPaths, arc: Arc) -> None:
+    """A thick arc about the target, outside the ends of the paths that start within an arc of θ0."""
+    end = paths.robot_frame[:, -1]
+    inside = np.mod(paths.theta0 - arc[0], 2 * np.pi) <= arc[1] - arc[0]
+    if not inside.any():
+        return
+    ahead = angle_between(paths.theta0[inside], np.arctan2(end[inside, 1], end[inside, 0]))
+    middle = float(np.angle(np.mean(np.exp(1j * ahead))))
+    radius = MM * float(np.hypot(*end[inside].T).max()) + _MARK_GAP
+    angle = np.linspace(*arc, 60) + middle
+    axes.plot(radius * np.cos(angle), radius * np.sin(angle), color=FORCE, linewidth=4.0, solid_capstyle="butt")
+
+
+def caption(result: RobotFramePaths) -> str:
+    """What is shown, where it is crowded, and how many paths cross."""
+    marked = "; ".join(_told_arcs(paths, arcs) for paths, arcs in zip(result.surfaces, result.arcs, strict=True))
+    here, there, pairs = (sum(column) for column in zip(*result.crossed, strict=True))
+    return (
+        "Paths of the object's centre in equal pushes, in the robot's frame about the reset's target (cross); a darker "
+        "shade is a larger turn. Thick arcs mark orientations before the push that occur at least twice as "
+        f"often as if all were alike (in bins of 10°): {marked}. Of {pairs} pairs of paths from orientations "
+        f"{np.degrees(APART):.0f}° or more apart, {here} cross here and {there} in the object's frame: seen from the "
+        f"floor the pushes are told apart. {material_sentence(result.surfaces)}"
+    )
+
+
+def _told_arcs(paths: PushedPaths, arcs: list[Arc]) -> str:
+    told = ", ".join(f"{np.degrees(begin):.0f}° to {np.degrees(end):.0f}°" for begin, end in arcs)
+    return f"{paths.surface} {told or 'nowhere'}"
+
+
+FIGURE = PaperFigure(
+    name="trajectories-robot-frame",
+    source="Fig. 4",
+    title="Paths of the centre in the robot's frame",
+    compute=compute,
+    draw=draw,
+    caption=caption,
+)

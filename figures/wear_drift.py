@@ -1,0 +1,222 @@
+"""Figure: the cycle map as plywood wears: its bottleneck opens, and a turn takes fewer and fewer cycles."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+
+from cyclemap.arrays import Array
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.portrait import DEFAULT_SIGMA
+from cyclemap.collection.wearing_loop import drifting_map
+from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
+from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
+from cyclemap.views.panel_parts import legend_above
+from cyclemap.views.sentences import LONGEST_STAY
+from cyclemap.views.style import (
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    QUIET,
+    degree_axis,
+    new_figure,
+    picture_style,
+)
+
+from .exhibit import BEYOND, PaperFigure
+from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
+
+MATERIAL = "plywood-measured"
+AGES = (250, 1000, 1750)
+# Cycles: pushes that far from an age say where the measured map of that age is known.
+NEAR = 240
+_GRID = 2 * np.pi * np.arange(721) / 720
+_EVEN = 2 * np.pi * np.arange(4096) / 4096
+# The ages in shades and dashes that differ in grey too.
+_LOOKS = (("#9db8d2", "-"), ("#4d86b8", "--"), (PREDICTED, "-."))
+_MEASURED_LOOKS = (("#f3c766", "-"), (MEASURED, "--"), (MEASURED_EDGE, "-."))
+
+
+@dataclass(frozen=True, eq=False)
+class WearDrift:
+    """The map over the cycles, computed and measured.
+
+    cycles : (n,). least, measured_least : (n,) rad, the least turn of a cycle, where the bottleneck is. turns : the
+    turn (rad) at `_GRID` at AGES, computed; measured_turns : as fitted, nan where the robot hardly was; None without
+    data. ages, mean_turn : (k,) of the map frozen at some cycles, with noise, rad a cycle. fitted : the measured map
+    and its turns, None without data. error : rad, bound on that of the maps between
+    those computed.
+    """
+
+    cycles: Array
+    least: Array
+    turns: tuple[Array, ...]
+    ages: Array
+    mean_turn: Array
+    error: float
+    fitted: MeasuredCycleMap | None
+    measured_least: Array | None
+    measured_turns: tuple[Array, ...] | None
+
+    @property
+    def opened(self) -> float:
+        """The cycle from which on no direction repeats; nan where one always does or never did."""
+        crossing = np.flatnonzero((self.least[:-1] < 0.0) & (self.least[1:] >= 0.0))
+        if crossing.size == 0:
+            return math.nan
+        at = slice(crossing[-1], crossing[-1] + 2)
+        return float(np.interp(0.0, self.least[at], self.cycles[at]))
+
+    @property
+    def cycles_a_turn(self) -> Array:
+        """Cycles in which the frozen map climbs a turn, at `ages`; nan where it takes more than any collection has."""
+        climbs = self.mean_turn > 2 * np.pi / LONGEST_STAY
+        return np.asarray(np.where(climbs, 2 * np.pi / np.where(climbs, self.mean_turn, 1.0), np.nan))
+
+    @property
+    def expected_turns(self) -> float:
+        """Turns over the run, as if each cycle's map had been there for ever."""
+        return float(np.trapezoid(self.mean_turn, self.ages)) / (2 * np.pi)
+
+
+def compute(
+    measured: MeasuredFolder,
+    points: int = 17,
+    runs: int = 50,
+    harmonics: int | None = None,
+) -> WearDrift:
+    """Follow the map as the loop wears, foretell its staircase, and fit the measured map with its wear.
+
+    points : ages at which the pace is foretold. runs : paths of the
+    fitted map a measured turn. harmonics : of the fitted map, None to choose them.
+    """
+    loop = CollectionLoop.mit(material=MATERIAL)
+    wear = loop.material.wear
+    assert wear is not None
+    drifting = drifting_map(loop, int(wear.cycles) + 1)
+    ages = np.linspace(0.0, wear.cycles, points)
+    mean_turn = np.array([_mean_turn(drifting.at(float(age))) for age in ages])
+    cycles = np.linspace(0.0, wear.cycles, 41)
+    turns = tuple(drifting.at(float(age)).turn(_GRID) for age in AGES)
+    error = drifting.max_error
+    least = np.array([drifting.at(float(age)).turn(_GRID).min() for age in cycles])
+    file = measured.file(THETA0_FILE)
+    if file is None:
+        return WearDrift(cycles, least, turns, ages, mean_turn, error, None, None, None)
+    fitted = measured_cycle_map(read_theta0_pairs(file), harmonics=harmonics, runs=runs)
+    seen = _least_turns(fitted, cycles), tuple(_where_seen(fitted, age) for age in AGES)
+    return WearDrift(cycles, least, turns, ages, mean_turn, error, fitted, *seen)
+
+
+def _least_turns(fitted: MeasuredCycleMap, cycles: Array) -> Array:
+    """The least turn (rad) of the fitted map at each cycle."""
+    return np.array([fitted.fitted.map_at(float(n)).turn(_GRID).min() for n in cycles])
+
+
+def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
+    """The fitted turn at `_GRID`, nan where no push within NEAR cycles of the age began within 8° of there."""
+    pairs = fitted.pairs
+    assert pairs.cycle is not None
+    near = np.sort(np.mod(pairs.theta[np.abs(pairs.cycle - age) <= NEAR], 2 * np.pi))
+    around = np.concatenate([near[-1:] - 2 * np.pi, near, near[:1] + 2 * np.pi])
+    after = np.clip(np.searchsorted(around, _GRID), 1, around.size - 1)
+    apart = np.minimum(np.abs(around[after] - _GRID), np.abs(_GRID - around[after - 1]))
+    turn = fitted.fitted.map_at(float(age)).turn(_GRID)
+    return np.asarray(np.where(apart <= math.radians(8.0), turn, np.nan))
+
+
+def _mean_turn(frozen: CircleMap) -> float:
+    """The mean turn (rad) of a cycle on the frozen surface under noise; the trapezoidal rule is exact for waves."""
+    operator = transfer_operator(frozen, WrappedNormal(DEFAULT_SIGMA))
+    return float(np.mean(operator.density(_EVEN) * frozen.turn(_EVEN))) * 2 * np.pi
+
+
+def draw(result: WearDrift) -> Figure:
+    """The turn at three ages, computed and measured; the least turn and the cycles of a turn over the cycles."""
+    with picture_style():
+        figure = new_figure(10.5, 6.6)
+        grid = GridSpec(2, 2, figure, left=0.065, right=0.985, bottom=0.08, top=0.9, wspace=0.2, hspace=0.55)
+        computed = figure.add_subplot(grid[0, :] if result.measured_turns is None else grid[0, 0])
+        least, pace = (figure.add_subplot(grid[1, k]) for k in range(2))
+        _draw_turns(computed, result.turns, _LOOKS)
+        computed.set_title("Computed: turn of a cycle", pad=22)
+        if result.measured_turns is not None:
+            seen = figure.add_subplot(grid[0, 1], sharey=computed)
+            seen.set_title("Measured: turn of a cycle, fitted", pad=22)
+            _draw_turns(seen, result.measured_turns, _MEASURED_LOOKS)
+        _draw_least(least, result)
+        _draw_pace(pace, result)
+    return figure
+
+
+def _draw_turns(axes: Axes, turns: tuple[Array, ...], looks: tuple[tuple[str, str], ...]) -> None:
+    axes.axhline(0.0, color=QUIET, linewidth=0.9)
+    for age, turn, (color, dashes) in zip(AGES, turns, looks, strict=True):
+        axes.plot(np.degrees(_GRID), np.degrees(turn), dashes, color=color, linewidth=1.8, label=f"cycle {age}")
+    degree_axis(axes, "θ0 (°)")
+    axes.set_ylabel("turn of a cycle (°)")
+    legend_above(axes)
+
+
+def _draw_least(axes: Axes, result: WearDrift) -> None:
+    axes.axhline(0.0, color=QUIET, linewidth=0.9)
+    axes.plot(result.cycles, np.degrees(result.least), color=PREDICTED, linewidth=1.8, label="computed")
+    if result.measured_least is not None:
+        look: dict[str, Any] = {"color": MEASURED_EDGE, "linewidth": 1.8, "linestyle": "--"}
+        axes.plot(result.cycles, np.degrees(result.measured_least), label="measured, fitted", **look)
+    axes.set(xlabel="cycle", ylabel="least turn of a cycle (°)", xlim=(0, result.cycles[-1]))
+    axes.set_title("The bottleneck opens", pad=22)
+    legend_above(axes)
+
+
+def _draw_pace(axes: Axes, result: WearDrift) -> None:
+    axes.plot(result.ages, result.cycles_a_turn, "o-", color=PREDICTED, markersize=4, label="computed")
+    pace = None if result.fitted is None or result.fitted.forecast is None else result.fitted.forecast.pace
+    if pace is not None:
+        middle = pace.start + 0.5 * pace.measured
+        spread = np.abs(np.clip([pace.lower, pace.upper], 1, 1e4) - pace.predicted)
+        axes.errorbar(
+            middle,
+            pace.predicted,
+            spread,
+            fmt="none",
+            ecolor=QUIET,
+            elinewidth=1.0,
+            capsize=2,
+            label="fitted map, 95 %",
+        )
+        look: dict[str, Any] = {"color": MEASURED, "markeredgecolor": MEASURED_EDGE, "linestyle": "none"}
+        axes.plot(middle, pace.measured, "s", label="measured turns", zorder=4, **look)
+    axes.set(xlabel="cycle", ylabel="cycles a turn", xlim=(0, result.cycles[-1]), yscale="log")
+    axes.set_ylim(15, 1000)
+    axes.set_yticks((20, 50, 100, 200, 500), labels=("20", "50", "100", "200", "500"))
+    axes.minorticks_off()
+    axes.set_title("Cycles a turn", pad=22)
+    legend_above(axes)
+
+
+def caption(result: WearDrift) -> str:
+    """What is seen, with its numbers."""
+    last, least = result.cycles_a_turn[-1], np.degrees(result.least[[0, -1]])
+    told = (
+        f"The cycle map of {MATERIAL}, whose friction was inferred from the measured staircase, as the surface wears. "
+        f"The least turn of a cycle grows from {least[0]:.2f}° on the fresh surface to {least[1]:.2f}° after "
+        f"{result.cycles[-1]:.0f} cycles: up to about cycle {result.opened:.0f} a stable direction holds the robot and "
+        f"only noise ({math.degrees(DEFAULT_SIGMA):.1f}°) frees it, then the bottleneck opens, and at the end a turn "
+        f"takes {last:.0f} cycles; {result.expected_turns:.1f} turns are expected in all."
+    )
+    pace = None if result.fitted is None or result.fitted.forecast is None else result.fitted.forecast.pace
+    if pace is None:
+        return f"{told} Of the robot's own turns {NO_DATA}."
+    return (
+        f"{told} The robot's own turns took {pace.measured[0]:.0f} cycles early on and {pace.measured[-1]:.0f} late "
+        f"(the measured curves are drawn where it has been within {NEAR} cycles); a map "
+        f"fitted to its path, free to wear, holds {100 * pace.inside:.0f} % of them within its 95 % bands."
+    )
+
+
+FIGURE = PaperFigure("wear-drift", BEYOND, "The cycle map as plywood wears", compute, draw, caption)
