@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.maps import CircleMap
@@ -16,9 +16,6 @@ from cyclemap.mechanics import Material, Trajectory
 from cyclemap.resets.design.material_range import on_material
 from cyclemap.resets.design.strategy import CycleAction, ResetStrategy
 
-Array = NDArray[np.float64]
-
-TWO_PI = 2.0 * math.pi
 # Radians: of a single cycle. What lies between the samples is known to no better.
 _ACCURACY = 1e-5
 # Equally spaced orientations from which contact and room are looked at, and samples of a push over which the reach of

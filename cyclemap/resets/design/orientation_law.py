@@ -14,10 +14,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.resets.design.action_cycles import TWO_PI
 from cyclemap.resets.design.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
 
 # Orientations at which densities are compared with uniform, and starts of which the worst is taken.
@@ -133,7 +132,8 @@ def orientation_law(
     found: list[tuple[float, float]] = []
     for size in sizes:
         steps = _steps(affine_kernels(turn, size, sigma), strategy)
-        law = _mean_over_period(steps)
+        start = long_run(steps[-1])
+        law = np.mean([step[:, :-1] @ start + step[:, -1] for step in steps], axis=0)
         whole, rest = divmod(count, len(steps))
         end = repeated(steps[-1], whole)
         ended = then(steps[rest - 1], end) if rest else end
@@ -157,11 +157,6 @@ def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float, modes: in
 
 def _change(found: list[tuple[float, float]]) -> float:
     return max(abs(now - before) for now, before in zip(found[-1], found[-2], strict=True))
-
-
-def _mean_over_period(steps: list[Array]) -> Array:
-    start = long_run(steps[-1])
-    return np.asarray(np.mean([step[:, :-1] @ start + step[:, -1] for step in steps], axis=0))
 
 
 def _steps(kernels: Array, strategy: ResetStrategy) -> list[Array]:

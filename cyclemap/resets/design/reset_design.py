@@ -9,8 +9,8 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Material
@@ -49,8 +49,6 @@ from cyclemap.resets.design.strategy_run import (
     sampled_orientations,
     steered_orientations,
 )
-
-Array = NDArray[np.float64]
 
 STEERED = "steered"
 # The chosen one, and six to compare it with.
@@ -152,7 +150,11 @@ def design_reset(
     Raises what a cycle raises that leads out of the mechanics, and InvalidInput for values that make no sense.
     """
     wanted, report = demands or ResetDemands(), progress or (lambda stage, done: None)
-    about = materials if isinstance(materials, MaterialRange) else _range_of(loop, materials)
+    if materials is None:
+        materials = material_range(loop.material)
+    elif not isinstance(materials, MaterialRange):
+        materials = MaterialRange(replace(loop.material, wear=None, posterior=None), tuple(materials))
+    about = materials
     nominal = replace(loop, material=about.nominal)
     positive_number("sigma", sigma)
     pool, considered, too_steep = _pool(nominal, wanted, about, sigma, report)
@@ -172,12 +174,6 @@ def design_reset(
         loop, sigma, wanted, about, rows, not found.misses and not rows[0].misses, binding, considered, too_steep,
         independent_distance(wanted.pushes), **course,
     )  # fmt: skip
-
-
-def _range_of(loop: CollectionLoop, materials: Sequence[Material] | None) -> MaterialRange:
-    if materials is None:
-        return material_range(loop.material)
-    return MaterialRange(replace(loop.material, wear=None, posterior=None), tuple(materials))
 
 
 def _pool(

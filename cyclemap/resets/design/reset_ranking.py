@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -15,8 +16,6 @@ from cyclemap.resets.design.action_cycles import room_needed, seconds
 from cyclemap.resets.design.reset_search import Candidates
 from cyclemap.resets.design.strategy import GRIPPER, RING, CycleAction, ResetStrategy
 from cyclemap.resets.design.strategy_run import independent_distance
-
-Array = NDArray[np.float64]
 
 ABILITIES = (GRIPPER, RING)
 # The roles of the rows, in the order in which they are told.
@@ -210,8 +209,10 @@ def picked(pool: Pool, demands: ResetDemands, firm: float = FIRM[0]) -> Picked:
     for role, name in ((WAY_BACK, "way back"), (WITH_GRIPPER, GRIPPER)):
         ones = np.flatnonzero(family == name)
         if ones.size:
+            # Of those that meet the demands the fewest actions, else the most uniform.
             within = ones[excess[ones] == 0.0]
-            roles.append((role, min((within if within.size else ones).tolist(), key=lambda i: _told(i, within, pool))))
+            ones = within[pool.actions[within] == pool.actions[within].min()] if within.size else ones
+            roles.append((role, min(ones.tolist(), key=lambda i: after[i])))
     told = tuple((role, pool.strategy(index)) for role, index in roles)
     return Picked(told, pool.misses(best))
 
@@ -228,12 +229,6 @@ def _able(pool: Pool, demands: ResetDemands) -> tuple[NDArray[np.str_], NDArray[
 
 def _excess(pool: Pool) -> Array:
     return np.asarray(np.maximum(np.array([pool.excess(name) for name in pool.limits]), 0.0).sum(axis=0))
-
-
-def _told(index: int, within: NDArray[np.int64], pool: Pool) -> tuple[float, float]:
-    """Of those that meet the demands the fewest actions, else the most uniform."""
-    after = float(pool.values[AFTER][index])
-    return (float(pool.actions[index]), after) if within.size else (after, 0.0)
 
 
 def _ranked(chosen: NDArray[np.int64], pool: Pool, demands: ResetDemands) -> int:

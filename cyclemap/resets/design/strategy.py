@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.checks import finite_number, point, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -224,7 +225,7 @@ def gripper_turns(count: int) -> tuple[CycleAction, ...]:
     [0, 90, 180, 270]
     """
     steps = whole_number("turns", count, least=1)
-    return tuple(CycleAction(turn=2.0 * math.pi * step / steps) for step in range(steps))
+    return tuple(CycleAction(turn=TWO_PI * step / steps) for step in range(steps))
 
 
 def legs(length: float, count: int) -> tuple[CycleAction, ...]:
@@ -234,5 +235,5 @@ def legs(length: float, count: int) -> tuple[CycleAction, ...]:
     ((0.05, 0.0),)
     """
     away, steps = positive_number("leg's length", length), whole_number("directions", count, least=1)
-    angles = [2.0 * math.pi * step / steps for step in range(steps)]
+    angles = [TWO_PI * step / steps for step in range(steps)]
     return tuple(CycleAction(((away * math.cos(angle), away * math.sin(angle)),)) for angle in angles)

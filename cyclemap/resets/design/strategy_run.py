@@ -9,14 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number, non_negative_number, read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.wearing_loop import worn_loop
-from cyclemap.resets.design.action_cycles import TWO_PI
 from cyclemap.resets.design.strategy import ResetStrategy
 from cyclemap.resets.monitor.coverage import Crowding
-
-Array = NDArray[np.float64]
 
 BINS = 36
 # The noise's stream of random numbers, beside that of what is drawn, which starts from the seed itself.

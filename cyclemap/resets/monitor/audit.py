@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.theta0.covered_arcs import covered_arcs
 from cyclemap.evidence.theta0.theta0_pairs import read_theta0_pairs
 from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
 from cyclemap.text_files import read_csv_table
-
-Array = NDArray[np.float64]
 
 # Pushes worth less than this share of as many spread evenly want another reset.
 LEAST_WORTH = 0.5

@@ -10,9 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI
-
-Array = NDArray[np.float64]
+from cyclemap.arrays import TWO_PI, Array
 
 CHANCE = 0.5  # a rest is where θ0 comes back more likely than not
 _RATES = np.array([0.75, 0.9, 0.98])  # chances of coming back that are betted on, in equal shares

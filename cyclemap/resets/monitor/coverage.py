@@ -10,13 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.periodic_basis import fourier_columns
 from cyclemap.maps import CircleMap
-
-Array = NDArray[np.float64]
 
 CELLS = 720  # the circle is told in cells of half a degree
 _CENTRES = (np.arange(CELLS) + 0.5) * (TWO_PI / CELLS)

@@ -140,7 +140,7 @@ class Theta0CsvFeed:
             counts = f"{len(row.fields)} of {len(self._table.header)} fields ('{','.join(row.fields)}')"
             raise self._table.error(row.line, f"{counts}; the line is cut off or has a stray comma: mend or remove it")
         self._rows += 1
-        column = _column(self._table)
+        column = next(name for name in COLUMNS if name in self._table.header)
         theta = math.radians(self._table.number(row, column))
         if abs(theta) > LARGEST_ORIENTATION:
             raise self._table.error(row.line, f"{column} is '{self._table.text(row, column)}'; {_LOST_FRACTION}")
@@ -236,10 +236,6 @@ class PushFolderFeed:
         now, before = (file, status.st_size, status.st_mtime_ns), self._doubtful
         self._doubtful = now
         return now == before
-
-
-def _column(table: CsvTable) -> str:
-    return next(name for name in COLUMNS if name in table.header)
 
 
 def _first_orientation(file: Path) -> list[float]:
