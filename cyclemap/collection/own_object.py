@@ -20,6 +20,8 @@ from cyclemap.mechanics.outline import Outline
 MM = 1000.0
 # MIT's experiment by the size of its object, the square root of the plate's area: where the ring is, how far it pushes.
 _RING, _PUSH, _FRACTION = 15.0 / 90.0, 150.0 / 90.0, 0.7
+# Degrees of a push on a disc, and how far the axes of what counts as one may differ.
+_SLANT, _ROUND = 15.0, 1.02
 _RULED_MM = 5.0
 # Objects that a rod on a robot's arm pushes about are within these sizes (m); a hand moves none that is heavier (kg).
 _SMALLEST, _LARGEST, _HEAVIEST = 0.01, 1.0, 50.0
@@ -33,7 +35,8 @@ def first_settings(outline: Outline, name: str) -> Settings:
     """Return settings of an experiment with an object of this outline, in proportion as MIT's is.
 
     The pushed side is the longest that a straight wall could touch, the ring on the way from the centroid to the corner
-    that ends it. Rod and friction are MIT's rod and no surface at all: they want to be measured.
+    that ends it; a disc, which no straight push turns, is pushed at a slant. Rod and friction are MIT's rod and no
+    surface at all: they want to be measured.
 
     >>> found = first_settings(Polygon([(0.06, 0.03), (-0.06, 0.03), (-0.06, -0.03), (0.06, -0.03)]), "box")
     >>> found["side"], found["push_mm"], found["hitch_x_mm"]
@@ -43,9 +46,10 @@ def first_settings(outline: Outline, name: str) -> Settings:
     if isinstance(outline, Ellipse):
         shape: Settings = {"semi_x_mm": MM * outline.semi_x, "semi_y_mm": MM * outline.semi_y}
         side, corner = 0, np.array([-outline.semi_x, outline.semi_y])
+        slant = _SLANT if 1.0 / _ROUND < outline.semi_x / outline.semi_y < _ROUND else 0.0
     else:
         shape = {"vertices_mm": [[round(MM * part, 6) for part in vertex] for vertex in outline.vertices]}
-        side = _longest_outer_side(outline)
+        side, slant = _longest_outer_side(outline), 0.0
         corner = outline.array[(side + 1) % outline.sides]
     ring = centre + _RING * size * (corner - centre) / math.hypot(*(corner - centre))
     while not outline.contains(ring):
@@ -56,7 +60,7 @@ def first_settings(outline: Outline, name: str) -> Settings:
         "mass_kg": 1.0,
         "side": side,
         "fraction": _FRACTION if isinstance(outline, Polygon) else 0.3,
-        "angle_deg": 0.0,
+        "angle_deg": slant,
         "push_mm": _RULED_MM * round(MM * _PUSH * size / _RULED_MM) or round(MM * _PUSH * size, 3),
         "pusher_radius_mm": 4.75,
         "pusher_mu": 0.15,
@@ -231,5 +235,7 @@ def _strokes(loop: CollectionLoop) -> list[Finding]:
     if asked < _SHORT_PUSH * loop.slider.outline.extent:
         told.append(f"a push of {MM * asked:.4g} mm hardly moves this object: is push_mm in millimetres?")
     if max(turns) < math.radians(1.0):
-        told.append("the push goes through the centre of friction and does not turn the object: move the contact")
+        told.append(
+            "the push goes through the centre of friction and does not turn the object: move the contact or slant it"
+        )
     return [Finding(False, words) for words in told]

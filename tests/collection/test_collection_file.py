@@ -12,7 +12,7 @@ from cyclemap.collection.collection_file import FILE_NAME, collection_text, data
 from cyclemap.collection.own_object import check_collection, first_contact, first_settings, within_reach
 from cyclemap.collection.settings import layered
 from cyclemap.errors import DataFileError, DoubtfulInput
-from cyclemap.mechanics import EllipseFriction, FoundWith, Material, Polygon, load_material
+from cyclemap.mechanics import Ellipse, EllipseFriction, FoundWith, Material, Polygon, load_material
 
 BOX = Polygon([(0.06, 0.03), (-0.06, 0.03), (-0.06, -0.03), (0.06, -0.03)])
 WALNUT = Material("walnut", EllipseFriction(0.35, 0.31, 0.01, 0.0, 0.4), "made up")
@@ -100,6 +100,13 @@ def test_the_rod_first_touches_where_the_mechanics_begin(shape, fraction, angle_
     assert start == pytest.approx(place, abs=1e-9)
     gone = rod.pusher[-1] - rod.pusher[0]
     assert gone / np.hypot(*gone) == pytest.approx(way, abs=1e-9)
+
+
+def test_a_first_guess_turns_a_disc_too() -> None:
+    """A straight push goes through a disc's centre of friction and turns it not at all: the guess slants it."""
+    disc = CollectionLoop.from_settings(first_settings(Ellipse(0.04, 0.04), "mug"), CollectionLoop.mit(WALNUT))
+    straight = replace(disc, push=replace(disc.push, angle=0.0))
+    assert abs(disc.cycle(0.0).push_turn) > math.radians(10.0) > abs(straight.cycle(0.0).push_turn)
 
 
 def test_a_first_guess_pushes_the_box_as_far_as_its_rod_stays_on_it() -> None:
