@@ -49,8 +49,10 @@ def checkout(tmp_path) -> Path:
     root = tmp_path / "checkout"
     engine = root / ENGINE
     engine.mkdir(parents=True)
-    for name in ("pyproject.toml", "README.md", "LICENSE", "MANIFEST.in"):
+    for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE", "MANIFEST.in"):
         shutil.copy(ROOT / name, root)
+    (root / "figures").mkdir()
+    (root / "figures" / "__init__.py").touch()
     shutil.copytree(ROOT / "building", root / "building", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / ENGINE / "sources.py", engine)
     for folder in (engine, *engine.parents[:2]):
@@ -199,12 +201,13 @@ def test_wheel_holds_the_library_for_one_platform_and_every_python_3(checkout, t
 def test_source_distribution_holds_what_a_build_needs_and_no_library(checkout, tmp_path) -> None:
     """C files and backend are in it, a library built before is not."""
     built(checkout)
-    code = f"import os, setuptools_backend as b; os.chdir('..'); print(b.build_sdist({str(tmp_path)!r}))"
-    name = called(checkout, code).stdout.splitlines()[-1]
-    with tarfile.open(tmp_path / name) as archive:
+    called(checkout, f"import os, setuptools_backend as b; os.chdir('..'); b.build_sdist({str(tmp_path)!r})")
+    (path,) = tmp_path.glob("*.tar.gz")
+    with tarfile.open(path) as archive:
         names = {path.split("/", 1)[1] for path in archive.getnames() if "/" in path}
     engine = {f"{ENGINE.as_posix()}/{name}" for name in ("engine.c", "driver.c", "generate.py", "sources.py")}
     assert names >= engine | {"building/engine_library.py", "building/setuptools_backend.py", "pyproject.toml"}
+    assert names >= {"setup.py", "figures/__init__.py"}
     assert not [name for name in names if "_engine." in name]
 
 
