@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from cyclemap.mechanics import Footprint, Material, PatchFootprint, Pose, Slider
+from cyclemap.mechanics import Footprint, Material, PatchFootprint, Slider
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
@@ -22,8 +22,6 @@ def with_material(loop: "CollectionLoop", material: Material) -> "CollectionLoop
     loop = replace(loop, material=material)
     if found.pusher_friction is not None:
         loop = replace(loop, pusher=replace(loop.pusher, friction=found.pusher_friction))
-    if found.hitch_scale is not None or found.hitch_turn is not None:
-        loop = replace(loop, slider=_with_lever(loop.slider, found.hitch_scale, found.hitch_turn or 0.0))
     if found.pin_friction_radius is not None:
         loop = replace(loop, reset=replace(loop.reset, pin_friction_radius=found.pin_friction_radius))
     pressure = plate_footprint(material, loop.slider)
@@ -36,12 +34,6 @@ def plate_footprint(material: Material, slider: Slider) -> Footprint | None:
     if known is None:
         return None
     return PatchFootprint(slider.outline, **known.shares, centre=slider.centre_of_mass)
-
-
-def _with_lever(slider: Slider, scale: float | None, turn: float) -> Slider:
-    factor = 1.0 if scale is None else scale
-    x, y = Pose(theta=turn).to_world(*slider.hitch)
-    return replace(slider, hitch=(factor * x, factor * y))
 
 
 def sampled_loop(loop: "CollectionLoop", number: int) -> "CollectionLoop":

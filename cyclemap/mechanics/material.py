@@ -40,8 +40,6 @@ _OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "s
 _MOST_SAMPLES = 4096
 _FOUND_KEYS = {
     "pusher_mu": "pusher_friction",
-    "hitch_scale": "hitch_scale",
-    "hitch_turn_deg": "hitch_turn",
     "pin_friction_mm": "pin_friction_radius",
 }
 
@@ -50,13 +48,10 @@ _FOUND_KEYS = {
 class FoundWith:
     """What was identified together with a surface's friction; None where it was not: the loop's own value holds.
 
-    pusher_friction : coefficient of rod and object. hitch_scale, hitch_turn : the effective hitch is the nominal one
-    times the scale, turned by the angle (rad). pin_friction_radius : m, of the rod in the ring.
+    pusher_friction : coefficient of rod and object. pin_friction_radius : m, of the rod in the ring.
     """
 
     pusher_friction: float | None = None
-    hitch_scale: float | None = None
-    hitch_turn: float | None = None
     pin_friction_radius: float | None = None
 
 
@@ -307,7 +302,7 @@ def load_material(name: str | Path) -> Material:
 
     The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and it may hold `name`,
     `provenance`, `misfit`, `inferred` (true or false), a table [worn] with `cycles` and the friction after them, a
-    table [found_with] of what was identified along with it: pusher_mu, hitch_scale, hitch_turn_deg, pin_friction_mm,
+    table [found_with] of what was identified along with it: pusher_mu, pin_friction_mm,
     a table [plates.NAME] for each plate with inner_share, rim_share, corner_share, and a table [posterior] with
     `parameters` and `samples` (`MaterialPosterior`), and a table [cycle_noise] with `log_sigma` and `correlation`
     (`CycleNoise`). [worn] may have a `course`, pairs [cycles, share] (`Wear`).
@@ -384,7 +379,7 @@ def _found_with(table: dict[str, object]) -> FoundWith:
 
 def _found_numbers(found: Mapping[str, object]) -> dict[str, float]:
     """Fields of `FoundWith` from the keys and units of a file."""
-    unit = {"pin_friction_mm": 1e-3, "hitch_turn_deg": math.pi / 180.0}
+    unit = {"pin_friction_mm": 1e-3}
     return {_FOUND_KEYS[key]: unit.get(key, 1.0) * finite_number(key, value) for key, value in found.items()}
 
 

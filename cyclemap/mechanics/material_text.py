@@ -14,7 +14,6 @@ from cyclemap.mechanics.material import FoundWith, Material
 _FOUND_NAMES = {
     "pusher_friction": ("pusher_mu", 1.0),
     "pin_friction_radius": ("pin_friction_mm", 1e3),
-    "hitch_turn": ("hitch_turn_deg", math.degrees(1.0)),
 }
 
 

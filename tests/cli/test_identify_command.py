@@ -116,7 +116,7 @@ def test_fixed_and_started_values_are_taken(here, capsys) -> None:
         (["absent.csv"], "there is nothing there"),
         (["notes.txt"], "notes.txt: 1 lines; a header and rows are wanted"),
         (["ends.csv", "--free", "offset_z"], "unknown parameter 'offset_z': did you mean"),
-        (["ends.csv", "--free", "hitch_scale"], "no block of data depends on hitch_scale"),
+        (["ends.csv", "--free", "friction_scale"], "no block of data depends on friction_scale"),
         (["ends.csv", "--fix", "rim_share"], "--fix 'rim_share' is not of the form name=number"),
         (["ends.csv", "--fix", "rim_chare=0.1"], "did you mean 'rim_share'?"),
         (["ends.csv", "--select", "shape=rect2"], "5 left out: of rect1, not rect2"),

@@ -49,13 +49,13 @@ def test_the_same_file_on_another_surface_keeps_its_object_and_push(tmp_path) ->
 
 
 def test_what_was_found_with_a_surface_stays_in_force(tmp_path) -> None:
-    """An effective ring and pressure, identified with the surface, are the loop's when the file is read back."""
-    found = FoundWith(pusher_friction=0.2, hitch_scale=0.7, hitch_turn=0.3)
+    """Rod and ring, identified with the surface, are the loop's when the file is read back."""
+    found = FoundWith(pusher_friction=0.2, pin_friction_radius=2e-3)
     from cyclemap.collection.found_with import with_material
 
     loop = with_material(own_loop(), replace(WALNUT, found_with=found))
     again = CollectionLoop.from_file(written(tmp_path, collection_text(loop)))
-    assert again.slider.hitch == pytest.approx(loop.slider.hitch, abs=1e-12)
+    assert again.pusher.friction == 0.2 and again.reset.pin_friction_radius == pytest.approx(2e-3, abs=1e-12)
     theta = np.linspace(0.0, 6.0, 5)
     assert again.next_theta(theta) == pytest.approx(loop.next_theta(theta), abs=1e-9)
 

@@ -66,13 +66,10 @@ def test_a_plate_presses_as_its_own_name_says_and_another_evenly():
 def test_every_number_found_is_read_from_a_file_in_its_unit(tmp_path):
     path = tmp_path / "found.toml"
     path.write_text(
-        "[friction]\nmu_a = 0.3\nmu_b = 0.3\n[found_with]\npusher_mu = 0.2\nhitch_scale = 1.1\n"
-        "hitch_turn_deg = 90\npin_friction_mm = 2\n"
+        "[friction]\nmu_a = 0.3\nmu_b = 0.3\n[found_with]\npusher_mu = 0.2\npin_friction_mm = 2\n"
         "[plates.rect1]\nrim_share = 0.25\ninner_share = 0.1\ncorner_share = 0.05\n"
     )
-    assert asdict(load_material(path).found_with) == {
-        **{"pusher_friction": 0.2, "hitch_scale": 1.1, "hitch_turn": math.pi / 2.0, "pin_friction_radius": 0.002}
-    }
+    assert asdict(load_material(path).found_with) == {"pusher_friction": 0.2, "pin_friction_radius": 0.002}
     loop = CollectionLoop.mit(path)
     assert loop.model.pressure == PatchFootprint(SQUARE, 0.1, 0.25, 0.05)
     assert loop.reset.pin_friction_radius == 0.002

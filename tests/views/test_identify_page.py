@@ -97,10 +97,10 @@ def test_a_material_carries_wear_and_what_the_data_depend_on(found) -> None:
     material = identified_material(found, "slate", ["a.csv"], 300.0)
     assert material.inferred and material.wear is not None and material.wear.cycles == 300.0
     assert material.wear.friction.mu_a > material.friction.mu_a
-    assert material.found_with.hitch_scale == 1.0
+    assert material.found_with.pin_friction_radius == 0.0
     assert "in a.csv" in material.provenance and "scan force" in material.misfit
     alone = identified_material(identify(found.problem.blocks[:1], ["friction_scale"], starts=1), "slate")
-    assert alone.wear is None and alone.found_with.hitch_scale is None
+    assert alone.wear is None and alone.found_with.pin_friction_radius is None
 
 
 def test_no_headline_is_sharper_than_its_interval(found) -> None:

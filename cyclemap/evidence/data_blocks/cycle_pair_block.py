@@ -18,7 +18,6 @@ from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, c
 from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
-    HITCH_NAMES,
     SHARE_NAMES,
     SURFACE,
     SurfaceParameters,
@@ -32,7 +31,7 @@ Array = NDArray[np.float64]
 Rows = tuple[Array, Array]
 
 SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
-CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", *SHARE_NAMES, "hitch_scale", "hitch_turn", "pin_friction_radius")
+CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", *SHARE_NAMES, "pin_friction_radius")
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
 NODES = 48
 ACCURACY = 1e-6
@@ -141,10 +140,10 @@ def cycles_by_unknowns(surface: SurfaceParameters, loop: CollectionLoop, theta: 
 
     The batch has the shape (1, n), the derivatives (n, 6, k).
     """
-    names = (*FRICTION_NAMES, "pusher_friction", *share_names(loop.slider.outline), *HITCH_NAMES, "pin_friction_radius")
+    names = (*FRICTION_NAMES, "pusher_friction", *share_names(loop.slider.outline), "pin_friction_radius")
     runs = run_batch((loop_on(surface, loop),), theta[None], len(PARAMETERS))
     by_mechanics = runs.jacobian[0][:, :, [PARAMETERS.index(name) for name in names]]
-    return runs, surface.chain(by_mechanics, names, CYCLE_UNKNOWNS, hitch=loop.slider.hitch)
+    return runs, surface.chain(by_mechanics, names, CYCLE_UNKNOWNS)
 
 
 def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
@@ -157,12 +156,7 @@ def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
 
 def found_with(surface: SurfaceParameters) -> FoundWith:
     """Return what a surface says of rod and ring."""
-    return FoundWith(
-        pusher_friction=surface.pusher_friction,
-        hitch_scale=surface.hitch_scale,
-        hitch_turn=surface.hitch_turn,
-        pin_friction_radius=surface.pin_friction_radius,
-    )
+    return FoundWith(surface.pusher_friction, surface.pin_friction_radius)
 
 
 def blocks_of_cycles(count: int, length: int = 25) -> Labels:

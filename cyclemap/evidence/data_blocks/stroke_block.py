@@ -16,7 +16,6 @@ from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, k
 from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
-    HITCH_NAMES,
     SurfaceParameters,
     share_names,
 )
@@ -41,7 +40,7 @@ TIP_OFFSET = (
 _SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
 _SHARES = ("rim_share", "corner_share", "inner_share")
 PUSH_UNKNOWNS = (*_SHAPE, "pusher_friction", *_SHARES)
-DRAG_UNKNOWNS = (*_SHAPE, *_SHARES, "hitch_scale", "hitch_turn", "pin_friction_radius")
+DRAG_UNKNOWNS = (*_SHAPE, *_SHARES, "pin_friction_radius")
 
 Misfit = Callable[["StrokeBlock", QuasiStaticModel, SurfaceParameters, Values], Rows]
 
@@ -117,10 +116,9 @@ def _possible(names: tuple[str, ...], slider: Slider) -> tuple[str, ...]:
 
 
 def surface_model(surface: SurfaceParameters, slider: Slider, accuracy: float = ACCURACY) -> QuasiStaticModel:
-    """Return the model of a slider on a surface, its hitch and the shares of its weight as the surface says."""
-    effective = replace(slider, hitch=surface.hitch(slider.hitch))
+    """Return the model of a slider on a surface, the shares of its weight as the surface says."""
     footprint = PatchFootprint(slider.outline, **surface.shares, centre=slider.centre_of_mass)
-    return QuasiStaticModel(effective, surface.to_friction(), surface.pusher(), footprint, accuracy)
+    return QuasiStaticModel(slider, surface.to_friction(), surface.pusher(), footprint, accuracy)
 
 
 def predicted_push_ends(
@@ -196,17 +194,16 @@ def _push_misfit(block: StrokeBlock, model: QuasiStaticModel, surface: SurfacePa
 
 
 def _drag_misfit(block: StrokeBlock, model: QuasiStaticModel, surface: SurfaceParameters, values: Values) -> Rows:
-    # Where the effective hitch is not the real one, the rod still went to where the real one is at the end.
     goals = [(drag.end.to_world(*block.slider.hitch),) for drag in block.strokes]
     courses = [
         model.course(model.drag_strokes(goal, surface.pin_friction_radius), drag.start)
         for goal, drag in zip(goals, block.strokes, strict=True)
     ]
     ran = run_strokes(courses, len(PARAMETERS))
-    names = (*FRICTION_NAMES, *share_names(block.slider.outline), *HITCH_NAMES, "pin_friction_radius")
+    names = (*FRICTION_NAMES, *share_names(block.slider.outline), "pin_friction_radius")
     by = ran.derivatives[:, 5:6][..., _columns(names)] * derivative_units(model, names)
     measured = np.array([drag.end.theta for drag in block.strokes])
-    return (ran.ended[:, 2] - measured)[:, None], surface.chain(by, names, block.parameters, block.slider.hitch)
+    return (ran.ended[:, 2] - measured)[:, None], surface.chain(by, names, block.parameters)
 
 
 def _columns(names: tuple[str, ...]) -> list[int]:

@@ -73,6 +73,17 @@ def grouped_variance(jacobian: Array, errors: Array, inverse: Array, groups: Lab
     return scores.T @ scores, _grouped_freedom(np.array(own), np.array(pull), inverse)
 
 
+def with_known_variance(estimated: Array, freedom: Array, *known: Array) -> tuple[Array, Array]:
+    """Covariance (k, k) and freedom (k,) where variances that are known come on top of one estimated with a freedom.
+
+    >>> with_known_variance(np.array([[1.0]]), np.array([3.0]), np.array([[1.0]]))
+    (array([[2.]]), array([12.]))
+    """
+    total = estimated + np.sum(known, axis=0)
+    share = np.diag(estimated) / np.maximum(np.diag(total), 1e-300)
+    return total, _degrees(freedom, share**2)
+
+
 def _inverse_root(matrix: Array) -> Array:
     """Inverse square root of a symmetric matrix; directions that the fit follows wholly have none and give zero."""
     values, vectors = np.linalg.eigh(matrix)

@@ -9,7 +9,12 @@ from numpy.typing import NDArray
 
 from cyclemap.checks import finite_number, read_only
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.grouped_errors import grouped_variance, independent_freedom, weight_variance
+from cyclemap.evidence.identification.grouped_errors import (
+    grouped_variance,
+    independent_freedom,
+    weight_variance,
+    with_known_variance,
+)
 from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.least_squares import Fit
 from cyclemap.evidence.identification.noise_scales import NoiseLaw
@@ -102,10 +107,12 @@ def _variance(
         freedom = independent_freedom(jacobian, inverse, kinds, known)
         return inverse / information + 2.0 * by_weights, freedom, False
     scaled = fit.residuals / fit.noise[kinds]
-    # A belief counts by its deviation, not by how far off it happened to be.
-    errors = np.where(problem.kinds == PRIOR_KIND, 1.0, law.weight(scaled**2) * scaled / information)
-    covariance, freedom = grouped_variance(jacobian, errors, inverse, problem.groups)
-    return covariance + by_weights, freedom, True
+    # A belief counts by its deviation, which is known, not by how far off it happened to be.
+    belief = problem.kinds == PRIOR_KIND
+    told, errors = jacobian[~belief], (law.weight(scaled**2) * scaled / information)[~belief]
+    covariance, freedom = grouped_variance(told, errors, inverse, problem.groups[~belief])
+    believed = jacobian[belief] @ inverse
+    return *with_known_variance(covariance, freedom, believed.T @ believed, by_weights), True
 
 
 def _correlation(covariance: Array, error: Array) -> Array:

@@ -15,6 +15,8 @@ from cyclemap.evidence.identification.joint_problem import JointProblem
 _LEAST_NOISE = 1e-9
 # A kind with fewer rows left over, once the parameters took their share, does not tell its noise.
 _LEAST_REDUNDANCY = 0.5
+# The noise of given residuals stands still at a change below this share, which takes a dozen rounds.
+_WEIGHTINGS, _SETTLED = 100, 1e-4
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,8 @@ def estimated_noise(
     """Return the next estimate (kinds,) of the noise, the residuals' sum of squares over their redundancy.
 
     The redundancy of a kind is its number of rows less their share in fixing the parameters, the trace of the hat
-    matrix; repeated with a fit in between, this leads to restricted maximum likelihood (Foerstner 1979). `held`
+    matrix; repeated with a fit in between, this leads to restricted maximum likelihood (Foerstner 1979). Rows count as
+    the noise found makes them count. `held`
     (kinds,) is noise that is known, nan elsewhere. Raises ConvergenceError where the parameters follow all rows of a
     kind, so that its noise cannot be told.
     """
@@ -82,8 +85,14 @@ def estimated_noise(
             f"the parameters can follow all rows of {problem.kind_names[kind]!r} (redundancy {redundancy[kind]:.2g}): "
             "give its noise, or more data"
         )
-    square = np.bincount(index, weight * residuals**2, count) / np.maximum(redundancy, _LEAST_REDUNDANCY)
-    return np.where(np.isnan(held), np.maximum(np.sqrt(square), floor), held)
+    # Weights follow the noise, which costs nothing; what a row leaves over stays, and is told anew after the next fit.
+    for _ in range(_WEIGHTINGS):
+        square = np.bincount(index, weight * residuals**2, count) / np.maximum(redundancy, _LEAST_REDUNDANCY)
+        before, noise = noise, np.where(np.isnan(held), np.maximum(np.sqrt(square), floor), held)
+        if np.max(np.abs(np.log(noise / before))) < _SETTLED:
+            break
+        weight = law.weight((residuals / noise[index]) ** 2)
+    return noise
 
 
 def _leverage(jacobian: Array) -> Array:

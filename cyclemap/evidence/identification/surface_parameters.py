@@ -22,7 +22,6 @@ from cyclemap.mechanics.outline import Outline
 from cyclemap.suggestions import unknown_name
 
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
-HITCH_NAMES = ("hitch_x", "hitch_y")
 SHARE_NAMES = ("rim_share", "corner_share", "inner_share")
 
 # An ellipse rounder than this (log of the axis ratio) counts as this round: phi then stays defined, and no motion or
@@ -44,11 +43,9 @@ SURFACE = ParameterSpace(
             "pusher_friction", "friction coefficient of rod and object", "1", 0.0, 1.5, 0.2, 0.08, Pusher().friction
         ),
         Parameter("rim_share", "share of the weight that rests on the object's rim", "1", 0.0, 1.0, 0.3, 0.2, 0.0),
-        Parameter("hitch_scale", "effective over nominal lever of the ring", "1", 0.1, 2.0, 1.0, 0.2),
         Parameter(
             "pin_friction_radius", "lever of the ring's friction torque over its force", "m", 0.0, 0.03, 2e-3, 1e-3, 0.0
         ),
-        Parameter("hitch_turn", "angle from the ring's nominal lever to the effective one", "rad", -1.0, 1.0, 0.0, 0.1),
         Parameter(
             "corner_share", "share on the corners of what the rim leaves of the weight", "1", 0.0, 1.0, 0.2, 0.2, 0.0
         ),
@@ -64,8 +61,7 @@ class SurfaceParameters:
     friction_scale : log sqrt(mu_a mu_b). ellipticity_x, ellipticity_y : log(mu_a/mu_b) (cos 2 phi, sin 2 phi).
     offset_x, offset_y : R(phi)(m0, n0) / sqrt(mu_a mu_b), world frame. pusher_friction : coefficient of rod on object.
     rim_share : 0 to 1, of the weight; corner_share : of what the rim leaves; inner_share : of what both leave, so that
-    each may be anything from 0 to 1; `shares` are those of the weight. pin_friction_radius : m. hitch_scale, hitch_turn
-    : the effective hitch is the nominal one times the scale, turned by the angle (rad).
+    each may be anything from 0 to 1; `shares` are those of the weight. pin_friction_radius : m.
 
     Raises InvalidInput for a value that is not finite or beyond its bounds.
 
@@ -81,9 +77,7 @@ class SurfaceParameters:
     offset_y: float = 0.0
     pusher_friction: float = Pusher().friction
     rim_share: float = 0.0
-    hitch_scale: float = 1.0
     pin_friction_radius: float = 0.0
-    hitch_turn: float = 0.0
     corner_share: float = 0.0
     inner_share: float = 0.0
 
@@ -141,11 +135,6 @@ class SurfaceParameters:
         inner = left * (1.0 - self.corner_share) * self.inner_share
         return {"inner_share": inner, "rim_share": self.rim_share, "corner_share": left * self.corner_share}
 
-    def hitch(self, nominal: tuple[float, float]) -> tuple[float, float]:
-        """Return the effective place of the ring (m, object frame) from the nominal one."""
-        c, k = self.hitch_scale * math.cos(self.hitch_turn), self.hitch_scale * math.sin(self.hitch_turn)
-        return c * nominal[0] - k * nominal[1], k * nominal[0] + c * nominal[1]
-
     def pusher(self, radius: float = Pusher().radius) -> Pusher:
         """Return the rod of a radius (m) with this friction."""
         return Pusher(radius, self.pusher_friction)
@@ -171,25 +160,19 @@ class SurfaceParameters:
         jacobian[2:4, 3:5] = mean * np.array(((c, k), (-k, c)))
         return jacobian
 
-    def chain(
-        self,
-        jacobian: Array,
-        names: tuple[str, ...],
-        parameters: tuple[str, ...] = SURFACE.names,
-        hitch: tuple[float, float] | None = None,
-    ) -> Array:
+    def chain(self, jacobian: Array, names: tuple[str, ...], parameters: tuple[str, ...] = SURFACE.names) -> Array:
         """Turn derivatives by the mechanics' parameters into derivatives by these: (..., j) -> (..., k).
 
-        `names` (j) are those of the columns: of FRICTION_NAMES, HITCH_NAMES (m), the footprint's shares, or others of
-        SURFACE, which pass through and add up. `parameters` (k) are wanted. `hitch` (m) is the nominal one, needed for
-        HITCH_NAMES. Parameters that no column tells of have derivative zero. Raises InvalidInput for an unknown name.
+        `names` (j) are those of the columns: of FRICTION_NAMES, the footprint's shares, or others of SURFACE, which
+        pass through and add up. `parameters` (k) are wanted. Parameters that no column tells of have derivative zero.
+        Raises InvalidInput for an unknown name.
         """
         columns = np.asarray(jacobian, dtype=float)
         if columns.shape[-1:] != (len(names),):
             raise InvalidInput(
                 f"the jacobian has shape {columns.shape}: its last axis must match the {len(names)} names"
             )
-        table = self._chain_table(hitch)
+        table = self._chain_table()
         for name in names:
             if name not in table:
                 raise unknown_name("parameter of the mechanics", name, table)
@@ -197,7 +180,7 @@ class SurfaceParameters:
         wanted = [_index(name) for name in parameters]
         return np.asarray(columns @ rows[:, wanted])
 
-    def _chain_table(self, hitch: tuple[float, float] | None) -> dict[str, Array]:
+    def _chain_table(self) -> dict[str, Array]:
         """The derivative (k,) of each of the mechanics' parameters by SURFACE."""
         unit = np.eye(len(SURFACE))
         table = dict(zip(SURFACE.names, unit, strict=True))
@@ -208,11 +191,6 @@ class SurfaceParameters:
         table["corner_share"] = (1.0 - rim) * by_corner - corner * by_rim
         table["inner_share"] = (1.0 - rim) * ((1.0 - corner) * table["inner_share"] - inner * by_corner)
         table["inner_share"] -= (1.0 - corner) * inner * by_rim
-        if hitch is not None:
-            x, y = self.hitch(hitch)
-            by_scale, by_turn = unit[_index("hitch_scale")], unit[_index("hitch_turn")]
-            table["hitch_x"] = x / self.hitch_scale * by_scale - y * by_turn
-            table["hitch_y"] = y / self.hitch_scale * by_scale + x * by_turn
         return table
 
     def _ellipse(self) -> tuple[float, float]:

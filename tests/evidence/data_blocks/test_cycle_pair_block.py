@@ -16,7 +16,7 @@ from cyclemap.evidence.identification.surface_parameters import SurfaceParameter
 MIT = CollectionLoop.mit()
 TRUTH = SurfaceParameters(
     ellipticity_x=-0.1, ellipticity_y=0.12, offset_x=0.03, offset_y=-0.02, pusher_friction=0.17,
-    inner_share=0.1, rim_share=0.2, corner_share=0.1, hitch_scale=0.8, hitch_turn=0.1, pin_friction_radius=5e-4,
+    inner_share=0.1, rim_share=0.2, corner_share=0.1, pin_friction_radius=5e-4,
 )  # fmt: skip
 WORN = {"worn_ellipticity_x": -0.05, "worn_ellipticity_y": 0.1, "worn_offset_x": 0.01, "worn_offset_y": -0.01}
 THETA = np.random.default_rng(0).uniform(-3.0, 9.0, 12)

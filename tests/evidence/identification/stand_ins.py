@@ -8,7 +8,7 @@ from cyclemap.evidence.identification.data_block import FunctionBlock, Values
 from cyclemap.evidence.identification.surface_parameters import FRICTION_NAMES, SURFACE, SurfaceParameters
 
 ELLIPSE = SURFACE.names[:5]
-MOTION = (*SURFACE.names[1:5], "pusher_friction", "hitch_scale")
+MOTION = (*SURFACE.names[1:5], "pusher_friction", "rim_share")
 TRUTH = {
     "friction_scale": -1.3,
     "ellipticity_x": 0.12,
@@ -16,7 +16,7 @@ TRUTH = {
     "offset_x": 0.06,
     "offset_y": 0.03,
     "pusher_friction": 0.17,
-    "hitch_scale": 0.8,
+    "rim_share": 0.4,
 }
 
 
@@ -47,16 +47,16 @@ def motions(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndar
 
     To first order what a push answers to ellipticity and offset, bent by a square so that it is not linear.
     """
-    ex, ey, ox, oy, mu, hitch = (values[name] for name in MOTION)
+    ex, ey, ox, oy, mu, share = (values[name] for name in MOTION)
     c, k, c2, k2 = np.cos(directions), np.sin(directions), np.cos(2 * directions), np.sin(2 * directions)
     zero = np.zeros_like(c)
     turn = 1.2 + 0.9 * (ox * c + oy * k) + 0.6 * (ex * c2 + ey * k2) + 0.8 * mu - 0.5 * mu**2 * c
     by_turn = [0.6 * c2, 0.6 * k2, 0.9 * c, 0.9 * k, 0.8 - mu * c, zero]
     bend = 1.0 + 0.5 * turn
-    shift = 0.05 * hitch * turn * bend + 0.02 * (oy * c - ox * k)
-    by_shift = [0.05 * hitch * (1.0 + turn) * d for d in by_turn]
+    shift = 0.1 * share * turn * bend + 0.02 * (oy * c - ox * k)
+    by_shift = [0.1 * share * (1.0 + turn) * d for d in by_turn]
     by_shift[2], by_shift[3] = by_shift[2] - 0.02 * k, by_shift[3] + 0.02 * c
-    by_shift[5] = 0.05 * turn * bend
+    by_shift[5] = 0.1 * turn * bend
     return np.concatenate([turn, shift]), np.stack([np.concatenate(p) for p in zip(by_turn, by_shift, strict=True)], -1)
 
 

@@ -31,7 +31,7 @@ def parabola(groups: np.ndarray) -> JointProblem:
 
 
 def joint() -> JointProblem:
-    space = SURFACE.select((*ELLIPSE, "pusher_friction", "hitch_scale"))
+    space = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
     return JointProblem((force_block(12, 0.01), motion_block(16, 0.02, 0.002)), space, {})
 
 

@@ -9,7 +9,7 @@ from cyclemap.evidence.identification.data_block import FunctionBlock
 from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 
-SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "hitch_scale"))
+SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
 
 
 def test_a_subset_has_the_rows_of_its_groups_and_nothing_else() -> None:
@@ -49,7 +49,7 @@ def test_a_parameter_whose_data_leave_is_held() -> None:
     problem = JointProblem((force_block(), motion_block()), SPACE, {})
     part = problem.subset(problem.block_index == 0, TRUTH)
     assert part.space.names == ELLIPSE
-    assert part.fixed == {name: TRUTH[name] for name in ("pusher_friction", "hitch_scale")}
+    assert part.fixed == {name: TRUTH[name] for name in ("pusher_friction", "rim_share")}
     assert [block.name for block in part.blocks] == ["scan"]
 
 

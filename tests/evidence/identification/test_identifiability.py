@@ -125,7 +125,7 @@ def test_parameters_that_trade_off_are_named_and_have_their_whole_range() -> Non
 def test_motion_alone_leaves_the_scale_of_friction_open_and_forces_fix_it() -> None:
     blind = FunctionBlock("still", ("friction_scale",), lambda v: (X, np.zeros((12, 1))), np.arange(12), "1")
     motion = JointProblem((blind, motion_block(20, 0.02, 0.002)), SURFACE.select(("friction_scale", *ELLIPSE[1:])), {
-        name: TRUTH[name] for name in ("pusher_friction", "hitch_scale")
+        name: TRUTH[name] for name in ("pusher_friction", "rim_share")
     })  # fmt: skip
     fit = fit_with_noise(motion, motion.space.start)
     assert [str(direction) for direction in uncertainty(motion, fit).open] == [

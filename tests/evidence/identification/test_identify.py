@@ -16,7 +16,7 @@ from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
 from cyclemap.evidence.identified.identified_material import identified_material
 
-NAMES = (*ELLIPSE, "pusher_friction", "hitch_scale")
+NAMES = (*ELLIPSE, "pusher_friction", "rim_share")
 SPACE = SURFACE.select(NAMES)
 RUNS = 200
 
@@ -100,15 +100,15 @@ def test_the_answer_to_one_seed_is_one_answer() -> None:
 
 
 def test_what_motion_cannot_tell_is_said_and_what_was_not_given_is_named() -> None:
-    still = FunctionBlock("still", ("rim_share",), lambda v: (np.ones(8), np.zeros((8, 1))), np.arange(8), "none")
+    still = FunctionBlock("still", ("corner_share",), lambda v: (np.ones(8), np.zeros((8, 1))), np.arange(8), "none")
     pushes = motion_block(20, 0.02, 0.002)
-    found = identify([pushes, still], [*MOTION[:4], "rim_share"], {"pusher_friction": 0.17}, starts=2)
-    assert not found["rim_share"].identifiable
-    assert (found["rim_share"].lower, found["rim_share"].upper) == (0.0, 1.0)
-    assert np.isinf(found["rim_share"].standard_error)
-    assert str(found["rim_share"]) == "rim_share not identifiable"
-    assert "rim_share is not fixed by the data" in found.notes
-    assert "hitch_scale was neither free nor given: taken as 1" in found.notes
+    found = identify([pushes, still], [*MOTION[:4], "corner_share"], {"pusher_friction": 0.17}, starts=2)
+    assert not found["corner_share"].identifiable
+    assert (found["corner_share"].lower, found["corner_share"].upper) == (0.0, 1.0)
+    assert np.isinf(found["corner_share"].standard_error)
+    assert str(found["corner_share"]) == "corner_share not identifiable"
+    assert "corner_share is not fixed by the data" in found.notes
+    assert "rim_share was neither free nor given: taken as 0" in found.notes
     assert found["offset_x"].identifiable
 
 
@@ -130,12 +130,12 @@ def test_a_block_brings_parameters_of_its_own() -> None:
 
 
 def test_a_value_on_its_bound_says_which() -> None:
-    space = SURFACE.bounded("hitch_scale", 0.9, 1.5)
+    space = SURFACE.bounded("rim_share", 0.45, 0.9)
     found = identify(blocks(0.005), NAMES, starts=2, space=space)
-    assert found["hitch_scale"].at_bound == "lower"
-    assert found["hitch_scale"].lower_open
-    assert found["hitch_scale"].lower == 0.9
-    assert "hitch_scale lies on a bound" in found.notes
+    assert found["rim_share"].at_bound == "lower"
+    assert found["rim_share"].lower_open
+    assert found["rim_share"].lower == 0.45
+    assert "rim_share lies on a bound" in found.notes
 
 
 def test_questions_that_make_no_sense_are_refused_by_name() -> None:
@@ -156,4 +156,4 @@ def test_questions_that_make_no_sense_are_refused_by_name() -> None:
     with pytest.raises(InvalidInput, match="needs a name"):
         identified_material(found, " ")
     with pytest.raises(InvalidInput, match="unknown identified parameter"):
-        found["rim_share"]
+        found["corner_share"]

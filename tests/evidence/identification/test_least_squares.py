@@ -13,7 +13,7 @@ from cyclemap.evidence.identification.least_squares import fit_with_noise, multi
 from cyclemap.evidence.identification.noise_scales import NoiseLaw
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
 
-SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "hitch_scale"))
+SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
 
 
 def joint(noise: float, seed: int = 0, count: int = 16) -> JointProblem:
@@ -91,10 +91,10 @@ def test_turning_the_world_turns_the_answer() -> None:
 
 
 def test_a_truth_beyond_a_bound_ends_on_it_and_says_so() -> None:
-    problem = JointProblem((force_block(), motion_block()), SPACE.bounded("hitch_scale", 0.9, 1.5), {})
+    problem = JointProblem((force_block(), motion_block()), SPACE.bounded("rim_share", 0.45, 0.9), {})
     fit = fit_with_noise(problem, problem.space.start)
-    assert fit.on_bounds == ("hitch_scale",)
-    assert abs(fit.vector[-1] - 0.9) < 1e-3
+    assert fit.on_bounds == ("rim_share",)
+    assert abs(fit.vector[-1] - 0.45) < 1e-3
     assert fit.converged
 
 
@@ -120,7 +120,7 @@ def test_starts_without_an_answer_are_recorded_and_passed_over(error: type[Excep
     assert len(lost) == found.failed
     assert all("no answer there" in outcome.message and np.isnan(outcome.deviance) for outcome in lost)
     whole = fit_with_noise(joint(0.01), SPACE.start)
-    assert np.allclose(found.best.vector, whole.vector, atol=1e-5)
+    assert np.allclose(found.best.vector, whole.vector, atol=5e-5)
 
 
 def test_if_no_start_has_an_answer_the_first_reason_is_told() -> None:

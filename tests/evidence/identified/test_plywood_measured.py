@@ -40,7 +40,6 @@ def test_it_says_that_it_was_inferred_and_from_what() -> None:
     assert material.inferred and material.wear is not None and material.wear.cycles == PUSHES
     assert "every second block" in material.provenance and "left out" in material.misfit
     # Ring and contact are where they were: the pressure and the friction of the ring carry the misfit.
-    assert material.found_with.hitch_scale is None and material.found_with.hitch_turn is None
     assert CollectionLoop.mit(material).footprint is not None
 
 

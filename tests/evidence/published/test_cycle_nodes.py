@@ -25,7 +25,6 @@ SURFACE = SurfaceParameters(
     inner_share=0.1,
     rim_share=0.4,
     corner_share=0.1,
-    hitch_scale=0.95,
     pin_friction_radius=1.5e-3,
 )
 
