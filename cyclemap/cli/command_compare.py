@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from cyclemap.cli.number_types import Whole
-from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
+from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options, select_option
 from cyclemap.cli.own_data import readable_data, table_options
 
 Decorator = Callable[[Any], Any]
@@ -36,12 +36,11 @@ def _data_options() -> list[Decorator]:
     """What is compared, and how."""
     tables = "Measured pushes: a CSV table of θ0 or of poses, or a file or folder of the MIT layout."
     early = "Leave out pushes before this one."
-    kept = "Compare pushes with surface, object, speed_mm_s, side, fraction or angle_deg of this value; repeatable."
     runs: dict[str, Any] = {"type": Whole(min=19), "default": 199, "help": "Simulated collections."}
     return [
         click.option("--data", metavar="DATA", required=True, type=click.Path(path_type=Path), help=tables),
         click.option("--first", type=Whole(min=0), default=0, show_default=True, help=early),
-        click.option("--select", metavar="KEY=VALUE", multiple=True, help=kept),
+        select_option,
         click.option("--runs", show_default=True, **runs),
         click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of their noise."),
     ]

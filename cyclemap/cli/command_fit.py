@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from cyclemap.cli.number_types import Whole
-from cyclemap.cli.options import decorated, result_options
+from cyclemap.cli.options import decorated, result_options, select_option
 from cyclemap.cli.own_data import readable_data, table_options
 
 MOST_HARMONICS = 50
@@ -19,12 +19,7 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 
 @click.command("fit")
 @click.argument("data", type=click.Path(path_type=Path))
-@click.option(
-    "--select",
-    metavar="KEY=VALUE",
-    multiple=True,
-    help="Keep pushes with surface, object, speed_mm_s, side, fraction or angle_deg of this value; repeatable.",
-)
+@select_option
 @click.option("--harmonics", type=Whole(0, MOST_HARMONICS), help="Order of every law. [default: by cross-validation]")
 @click.option("--wear/--no-wear", default=True, show_default=True, help="Let the cycle map drift in time.")
 @click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of folds and paths.")

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from cyclemap.cli.number_types import Real, Whole
-from cyclemap.cli.options import decorated, result_options
+from cyclemap.cli.options import decorated, result_options, select_option
 from cyclemap.cli.own_data import readable_data, table_options
 
 Decorator = Callable[[Any], Any]
@@ -40,10 +40,9 @@ class IdentifyRequest:
 
 def _data_options() -> list[Decorator]:
     """Which data, and in which experiment they were taken."""
-    kept = "Keep data with surface, object, speed_mm_s, side, fraction or angle_deg of this value; repeatable."
     repeatable: dict[str, Any] = {"metavar": "KEY=VALUE", "multiple": True}
     return [
-        click.option("--select", help=kept, **repeatable),
+        select_option,
         click.option("--protocol", metavar="TOML", type=_PATH, help="The --set keys in TOML tables."),
         click.option(
             "--set", "settings", help="One fact of the experiment (rod, ring, object); repeatable.", **repeatable

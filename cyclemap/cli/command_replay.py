@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from cyclemap.cli.number_types import Real
-from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
+from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options, select_option
 
 
 def _results(command: Callable[..., None]) -> Callable[..., None]:
@@ -21,8 +21,9 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
     metavar="PATH",
     required=True,
     type=click.Path(path_type=Path),
-    help="Recorded pushes in the MIT layout: a file, a folder or a tree.",
+    help="Recorded pushes: in the MIT layout (a file, a folder or a tree), or CSV of poses and places of the tip.",
 )
+@select_option
 @click.option("--pusher-friction", type=Real(min=0.0), help="Friction of rod and object. [default: 0.25, or as set]")
 @_results
 def replay_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:

@@ -19,7 +19,7 @@ _NOT_NEGATIVE = Real(min=0.0)
 @click.option("--cycles", type=Whole(1, MOST_CYCLES), default=2000, show_default=True, help="How many pushes.")
 @click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of all noise.")
 @click.option("--start-deg", type=Real(), default=0.0, show_default=True, help="θ0 of the first push.")
-@click.option("--noise-deg", type=_NOT_NEGATIVE, help="Scatter of θ0 from cycle to cycle. [default: 1.1]")
+@click.option("--noise-deg", type=_NOT_NEGATIVE, help="Scatter of θ0 from cycle to cycle. [default: its own or 1.1]")
 @click.option(
     "--pose-noise-mm", type=_NOT_NEGATIVE, default=0.0, show_default=True, help="Error of recorded positions."
 )

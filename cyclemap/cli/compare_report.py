@@ -8,7 +8,12 @@ from cyclemap.evidence.comparison.compare import Comparison
 from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement
 from cyclemap.evidence.comparison.direction_agreement import DirectionAgreement
 from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
-from cyclemap.evidence.comparison.push_agreement import PushAgreement, QuantityAgreement
+from cyclemap.evidence.comparison.push_agreement import (
+    Distances,
+    PushAgreement,
+    QuantityAgreement,
+    mean_distances,
+)
 from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
 from cyclemap.evidence.orientations.p_value import PValue
 from cyclemap.maps import StepComparison
@@ -31,6 +36,7 @@ def compare_report(material: str, found: Comparison) -> Json:
             "unreadable_files": found.data.unreadable,
         },
         "pushes": [_pushes(one) for one in found.pushes],
+        "ends_off": None if not found.pushes else _ends_off(*mean_distances(found.pushes)),
         "cycle": None if found.cycle is None else _cycle(found.cycle),
         "orientations": None if found.orientations is None else _orientations(found.orientations),
         "directions": None if found.directions is None else _directions(found.directions),
@@ -38,6 +44,12 @@ def compare_report(material: str, found: Comparison) -> Json:
         "verdicts": [{"question": one.question, "agrees": one.agrees, "words": one.words} for one in found.verdicts],
         "uncertified": list(found.uncertified),
     }
+
+
+def _ends_off(found: Distances, isotropic: Distances) -> Json:
+    named = {"mean": found, "isotropic_mean": isotropic}
+    places = {f"{name}_mm": number(_METRE * place) for name, (place, _) in named.items()}
+    return {**places, **{f"{name}_deg": number(_DEGREE * turn) for name, (_, turn) in named.items()}}
 
 
 def _pushes(found: PushAgreement) -> Json:

@@ -31,6 +31,14 @@ class RunRequest:
     picture_format: str
 
 
+select_option = click.option(
+    "--select",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Keep data with surface, object, speed_mm_s, side, fraction or angle_deg of this value; repeatable.",
+)
+
+
 def loop_options(command: Callable[..., None]) -> Callable[..., None]:
     """Give `command` the MATERIAL argument and the options of a loop; they reach it as one `LoopOptions`."""
     return _gathering(command, needs_material=True)

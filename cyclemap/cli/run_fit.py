@@ -24,6 +24,7 @@ MOST_NAMED = 10
 SELECT_KEYS = {
     "surface": ("surface", None),
     "object": ("object", None),
+    "shape": ("object", None),
     "speed_mm_s": ("speed", 1e-3),
     "side": ("side", 1.0),
     "fraction": ("fraction", 1.0),
@@ -56,7 +57,7 @@ def run_fit(data: Path, request: FitRequest, json_target: str | None) -> None:
 
 
 def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
-    """The columns and values of `key=value` texts, in SI units and radians.
+    """The columns and values of `key=value` texts, in SI units and radians; `shape` is another word for `object`.
 
     >>> selected_values(("surface=plywood", "speed_mm_s=20"))
     {'surface': 'plywood', 'speed': 0.02}

@@ -62,7 +62,7 @@ def run_identify(data: Sequence[Path], request: IdentifyRequest, json_target: st
 
 def _outcome(data: Sequence[Path], request: IdentifyRequest) -> Outcome:
     start = None if request.start is None else load_material(request.start)
-    fixed, loop, select = fixed_values(request.fix), _loop(data, request), selected_facts(request.select)
+    fixed, loop, select = fixed_values(request.fix), _loop(data, request), selected_values(request.select)
     space = starting_space(loop, start)
     choices: dict[str, Any] = {name: getattr(request, name) for name in ("first", "wear", "most")}
     with progress_bar("reading") as report:
@@ -75,15 +75,6 @@ def _outcome(data: Sequence[Path], request: IdentifyRequest) -> Outcome:
     sources = [f"{path.name}{since}" for path in data]
     material = identified_material(found, name, sources, collected.last_cycle, collected.loop.slider.name)
     return Outcome(collected, found, derived_quantities(found, seed=request.seed), material)
-
-
-def selected_facts(pairs: tuple[str, ...]) -> dict[str, str | float]:
-    """The facts of `key=value` texts, in SI units and radians; `shape` is another word for `object`.
-
-    >>> selected_facts(("shape=hex", "speed_mm_s=20"))
-    {'object': 'hex', 'speed': 0.02}
-    """
-    return selected_values(tuple(f"object={pair.partition('=')[2]}" if _is_shape(pair) else pair for pair in pairs))
 
 
 def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
@@ -100,10 +91,6 @@ def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
         except ValueError as cause:
             raise InvalidInput(f"--fix {pair!r} is not of the form name=number") from cause
     return values
-
-
-def _is_shape(pair: str) -> bool:
-    return pair.partition("=")[0].strip() == "shape"
 
 
 def _loop(data: Sequence[Path], request: IdentifyRequest) -> CollectionLoop:

@@ -10,6 +10,7 @@ from rich.table import Table
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.replay_report import replay_report
+from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.errors import CycleMapError
@@ -30,9 +31,10 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class ReplayRequest:
-    """What is asked of the replay: data, the rod's friction where it is named, and where results go."""
+    """What is asked of the replay: which data, the rod's friction where it is named, and where results go."""
 
     data: Path
+    select: tuple[str, ...]
     pusher_friction: float | None
     out: Path
     picture_format: str
@@ -49,7 +51,14 @@ def run_replay(options: LoopOptions, request: ReplayRequest, json_target: str | 
     sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
     with progress_bar(f"replaying {request.data.name}") as report:
         replayed = replay_pushes(
-            request.data, material.friction, pusher=pusher, sliders=sliders, plates=material.plates, progress=report
+            request.data,
+            material.friction,
+            pusher=pusher,
+            sliders=sliders,
+            plates=material.plates,
+            frames=material.frames,
+            select=selected_values(request.select),
+            progress=report,
         )
     if not replayed.replays:
         raise CycleMapError(f"{request.data}: no push could be replayed: {_reasons(replayed)}")

@@ -14,6 +14,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
 from cyclemap.evidence.simulation.simulated_collection import SimulatedCollection, simulate_collection
+from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import load_material
 
 # Far below any noise of a cycle, and twice as fast as the default.
@@ -42,6 +43,8 @@ def run_simulate(options: LoopOptions, request: SimulationRequest, json_target: 
     """Write the collection that is asked for, or the rest of it, and tell where it is."""
     chosen = chosen_collection(options).simplified()
     loop, cycle_by_cycle = _prepared(chosen, request)
+    own = loop.material.noise if request.noise_deg is None and chosen.sigma is None else None
+    measured = None if own is None else LocalNoise(own.log_sigma, own.correlation)
     with progress_bar(f"collection on {loop.material.name}") as report:
         made = simulate_collection(
             loop,
@@ -49,6 +52,7 @@ def run_simulate(options: LoopOptions, request: SimulationRequest, json_target: 
             request.cycles,
             start=math.radians(request.start_deg),
             noise=_noise(request, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma),
+            cycle_noise=measured,
             speed=1e-3 * request.speed_mm_s,
             wear_to=None if request.wear_to is None else load_material(request.wear_to),
             seed=request.seed,

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from cyclemap.mechanics.material import (
         CycleNoise,
         FoundWith,
+        FrameShift,
         Material,
         MaterialPosterior,
         PlatePressure,
@@ -57,6 +58,7 @@ __all__ = [
     "EnergyBalance",
     "Footprint",
     "FoundWith",
+    "FrameShift",
     "LimitSurface",
     "Material",
     "MaterialPosterior",

@@ -33,11 +33,14 @@ FILE_KEYS = (
     "plates",
     "posterior",
     "cycle_noise",
+    "frames",
 )
 # What a file may hold beside a surface: the object on it, and what is done to it (`cyclemap.collection`).
 _OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation")
 # Rows of a posterior: a sample tells a 95 % interval to a hundredth of its width with less.
 _MOST_SAMPLES = 4096
+# A camera that is further from the robot's frame (m) was never calibrated.
+_LONGEST_SHIFT = 0.02
 _FOUND_KEYS = {
     "pusher_mu": "pusher_friction",
     "pin_friction_mm": "pin_friction_radius",
@@ -82,6 +85,29 @@ class PlatePressure:
     def shares(self) -> dict[str, float]:
         """The three shares by name."""
         return {key: getattr(self, key) for key in SHARE_KEYS}
+
+
+@dataclass(frozen=True)
+class FrameShift:
+    """What to add to the robot's places (m) to have them in the camera's frame, in the data of one plate.
+
+    It belongs to those data, not to the surface: they are replayed with it, nothing is predicted with it.
+    Raises InvalidInput for a shift that is not finite or longer than 20 mm.
+    """
+
+    plate: str
+    x: float
+    y: float
+
+    def __post_init__(self) -> None:
+        for name in ("x", "y"):
+            value = finite_number(f"shift of the frames of {self.plate} along {name}", getattr(self, name))
+            object.__setattr__(self, name, value)
+        if math.hypot(self.x, self.y) > _LONGEST_SHIFT:
+            raise InvalidInput(
+                f"the frames of {self.plate} are shifted by {1e3 * math.hypot(self.x, self.y):.3g} mm: more than "
+                f"{1e3 * _LONGEST_SHIFT:g} mm is no calibration"
+            )
 
 
 @dataclass(frozen=True)
@@ -192,9 +218,9 @@ class Material:
     misfit : how far the data lie from what the numbers predict, in words. inferred : whether the numbers were inferred
     from how objects moved rather than measured as forces. found_with : what was identified along with the friction.
     wear : the friction at the end of the data; None where it is taken not to change. plates : how plates press on it,
-    those not named evenly. posterior : what else the data allow, of numbers that the material states; None where that
-    is not known. noise : of a cycle, as measured; None where that is not known. Raises InvalidInput where a sample of
-    the posterior is no material.
+    those not named evenly. frames : how the frames of the data behind it are shifted. posterior : what else the data
+    allow, of numbers that the material states, and noise : of a cycle, as measured; None where that is not known.
+    Raises InvalidInput where a sample of the posterior is no material.
     """
 
     name: str
@@ -207,9 +233,11 @@ class Material:
     plates: tuple[PlatePressure, ...] = ()
     posterior: MaterialPosterior | None = None
     noise: CycleNoise | None = None
+    frames: tuple[FrameShift, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "plates", tuple(self.plates))
+        object.__setattr__(self, "frames", tuple(self.frames))
         if not re.search(r"[^\W_]", self.name) or printable(self.name) != self.name or "\n" in self.name:
             raise InvalidInput(
                 f"a material's name is {self.name!r}: it names files and is printed, so it needs a letter or a "
@@ -303,7 +331,8 @@ def load_material(name: str | Path) -> Material:
     The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and it may hold `name`,
     `provenance`, `misfit`, `inferred` (true or false), a table [worn] with `cycles` and the friction after them, a
     table [found_with] of what was identified along with it: pusher_mu, pin_friction_mm,
-    a table [plates.NAME] for each plate with inner_share, rim_share, corner_share, and a table [posterior] with
+    a table [plates.NAME] for each plate with inner_share, rim_share, corner_share, a table [frames.NAME] with
+    shift_x_mm, shift_y_mm (`FrameShift`), and a table [posterior] with
     `parameters` and `samples` (`MaterialPosterior`), and a table [cycle_noise] with `log_sigma` and `correlation`
     (`CycleNoise`). [worn] may have a `course`, pairs [cycles, share] (`Wear`).
     Tables of object, push, reset, noise and strategy are passed over: `CollectionLoop.from_file` reads those.
@@ -364,6 +393,7 @@ def _material_from_table(table: dict[str, object], name: str) -> Material:
         plates=_plates(table),
         posterior=_posterior(table),
         noise=_noise(table),
+        frames=_frames(table),
     )
 
 
@@ -381,6 +411,19 @@ def _found_numbers(found: Mapping[str, object]) -> dict[str, float]:
     """Fields of `FoundWith` from the keys and units of a file."""
     unit = {"pin_friction_mm": 1e-3}
     return {_FOUND_KEYS[key]: unit.get(key, 1.0) * finite_number(key, value) for key, value in found.items()}
+
+
+def _frames(table: dict[str, object]) -> tuple[FrameShift, ...]:
+    frames = _table(table, "frames")
+    found = []
+    for plate in frames:
+        shift = _table(frames, plate)
+        for key in shift:
+            if key not in ("shift_x_mm", "shift_y_mm"):
+                raise unknown_name(f"key of [frames.{plate}]", key, ("shift_x_mm", "shift_y_mm"))
+        x, y = (finite_number(key, shift.get(key, 0.0)) for key in ("shift_x_mm", "shift_y_mm"))
+        found.append(FrameShift(plate, 1e-3 * x, 1e-3 * y))
+    return tuple(found)
 
 
 def _plates(table: dict[str, object]) -> tuple[PlatePressure, ...]:

@@ -42,9 +42,9 @@ def material_toml(material: Material) -> str:
     found = _found_with(material.found_with)
     lines += _table("found_with", found) if found else []
     for one in material.plates:
-        bare = re.fullmatch(r"[A-Za-z0-9_-]+", one.plate)
-        name = one.plate if bare else _text(one.plate)
-        lines += _table(f"plates.{name}", {key: value for key, value in one.shares.items() if value})
+        lines += _table(f"plates.{_key(one.plate)}", {key: value for key, value in one.shares.items() if value})
+    for shift in material.frames:
+        lines += _table(f"frames.{_key(shift.plate)}", {"shift_x_mm": 1e3 * shift.x, "shift_y_mm": 1e3 * shift.y})
     if material.noise is not None:
         lines += ["", "[cycle_noise]", f"log_sigma = {list(material.noise.log_sigma)!r}"]
         lines += [f"correlation = {material.noise.correlation!r}"]
@@ -71,6 +71,10 @@ def _found_with(found: FoundWith) -> dict[str, float]:
 
 def _table(name: str, numbers: dict[str, float]) -> list[str]:
     return ["", f"[{name}]", *(f"{key} = {float(value)!r}" for key, value in numbers.items())]
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
 
 
 def _text(value: str) -> str:

@@ -15,6 +15,7 @@ KEYS = [
     "prediction",
     "data",
     "pushes",
+    "ends_off",
     "cycle",
     "orientations",
     "directions",

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import cyclemap as cm
 from cyclemap.cli.main import run
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence.pushes.push_table import load_pushes
@@ -152,3 +153,14 @@ def test_a_full_disk_exits_1_leaves_nothing_half_written_and_can_be_gone_on_with
     assert sorted(path.name for path in folder.rglob("*.*")) == ["collection.toml", "true_theta0.txt"]
     assert simulate(folder) == 0
     assert len(load_pushes(folder).table) == 3
+
+
+def test_a_material_that_knows_its_noise_scatters_by_it_unless_told_otherwise(tmp_path, capsys) -> None:
+    """What was asked is written down: the noise of the material, or the one given."""
+    asked = ["simulate", "plywood-measured", "--cycles", "2", "--out"]
+    assert run([*asked, str(tmp_path / "own")]) == 0
+    assert run([*asked, str(tmp_path / "told"), "--noise-deg", "2"]) == 0
+    own, told = (read_toml(tmp_path / name / "collection.toml") for name in ("own", "told"))
+    assert "LocalNoise" in own["simulation"]["cycle_noise"] and "cycle_noise" not in told["simulation"]
+    again = cm.CollectionLoop.from_file(tmp_path / "own" / "collection.toml")
+    assert again.material.noise == cm.load_material("plywood-measured").noise

@@ -12,6 +12,7 @@ from pathlib import Path
 # As the command line does, and before numpy is imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+from cyclemap.cli.output import progress_bar
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS
 from cyclemap.evidence.identification.identify import identify
@@ -25,7 +26,7 @@ from cyclemap.mechanics.material_text import material_toml
 from cyclemap.whole_files import write_whole
 
 MATERIALS = ("abs", "delrin", "pu")
-STARTS = 8
+STARTS = 4
 LIMITS = (
     ". From means and standard deviations of 2000 equal pushes and from where the object lingers, no forces and no "
     "single motions; the friction scale cannot be told from motion: mean coefficient 0.25 by convention; other optima "
@@ -42,7 +43,8 @@ def inferred(name: str) -> Material:
     beliefs = {key: belief for key, belief in usual_beliefs(CYCLE_UNKNOWNS).items() if key not in held}
     block = statistics_block(published, CollectionLoop.mit())
     noise = {kind: size for kind, size in TOLERANCES.items() if kind in block.kinds}
-    found = identify([block], tuple(beliefs), held, priors=beliefs, noise=noise, starts=STARTS)
+    with progress_bar(name) as report:
+        found = identify([block], tuple(beliefs), held, priors=beliefs, noise=noise, starts=STARTS, progress=report)
     for note in found.notes:
         print(f"{name}: {note}", flush=True)
     material = identified_material(found, name, [SOURCE])

@@ -9,6 +9,7 @@ from cyclemap.mechanics import (
     CycleNoise,
     EllipseFriction,
     FoundWith,
+    FrameShift,
     Material,
     MaterialPosterior,
     PlatePressure,
@@ -28,6 +29,7 @@ RICH = Material(
     wear=Wear(EllipseFriction(0.29, 0.24, 0.01, -0.02, 1.1), 1500.0, ((100.0, 0.1), (1 / 3 + 400.0, 2 / 3))),
     noise=CycleNoise((-4.1, 1 / 3, -0.2), 0.69),
     plates=(PlatePressure("rect1", 0.1, 1 / 3), PlatePressure('my "box"', corner_share=0.1 + 0.2)),
+    frames=(FrameShift('my "box"', 1e-3, -2.5e-3),),
     posterior=MaterialPosterior(
         ("mu_a", "phi_deg", "worn.mu_a", "worn.phi_deg", "rect1.rim_share"),
         ((0.1 + 0.2, 1 / 3, 0.2, -1e-17, 0.1), (0.3, 100.0 / 3, 0.2, 7.0, 0.2)),

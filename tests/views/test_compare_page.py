@@ -23,7 +23,8 @@ def made_pushes() -> PushAgreement:
     predicted = np.column_stack([1.2 + 0.1 * np.sin(theta), 0.04 + 0 * theta, -0.08 + 0.01 * np.cos(theta)])
     measured = predicted + 0.001 * rng.standard_normal((50, 3))
     columns = zip(("dtheta", "dx", "dy"), measured.T, predicted.T, strict=True)
-    return PushAgreement(FACTS, 0.15, theta, measured, predicted, tuple(quantity_agreement(*c) for c in columns))
+    quantities = tuple(quantity_agreement(*column) for column in columns)
+    return PushAgreement(FACTS, 0.15, theta, measured, predicted, measured, quantities)
 
 
 @pytest.fixture(scope="module")

@@ -20,6 +20,7 @@ from cyclemap.evidence.comparison.prediction import Prediction, as_prediction, r
 from cyclemap.evidence.comparison.push_agreement import (
     PushAgreement,
     QuantityAgreement,
+    mean_distances,
     pooled_quantities,
     push_agreement,
 )
@@ -88,7 +89,8 @@ class Comparison:
         """The answer to each question that could be asked, in words with numbers (degrees, millimetres)."""
         pooled = len(self.pushes) > MOST_SETS
         parts = (self.cycle, self.orientations, self.directions, self.staircase)
-        return all_verdicts(self.told_pushes, *parts, pooled)
+        distances = mean_distances(self.pushes) if self.pushes else None
+        return all_verdicts(self.told_pushes, distances, *parts, pooled)
 
 
 def compare(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,14 @@ from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.evidence.comparison.collection_data import PushSet
 from cyclemap.evidence.laws.linear_fit import fit_linear
+from cyclemap.mechanics import EllipseFriction
 
 QUANTITIES = ("dtheta", "dx", "dy")
 # Below so many pushes the error of a bias is not told.
 FEWEST = 3
+
+# Mean size of an error of place (m) and of turn (rad).
+Distances = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -67,7 +72,8 @@ class PushAgreement:
     """The pushes of one set beside the loop's.
 
     facts : of the set. length : of its pushes, their median, m. theta : (n,) rad.
-    measured, predicted : (n, 3), dtheta (rad), dx, dy (m). quantities : dtheta, dx, dy.
+    measured, predicted, isotropic : (n, 3), dtheta (rad), dx, dy (m), the last of isotropic friction under even
+    pressure, all else alike. quantities : dtheta, dx, dy.
     """
 
     facts: Mapping[str, Any]
@@ -75,6 +81,7 @@ class PushAgreement:
     theta: Array
     measured: Array
     predicted: Array
+    isotropic: Array
     quantities: tuple[QuantityAgreement, ...]
 
     @property
@@ -94,16 +101,36 @@ def push_agreement(pushes: PushSet) -> PushAgreement:
 
     Raises UnsupportedContact where the mechanics cannot follow a push.
     """
-    loop, starts = pushes.loop, zip(pushes.theta.tolist(), pushes.push, strict=True)
-    runs = [loop.model.push(loop.start_pose(theta), push) for theta, push in starts]
-    predicted = np.array([[run.turn, *run.displacement] for run in runs])
+    loop, starts = pushes.loop, list(zip(pushes.theta.tolist(), pushes.push, strict=True))
+    even = EllipseFriction.isotropic(math.sqrt(loop.material.friction.mu_a * loop.material.friction.mu_b))
+    found = []
+    for model in (loop.model, replace(loop.model, friction=even, footprint=None)):
+        runs = [model.push(loop.start_pose(theta), push) for theta, push in starts]
+        found.append(np.array([[run.turn, *run.displacement] for run in runs]))
+    predicted, isotropic = found
     measured = np.column_stack([pushes.dtheta, pushes.displacement])
     pairs = zip(QUANTITIES, measured.T, predicted.T, strict=True)
     quantities = tuple(quantity_agreement(*one) for one in pairs)
     length = float(np.median([push.distance for push in pushes.push]))
     return PushAgreement(
-        pushes.facts, length, read_only(pushes.theta), read_only(measured), read_only(predicted), quantities
+        pushes.facts,
+        length,
+        read_only(pushes.theta),
+        read_only(measured),
+        read_only(predicted),
+        read_only(isotropic),
+        quantities,
     )
+
+
+def mean_distances(sets: Sequence[PushAgreement]) -> tuple[Distances, Distances]:
+    """How far pushes end from the prediction on average, place (m) and turn (rad), and from isotropic friction's."""
+    measured, *both = (
+        np.concatenate([getattr(one, name) for one in sets]) for name in ("measured", "predicted", "isotropic")
+    )
+    off = [np.abs(predicted - measured) for predicted in both]
+    first, other = ((float(np.mean(np.hypot(*one[:, 1:].T))), float(np.mean(one[:, 0]))) for one in off)
+    return first, other
 
 
 def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement, ...]:

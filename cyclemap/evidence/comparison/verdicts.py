@@ -10,7 +10,7 @@ import numpy as np
 from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement
 from cyclemap.evidence.comparison.direction_agreement import DirectionAgreement, DirectionMatch
 from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
-from cyclemap.evidence.comparison.push_agreement import QuantityAgreement
+from cyclemap.evidence.comparison.push_agreement import Distances, QuantityAgreement
 from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
 from cyclemap.evidence.orientations.p_value import PValue
 
@@ -31,6 +31,7 @@ class Verdict:
 
 def all_verdicts(
     pushes: Sequence[tuple[str, tuple[QuantityAgreement, ...]]],
+    distances: tuple[Distances, Distances] | None,
     cycle: CycleAgreement | None,
     orientations: OrientationAgreement | None,
     directions: DirectionAgreement | None,
@@ -39,10 +40,13 @@ def all_verdicts(
 ) -> tuple[Verdict, ...]:
     """Every verdict that the parts of a comparison allow, in this order.
 
-    pushes : quantities by the name of their set. pooled : whether they are of several sets taken together.
+    pushes : quantities by the name of their set. distances : how far pushes end from the prediction, and from that of
+    isotropic friction. pooled : whether they are of several sets taken together.
     """
     told = _pooled_verdict if pooled else _push_verdict
     found = [told(quantity, name) for name, quantities in pushes for quantity in quantities]
+    if distances is not None:
+        found.append(_distance_verdict(*distances))
     if cycle is not None:
         found += _cycle_verdicts(cycle)
     if orientations is not None:
@@ -73,6 +77,14 @@ def _pooled_verdict(found: QuantityAgreement, whose: str) -> Verdict:
     off = f"RMSE {scale * found.rmse:.2f}{unit}, bias {_fixed(scale * found.bias, 2)}{unit}{error}"
     words = f"Over {found.count} pushes{whose} the {name} is predicted with {off}; its standard deviation is "
     return Verdict(f"{name}{whose}", None, f"{words}{scale * found.measured_std:.2f}{unit}.")
+
+
+def _distance_verdict(found: Distances, isotropic: Distances) -> Verdict:
+    """What knowing the friction is worth: distances, not coordinates; nothing is tested."""
+    (off, turned), (even, even_turn) = found, isotropic
+    beside = f"isotropic friction is {1e3 * even:.1f} mm and {_degrees(even_turn)} off"
+    words = f"Pushes end {1e3 * off:.1f} mm and {_degrees(turned)} from the prediction on average; {beside}."
+    return Verdict("ends of pushes", None, words)
 
 
 def _named(found: QuantityAgreement) -> tuple[str, str, float]:

@@ -18,7 +18,7 @@ Place = tuple[float, float]
 
 # The robot was further than this from where it was sent: the push is not the one that was asked for.
 LARGEST_TIP_ERROR = 5e-3
-_PUSH_COLUMNS = ("x0", "y0", "th0", "x1", "y1", "th1", "tip_x0", "tip_y0", "tip_x1", "tip_y1")
+PUSH_END_COLUMNS = ("x0", "y0", "th0", "x1", "y1", "th1", "tip_x0", "tip_y0", "tip_x1", "tip_y1")
 _DRAG_COLUMNS = ("x1", "y1", "th1", "x0n", "y0n", "th0n")
 _CONTACT_COLUMNS = ("i", "s", "t")
 
@@ -73,8 +73,8 @@ def read_measured_pushes(
     present, label the contact. Raises DataFileError naming file, line and mend; InvalidInput where no row is selected.
     """
     table = read_csv_table(path)
-    require_columns(table, _PUSH_COLUMNS)
-    rows = [row for row in _selected(table, select) if _tip_error(table, row) <= largest_tip_error]
+    require_columns(table, PUSH_END_COLUMNS)
+    rows = [row for row in _selected(table, select) if tip_error(table, row) <= largest_tip_error]
     labels = _contact_labels(table, rows, ("i", "s"))
     return tuple(_push(table, row, label) for row, label in zip(rows, labels, strict=True))
 
@@ -97,7 +97,8 @@ def _selected(table: CsvTable, select: Mapping[str, str] | None) -> list[CsvRow]
     return rows
 
 
-def _tip_error(table: CsvTable, row: CsvRow) -> float:
+def tip_error(table: CsvTable, row: CsvRow) -> float:
+    """Return how far the robot was from where it was sent (m), 0 where no column tells."""
     return 1e-3 * table.number(row, "tip_err_mm") if "tip_err_mm" in table.header else 0.0
 
 
@@ -111,7 +112,7 @@ def _contact_labels(table: CsvTable, rows: list[CsvRow], columns: tuple[str, ...
 
 
 def _push(table: CsvTable, row: CsvRow, contact: int) -> MeasuredPush:
-    x0, y0, theta0, x1, y1, theta1, *tips = (table.number(row, column) for column in _PUSH_COLUMNS)
+    x0, y0, theta0, x1, y1, theta1, *tips = (table.number(row, column) for column in PUSH_END_COLUMNS)
     end = Pose(x1, y1, theta0 + float(shorter_way(theta1 - theta0)))
     try:
         return MeasuredPush(Pose(x0, y0, theta0), end, (tips[0], tips[1]), (tips[2], tips[3]), contact)

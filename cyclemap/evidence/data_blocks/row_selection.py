@@ -94,6 +94,12 @@ def select_csv(path: Path, selection: RowSelection) -> CsvSelection:
     return CsvSelection(texts, tuple(picked.values()), frozenset(told["surface"]), frozenset(told["object"]), left_out)
 
 
+def row_facts(table: CsvTable, row: CsvRow) -> dict[str, str | float | None]:
+    """Return what a row of a CSV file tells of its push, by FACTS; None where it does not."""
+    sources = {name: _source(table, name) for name in FACTS}
+    return {name: None if column is None else _fact(table, row, name, column) for name, column in sources.items()}
+
+
 def select_pushes(
     path: Path, selection: RowSelection, tables_too: bool, progress: Any = None
 ) -> tuple[PushTable, Counter[str]]:

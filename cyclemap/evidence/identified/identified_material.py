@@ -14,7 +14,7 @@ from cyclemap.evidence.identification.identification import Estimate, Identifica
 from cyclemap.evidence.identification.priors import PRIOR_KIND
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.evidence.identified.identified_curves import worn_friction_of
-from cyclemap.mechanics import EllipseFriction, FoundWith, Material, MaterialPosterior, PlatePressure, Wear
+from cyclemap.mechanics import EllipseFriction, FoundWith, FrameShift, Material, MaterialPosterior, PlatePressure, Wear
 
 POSTERIOR_SAMPLES = 200
 # Keys of a material file, what they are here, and the factor to their unit.
@@ -53,8 +53,19 @@ def identified_material(
         found_with=FoundWith(**told),
         plates=tuple(PlatePressure(named or plate, **shares) for named, shares in found.plates.items()),
         wear=None if worn is None or last_cycle <= 0.0 else Wear(worn, last_cycle),
+        frames=_frames(found, plate),
     )
     return replace(material, posterior=_posterior(found, material, plate, seed))
+
+
+def _frames(found: Identification, plate: str) -> tuple[FrameShift, ...]:
+    """The shifts of the frames by plate, as identified or held."""
+    shifts: dict[str, list[float]] = {}
+    for axis, name in enumerate(("tip_offset_x", "tip_offset_y")):
+        for key, value in found.values.items():
+            if key.partition("[")[0] == name:
+                shifts.setdefault(key.partition("[")[2].rstrip("]") or plate, [0.0, 0.0])[axis] = value
+    return tuple(FrameShift(named, *shift) for named, shift in sorted(shifts.items()))
 
 
 def _posterior(found: Identification, material: Material, plate: str, seed: int) -> MaterialPosterior | None:

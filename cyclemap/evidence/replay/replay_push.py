@@ -30,8 +30,9 @@ class Replay:
 
     time : (n,) s. measured, predicted : (n, 3), x, y (m) and theta (rad, counted along the series).
     travel : (n,) m, the rod's way along its path. tip : (n, 2) m, its place.
-    shift : (2,) m, by which the recorded path was moved so that the rod does not start inside the object; zero where
-        it starts outside. start_gap : m, between rod and object at the start as recorded; negative: they overlap.
+    shift : (2,) m, by which the recorded path was moved: by the offset that was given, and on so that the rod does not
+        start inside the object. start_gap : m, between rod and object at the start with the offset alone; negative:
+        they overlap.
     straightness : m, how far the path leaves its chord. strokes : how many straight pushes stand for it.
     measured_onset, predicted_onset : m, travel at which the object has moved by 0.5 mm at its rim; NaN: never.
     measured_end_gap, predicted_end_gap : m, between rod and object at the end.
@@ -98,13 +99,14 @@ class Replay:
         return (self.measured_end_gap > CONTACT_SLACK) == (self.predicted_end_gap > CONTACT_SLACK)
 
 
-def replay_push(record: PushRecord, model: QuasiStaticModel) -> Replay:
+def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float, float] = (0.0, 0.0)) -> Replay:
     """Push the model's slider from the record's first pose along the record's tip path.
 
     The path is a chain of straight strokes within 0.3 mm of the recorded places; a straight one is a single push. The
     model is quasi-static: the tip's times say where the rod is, its speed changes nothing. A rod that overlaps the
     object at the start by up to 5 mm is an offset between two calibrations: the path is then shifted along the
-    outward normal until they touch. A rod that never touches predicts no motion.
+    outward normal until they touch. `offset` (m) is added to the path before, as far as it is known. A rod that never
+    touches predicts no motion.
 
     Raises InvalidInput for a larger overlap or a tip that does not move; UnsupportedContact and ConvergenceError as
     `QuasiStaticModel.push` does.
@@ -118,7 +120,8 @@ def replay_push(record: PushRecord, model: QuasiStaticModel) -> Replay:
     [9.75]
     """
     path, start = tip_path(record.tip_pose), Pose(*record.start)
-    shift = clearing_shift(model, start, path.start)
+    first = (path.start[0] + offset[0], path.start[1] + offset[1])
+    shift = clearing_shift(model, start, first) + offset
     run = _run(model, start, path.corners + shift)
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
     travel = path.travel_at(record.object_pose[:, 0])
@@ -131,7 +134,7 @@ def replay_push(record: PushRecord, model: QuasiStaticModel) -> Replay:
         tip,
         shift,
         model.slider.outline_points(),
-        start_gap=rod_gap(model, start, path.start)[0],
+        start_gap=rod_gap(model, start, first)[0],
         straightness=path.straightness,
         strokes=path.strokes,
         measured_onset=_onset(measured, travel, model.unit),

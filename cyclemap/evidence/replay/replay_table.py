@@ -1,21 +1,32 @@
-"""Every recorded push of a collection replayed, a row a file, and the errors gathered by object or by speed."""
+"""Every recorded push of a collection replayed, a row each, and the errors gathered by object or by speed."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.evidence.data_blocks.measured_strokes import LARGEST_TIP_ERROR, PUSH_END_COLUMNS, tip_error
+from cyclemap.evidence.data_blocks.row_selection import RowSelection, row_facts, select_pushes
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord
-from cyclemap.evidence.pushes.push_table import UnreadableFile, load_pushes
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
 from cyclemap.evidence.replay.replay_push import Replay, replay_push
 from cyclemap.evidence.replay.shapes import dataset_sliders
-from cyclemap.mechanics import EllipseFriction, PatchFootprint, PlatePressure, Pusher, QuasiStaticModel, Slider
+from cyclemap.mechanics import (
+    EllipseFriction,
+    FrameShift,
+    PatchFootprint,
+    PlatePressure,
+    Pusher,
+    QuasiStaticModel,
+    Slider,
+)
+from cyclemap.text_files import read_csv_table
 
 if TYPE_CHECKING:
     import pandas
@@ -112,36 +123,52 @@ def replay_pushes(
     pusher: Pusher = DATASET_PUSHER,
     sliders: Mapping[str, Slider] | None = None,
     plates: Sequence[PlatePressure] = (),
+    frames: Sequence[FrameShift] = (),
+    select: Mapping[str, str | float] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> ReplayedPushes:
-    """Replay every push of a file, a folder or a tree in the MIT layout along its own tip path; see `replay_push`.
+    """Replay every push of a file, a folder or a tree along its own tip path; see `replay_push`.
+
+    The layout is that of the MIT dataset, or CSV with a row a push: poses before and after (`x0,y0,th0,x1,y1,th1`, m
+    and rad) and the rod's places (`tip_x0,tip_y0,tip_x1,tip_y1`), which went straight from one to the other.
 
     friction : of the surface; of an isotropic one the coefficient changes no motion. sliders : the objects by the
     names in the files; None: those of the dataset, `butter` among them. plates : how objects press on the surface, by
-    the same names; the others evenly. Each push is replayed on isotropic friction under even pressure, too, with the
-    same rod: what is known of surface and plates is worth what it gains on that. progress : called with
-    the fraction done.
+    the same names; the others evenly. frames : how the frames of each plate's data are shifted. select : values of
+    surface, object, speed, side, fraction, angle (SI, rad) to keep. Each push is replayed on isotropic friction under
+    even pressure, too, with the same rod, no frame shifted: what is known of surface and plates is worth what it gains
+    on that. progress : called with the fraction done.
 
     A push that cannot be replayed - its object unknown, the rod over 5 mm inside it at the start, a contact outside
-    the model, a table of end poses without a tip path, a file that cannot be read - is listed in `not_replayed` with
-    the reason. Raises InvalidInput where there is no push data at `path`.
+    the model, a table of end poses without a tip path, a robot more than 5 mm from where it was sent, a file that
+    cannot be read - is listed in `not_replayed` with the reason. Raises InvalidInput where there is no push data at
+    `path`, or none that is selected.
     """
-    report = progress or (lambda fraction: None)
-    found = load_pushes(path, progress=lambda fraction: report(_READING * fraction))
-    runner = _Runner(dataset_sliders() if sliders is None else sliders, friction, pusher, plates)
+    report, chosen = progress or (lambda fraction: None), dict(select or {})
+    selection = RowSelection((str(chosen["object"]),) if "object" in chosen else (), chosen)
+    found, left = select_pushes(Path(path), selection, True, lambda fraction: report(_READING * fraction))
+    runner = _Runner(dataset_sliders() if sliders is None else sliders, friction, pusher, plates, frames)
     rows: list[dict[str, Any]] = []
     replays: list[Replay] = []
     left_out = [*found.unreadable, *(_without_push(file) for file in found.scans["path"].unique())]
-    files = found.table["path"].unique()
-    for done, name in enumerate(files, 1):
+    files, total, done = found.table["path"].unique(), max(len(found.table), 1), 0
+    if not len(files) and left:
+        raise InvalidInput(f"{path}: nothing is selected: {', '.join(f'{count} {why}' for why, count in left.items())}")
+    for name in files:
         try:
-            replay, row = runner.replay(Path(name))
+            for facts, record in _recorded(Path(name), selection, left_out):
+                done += 1
+                try:
+                    replay, row = runner.replay(Path(name), facts, record)
+                except CycleMapError as error:
+                    left_out.append(UnreadableFile(Path(name), str(error)))
+                else:
+                    replays.append(replay)
+                    rows.append(row)
+                report(_READING + (1.0 - _READING) * min(done / total, 1.0))
         except CycleMapError as error:
             left_out.append(UnreadableFile(Path(name), str(error)))
-        else:
-            replays.append(replay)
-            rows.append(row)
-        report(_READING + (1.0 - _READING) * done / len(files))
+    report(1.0)
     left_out.sort(key=lambda entry: entry.path)
     return ReplayedPushes(_frame(rows), tuple(replays), tuple(left_out))
 
@@ -155,24 +182,20 @@ class _Runner:
         friction: EllipseFriction,
         pusher: Pusher,
         plates: Sequence[PlatePressure],
+        frames: Sequence[FrameShift],
     ) -> None:
         self._sliders, self._friction, self._pusher = sliders, friction, pusher
         self._plates = {one.plate: one for one in plates}
+        self._frames = {one.plate: (one.x, one.y) for one in frames}
         self._models: dict[str, tuple[QuasiStaticModel, QuasiStaticModel]] = {}
 
-    def replay(self, path: Path) -> tuple[Replay, dict[str, Any]]:
-        if path.suffix.lower() == ".csv":
-            raise InvalidInput("a table of poses before and after has no tip path to replay")
-        facts, record = push_facts(path), read_push_file(path)
-        if not isinstance(record, PushRecord):
-            raise InvalidInput("a friction scan, not a push")
-        model, plain = self._both(facts)
-        replay = replay_push(record, model)
-        isotropic = replay if plain is model else replay_push(record, plain)
-        return replay, _row(path, facts or PushFacts(), replay, isotropic)
+    def replay(self, path: Path, facts: PushFacts, record: PushRecord) -> tuple[Replay, dict[str, Any]]:
+        (model, plain), offset = self._both(facts.object), self._frames.get(facts.object or "", (0.0, 0.0))
+        replay = replay_push(record, model, offset)
+        isotropic = replay if plain is model and not any(offset) else replay_push(record, plain)
+        return replay, _row(path, facts, replay, isotropic)
 
-    def _both(self, facts: PushFacts | None) -> tuple[QuasiStaticModel, QuasiStaticModel]:
-        name = None if facts is None else facts.object
+    def _both(self, name: str | None) -> tuple[QuasiStaticModel, QuasiStaticModel]:
         if name is None:
             raise InvalidInput("its name does not say which object was pushed: it is not of the MIT layout")
         if name not in self._sliders:
@@ -189,6 +212,33 @@ class _Runner:
             is_plain = footprint is None and law.mu_a == law.mu_b and law.m0 == law.n0 == 0.0
             self._models[name] = (model, model if is_plain else plain)
         return self._models[name]
+
+
+def _recorded(
+    path: Path, selection: RowSelection, left_out: list[UnreadableFile]
+) -> Iterator[tuple[PushFacts, PushRecord]]:
+    """The pushes of a file with what is known of each: one of a file of the MIT layout, many of a CSV table."""
+    if path.suffix.lower() != CSV_SUFFIX:
+        record = read_push_file(path)
+        if not isinstance(record, PushRecord):
+            raise InvalidInput("a friction scan, not a push")
+        yield push_facts(path) or PushFacts(), record
+        return
+    table = read_csv_table(path)
+    if missing := [name for name in PUSH_END_COLUMNS if name not in table.header]:
+        raise InvalidInput(f"a table of poses before and after has no tip path to replay: no {', '.join(missing)}")
+    for row in table.rows:
+        facts = row_facts(table, row)
+        if selection.refusal(facts):
+            continue
+        x0, y0, th0, x1, y1, th1, *tip = (table.number(row, name) for name in PUSH_END_COLUMNS)
+        if (astray := tip_error(table, row)) > LARGEST_TIP_ERROR:
+            left_out.append(UnreadableFile(path, f"line {row.line}: the robot was {1e3 * astray:.3g} mm off its way"))
+            continue
+        poses = [[0.0, x0, y0, th0], [1.0, x1, y1, th1]]
+        tips = [[0.0, tip[0], tip[1], 0.0], [1.0, tip[2], tip[3], 0.0]]
+        known = {name: value for name, value in facts.items() if value is not None}
+        yield PushFacts(**known), PushRecord(poses, tips, [[0.0, 0.0, 0.0, 0.0]])  # type: ignore[arg-type]
 
 
 def _without_push(path: str) -> UnreadableFile:

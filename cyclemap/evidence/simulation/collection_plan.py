@@ -17,6 +17,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_files import SUFFIXES
 from cyclemap.evidence.simulation.recorded_motion import FIRST_CLOCK, Recording, RecordingNoise
 from cyclemap.evidence.simulation.recorded_push import recorded_seconds
+from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import Material, SidePush
 from cyclemap.mechanics.friction import worn_friction
 
@@ -33,7 +34,8 @@ _LONGEST_ARGUMENT = 500
 class CollectionPlan:
     """A collection of `cycles` pushes that `loop` makes from orientation `start` (rad) on.
 
-    noise : see `RecordingNoise`. speed : m/s, of the rod. wear_to : the surface at the last cycle; the loop's own is
+    noise : see `RecordingNoise`. cycle_noise : the scatter of θ0 in place of `noise.turn`, where it depends on θ0 or on
+    the cycle before. speed : m/s, of the rod. wear_to : the surface at the last cycle; the loop's own is
     that at the first, and the limit ellipse goes from the one to the other in a straight line (see `worn_friction`);
     None: the surface wears as its material says.
     seed : of all random numbers. scans : whether friction scans, of the fresh surface, come first. suffix : of files.
@@ -54,6 +56,7 @@ class CollectionPlan:
     suffix: str = ".h5"
     cycle_loops: tuple[CollectionLoop, ...] | None = None
     gripper_turns: tuple[float, ...] | None = None
+    cycle_noise: LocalNoise | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cycles", whole_number("cycles", self.cycles, least=1))
@@ -97,6 +100,20 @@ class CollectionPlan:
         """The random numbers of one stream for one cycle, the same whatever was drawn before."""
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(stream, number)))
 
+    def kick(self, cycle: int, theta: float) -> float:
+        """By how much noise turns θ0 (rad) in `cycle`, that began at `theta`: the same whatever was drawn before."""
+        size = self.noise.turn if self.cycle_noise is None else float(self.cycle_noise.sigma(theta))
+        return size * self._scatter[cycle]
+
+    @cached_property
+    def _scatter(self) -> list[float]:
+        """The scatter of each cycle in standard deviations, as alike as successive cycles are."""
+        rho = 0.0 if self.cycle_noise is None else self.cycle_noise.correlation
+        drawn = [float(self.generator(TURN, cycle).standard_normal()) for cycle in range(self.cycles)]
+        for cycle in range(1, self.cycles):
+            drawn[cycle] = rho * drawn[cycle - 1] + math.sqrt(1.0 - rho**2) * drawn[cycle]
+        return drawn
+
     def recording(self, cycle: int) -> Recording:
         """How the push of `cycle` is recorded."""
         start = FIRST_CLOCK + cycle * self._period
@@ -124,6 +141,7 @@ class CollectionPlan:
             **{name: _short(repr(part)) for name, part in parts.items()},
             "speed_m_s": self.speed,
             "noise_turn_rad": noise.turn,
+            **({} if self.cycle_noise is None else {"cycle_noise": _short(repr(self.cycle_noise))}),
             "noise_position_m": noise.position,
             "noise_angle_rad": noise.angle,
             "noise_force_n": noise.force,

@@ -13,7 +13,7 @@ from cyclemap.errors import CycleMapError
 from cyclemap.evidence.pushes.push_record import PushRecord
 from cyclemap.evidence.pushes.push_writer import write_push_file
 from cyclemap.evidence.simulation.collection_folder import CollectionFolder
-from cyclemap.evidence.simulation.collection_plan import INSTRUMENTS, SCANS, TURN, CollectionPlan
+from cyclemap.evidence.simulation.collection_plan import INSTRUMENTS, SCANS, CollectionPlan
 from cyclemap.evidence.simulation.friction_scan import record_scan, scan_set
 from cyclemap.evidence.simulation.recorded_push import record_push
 from cyclemap.whole_files import only_writer
@@ -51,11 +51,13 @@ def simulate_collection(
     """Write a collection of `cycles` pushes as files of the MIT layout, or go on with one that was begun.
 
     Cycle n starts at θ0 = θ_n, is run with the friction of its day, and θ_{n+1} = F_n(θ_n) + α_n + ξ_n with
-    ξ_n ~ N(0, noise.turn²), F_n the cycle map of its loop (to `loop.accuracy`) and α_n the turn by a gripper, if any.
+    ξ_n ~ N(0, noise.turn²), or as `cycle_noise` says, F_n the cycle map of its loop (to `loop.accuracy`) and α_n the
+    turn by a gripper, if any.
     The drag back is not recorded. See `record_push` for the series and their accuracy, `record_scan` for scans.
 
-    asked : fields of `CollectionPlan`: start (rad), noise (`RecordingNoise`), speed (m/s), wear_to (`Material`),
-    seed, scans, suffix, cycle_loops, gripper_turns (rad). progress : called with the fraction done.
+    asked : fields of `CollectionPlan`: start (rad), noise (`RecordingNoise`), cycle_noise (`LocalNoise`), speed (m/s),
+    wear_to (`Material`), seed, scans, suffix, cycle_loops, gripper_turns (rad). progress : called with the fraction
+    done.
 
     Every file is there whole or not at all. Random numbers depend on seed and cycle alone, so that a run that was
     broken off and is called again with the same arguments ends with the files of an undisturbed one, bit for bit:
@@ -103,8 +105,7 @@ def _run(plan: CollectionPlan, cycle: int, theta: float) -> tuple[PushRecord, fl
         raise type(error)(f"cycle {cycle}, from θ0 = {math.degrees(theta):.3f} degrees: {error}") from error
     instruments = plan.generator(INSTRUMENTS, cycle)
     record = record_push(push, loop.push.distance, plan.recording(cycle), instruments)
-    noise = plan.noise.turn * float(plan.generator(TURN, cycle).standard_normal())
-    return record, back.end.theta + plan.gripper_turn_at(cycle) + noise
+    return record, back.end.theta + plan.gripper_turn_at(cycle) + plan.kick(cycle, theta)
 
 
 def _write_scans(home: CollectionFolder, plan: CollectionPlan) -> int:

@@ -127,12 +127,14 @@ def test_a_loop_is_compared_with_its_pushes_and_its_cycles(quick, tmp_path, loop
     told = []
     found = compare(loop, tmp_path / "poses.csv", noise=NOISE, runs=19, progress=told.append)
     assert found.prediction.kind == "loop"
-    assert [one.question for one in found.verdicts][:4] == [
+    assert [one.question for one in found.verdicts][:5] == [
         "mean turn of a push of rect1 on plywood",
         "mean Δx of rect1 on plywood",
         "mean Δy of rect1 on plywood",
+        "ends of pushes",
         "mean turn of a cycle",
     ]
+    assert found.verdicts[3].words.startswith("Pushes end 1.0 mm and 0.0° from the prediction on average; isotropic")
     assert found.cycle.agreement.pairs == 40
     assert "predicted over 41 pushes" in found.verdicts[1].words
     assert np.allclose(np.diff(found.data.path), np.diff(path), atol=1e-9)

@@ -10,7 +10,7 @@ from made_replays import FRICTION, START, clock, model_of, record_of
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.replay.replay_table import REPLAY_COLUMNS, replay_pushes
-from cyclemap.mechanics import EllipseFriction, PatchFootprint, PlatePressure, Slider, WorldPush
+from cyclemap.mechanics import EllipseFriction, FrameShift, PatchFootprint, PlatePressure, Slider, WorldPush
 from cyclemap.mechanics.outline import Ellipse
 
 
@@ -122,3 +122,27 @@ def test_a_plates_pressure_explains_its_pushes_and_isotropy_stands_beside(tmp_pa
     assert row["error"] < 5e-5 and abs(row["turn_error"]) < 1e-3
     assert row["isotropic_error"] == pytest.approx(beside["error"], abs=1e-6) and beside["error"] > 3e-4
     assert own.by("object").iloc[0]["isotropic_mean_error"] == pytest.approx(beside["error"], abs=1e-6)
+
+
+def test_a_table_of_tips_is_replayed_with_the_shift_of_its_frames(tmp_path) -> None:
+    """Ends made by the model come back, with the robot's places moved by a known shift; astray and others stay out."""
+    model, rows = model_of("rect1", 1e-7), []
+    for number, aside in enumerate((-0.02, 0.0, 0.01)):
+        tip, heading = np.array(START.to_world(aside, 0.06)), START.theta - math.pi / 2
+        end = model.push(START, WorldPush(tuple(tip.tolist()), heading, 0.05)).end
+        last = tip + 0.05 * np.array([math.cos(heading), math.sin(heading)])
+        shifted = np.concatenate([tip, last]) - np.tile((1e-3, -2e-3), 2)
+        poses = [START.x, START.y, START.theta, end.x, end.y, end.theta]
+        rows.append(["abs", "rect1", number, *poses, *shifted.tolist(), 0.1])
+    rows += [[*rows[0][:-1], 9.0], ["plywood", *rows[0][1:]]]
+    header = "surface,shape,i,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1,tip_err_mm"
+    path = tmp_path / "ends.csv"
+    path.write_text("\n".join([header, *(",".join(map(str, row)) for row in rows)]))
+    asked = {"pusher": model.pusher, "select": {"surface": "abs"}}
+    found = replay_pushes(path, FRICTION, frames=[FrameShift("rect1", 1e-3, -2e-3)], **asked)
+    assert found.table["side"].tolist() == [0.0, 1.0, 2.0] and set(found.table["surface"]) == {"abs"}
+    assert found.table["error"].max() < 1e-6 and found.table["turn_error"].abs().max() < 1e-4
+    assert found.table["isotropic_error"].min() > 1e-4
+    assert [one.reason for one in found.not_replayed] == ["line 5: the robot was 9 mm off its way"]
+    with pytest.raises(InvalidInput, match="nothing is selected"):
+        replay_pushes(path, FRICTION, select={"surface": "delrin"})

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import cyclemap as cm
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.pushes.push_table import load_pushes
@@ -97,6 +98,18 @@ def test_cycles_scatter_about_the_map_as_asked(tmp_path) -> None:
     assert abs(np.corrcoef(error[1:], error[:-1])[0, 1]) < 3.0 / math.sqrt(cycles)
     recorded = load_pushes(tmp_path).table["theta0"].to_numpy()
     assert np.remainder(recorded - theta[:-1] + 1.0, 2.0 * math.pi) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_scatter_may_depend_on_the_orientation_and_on_the_cycle_before() -> None:
+    """Its size is that of the noise at θ0, neighbours correlate as asked, and the first of many are those of few."""
+    noise = cm.maps.LocalNoise((math.log(0.02), 0.5, 0.0), 0.6)
+    plan = CollectionPlan(LOOP, 4000, cycle_noise=noise, seed=5)
+    kicks = np.array([plan.kick(cycle, theta) for cycle, theta in enumerate(np.linspace(0.0, 60.0, 4000).tolist())])
+    unit = kicks / noise.sigma(np.linspace(0.0, 60.0, 4000))
+    assert np.std(unit) == pytest.approx(1.0, abs=0.05)
+    assert np.mean(unit[1:] * unit[:-1]) == pytest.approx(0.6, abs=0.05)
+    few = CollectionPlan(LOOP, 3, cycle_noise=noise, seed=5)
+    assert [few.kick(cycle, 0.3) for cycle in range(3)] == [plan.kick(cycle, 0.3) for cycle in range(3)]
 
 
 def test_noise_of_the_instruments_does_not_touch_the_path(tmp_path) -> None:
