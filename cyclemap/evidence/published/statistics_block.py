@@ -28,14 +28,14 @@ STILL_KIND, SLOPE_KIND = "turn at a stable direction (rad)", "slope at a stable 
 THERE_KIND = "share of cycles near the directions"
 ADVANCE_KIND, SHARE_KIND = "turn where none is stable (rad)", "share of the first direction"
 
-# How near a prediction is asked to come. Means: somewhat less than what the mechanics miss on single measured pushes;
+# How near a prediction is asked to come. Means: about a third of what the mechanics miss on single measured pushes;
 # spreads: about a tenth. A direction read off a histogram is good to some 12 degrees; the turn about it changes by 0.15
 # of that.
 TOLERANCES = MappingProxyType(
     {
-        MEAN_KINDS[0]: float(np.deg2rad(2.0)),
-        MEAN_KINDS[1]: 2e-3,
-        MEAN_KINDS[2]: 5e-3,
+        MEAN_KINDS[0]: float(np.deg2rad(1.2)),
+        MEAN_KINDS[1]: 1.5e-3,
+        MEAN_KINDS[2]: 3e-3,
         STD_KINDS[0]: float(np.deg2rad(0.5)),
         STD_KINDS[1]: 0.4e-3,
         STD_KINDS[2]: 1e-3,
