@@ -116,8 +116,23 @@ def _common(priors: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float,
 
 
 def misfit_words(found: Identification) -> str:
-    """Return the mean of every kind of error, beside what isotropic friction misses."""
-    return "; ".join(kind_words(errors) for errors in found.errors)
+    """Return the mean of every kind of error, beside what isotropic friction misses; of many blocks their ranges."""
+    kinds = {one.kind: [other for other in found.errors if other.kind == one.kind] for one in found.errors}
+    return "; ".join(
+        _range_words(alike) if len(alike) > 2 else "; ".join(kind_words(one) for one in alike)
+        for alike in kinds.values()
+    )
+
+
+def _range_words(alike: Sequence[KindErrors]) -> str:
+    """One kind of error in several blocks: from the least mean to the largest."""
+    kind, unit, factor = readable_kind(alike[0].kind)
+    told = {
+        word: [factor * value for one in alike if (value := getattr(one, name)) == value]
+        for word, name in (("", "mean"), ("left out ", "left_out_mean"), ("isotropic ", "isotropic_mean"))
+    }
+    first, *beside = (f"{word}{min(sizes):.3g} to {max(sizes):.3g}" for word, sizes in told.items() if sizes)
+    return f"{kind} in {len(alike)} blocks: {first}{unit}" + (f" ({', '.join(beside)})" if beside else "")
 
 
 def kind_words(errors: KindErrors) -> str:
