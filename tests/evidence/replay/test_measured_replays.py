@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from made_replays import FRICTION
 
+import cyclemap as cm
 from cyclemap.evidence.replay.replay_table import replay_pushes
+from cyclemap.mechanics import Pusher
 
 COUNTS = {("abs", "butter"): 40, ("abs", "ellip1"): 13, ("abs", "ellip3"): 10, ("abs", "hex"): 14, ("abs", "rect1"): 13}
 # Bounds on the mean error at the end: mm, degrees. Measured: 5.0 and 3.7, 2.2 and 4.3, 4.9 and 8.6, 2.5 and 3.7,
@@ -62,3 +64,25 @@ def test_predicted_motions_follow_the_measured_ones(replayed) -> None:
 def test_contact_begins_and_ends_as_measured_in_most_pushes(replayed) -> None:
     assert replayed.table["touch_agrees"].mean() > 0.85
     assert replayed.table["leaving_agrees"].mean() > 0.93
+
+
+@pytest.mark.parametrize("surface", ["plywood", "abs"])
+@pytest.mark.parametrize("plate", ["rect2", "tri3"])
+def test_an_identified_floor_explains_single_pushes_better_than_isotropic_friction(
+    measured_data, surface, plate
+) -> None:
+    """Pressure of the plate and shift of its frame, as the material has them, are worth a third of the error."""
+    floor = cm.load_material(f"{surface}-floor")
+    name = "mit_push_endpoints_v10_more.csv" if plate == "tri3" else "mit_push_endpoints_v10.csv"
+    found = cm.replay_pushes(
+        measured_data / name,
+        floor.friction,
+        pusher=Pusher(friction=floor.found_with.pusher_friction),
+        plates=floor.plates,
+        frames=floor.frames,
+        select={"surface": surface, "object": plate, "side": 1.0},
+    )
+    (row,) = found.by("object").to_dict("records")
+    assert row["count"] > 60
+    assert row["mean_error"] < 0.8 * row["isotropic_mean_error"]
+    assert row["mean_turn_error"] < 0.8 * row["isotropic_mean_turn_error"]
