@@ -1,4 +1,4 @@
-"""An identified surface on a landscape page: its ellipse, data beside predictions, and intervals of parameters."""
+"""An identified surface on a landscape page: its ellipse, how plates press, data beside predictions, intervals."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -10,7 +10,14 @@ from matplotlib.gridspec import GridSpec
 
 from cyclemap.evidence.identification.identification import Identification
 from cyclemap.evidence.identified.identified_curves import IdentifiedCurves
-from cyclemap.views.identify_panels import draw_cycles, draw_ellipse, draw_interval, draw_places, draw_turns
+from cyclemap.views.identify_panels import (
+    draw_cycles,
+    draw_ellipse,
+    draw_interval,
+    draw_places,
+    draw_shares,
+    draw_turns,
+)
 from cyclemap.views.style import QUIET, new_figure, picture_style
 
 PAGE_INCHES = (16.0, 9.6)
@@ -19,12 +26,16 @@ LINE_HEIGHT = 0.0188
 TITLE_PAD = 22.0
 # Besides the intervals, which take the end of the first row.
 MOST_PANELS = 8
+# More intervals than fit above each other: those of plates and data sets are then in the tables alone.
+MOST_INTERVALS = 13
 Panel = tuple[str, Callable[[Axes], None]]
 
 
 def identify_page(title: str, found: Identification, curves: IdentifiedCurves, words: Sequence[str]) -> Figure:
     """Draw an identification: ellipse, intervals, and a panel for each sort of data, as many as the page takes."""
     panels = _panels(curves)
+    if len(found.plates) > 1:
+        panels.insert(1, ("How the weight rests", partial(draw_shares, plates=found.plates)))
     with picture_style():
         figure = new_figure(*PAGE_INCHES)
         top = _write_words(figure, title, words, len(panels) - MOST_PANELS)
@@ -60,10 +71,12 @@ def _title(name: str) -> str:
 
 
 def _draw_intervals(figure: Figure, grid: GridSpec, found: Identification) -> None:
-    estimates = found.estimates
+    shared = tuple(one for one in found.estimates if "[" not in one.name)
+    estimates = found.estimates if len(found.estimates) <= MOST_INTERVALS or not shared else shared
     rows = grid[0, -1].subgridspec(len(estimates), 1, hspace=1.6)
     box = grid[0, -1].get_position(figure)
-    heading = f"Parameters with {100.0 * found.level:g} % intervals"
+    whose = "" if len(estimates) == len(found.estimates) else " of all plates"
+    heading = f"Parameters{whose}, with {100.0 * found.level:g} % intervals"
     figure.text(box.x0, box.y1 + 0.025, heading, fontsize=10, fontweight="bold")
     for number, one in enumerate(estimates):
         axes = figure.add_subplot(rows[number, 0])

@@ -1,5 +1,6 @@
 """Panels of an identification: the friction ellipse, data beside predictions, intervals of parameters."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,20 @@ def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     unit = "" if curves.sized else ", size not told by motions"
     axes.set(xlabel=f"friction coefficient along x{unit}", ylabel="along y")
+    legend_above(axes, columns=4)
+
+
+def draw_shares(axes: Axes, plates: Mapping[str, Mapping[str, float]]) -> None:
+    """Where the weight of each plate rests: a bar a plate, its shares from left to right."""
+    names = list(plates)[::-1]
+    left = np.zeros(len(names))
+    looks = {"inner_share": (QUIET, "inside"), "rim_share": (PREDICTED, "rim"), "corner_share": (MEASURED, "corners")}
+    for key, (colour, label) in looks.items():
+        size = 100.0 * np.array([plates[name][key] for name in names])
+        axes.barh(names, size, left=left, height=0.62, color=colour, label=label)
+        left += size
+    axes.barh(names, 100.0 - left, left=left, height=0.62, color=PREDICTED_FILL, label="even")
+    axes.set(xlim=(0.0, 100.0), xlabel="share of the weight (%)")
     legend_above(axes, columns=4)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from cyclemap.evidence.identification.derived_quantities import Derived
 from cyclemap.evidence.identification.identification import Identification
-from cyclemap.evidence.identified.identified_material import kind_words, readable_kind
+from cyclemap.evidence.identified.identified_material import misfit_words, readable_kind
 from cyclemap.views.sentences import angle
 
 
@@ -25,7 +25,7 @@ def headline(name: str, derived: Sequence[Derived]) -> str:
 
 def error_sentence(found: Identification) -> str:
     """How far predictions lie from the data."""
-    return f"Predictions lie from the data by {'; '.join(kind_words(errors) for errors in found.errors)}."
+    return f"Predictions lie from the data by {misfit_words(found)}."
 
 
 def note_sentences(found: Identification) -> list[str]:

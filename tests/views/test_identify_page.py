@@ -18,7 +18,9 @@ from cyclemap.evidence import (
     push_end_block,
 )
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
+from cyclemap.evidence.identification.data_block import FunctionBlock, PlateBlock, Values
 from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities
+from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identified.identified_curves import IdentifiedCurves, identified_curves
 from cyclemap.mechanics import EllipseFriction, Pose, Slider
 from cyclemap.views import identify_sentences as sentences
@@ -91,6 +93,30 @@ def test_curves_are_the_data_and_what_the_fit_says_of_them(found, curves) -> Non
     errors = found.fit.residuals[found.problem.kinds == "push turn (rad)"]
     assert pushes.predicted - pushes.measured == pytest.approx(errors)
     assert len(curves.places[0].errors) == 2
+
+
+def test_of_many_plates_a_panel_shows_how_each_presses_and_intervals_are_those_they_share() -> None:
+    """The bars of a plate add up to its whole weight; what belongs to one plate has no row among the intervals."""
+    rest = Parameter("rim_share", "share on the rim", "1", 0.0, 1.0, 0.3, 0.2, 0.0)
+
+    def block(plate: str, share: float) -> PlateBlock:
+        def law(values: Values) -> tuple[np.ndarray, np.ndarray]:
+            off = values["rim_share"] - share + 0.01 * np.cos(np.arange(9.0)) + values["offset_x"] * np.arange(9.0)
+            return off, np.column_stack([np.ones(9), np.arange(9.0)])
+
+        return PlateBlock(FunctionBlock("ends", ("rim_share", "offset_x"), law, np.arange(9), "m"), plate, (rest,))
+
+    names = [f"plate{number}" for number in range(14)]
+    blocks = [block(name, 0.05 * (number + 1)) for number, name in enumerate(names)]
+    several = identify(blocks, ["offset_x", *(f"rim_share[{name}]" for name in names)], starts=1)
+    page = identify_page("Many", several, identified_curves(several), ["Words."])
+    (bars,) = [axes for axes in page.axes if axes.get_title(loc="left") == "How the weight rests"]
+    ends = {}
+    for bar in bars.patches:
+        ends[bar.get_y()] = max(ends.get(bar.get_y(), 0.0), bar.get_x() + bar.get_width())
+    assert len(ends) == 14 and list(ends.values()) == pytest.approx([100.0] * 14)
+    assert any("of all plates" in text.get_text() for text in page.texts)
+    assert len(page.axes) == 1 + len([axes for axes in page.axes if axes.get_title(loc="left")])
 
 
 def test_a_material_carries_wear_and_what_the_data_depend_on(found) -> None:

@@ -29,8 +29,8 @@ THERE_KIND = "share of cycles near the directions"
 ADVANCE_KIND, SHARE_KIND = "turn where none is stable (rad)", "share of the first direction"
 
 # How near a prediction is asked to come. Means: about a third of what the mechanics miss on single measured pushes;
-# spreads: about a tenth. A direction read off a histogram is good to some 8 degrees; the turn about it changes by 0.15
-# of that.
+# spreads: about a tenth. A direction read off a histogram is good to some 8 degrees; the turn about it changes by less
+# than a tenth of that.
 TOLERANCES = MappingProxyType(
     {
         MEAN_KINDS[0]: float(np.deg2rad(1.2)),
@@ -39,7 +39,7 @@ TOLERANCES = MappingProxyType(
         STD_KINDS[0]: float(np.deg2rad(0.5)),
         STD_KINDS[1]: 0.4e-3,
         STD_KINDS[2]: 1e-3,
-        STILL_KIND: float(np.deg2rad(1.2)),
+        STILL_KIND: float(np.deg2rad(0.6)),
         SLOPE_KIND: 0.05,
         ADVANCE_KIND: float(np.deg2rad(0.5)),
         SHARE_KIND: 0.05,
