@@ -97,7 +97,7 @@ def footprint_rows() -> list[Row]:
 
 def pushing(model: QuasiStaticModel, push: SidePush, theta: np.ndarray) -> Callable[[], object]:
     """Pushes alone, without the way back, from many orientations in one call."""
-    strokes = replace(model.push_strokes(Pose(), push), from_target=True)
+    strokes = replace(model.push_strokes(Pose(), push), with_object=True)
     number, poses = np.zeros(theta.size, int), np.column_stack([np.zeros((theta.size, 2)), theta])
     return lambda: engine.run([strokes], number, poses)
 
