@@ -114,8 +114,8 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
 class CycleSlopes:
     """theta_next (rad, lift) and its slope, at any orientations, of one loop: pushes first, then drags from their ends.
 
-    The numbers are those of `run_batch` to the bit. What pushes come to is kept, since the ring has no part in it: loops
-    that differ in nothing but the ring's place and the way back, as the points of a phase diagram, share it.
+    The numbers are those of `run_batch` to the bit. What pushes come to is kept, since the ring has no part in it:
+    loops that differ in nothing but the ring's place and the way back, as points of a phase diagram, share it.
     """
 
     def __init__(self, loop: PushAndReset) -> None:

@@ -62,7 +62,7 @@ def test_neighbours_that_differ_in_noise_alone_share_a_map(monkeypatch) -> None:
 
     real = CollectionLoop.circle_map
     monkeypatch.setattr(CollectionLoop, "circle_map", counted)
-    module._latest_map.cache_clear()
+    module._map_of.cache_clear()
     plan = SweepPlan.grid(
         "isotropic", {"noise_deg": (10.0, 20.0, 40.0)}, numbers=PortraitNumbers(("stationary",), 1e-2)
     )

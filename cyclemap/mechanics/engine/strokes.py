@@ -2,6 +2,8 @@
 
 import ctypes
 import os
+import signal
+import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -147,10 +149,11 @@ def run(strokes: Sequence[Strokes], number: NDArray[np.intp], poses: Array, vari
             ctypes.byref(stop),
         )
 
-    if count <= _LEAST_SHARE:
+    threads = min(thread_count(), -(-count // _LEAST_SHARE))
+    if count <= _LEAST_SHARE or (threads == 1 and not _hears_interrupts()):
         work()
     else:
-        _on_threads(min(thread_count(), -(-count // _LEAST_SHARE)), work, stop)
+        _on_threads(threads, work, stop)
     del held
     return Ran(
         results[:, 0].astype(np.int64), results[:, 1] == 1.0, results[:, 2], results[:, 3:6], results[:, 6:9],
@@ -246,6 +249,11 @@ def thread_count() -> int:
     if not (named.isascii() and named.isdecimal() and 1 <= len(named) <= 4 and int(named) >= 1):
         raise InvalidInput(f"{THREADS_VARIABLE} must be a whole number from 1 to 9999, not {named!r}")
     return int(named)
+
+
+def _hears_interrupts() -> bool:
+    """Whether Ctrl-C raises in this thread: not in a sweep's workers, which are spared handing work to another one."""
+    return threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) != signal.SIG_IGN
 
 
 def _on_threads(count: int, work: Callable[[], None], stop: ctypes.c_int64) -> None:
