@@ -33,7 +33,7 @@ from cyclemap.sweeps.run_sweep import run_sweep
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_results import load_sweep
 from cyclemap.sweeps.sweep_tables import write_csv, write_netcdf
-from tests.benchmarks.timing import seconds
+from tests.benchmarks.timing import map_alone, seconds
 
 REACH_MM = 40.0
 TICKS = os.sysconf("SC_CLK_TCK")
@@ -182,8 +182,7 @@ def whole(folder: Path, name: str, side: int, workers: int, kills: int, seed: in
 
 def one_map() -> float:
     """Time of the map of the diagram's middle alone, s, on one core."""
-    loop = CollectionLoop.mit("plywood")
-    return seconds(lambda: loop.circle_map(1e-5), 9)
+    return seconds(map_alone(CollectionLoop.mit("plywood"), 1e-5), 9)
 
 
 def same_bytes(one: Path, other: Path) -> bool:
