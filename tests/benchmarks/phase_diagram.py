@@ -180,9 +180,10 @@ def whole(folder: Path, name: str, side: int, workers: int, kills: int, seed: in
     return run
 
 
-def one_map() -> float:
-    """Time of the map of the diagram's middle alone, s, on one core."""
-    return seconds(map_alone(CollectionLoop.mit("plywood"), 1e-5), 9)
+def one_map() -> tuple[float, float]:
+    """Time and processor time of a map of the square on plywood alone, s, on one core."""
+    run = map_alone(CollectionLoop.mit("plywood"), 1e-5)
+    return seconds(run, 9), seconds(run, 9, time.process_time)
 
 
 def same_bytes(one: Path, other: Path) -> bool:
@@ -219,8 +220,11 @@ def measure(folder: Path, asked: argparse.Namespace) -> None:
     if asked.rounds:
         compare_workers(folder, asked.subset, asked.rounds, asked.workers)
     alone = whole(folder, "undisturbed", asked.side, asked.workers, 0, asked.seed)
-    single = one_map()
+    single, work = one_map()
     print(f"one map alone: {1e3 * single:.0f} ms; the diagram took as long as {alone.wall / single:,.0f} of them")
+    print(
+        f"one map's work: {1e3 * work:.0f} ms of processor; the diagram's was {alone.processor / work:,.0f} times that"
+    )
     if asked.kills:
         killed = whole(folder, "killed", asked.side, asked.workers, asked.kills, asked.seed)
         if not same_bytes(alone.store, killed.store):
