@@ -222,9 +222,7 @@ def measure(folder: Path, asked: argparse.Namespace) -> None:
     alone = whole(folder, "undisturbed", asked.side, asked.workers, 0, asked.seed)
     single, work = one_map()
     print(f"one map alone: {1e3 * single:.0f} ms; the diagram took as long as {alone.wall / single:,.0f} of them")
-    print(
-        f"one map's work: {1e3 * work:.0f} ms of processor, the diagram {alone.processor / work:,.0f} times that"
-    )
+    print(f"one map's work: {1e3 * work:.0f} ms of processor, the diagram {alone.processor / work:,.0f} times that")
     if asked.kills:
         killed = whole(folder, "killed", asked.side, asked.workers, asked.kills, asked.seed)
         if not same_bytes(alone.store, killed.store):
