@@ -32,7 +32,7 @@ from cyclemap.mechanics import (
     Trajectory,
     load_material,
 )
-from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, run_batch
+from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleSlopes, run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
 from cyclemap.suggestions import unknown_name
 
@@ -155,8 +155,7 @@ class CollectionLoop:
 
     def start_pose(self, theta: float) -> Pose:
         """Return the object's pose before the push, its ring at the target."""
-        x, y = self.model.ring_place(Pose(0.0, 0.0, theta))
-        return Pose(-x, -y, theta)
+        return self.model.start_pose(theta)
 
     def cycle(self, theta: float) -> Cycle:
         """Run one push and reset from orientation `theta` (rad, any number of turns).
@@ -205,20 +204,14 @@ class CollectionLoop:
 
         `progress` is called with the fraction done. See `sample_circle_map` for how samples are placed and jumps kept.
         """
-
         if positive_number("tolerance", tolerance) < _LEAST_TOLERANCE:
             raise InvalidInput(
                 f"tolerance {tolerance} rad is out of reach: samples are good to 1e-10 rad, so ask for "
                 f"{_LEAST_TOLERANCE} or more"
             )
         sample_error = max(0.1 * tolerance, 1e-10)
-        fine = replace(self, accuracy=min(sample_error, 1e-6))
-
-        def sample(theta: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-            batch = run_batch((fine,), theta[None], 1)
-            return batch.theta_next[0], batch.jacobian[0, :, -1, 0]
-
-        return sample_circle_map(sample, 0.9 * tolerance, progress, sample_error)
+        slopes = CycleSlopes(replace(self, accuracy=min(sample_error, 1e-6)))
+        return sample_circle_map(slopes, 0.9 * tolerance, progress, sample_error)
 
     def strokes(self, theta: float, longest_step: float = math.inf) -> tuple[PushResult, DragResult]:
         """Run the push and the drag of a cycle, their steps no longer than `longest_step` (m)."""

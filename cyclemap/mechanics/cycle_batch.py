@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -11,10 +12,10 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics.engine import strokes as engine
-from cyclemap.mechanics.engine.strokes import PARAMETERS, Strokes
+from cyclemap.mechanics.engine.strokes import PARAMETERS, Ran, Strokes
 from cyclemap.mechanics.footprint import PatchFootprint
 from cyclemap.mechanics.outline import Ellipse
-from cyclemap.mechanics.protocol import DragBack, SidePush
+from cyclemap.mechanics.protocol import DragBack, Pose, SidePush
 from cyclemap.mechanics.quasi_static import QuasiStaticModel, refusal, run_strokes
 from cyclemap.mechanics.trajectory import DragResult, PushResult
 from cyclemap.suggestions import unknown_name
@@ -22,8 +23,11 @@ from cyclemap.suggestions import unknown_name
 # What a cycle gives, and what a stroke from a given pose along a given path can be differentiated by.
 CYCLE_OUTPUTS = ("push_turn", "push_dx", "push_dy", "drag_turn", "drag_length", "theta_next")
 _OWN = ("theta", "pusher_radius", "fraction", "angle", "distance")
+_HITCH = PARAMETERS.index("hitch_x")
 STROKE_PARAMETERS = tuple(name for name in PARAMETERS if name not in _OWN)
 _FRICTION = ("mu_a", "mu_b", "m0", "n0")
+# Ends of pushes that are kept of one model: maps take hundreds of samples, those with jumps thousands.
+_MOST_KEPT = 20_000
 _LENGTHS = ("pusher_radius", "distance", "hitch_x", "hitch_y", "pin_friction_radius")
 
 
@@ -67,18 +71,18 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
     """
     strokes = [_told(number, loop) for number, loop in enumerate(loops)]
     number = np.repeat(np.arange(len(loops)), theta.shape[1])
-    poses = np.column_stack([np.zeros((theta.size, 2)), theta.ravel()])
-    ran = engine.run(strokes, number, poses, derivatives)
-    failed = np.flatnonzero(ran.status <= 0)
-    if failed.size:
-        index = int(failed[0])
-        error = refusal(int(ran.status[index]), strokes[number[index]])
-        which = f"loop {number[index]} from " if len(loops) > 1 else ""
-        raise type(error)(f"{which}theta = {float(theta.flat[index])!r} rad: {error}") from None
     unit = np.array([loop.model.unit for loop in loops])[number]
     lever = np.array([loop.model.slider.hitch for loop in loops]).reshape(-1, 2)[number]
-    c, s, start = np.cos(theta.ravel()), np.sin(theta.ravel()), theta.ravel()
-    ring = np.column_stack([c * lever[:, 0] - s * lever[:, 1], s * lever[:, 0] + c * lever[:, 1]])
+    start = theta.ravel()
+    (c, s), ring = _turned(start, lever)
+    # Before the push the ring is at the origin.
+    varied = np.zeros((start.size, 3, derivatives))
+    if derivatives:
+        varied[:, 0, 0], varied[:, 1, 0], varied[:, 2, 0] = ring[:, 1] / unit, -ring[:, 0] / unit, 1.0
+    if derivatives > _HITCH:
+        varied[:, 0, _HITCH], varied[:, 0, _HITCH + 1], varied[:, 1, _HITCH], varied[:, 1, _HITCH + 1] = -c, s, -s, -c
+    ran = engine.run(strokes, number, np.column_stack([-ring / unit[:, None], start]), varied)
+    _check(ran, strokes, start, number)
     shift = unit[:, None] * ran.pushed[:, :2] + ring
     moved = np.column_stack([c * shift[:, 0] + s * shift[:, 1], c * shift[:, 1] - s * shift[:, 0]])
     turned, end = ran.pushed[:, 2], ran.ended[:, 2]
@@ -87,14 +91,10 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
         scales = np.array([_units(loop.model, PARAMETERS[:derivatives]) for loop in loops])[number]
         by = ran.derivatives * scales[:, None]
         by[:, [0, 1, 3, 4, 6]] *= unit[:, None, None]
-        # Before the push the ring is at the origin.
-        by_theta, by_hitch = np.zeros(derivatives), np.zeros((2, derivatives))
-        by_theta[0] = 1.0
-        for axis, name in enumerate(("hitch_x", "hitch_y")):
-            if name in PARAMETERS[:derivatives]:
-                by_hitch[axis, PARAMETERS.index(name)] = 1.0
-        by_x = by[:, 0] - ring[:, 1, None] * by_theta + c[:, None] * by_hitch[0] - s[:, None] * by_hitch[1]
-        by_y = by[:, 1] + ring[:, 0, None] * by_theta + s[:, None] * by_hitch[0] + c[:, None] * by_hitch[1]
+        from_start = varied * scales[:, None]
+        from_start[:, :2] *= unit[:, None, None]
+        by_theta = from_start[:, 2]
+        by_x, by_y = by[:, 0] - from_start[:, 0], by[:, 1] - from_start[:, 1]
         jacobian[:, 0] = by[:, 2] - by_theta
         jacobian[:, 1] = c[:, None] * by_x + s[:, None] * by_y + moved[:, 1, None] * by_theta
         jacobian[:, 2] = c[:, None] * by_y - s[:, None] * by_x - moved[:, 0, None] * by_theta
@@ -109,6 +109,79 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
         ran.left.reshape(shape),
         jacobian.reshape(*shape, *jacobian.shape[1:]),
     )
+
+
+class CycleSlopes:
+    """theta_next (rad, lift) and its slope, at any orientations, of one loop: pushes first, then drags from their ends.
+
+    The numbers are those of `run_batch` to the bit. What pushes come to is kept, since the ring has no part in it:
+    loops that differ in nothing but the ring's place and the way back, as points of a phase diagram, share it.
+    """
+
+    def __init__(self, loop: PushAndReset) -> None:
+        model, reset = loop.model, loop.reset
+        ringless = replace(model, slider=replace(model.slider, hitch=model.slider.centre_of_mass))
+        self._pushes = _kept_pushes(ringless, loop.push)
+        self._lever = np.array([model.slider.hitch])
+        self._unit = model.unit
+        self._drag = model.cycle_strokes(loop.push, reset)
+        self._drag = replace(self._drag, length=0.0)
+
+    def __call__(self, theta: Array) -> tuple[Array, Array]:
+        """Return both (n,) at orientations (n,), rad. Raises what the first cycle that fails ends with."""
+        pushed, by = self._pushes.ends(theta)
+        _, ring = _turned(theta, self._lever)
+        pushed[:, :2] += -ring / self._unit
+        by[:, 0] += ring[:, 1] / self._unit
+        by[:, 1] += -ring[:, 0] / self._unit
+        ran = engine.run([self._drag], np.zeros(theta.size, int), pushed, by[:, :, None])
+        _check(ran, [self._drag], theta)
+        return ran.ended[:, 2], ran.derivatives[:, 5, 0]
+
+
+class _KeptPushes:
+    """Pushes of a model from the origin: by orientation, the pose that they end in and its derivatives by it."""
+
+    def __init__(self, model: QuasiStaticModel, push: SidePush) -> None:
+        self._strokes = replace(model.push_strokes(Pose(), push), with_object=True)
+        self._ends: dict[float, Array] = {}
+
+    def ends(self, theta: Array) -> tuple[Array, Array]:
+        """Poses (n, 3) and derivatives (n, 3), extents and rad."""
+        new = np.array([angle for angle in theta.tolist() if angle not in self._ends])
+        if new.size:
+            varied = np.zeros((new.size, 3, 1))
+            varied[:, 2] = 1.0
+            poses = np.column_stack([np.zeros((new.size, 2)), new])
+            ran = engine.run([self._strokes], np.zeros(new.size, int), poses, varied)
+            _check(ran, [self._strokes], new)
+            if len(self._ends) > _MOST_KEPT:
+                self._ends = {angle: self._ends[angle] for angle in theta.tolist() if angle in self._ends}
+            ends = np.column_stack([ran.pushed, ran.derivatives[:, :3, 0]])
+            self._ends.update(zip(new.tolist(), ends, strict=True))
+        found = np.array([self._ends[angle] for angle in theta.tolist()])
+        return found[:, :3], found[:, 3:]
+
+
+@lru_cache(maxsize=128)
+def _kept_pushes(model: QuasiStaticModel, push: SidePush) -> _KeptPushes:
+    return _KeptPushes(model, push)
+
+
+def _turned(theta: Array, lever: Array) -> tuple[tuple[Array, Array], Array]:
+    """Cosines and sines of orientations (n,), and levers (n, 2) in the world's axes; as `Pose` rounds them."""
+    c, s = (np.array([of(angle) for angle in theta.tolist()]) for of in (math.cos, math.sin))
+    return (c, s), np.column_stack([c * lever[:, 0] - s * lever[:, 1], s * lever[:, 0] + c * lever[:, 1]])
+
+
+def _check(ran: Ran, strokes: Sequence[Strokes], theta: Array, number: NDArray[np.intp] | None = None) -> None:
+    """Raise what the first task that failed ended with, telling its orientation and, of several, its loop."""
+    failed = np.flatnonzero(ran.status <= 0)
+    if failed.size:
+        index = int(failed[0])
+        loop = 0 if number is None else int(number[index])
+        error, which = refusal(int(ran.status[index]), strokes[loop]), f"loop {loop} from " if len(strokes) > 1 else ""
+        raise type(error)(f"{which}theta = {float(theta[index])!r} rad: {error}")
 
 
 def _told(number: int, loop: PushAndReset) -> Strokes:
@@ -157,7 +230,7 @@ def stroke_jacobians(
     courses = []
     for stroke in strokes:
         # What ran was a whole cycle, or from its own pose: here the stroke alone, from where it started.
-        own = replace(stroke.course.strokes, from_target=False)
+        own = replace(stroke.course.strokes, with_object=False)
         if isinstance(stroke, PushResult):
             own = replace(own, goals=(), direction=own.direction + _turned_by(stroke))
         else:
@@ -171,7 +244,7 @@ def stroke_jacobians(
 
 
 def _turned_by(push: PushResult) -> float:
-    return push.start.theta if push.course.strokes.from_target else 0.0
+    return push.start.theta if push.course.strokes.with_object else 0.0
 
 
 def derivative_units(model: QuasiStaticModel, names: tuple[str, ...]) -> Array:

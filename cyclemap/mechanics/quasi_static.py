@@ -169,8 +169,7 @@ class QuasiStaticModel:
         self, theta: float, push: SidePush, reset: DragBack, longest_step: float = math.inf
     ) -> tuple[PushResult, DragResult]:
         """Push the slider from orientation theta (rad), its ring at the world's origin, and drag it back there."""
-        x, y = self.ring_place(Pose(0.0, 0.0, theta))
-        pose = Pose(-x, -y, theta)
+        pose = self.start_pose(theta)
         course = self.course(self.cycle_strokes(push, reset), pose, longest_step)
         ran = run_strokes([course])
         pushed = self._pushed(pose, ran, course)
@@ -180,11 +179,16 @@ class QuasiStaticModel:
         """Return what the engine is asked for in a cycle. Raises InvalidInput where push and object do not fit."""
         pushed = self.push_strokes(Pose(), push)
         dragged = self.drag_strokes((*reset.way_points, _TARGET), reset.pin_friction_radius)
-        return replace(pushed, goals=dragged.goals, pin_friction=dragged.pin_friction, from_target=True)
+        return replace(pushed, goals=dragged.goals, pin_friction=dragged.pin_friction, with_object=True)
 
     def ring_place(self, pose: Pose) -> tuple[float, float]:
         """Return where the ring is in the world at a pose, m."""
         return pose.to_world(*self.slider.hitch)
+
+    def start_pose(self, theta: float) -> Pose:
+        """Return the pose with the ring at the world's origin, where every cycle starts."""
+        x, y = self.ring_place(Pose(0.0, 0.0, theta))
+        return Pose(-x, -y, theta)
 
     def push_strokes(self, pose: Pose, push: SidePush | WorldPush) -> Strokes:
         """Return what the engine is asked for in a push from a pose; raises as `push` where they do not fit."""
@@ -250,9 +254,10 @@ class QuasiStaticModel:
 
 
 def run_strokes(courses: Sequence[Course], derivatives: int = 0) -> Ran:
-    """Run what courses tell of; raises what the first that fails ends with."""
+    """Run what courses tell of from where they start, which no parameter moves; raises as the first that fails."""
     poses = np.array([course.pose for course in courses])
-    ran = engine.run([course.strokes for course in courses], np.arange(len(courses)), poses, derivatives)
+    still = np.zeros((len(courses), 3, derivatives))
+    ran = engine.run([course.strokes for course in courses], np.arange(len(courses)), poses, still)
     for course, status in zip(courses, ran.status.tolist(), strict=True):
         if status <= 0:
             raise refusal(status, course.strokes)

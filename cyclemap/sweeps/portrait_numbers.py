@@ -14,10 +14,13 @@ from cyclemap.errors import CycleMapError
 from cyclemap.maps import (
     CircleMap,
     Estimate,
+    Orbit,
+    RotationNumber,
     TransferOperator,
     WrappedNormal,
     crossings_by_jump,
     fixed_points,
+    is_nondecreasing,
     predict_staircase,
     rotation_number,
     transfer_operator,
@@ -27,6 +30,9 @@ from cyclemap.mechanics import Material
 from cyclemap.sweeps.code_version import code_version
 from cyclemap.sweeps.quantities import CHEAP_GROUPS, Quantity, chosen_groups, quantities_of
 from cyclemap.sweeps.swept_keys import NOISE_KEY
+
+# How much coarser a map is tried first, and how long it is iterated; in how many parts its cubics are looked at.
+_COARSER, _FIRST_ITERATES, _SHARES = 10.0, 2048, 8
 
 Values = dict[str, float | tuple[float, ...]]
 
@@ -78,8 +84,10 @@ class PortraitNumbers:
     groups : of `GROUPS`; "map" is always among them. tolerance : of the cycle map, rad.
     rotation_tolerance : turns a cycle; 0 is the portrait's own effort, more ends the iteration earlier.
 
-    The defaults are finer than a phase diagram shows; a coarser map leaves the stationary law uncertain, and one known
-    to 1e-4 rad tells rotation numbers to 3e-5 turns a cycle at best, however long it is iterated.
+    The defaults are finer than a phase diagram shows. A map known to 1e-4 rad leaves the stationary law uncertain, and
+    tells rotation numbers to 3e-5 turns a cycle at best, however long it is iterated. Where the groups need no law and
+    rotation_tolerance is not 0, a map ten times as coarse as `tolerance` will do, if none within its error has another
+    number of fixed points, and it tells the rotation number as finely as asked; `max_error` says how good a map was.
     With rotation_tolerance 0 every number equals that of `portrait` at the same tolerance, to the last bit.
     """
 
@@ -114,7 +122,7 @@ class PortraitNumbers:
         """Find the numbers; what the loop or a group refuses is told in the outcome."""
         try:
             loop, sigma = self._loop_and_sigma(point)
-            work = _Work(_latest_map(loop, self.tolerance), sigma, self.rotation_tolerance)
+            work = self._coarse(loop, sigma) or _Work(_map_of(loop, self.tolerance), sigma, self.rotation_tolerance)
         except CycleMapError as error:
             return PointOutcome({}, str(error))
         values: Values = {}
@@ -126,6 +134,19 @@ class PortraitNumbers:
                 refusals.append(f"{group}: {error}")
         return PointOutcome(values, "; ".join(refusals))
 
+    def _coarse(self, loop: CollectionLoop, sigma: float) -> "_Work | None":
+        """The coarser map where it settles all that is asked for."""
+        if self.rotation_tolerance == 0.0 or not set(self.groups) <= set(CHEAP_GROUPS):
+            return None
+        work = _Work(_map_of(loop, _COARSER * self.tolerance), sigma, self.rotation_tolerance)
+        try:
+            settled = ("rotation" not in self.groups or work.is_rotation_settled) and (
+                "fixed_points" not in self.groups or work.are_points_settled
+            )
+        except CycleMapError:
+            return None
+        return work if settled else None
+
     def _loop_and_sigma(self, point: SweptPoint) -> tuple[CollectionLoop, float]:
         settings = dict(point.settings)
         noise_deg = settings.pop(NOISE_KEY, None)
@@ -133,8 +154,9 @@ class PortraitNumbers:
         return CollectionLoop.from_settings(settings, CollectionLoop.mit(material=point.material)), sigma
 
 
-@lru_cache(maxsize=1)
-def _latest_map(loop: CollectionLoop, tolerance: float) -> CircleMap:
+# A coarser and a finer one.
+@lru_cache(maxsize=2)
+def _map_of(loop: CollectionLoop, tolerance: float) -> CircleMap:
     """The map of a loop; neighbours that differ in their noise alone share it."""
     return loop.circle_map(tolerance=tolerance)
 
@@ -152,6 +174,40 @@ class _Work:
         return WrappedNormal(self.sigma)
 
     @cached_property
+    def rotation(self) -> RotationNumber:
+        return rotation_number(self.map, tolerance=self.rotation_tolerance)
+
+    @cached_property
+    def points(self) -> list[Orbit]:
+        return fixed_points(self.map)
+
+    @property
+    def is_rotation_settled(self) -> bool:
+        """Whether the rotation number is told as finely as asked, soon; maps that fold have an interval anyway."""
+        if not is_nondecreasing(self.map):
+            return True
+        found = rotation_number(self.map, tolerance=self.rotation_tolerance, iterates=_FIRST_ITERATES)
+        self.rotation = found
+        return found.locked is not None or found.upper - found.lower <= 2.0 * self.rotation_tolerance
+
+    @property
+    def are_points_settled(self) -> bool:
+        """Whether every map within this one's error crosses the diagonal as often, as far as it tells."""
+        pieces = self.map.pieces
+        if pieces is None or self.map.breaks.size:
+            return False
+        theta = pieces.knots[:-1] + np.linspace(0.0, 1.0, _SHARES, endpoint=False)[:, None] * np.diff(pieces.knots)
+        turn, error = self.map.turn(theta.T.ravel()), self.map.max_error
+        below, above = (np.floor((turn + side * error) / (2.0 * np.pi)) for side in (-1.0, 1.0))
+        clear = np.flatnonzero(below == above)
+        if not clear.size:
+            return False
+        crossed = np.abs(np.diff(below[clear], append=below[clear[0]]))
+        # What comes near a whole turn and goes back might touch it or not.
+        passed_by = np.diff(clear, append=clear[0] + below.size) > 1
+        return bool(np.all(crossed[passed_by] > 0.0) and crossed.sum() == len(self.points))
+
+    @cached_property
     def operator(self) -> TransferOperator:
         return transfer_operator(self.map, self.noise)
 
@@ -161,7 +217,7 @@ def _map_values(work: _Work) -> Values:
 
 
 def _rotation_values(work: _Work) -> Values:
-    found = rotation_number(work.map, tolerance=work.rotation_tolerance)
+    found = work.rotation
     winding, period = (0, 0) if found.locked is None else (found.locked.numerator, found.locked.denominator)
     return {
         "rotation": float(found.value),
@@ -173,7 +229,7 @@ def _rotation_values(work: _Work) -> Values:
 
 
 def _fixed_point_values(work: _Work) -> Values:
-    points = fixed_points(work.map)
+    points = work.points
     stable = tuple(float(orbit.stable) for orbit in points)
     return {
         "fixed_points": float(len(points)),

@@ -15,7 +15,7 @@ import numpy as np
 from cyclemap.collection import CollectionLoop, DynamicLoop, fingerprint
 from cyclemap.mechanics import Pose, QuasiStaticModel, SidePush, grid_footprint
 from cyclemap.mechanics.engine.strokes import PARAMETERS
-from tests.benchmarks.timing import Row, seconds, show
+from tests.benchmarks.timing import Row, map_alone, seconds, show
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "mechanics"))
 from test_second_route import brute_force_push
@@ -62,7 +62,7 @@ def dynamic_rows() -> list[Row]:
 
 def fingerprint_rows() -> list[Row]:
     """The five numbers of the protocol, beside the full map of one material at 1e-3 rad."""
-    full = seconds(lambda: MIT.circle_map(1e-3), 3)
+    full = seconds(map_alone(MIT, 1e-3), 3)
     five = seconds(lambda: fingerprint(MIT), 3)
     return [Row("cycle map of plywood at 1e-3 rad", full, "one material"), Row("fingerprint", five, "any material")]
 

@@ -26,7 +26,7 @@ from cyclemap.mechanics import Ellipse, Footprint, PatchFootprint, Pose, QuasiSt
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.strokes import PARAMETERS, THREADS_VARIABLE, thread_count
-from tests.benchmarks.timing import Row, seconds, show
+from tests.benchmarks.timing import Row, map_alone, seconds, show
 
 MIT = CollectionLoop.mit()
 ACCURACIES = (1e-4, 1e-6, 1e-8, 1e-10)
@@ -97,7 +97,7 @@ def footprint_rows() -> list[Row]:
 
 def pushing(model: QuasiStaticModel, push: SidePush, theta: np.ndarray) -> Callable[[], object]:
     """Pushes alone, without the way back, from many orientations in one call."""
-    strokes = replace(model.push_strokes(Pose(), push), from_target=True)
+    strokes = replace(model.push_strokes(Pose(), push), with_object=True)
     number, poses = np.zeros(theta.size, int), np.column_stack([np.zeros((theta.size, 2)), theta])
     return lambda: engine.run([strokes], number, poses)
 
@@ -121,10 +121,7 @@ def map_rows() -> list[Row]:
     """A whole cycle map, on all cores."""
     maps = [(f"map at {tolerance:g}", MIT, tolerance) for tolerance in (1e-5, 1e-6, 1e-8)]
     maps.append(("8 x 8 points, map at 1e-5", replace(MIT, footprint=grid_footprint(SQUARE, 8)), 1e-5))
-    return [
-        Row(name, seconds(lambda loop=loop, t=tolerance: loop.circle_map(t), 5), "plywood, all cores")
-        for name, loop, tolerance in maps
-    ]
+    return [Row(name, seconds(map_alone(loop, tolerance), 5), "plywood, all cores") for name, loop, tolerance in maps]
 
 
 def portrait_rows(rounds: int = 5) -> list[Row]:

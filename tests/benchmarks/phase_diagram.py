@@ -33,7 +33,7 @@ from cyclemap.sweeps.run_sweep import run_sweep
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_results import load_sweep
 from cyclemap.sweeps.sweep_tables import write_csv, write_netcdf
-from tests.benchmarks.timing import seconds
+from tests.benchmarks.timing import map_alone, seconds
 
 REACH_MM = 40.0
 TICKS = os.sysconf("SC_CLK_TCK")
@@ -180,10 +180,10 @@ def whole(folder: Path, name: str, side: int, workers: int, kills: int, seed: in
     return run
 
 
-def one_map() -> float:
-    """Time of the map of the diagram's middle alone, s, on one core."""
-    loop = CollectionLoop.mit("plywood")
-    return seconds(lambda: loop.circle_map(1e-5), 9)
+def one_map() -> tuple[float, float]:
+    """Time and processor time of a map of the square on plywood alone, s, on one core."""
+    run = map_alone(CollectionLoop.mit("plywood"), 1e-5)
+    return seconds(run, 9), seconds(run, 9, time.process_time)
 
 
 def same_bytes(one: Path, other: Path) -> bool:
@@ -220,8 +220,9 @@ def measure(folder: Path, asked: argparse.Namespace) -> None:
     if asked.rounds:
         compare_workers(folder, asked.subset, asked.rounds, asked.workers)
     alone = whole(folder, "undisturbed", asked.side, asked.workers, 0, asked.seed)
-    single = one_map()
+    single, work = one_map()
     print(f"one map alone: {1e3 * single:.0f} ms; the diagram took as long as {alone.wall / single:,.0f} of them")
+    print(f"one map's work: {1e3 * work:.0f} ms of processor, the diagram {alone.processor / work:,.0f} times that")
     if asked.kills:
         killed = whole(folder, "killed", asked.side, asked.workers, asked.kills, asked.seed)
         if not same_bytes(alone.store, killed.store):

@@ -3,10 +3,13 @@
 import statistics
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import count
 
 from rich.console import Console
 from rich.table import Table
+
+from cyclemap.collection import CollectionLoop
 
 
 @dataclass(frozen=True)
@@ -18,15 +21,26 @@ class Row:
     note: str
 
 
-def seconds(run: Callable[[], object], repeats: int = 5) -> float:
+def seconds(run: Callable[[], object], repeats: int = 5, clock: Callable[[], float] = time.perf_counter) -> float:
     """Median time of a run, after one that is not counted."""
     run()
     times = []
     for _ in range(repeats):
-        start = time.perf_counter()
+        start = clock()
         run()
-        times.append(time.perf_counter() - start)
+        times.append(clock() - start)
     return statistics.median(times)
+
+
+def map_alone(loop: CollectionLoop, tolerance: float) -> Callable[[], object]:
+    """A run of a cycle map that shares no push with maps before it: each push is a nanometre longer."""
+    longer = count(1)
+
+    def run() -> object:
+        push = replace(loop.push, distance=loop.push.distance + 1e-9 * next(longer))
+        return replace(loop, push=push).circle_map(tolerance)
+
+    return run
 
 
 def show(title: str, rows: list[Row]) -> None:

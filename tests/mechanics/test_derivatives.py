@@ -30,6 +30,7 @@ from cyclemap.mechanics import (
 from cyclemap.mechanics.cycle_batch import (
     CYCLE_OUTPUTS,
     STROKE_PARAMETERS,
+    CycleSlopes,
     drag_jacobian,
     push_jacobian,
     run_batch,
@@ -313,3 +314,16 @@ def test_derivatives_in_a_batch_are_those_of_single_cycles_whatever_their_number
     for number, loop in enumerate(loops):
         np.testing.assert_array_equal(every.jacobian[number, 0], loop.sensitivity(0.7).jacobian)
         assert every.theta_next[number, 0] == plain.theta_next[number, 0] == loop.cycle(0.7).theta_next
+
+
+def test_pushes_kept_for_another_ring_leave_the_same_bits():
+    """The ring has no part in a push: drags from kept ends are those of whole cycles, slopes too."""
+    plain = cm.CollectionLoop.mit("plywood")
+    theta = np.linspace(-3.0, 9.0, 25)
+    for hitch in ((-0.0106, 0.0106), (0.03, -0.02), (0.0, 0.0)):
+        for reset in (DragBack(), DragBack(way_points=((0.05, 0.02),), pin_friction_radius=0.001)):
+            loop = replace(plain, slider=replace(plain.slider, hitch=hitch), reset=reset)
+            values, slopes = CycleSlopes(loop)(theta)
+            whole = run_batch((loop,), theta[None], 1)
+            np.testing.assert_array_equal(values, whole.theta_next[0])
+            np.testing.assert_array_equal(slopes, whole.jacobian[0, :, -1, 0])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.collection import CollectionLoop, portrait
-from cyclemap.sweeps import PortraitNumbers, SweepPlan
+from cyclemap.sweeps import PortraitNumbers, SweepPlan, SweptPoint
 from cyclemap.sweeps import portrait_numbers as module
 
 TOLERANCE = 1e-4
@@ -62,7 +62,7 @@ def test_neighbours_that_differ_in_noise_alone_share_a_map(monkeypatch) -> None:
 
     real = CollectionLoop.circle_map
     monkeypatch.setattr(CollectionLoop, "circle_map", counted)
-    module._latest_map.cache_clear()
+    module._map_of.cache_clear()
     plan = SweepPlan.grid(
         "isotropic", {"noise_deg": (10.0, 20.0, 40.0)}, numbers=PortraitNumbers(("stationary",), 1e-2)
     )
@@ -98,6 +98,30 @@ def test_a_group_that_cannot_be_found_leaves_the_others(monkeypatch) -> None:
     found = plan.numbers(plan.point(0))
     assert found.refusal == "rotation: too steep"
     assert set(found.values) == {"samples", "max_error", "mean_turn", "min_turn", "max_turn", "min_slope", "max_slope"}
+
+
+def test_a_coarser_map_is_taken_only_where_it_settles_what_is_asked() -> None:
+    """The ring goes out through the saddle-node: counts and locks are those of fine maps, and bounds overlap."""
+    fine = PortraitNumbers(tolerance=1e-7, rotation_tolerance=0.0)
+
+    def point_at(radius: float) -> SweptPoint:
+        x, y = radius * np.array((-1.0, 1.0)) / np.sqrt(2.0)
+        return SweepPlan.grid("plywood", {"hitch_x_mm": (x,)}, {"hitch_y_mm": y}).point(0)
+
+    low, high = 9.0, 11.0
+    while high - low > 1e-6:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if fine(point_at(middle)).values["min_turn"] > 0.0 else (low, middle)
+    coarse = 0
+    for radius in (4.0, 8.0, low - 2e-4, low, high, high + 2e-4, 12.0, 14.0, 18.0):
+        swept, exact = PortraitNumbers()(point_at(radius)).values, fine(point_at(radius)).values
+        if abs(radius - low) > 1e-3:
+            assert swept["fixed_points"] == exact["fixed_points"] == (2.0 if radius > low else 0.0)
+            assert swept["locked_period"] == exact["locked_period"]
+        assert swept["rotation_lower"] <= exact["rotation_upper"] and exact["rotation_lower"] <= swept["rotation_upper"]
+        coarse += swept["max_error"] > 1e-5
+        assert swept["max_error"] <= (1e-4 if abs(radius - low) > 1e-3 else 1e-5)
+    assert coarse == 5
 
 
 def test_by_default_rotation_and_law_are_told_finely_enough_for_a_phase_diagram() -> None:

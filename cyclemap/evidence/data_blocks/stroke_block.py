@@ -147,7 +147,7 @@ def predicted_push_ends(
     if not touched.size:
         return ends, by
     # A push that goes along with the object is differentiated by where it starts and how far it goes, too.
-    still = replace(model.drag_strokes((), 0.0), by_fraction=1.0, from_target=True)
+    still = replace(model.drag_strokes((), 0.0), by_fraction=1.0, with_object=True)
     strokes = [
         replace(still, start_piece=index, start_coordinate=at, direction=toward, length=far)
         for index, at, toward, far in zip(
@@ -161,9 +161,7 @@ def predicted_push_ends(
     angles = theta[touched].tolist()
     courses = [model.course(one, Pose(theta=angle)) for one, angle in zip(strokes, angles, strict=True)]
     ran = run_strokes(courses, len(PARAMETERS))
-    hx, hy = model.slider.hitch
-    ring = np.column_stack([c * hx - s * hy, s * hx + c * hy])[touched]
-    ends[touched, :2] += model.unit * ran.pushed[:, :2] + ring
+    ends[touched, :2] += model.unit * ran.pushed[:, :2]
     ends[touched, 2] = ran.pushed[:, 2]
     found = ran.derivatives[:, :3] * np.array((model.unit, model.unit, 1.0))[:, None]
     by[touched, :, :-2] = found[..., _columns(names)] * derivative_units(model, names)

@@ -36,7 +36,7 @@ class _Course:
         # Each stroke brings a contact curve of its own.
         plain = replace(model.slider, outline=Ellipse(model.unit, model.unit))
         self.still = replace(model, slider=plain, footprint=model.pressure).cycle_strokes(SidePush(), DragBack())
-        self.still = replace(self.still, start_piece=0, start_coordinate=0.0, goals=(), from_target=False)
+        self.still = replace(self.still, start_piece=0, start_coordinate=0.0, goals=(), with_object=False)
         self.travels, self.poses, self.slid = [0.0], [pose], 0.0
         self.touched, self.apart = False, True
 

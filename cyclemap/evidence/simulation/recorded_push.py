@@ -78,7 +78,7 @@ class _Course:
     def rod(self, elapsed: Array) -> Array:
         """(n, 2) m, the rod's centre."""
         strokes = self.push.course.strokes
-        direction = strokes.direction + (self.push.start.theta if strokes.from_target else 0.0)
+        direction = strokes.direction + (self.push.start.theta if strokes.with_object else 0.0)
         way = np.array([math.cos(direction), math.sin(direction)])
         return np.asarray(self.first_place + self.travel(elapsed)[:, None] * way)
 

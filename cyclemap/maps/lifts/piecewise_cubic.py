@@ -40,6 +40,16 @@ class PiecewiseCubic:
         _, c1, c2, c3 = (row[piece] for row in self.coefficients)
         return np.asarray((3.0 * c3 * offset + 2.0 * c2) * offset + c1)
 
+    def rises(self) -> bool:
+        """Whether no cubic falls anywhere."""
+        _, first, second, third = self.coefficients
+        width = np.diff(self.knots)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            # The slope is a parabola in the offset: least at an end, or at its vertex if that lies between.
+            vertex = np.clip(np.nan_to_num(-second / (3.0 * third)), 0.0, width)
+        slopes = [(3.0 * third * offset + 2.0 * second) * offset + first for offset in (0.0 * width, vertex, width)]
+        return bool(np.min(slopes) >= 0.0)
+
     def _locate(self, theta: Array) -> tuple[Any, Array, Array]:
         turns = np.floor(theta / TWO_PI)
         base = theta - TWO_PI * turns

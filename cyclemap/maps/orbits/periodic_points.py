@@ -361,6 +361,8 @@ def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:
     A downward jump (``attracting``) gathers orbits from both sides as a stable fixed point would. A jump one side
     of which meets 2πw within 1e-12 radians is a fixed point of kind "border-collision" instead.
     """
+    if circle_map.breaks.size == 0:
+        return []
     return sorted(diagonal_scan(circle_map, 1, RESOLUTION, TANGENCY).jumps, key=lambda jump: jump.theta)
 
 

@@ -48,6 +48,8 @@ def largest_descent(circle_map: CircleMap) -> float:
     >>> largest_descent(CircleMap.arnold(0.2, 0.9)), round(largest_descent(CircleMap.arnold(0.2, 3.0)), 3)
     (0.0, 3.195)
     """
+    if circle_map.breaks.size == 0 and circle_map.pieces is not None and circle_map.pieces.rises():
+        return 0.0
     if circle_map.breaks.size == 0 and circle_map.pieces is None:
         falls = -np.diff(circle_map(_GRID))
         if np.max(falls) <= 2.0 * circle_map.max_error:  # a nondecreasing lift lies within max_error of such values

@@ -108,7 +108,7 @@ def _windowed(values: Array) -> float:
 
 
 MAX_PERIOD = 2_000
-_FIRST_LOOK = 64  # iterates after which locking is tried first; then every eight times as many
+_FIRST_LOOK = 64  # iterates after which locking is tried first; then every eight times as many, or two
 _SETTLED = 1e-9  # radians: an orbit that comes back this near has settled
 _REACH = np.pi * 4.0 ** -np.arange(0.0, 19.0)  # radians beside an orbit where the witnesses of locking are sought
 _MARGIN = 2e-14  # radians: a gap above it is no rounding of the comparison itself
@@ -207,7 +207,9 @@ def rotation_number(
     if low.proof and high.proof and low.locked == high.locked:
         proof = LockingProof(low.proof.ratio, high.proof.below, low.proof.above)
         return RotationNumber(low.value, low.lower, high.upper, low.locked, proof)
-    return _unlocked(circle_map, low.lower, high.upper, budget.iterates)
+    # Of n cycles a mean is good to 1/n.
+    enough = budget.iterates if tolerance == 0.0 else min(budget.iterates, max(_FIRST_LOOK, ceil(1.0 / tolerance)))
+    return _unlocked(circle_map, low.lower, high.upper, enough)
 
 
 def rotation_interval(
@@ -254,7 +256,7 @@ def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: fl
 def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float | None = None) -> RotationNumber:
     push = _allowance(circle_map) + (largest_descent(circle_map) if descent is None else descent)
     under, over = _PushedOrbit(circle_map, -push), _PushedOrbit(circle_map, push)
-    for count in _looks(budget.iterates):
+    for count in _looks(budget):
         under.run_to(count)
         over.run_to(count)
         low, high = under.best_ratio(), over.best_ratio()
@@ -279,8 +281,10 @@ def _allowance(circle_map: CircleMap) -> float:
     return float(circle_map.max_error + LIFT * size)
 
 
-def _looks(iterates: int) -> list[int]:
-    return [look for look in (_FIRST_LOOK * 8**k for k in range(20)) if look < iterates] + [iterates]
+def _looks(budget: _Budget) -> list[int]:
+    # Where the bounds may be wide enough soon, they are looked at more often.
+    factor = 2 if budget.tolerance > 0.0 else 8
+    return [look for look in (_FIRST_LOOK * factor**k for k in range(60)) if look < budget.iterates] + [budget.iterates]
 
 
 class _PushedOrbit:

@@ -8,7 +8,7 @@ typedef struct {
     double start_coordinate, by_fraction; /* where the rod first touches, and the derivative of that by the fraction */
     double direction, length;             /* of the push, as seen from the object or from the world; length 0: none */
     double rod_friction, pin_friction;
-    int64_t from_target;                  /* whether the ring starts at the origin and the push goes with the object */
+    int64_t with_object;                  /* whether the push's direction turns with the object */
     int64_t goal_count;                   /* of the drag; 0: none */
     const double *goals;
 } Loop;
@@ -32,7 +32,7 @@ static void turned(double angle, const double *vector, double *result) {
 
 /* What a parameter's own derivative is where it is the one that column k varies, and it varies at all. */
 static double one(const Loop *loop, int k, int which, int own) {
-    return k == which && (loop->from_target || !own) ? 1.0 : 0.0;
+    return k == which && (loop->with_object || !own) ? 1.0 : 0.0;
 }
 
 /* Variation of the motion's parameters that pushes and drags share. */
@@ -69,11 +69,11 @@ static double normal_slope(const Stroke *r, const Motion *m, double coordinate) 
 
 /* The push: moves the object; LEFT, DISTANCE, or why not. */
 static int push_object(const Loop *loop, Body *body, double *travel, const volatile int64_t *stop, Record *record) {
-    Stroke r = {.object = &loop->object, .direction = loop->direction + (loop->from_target ? body->theta : 0.0),
+    Stroke r = {.object = &loop->object, .direction = loop->direction + (loop->with_object ? body->theta : 0.0),
                 .friction = loop->rod_friction, .longest = record ? record->longest : INFINITY, .pinned = -1, .stop = stop,
                 .record = record};
     double state[] = {body->theta, loop->start_coordinate};
-    double before[2], after[2], by_theta[2], by_coordinate[2], by_radius[2];
+    double before[2], after[2], by_theta[2], by_coordinate[2], by_radius[2], by_before[2 * MOST_VARIED];
     Variation v = {.count = body->count};
     Motion m = motion_of(&r, STICK, (int)loop->start_piece, 0.0, 0.0);
     rod_centre(&r, &m, state, before, by_theta, by_coordinate, by_radius);
@@ -87,11 +87,11 @@ static int push_object(const Loop *loop, Body *body, double *travel, const volat
             double *now = v.state + 2 * k, *by = body->by + 3 * k;
             now[0] = by[2];
             now[1] = along;
-            v.source[SOURCE_DIRECTION][k] = (loop->from_target ? by[2] : 0.0) + one(loop, k, BY_ANGLE, 1) + turning * along;
+            v.source[SOURCE_DIRECTION][k] = (loop->with_object ? by[2] : 0.0) + one(loop, k, BY_ANGLE, 1) + turning * along;
             v.source[SOURCE_RADIUS][k] = wider;
             v.source[SOURCE_SMU][k] = one(loop, k, BY_ROD_FRICTION, 0);
             for (int c = 0; c < 2; ++c)
-                by[c] += by_theta[c] * now[0] + by_coordinate[c] * now[1] + by_radius[c] * wider;
+                by_before[2 * k + c] = by_theta[c] * now[0] + by_coordinate[c] * now[1] + by_radius[c] * wider;
         }
     }
     Step last = {0};
@@ -114,8 +114,9 @@ static int push_object(const Loop *loop, Body *body, double *travel, const volat
         now[0] += slope[0] * by_travel;
         now[1] += slope[1] * by_travel;
         const double sideways[] = {-toward[1], toward[0]};
+        /* added to where it starts as one number: wherever that is, the push is the same to the bit */
         for (int c = 0; c < 2; ++c)
-            by[c] += toward[c] * by_travel + *travel * sideways[c] * by_direction
+            by[c] += by_before[2 * k + c] + toward[c] * by_travel + *travel * sideways[c] * by_direction
                      - (by_theta[c] * now[0] + by_coordinate[c] * now[1] + by_radius[c] * wider);
         by[2] = now[0];
         /* a point skips the arc that every thicker rod goes around; where wedges lie by the radius is not followed */
@@ -199,27 +200,13 @@ static void write_body(const Body *body, double *pose, double *by, int count) {
         for (int k = 0; k < count; ++k) by[i * count + k] = body->by[3 * k + i];
 }
 
-/* One task: a row of RESULT_COLUMNS, and derivatives (OUTPUTS, count). */
-static int run_task(const Loop *loop, const double *task, int count, double *result, double *by,
+/* One task: a row of RESULT_COLUMNS, and derivatives (OUTPUTS, count); those of the pose it starts from: (3, count). */
+static int run_task(const Loop *loop, const double *task, const double *varied, int count, double *result, double *by,
                     const volatile int64_t *stop, Record *record) {
-    const Object *o = &loop->object;
     Body body = {.theta = task[TASK_POSE + 2], .count = count};
     memcpy(body.place, task + TASK_POSE, sizeof body.place);
-    if (loop->from_target) {
-        double lever[2], across[2];
-        const double unit[2][2] = {{1, 0}, {0, 1}};
-        turned(body.theta, o->pieces + o->piece_count * PIECE_COLUMNS + PIECE_GEOMETRY, lever);
-        for (int c = 0; c < 2; ++c) body.place[c] = -lever[c];
-        if (count) {
-            body.by[0] = lever[1];
-            body.by[1] = -lever[0];
-            body.by[2] = 1.0;
-        }
-        for (int j = 0; j < 2 && count > BY_HITCH; ++j) {
-            turned(body.theta, unit[j], across);
-            for (int c = 0; c < 2; ++c) body.by[3 * (BY_HITCH + j) + c] = -across[c];
-        }
-    }
+    for (int k = 0; varied && k < count; ++k)
+        for (int i = 0; i < 3; ++i) body.by[3 * k + i] = varied[i * count + k];
     int left = DISTANCE, done = 1;
     if (loop->length > 0.0) left = push_object(loop, &body, result + TRAVEL, stop, record);
     if (left < 0 || !isfinite(body.theta)) return left < 0 ? left : UNSOLVED;
@@ -232,9 +219,9 @@ static int run_task(const Loop *loop, const double *task, int count, double *res
 }
 
 /* Runs tasks (TASK_COLUMNS) off a queue that threads share (the next one to run) into rows of results and derivatives
-   by the first `count` parameters; until one of them sets `stop`. */
-EXPORT void cm_run(const Loop *loops, const double *tasks, int64_t tasks_count, int64_t count, double *results,
-                   double *derivatives, int64_t *queue, int64_t *stop) {
+   by the first `count` parameters, by which their poses vary so (3, count); until one of them sets `stop`. */
+EXPORT void cm_run(const Loop *loops, const double *tasks, const double *varied, int64_t tasks_count, int64_t count,
+                   double *results, double *derivatives, int64_t *queue, int64_t *stop) {
     while (!*(volatile int64_t *)stop) {
         int64_t i = __atomic_fetch_add(queue, 1, __ATOMIC_RELAXED);
         if (i >= tasks_count) return;
@@ -242,7 +229,7 @@ EXPORT void cm_run(const Loop *loops, const double *tasks, int64_t tasks_count, 
         double *result = results + RESULT_COLUMNS * i, *by = count ? derivatives + OUTPUTS * count * i : 0;
         memset(result, 0, RESULT_COLUMNS * sizeof(double));
         if (count) memset(by, 0, OUTPUTS * count * sizeof(double));
-        int status = run_task(loops + (int64_t)task[TASK_LOOP], task, (int)count, result, by, stop, 0);
+        int status = run_task(loops + (int64_t)task[TASK_LOOP], task, varied + 3 * count * i, (int)count, result, by, stop, 0);
         result[DONE] = status;
         if (status > 0) continue;
         for (int k = TRAVEL; k < RESULT_COLUMNS; ++k) result[k] = NAN;
@@ -255,7 +242,7 @@ EXPORT void cm_run(const Loop *loops, const double *tasks, int64_t tasks_count, 
 EXPORT int64_t cm_record(const Loop *loop, const double *task, double longest, double *rows, int64_t room) {
     Record record = {.room = room, .rows = rows, .longest = longest};
     double result[RESULT_COLUMNS] = {0.0};
-    int status = run_task(loop, task, 0, result, 0, 0, &record);
+    int status = run_task(loop, task, 0, 0, result, 0, 0, &record);
     return status < 0 ? status : record.count;
 }
 

@@ -1,12 +1,15 @@
 /* Friction under ellipses: even or leaning patches, and loads along the rim, by trapezoidal rules.
 
-   Integrands are analytic and periodic: the error of n nodes falls with exp(-2 n delta), delta the distance of the
+   Patches: integrands are analytic and periodic: the error of n nodes falls with exp(-2 n delta), delta the distance of the
    nearest singularity from the real axis. Where that is short, tan t = beta tan x, beta = k^-1/2, takes a singularity
    from atanh(k) beside t = pi/2 to atanh(k^1/2) beside x = pi/2. The least number of nodes that does is taken from
-   tables (RULES); beyond, it is Gauss's rule on panels no longer than their distance from singularities. */
+   tables (RULES); beyond, it is Gauss's rule on panels no longer than their distance from singularities. Along rims it is
+   even steps of an elliptic integral's argument, of which a few more do however near a singularity is. */
 
 /* Rules up to this are not worth a beta, which costs a third more a node. */
 enum { WORTH = 3 };
+/* The exponent that errors along rims have at most. */
+static const double RIM_DIGITS = 36.0;
 
 /* An ellipse in the coordinates of its own unit disc, w = middle + omega M J diag(semi) x, and the centre of rotation:
    far: whether it lies outside; size: its distance from the centre, or one over it; away: the direction from it to the
@@ -256,68 +259,130 @@ static inline void add_rim_places(Friction *f, const Ellipse *e, const Lanes *x,
         move_point(f, at[0] + e->semi[0] * (*x)[k], at[1] + e->semi[1] * (*y)[k], load * (*share)[k]);
 }
 
-/* A load along the rim, even in the eccentric angle tau (the derivative of the even patch by its scale). |w| is singular
-   at the complex tau where p z^2 + c z + q = 0, z = exp(i tau), w as a complex number. */
+/* A motion that leaves the middle nearer to the rim than this is rounded too much. */
+static const double SHALLOW = 1e-3;
+/* Roots nearer to the rim than this lie so far inside. */
+static const double ON_RIM = 1e-13;
+
+/* Without the care for what is infinite that the language takes. */
+static double size(double complex z) { return size_of(creal(z), cimag(z)); }
+
+static double complex quotient(double complex a, double complex b) {
+    double x = creal(b), y = cimag(b), square = 1.0 / (x * x + y * y);
+    return (creal(a) * x + cimag(a) * y) * square + I * ((cimag(a) * x - creal(a) * y) * square);
+}
+
+/* Jacobi's sn, cn, dn. */
+typedef struct { double s, c, d; } Jacobi;
+
+/* Those of a sum of arguments: 1 - k^2 s^2 t^2 as a sum of squares. */
+static Jacobi jacobi_sum(Jacobi u, Jacobi v, double square) {
+    double down = 1.0 / (u.c * u.c + u.s * u.s * v.d * v.d);
+    return (Jacobi){(u.s * v.c * v.d + v.s * u.c * u.d) * down, (u.c * v.c - u.s * v.s * u.d * v.d) * down,
+                    (u.d * v.d - square * u.s * v.s * u.c * v.c) * down};
+}
+
+/* How the rim is gone around: z = way (Z + middle) / (1 + conj(middle) Z), Z = -cd(v) + i k' sd(v) and its images in both
+   axes, v evenly spaced. quarter: nodes from one axis to the other; step: of v; first: Jacobi's functions of half of it. */
+typedef struct { double complex way, middle; double modulus, step; int quarter; Jacobi first; } Round;
+
+/* w = p z + c + q / z vanishes at two places; inside the unit circle they or their mirror images are `at`, by `left`
+   1 - |at|^2 away from it. A motion of the hyperbolic plane takes them to -s and s; then |w| is Legendre's root, of modulus
+   2 s / (1 + s^2), times what is rational, and by v integrands are elliptic: singular at i K', and where z = 0. */
+static Round round_of(const double complex *at, const double *left) {
+    enum { MOST = 8 };
+    double complex across = 1.0 - conj(at[0]) * at[1], apart = quotient(at[1] - at[0], across);
+    double k = sqrt(left[0] * left[1]) / size(across);
+    double complex half = apart / (1.0 + k), middle = quotient(half + at[0], 1.0 + conj(at[0]) * half);
+    double complex to = quotient(at[1] - middle, 1.0 - conj(middle) * at[1]);
+    double reach = size(to);
+    Round r = {.way = reach > 0.0 ? to / reach : 1.0, .modulus = k};
+    r.middle = middle * conj(r.way);
+    /* Landen's steps: means for K and Jacobi's functions, the height of z = 0, and what is left of the modulus */
+    double a[MOST + 1] = {1.0}, b[MOST + 1] = {k}, scale = 1.0, small = 1.0, height = INFINITY;
+    double complex q = -r.middle * r.middle;
+    int n = 0;
+    for (; n < MOST && small > 1e-9; ++n) {
+        small = (a[n] - b[n]) / (a[n] + b[n]);
+        a[n + 1] = (a[n] + b[n]) / 2.0;
+        b[n + 1] = sqrt(a[n] * b[n]);
+        scale *= (1.0 + small) / 2.0;
+        q *= quotient(q + small, 1.0 + small * q);
+        /* smaller ones are but rounding */
+        if (small > 1e-6 || n == 0) height = scale * fmin(-log(fmax(size(q), 1e-300)) / 2.0, log(4.0 / fmax(small, 1e-16)));
+    }
+    double mean = a[n], quarter = M_PI / (2.0 * mean);
+    r.quarter = 2 * (int)ceil(fmax(RIM_DIGITS * quarter / (4.0 * M_PI * height), 2.0));
+    r.step = quarter / r.quarter;
+    double angle = mean * r.step / 2.0, sine = sin(angle), up = cos(angle) / sine, cotangent = mean * up, d = 1.0;
+    for (int i = n - 1; i >= 0; --i) {
+        up *= cotangent;
+        cotangent *= d;
+        d = (b[i] + up) / (a[i] + up);
+        up = cotangent / a[i];
+    }
+    sine = 1.0 / sqrt(cotangent * cotangent + 1.0);
+    r.first = (Jacobi){sine, cotangent * sine, d};
+    return r;
+}
+
+/* The same by panels that are no longer than singularities are away, where rounding leaves little of such steps. */
+static void add_rim_panels(Friction *f, const Ellipse *e, const double complex *at, const double *left, double load, Sums *sums) {
+    int near = left[1] < left[0];
+    double begin = carg(at[near]), apart = carg(at[!near] * conj(at[near]));
+    double complex places[6];
+    for (int k = 0; k < 6; ++k)
+        places[k] = (k % 2 ? apart - I * log1p(-fmin(left[!near], 0.999)) / 2.0 : I * left[near] / 2.0) + 2.0 * M_PI * (k / 2 - 1);
+    for (double tau = 0.0; tau < 2.0 * M_PI;) {
+        double wide = panel_width(places, 6, tau, 2.0 * M_PI);
+        for (int j = 0; j < PANEL_ORDER; j += LANES) {
+            Lanes x, y, share;
+            for (int k = 0; k < LANES; ++k) {
+                double angle = begin + tau + wide * (1.0 + GAUSS_NODES[j + k]) / 2.0;
+                x[k] = cos(angle);
+                y[k] = sin(angle);
+                share[k] = wide * GAUSS_WEIGHTS[j + k] / (4.0 * M_PI);
+            }
+            add_rim_places(f, e, &x, &y, &share, load, sums);
+        }
+        tau += wide;
+    }
+}
+
+/* A load along the rim, even in the eccentric angle (the derivative of the even patch by its scale), z = exp(i angle). */
 static void add_rim(Friction *f, const double *geometry, double load) {
     Ellipse e = ellipse_of(f, geometry);
     Sums sums = {0};
     const double *t = e.frame.spin;
     double complex c = e.frame.middle[0] + I * e.frame.middle[1], p = e.frame.omega * ((t[0] + t[3]) + I * (t[1] - t[2])) / 2.0;
-    double complex q = e.frame.omega * ((t[0] - t[3]) + I * (t[1] + t[2])) / 2.0, r = csqrt(c * c - 4.0 * p * q);
-    double complex b = -(creal(conj(c) * r) >= 0.0 ? c + r : c - r) / 2.0;
-    /* roots b/p and q/b: their directions, and how far from the rim they are */
-    const double tiny = 1e-40, sizes[] = {cabs(p), cabs(b), cabs(q)};
-    double ratio[] = {sizes[1] / fmax(sizes[0], tiny * sizes[1]), sizes[1] / fmax(sizes[2], tiny * sizes[1])};
-    double complex way[] = {b * conj(p), q * conj(b)};
-    double complex turn[2];
+    double complex q = e.frame.omega * ((t[0] - t[3]) + I * (t[1] + t[2])) / 2.0, root = csqrt(c * c - 4.0 * p * q);
+    double complex b = -(creal(conj(c) * root) >= 0.0 ? c + root : c - root) / 2.0, at[2] = {0.0};
+    const double complex over[] = {b, q}, under[] = {p, b};
+    double left[] = {1.0, 1.0};
     for (int k = 0; k < 2; ++k) {
-        if (!(ratio[k] > 1.0)) ratio[k] = ratio[k] > 0.0 ? 1.0 / ratio[k] : 1.0;
-        ratio[k] = fmin(fmax(ratio[k], 1.0 + 1e-13), 1e12);
-        double long_way = cabs(way[k]);
-        turn[k] = long_way > 0.0 ? way[k] / long_way : 1.0;
+        double top = size(over[k]), bottom = size(under[k]), larger = fmax(top, bottom);
+        if (!(larger > 0.0)) continue;
+        at[k] = bottom >= top ? quotient(over[k], under[k]) : conj(quotient(under[k], over[k]));
+        left[k] = fabs(bottom - top) * (top + bottom) / (larger * larger);
+        if (left[k] >= ON_RIM) continue;
+        left[k] = ON_RIM;
+        at[k] *= 1.0 - ON_RIM / 2.0;
     }
-    /* the nearer one is turned to half a turn; sin^2 (tau/2) of both */
-    int near = ratio[1] < ratio[0];
-    double complex start = -turn[near], other = turn[!near] * conj(start);
-    double g = ratio[near], h = ratio[!near], beta, from = (2.0 + g + 1.0 / g) / 4.0;
-    double complex second = (1.0 - (creal(other) * (h + 1.0 / h) - I * cimag(other) * (h - 1.0 / h)) / 2.0) / 2.0;
-    int rule = rule_for(RIM_REACH, from, second, &beta);
-    if (rule == RULE_COUNT) {
-        double begin = carg(turn[near]), apart = carg(other * -1.0);
-        double complex at[6];
-        for (int k = 0; k < 6; ++k)
-            at[k] = (k % 2 ? apart + I * log(h) : I * log(g)) + 2.0 * M_PI * (k / 2 - 1);
-        for (double tau = 0.0; tau < 2.0 * M_PI;) {
-            double wide = panel_width(at, 6, tau, 2.0 * M_PI);
-            for (int j = 0; j < PANEL_ORDER; j += LANES) {
-                Lanes x, y, share;
-                for (int k = 0; k < LANES; ++k) {
-                    double angle = begin + tau + wide * (1.0 + GAUSS_NODES[j + k]) / 2.0;
-                    x[k] = cos(angle);
-                    y[k] = sin(angle);
-                    share[k] = wide * GAUSS_WEIGHTS[j + k] / (4.0 * M_PI);
-                }
-                add_rim_places(f, &e, &x, &y, &share, load, &sums);
-            }
-            tau += wide;
-        }
-        if (!f->toward) add_sums(f, &e.frame, &sums, load);
-        return;
-    }
-    double cx = creal(start), sx = cimag(start), square = beta * beta;
-    for (int j = FIRST_NODE[rule]; j < FIRST_NODE[rule + 1]; j += LANES) {
-        Lanes cosine, sine;
-        memcpy(&cosine, NODE_COSINES + j, sizeof cosine);
-        memcpy(&sine, NODE_SINES + j, sizeof sine);
-        for (int side = 0; side < 2; ++side) {
-            Lanes down = (1.0 + cosine) + square * (1.0 - cosine), share = beta / (RULES[rule] * down);
-            Lanes cc = ((1.0 + cosine) - square * (1.0 - cosine)) / down, ss = 2.0 * beta * sine / down;
-            for (int k = 0; k < 2; ++k) {
-                Lanes x = cx * cc - sx * ss, y = sx * cc + cx * ss;
-                add_rim_places(f, &e, &x, &y, &share, load, &sums);
-                ss = -ss;
-            }
-            cosine = -cosine;
+    Round r = round_of(at, left);
+    Jacobi now = r.first, step = jacobi_sum(now, now, 1.0 - r.modulus * r.modulus);
+    double ax = creal(r.middle), ay = cimag(r.middle), cx = creal(r.way), sx = cimag(r.way);
+    double inside = 1.0 - ax * ax - ay * ay, whole = r.step * inside / (2.0 * M_PI);
+    if (inside < SHALLOW) add_rim_panels(f, &e, at, left, load, &sums);
+    for (int j = 0; j < r.quarter && inside >= SHALLOW; j += 2, now = jacobi_sum(now, step, 1.0 - r.modulus * r.modulus)) {
+        /* v, and K - v */
+        Lanes far = {now.c / now.d, now.s}, aside = {r.modulus * now.s / now.d, now.c}, dense = {r.modulus / now.d, now.d};
+        for (int image = 0; image < 4; ++image) {
+            Lanes down = 1.0 + ax * far + ay * aside, up = ax * aside - ay * far, part = 1.0 / (down * down + up * up);
+            Lanes x = ((far + ax) * down + (aside + ay) * up) * part, y = ((aside + ay) * down - (far + ax) * up) * part;
+            Lanes place_x = cx * x - sx * y, place_y = sx * x + cx * y, share = whole * dense * part;
+            add_rim_places(f, &e, &place_x, &place_y, &share, load, &sums);
+            if (image % 2) far = -far;
+            else aside = -aside;
         }
     }
     if (!f->toward) add_sums(f, &e.frame, &sums, load);

@@ -136,7 +136,6 @@ def _tables() -> str:
         "NODE_SINES": np.sin(angles),
         # Squared hyperbolic cosines of the distances at which singularities may be.
         "PATCH_REACH": np.cosh(DIGITS / (2.0 * np.array(RULES))) ** 2,
-        "RIM_REACH": np.cosh(DIGITS / (4.0 * np.array(RULES))) ** 2,
         "STAGE_PLACES": PLACES[order],
         "B": WEIGHTS,
         "ERROR": np.append(np.subtract(WEIGHTS, LOWER), 0.0),

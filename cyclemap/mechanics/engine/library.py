@@ -14,7 +14,7 @@ _BUILD = "in a checkout, `python3 run.py doctor` or `pip install .` (`-e .` to g
 def load() -> ctypes.CDLL:
     """Return the engine's library; EngineNotBuilt where there is none, or one of other sources than those beside it."""
     library, table, number = open_engine(Path(__file__).parent), ctypes.c_void_p, ctypes.c_int64
-    library.cm_run.argtypes, library.cm_run.restype = (table, table, number, number, *(table,) * 4), None
+    library.cm_run.argtypes, library.cm_run.restype = (*(table,) * 3, number, number, *(table,) * 4), None
     library.cm_record.argtypes, library.cm_record.restype = (table, table, ctypes.c_double, table, number), number
     library.cm_friction.argtypes, library.cm_friction.restype = (table, table, table, number, table), None
     return library

@@ -2,6 +2,8 @@
 
 import ctypes
 import os
+import signal
+import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -64,7 +66,7 @@ class _Loop(ctypes.Structure):
         ("length", ctypes.c_double),
         ("rod_friction", ctypes.c_double),
         ("pin_friction", ctypes.c_double),
-        ("from_target", ctypes.c_int64),
+        ("with_object", ctypes.c_int64),
         ("goal_count", ctypes.c_int64),
         ("goals", _TABLE),
     )
@@ -82,9 +84,8 @@ class Strokes:
     """What is done with an object: a push from a place of its contact curve, a drag through goals, or both.
 
     friction : (mu_a, mu_b, m0, n0, phi, centre of pressure x, y). pieces : of the contact curve, table as
-    `piece_table` makes it, the ring last. direction : of the push, from the object if `from_target`, else from the
-    world. length : of the push, 0: none. from_target : the ring starts at the origin. Lengths in extents, friction in
-    mean coefficients.
+    `piece_table` makes it, the ring last. direction : of the push, from the object's x axis if `with_object`, else from
+    the world's. length : of the push, 0: none. Lengths in extents, friction in mean coefficients.
     """
 
     pressure: PressureTables
@@ -100,7 +101,7 @@ class Strokes:
     length: float = 0.0
     rod_friction: float = 0.0
     pin_friction: float = 0.0
-    from_target: bool = False
+    with_object: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +109,7 @@ class Ran:
     """What came of tasks (n,): status (1: done, else why not), whether the rod left, and in extents and rad
 
     travel (n,) of the push, poses (n, 3) after it and at the end, the ring's way (n,); derivatives (n, 7, k) of both
-    poses and the way by the first k of PARAMETERS, empty unless they were asked for. nan where not done.
+    poses and the way by the k parameters. nan where not done.
     """
 
     status: NDArray[np.int64]
@@ -120,12 +121,17 @@ class Ran:
     derivatives: Array
 
 
-def run(strokes: Sequence[Strokes], number: NDArray[np.intp], poses: Array, derivatives: int = 0) -> Ran:
-    """Run tasks: strokes by their `number` (n,) from poses (n, 3), in extents and rad; on all cores, interruptibly."""
+def run(strokes: Sequence[Strokes], number: NDArray[np.intp], poses: Array, varied: Array | None = None) -> Ran:
+    """Run tasks: strokes by their `number` (n,) from poses (n, 3), in extents and rad; on all cores, interruptibly.
+
+    varied : (n, 3, k), the poses' derivatives by the first k of PARAMETERS; None: none are wanted.
+    """
     loops, held = _packed(strokes)
     tasks = np.column_stack([np.asarray(number, float), poses])
     tasks = np.ascontiguousarray(tasks, dtype=float).reshape(-1, _TASK_COLUMNS)
     count = len(tasks)
+    given = np.zeros((count, 3, 0)) if varied is None else np.ascontiguousarray(varied, dtype=float)
+    derivatives = given.shape[2]
     results, by = np.empty((count, _RESULT_COLUMNS)), np.empty((count, _OUTPUTS, derivatives))
     queue, stop = ctypes.c_int64(0), ctypes.c_int64(0)
     library = load()
@@ -134,6 +140,7 @@ def run(strokes: Sequence[Strokes], number: NDArray[np.intp], poses: Array, deri
         library.cm_run(
             loops,
             _address(tasks),
+            _address(given),
             ctypes.c_int64(count),
             ctypes.c_int64(derivatives),
             _address(results),
@@ -142,10 +149,11 @@ def run(strokes: Sequence[Strokes], number: NDArray[np.intp], poses: Array, deri
             ctypes.byref(stop),
         )
 
-    if count <= _LEAST_SHARE:
+    threads = min(thread_count(), -(-count // _LEAST_SHARE))
+    if count <= _LEAST_SHARE or (threads == 1 and not _hears_interrupts()):
         work()
     else:
-        _on_threads(min(thread_count(), -(-count // _LEAST_SHARE)), work, stop)
+        _on_threads(threads, work, stop)
     del held
     return Ran(
         results[:, 0].astype(np.int64), results[:, 1] == 1.0, results[:, 2], results[:, 3:6], results[:, 6:9],
@@ -213,7 +221,7 @@ def _packed(strokes: Sequence[Strokes]) -> tuple[ctypes.Array[_Loop], list[Array
         loop.goals, loop.goal_count = _address(goals), len(goals)
         for name in ("radius", "tolerance", "start_coordinate", "by_fraction", "direction", "length"):
             setattr(loop, name, getattr(one, name))
-        loop.start_piece, loop.from_target = one.start_piece, one.from_target
+        loop.start_piece, loop.with_object = one.start_piece, one.with_object
         loop.rod_friction, loop.pin_friction = one.rod_friction, one.pin_friction
     return loops, held
 
@@ -241,6 +249,11 @@ def thread_count() -> int:
     if not (named.isascii() and named.isdecimal() and 1 <= len(named) <= 4 and int(named) >= 1):
         raise InvalidInput(f"{THREADS_VARIABLE} must be a whole number from 1 to 9999, not {named!r}")
     return int(named)
+
+
+def _hears_interrupts() -> bool:
+    """Whether Ctrl-C raises in this thread: not in a sweep's workers, which are spared handing work to another one."""
+    return threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) != signal.SIG_IGN
 
 
 def _on_threads(count: int, work: Callable[[], None], stop: ctypes.c_int64) -> None:
