@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +12,7 @@ import click
 
 from cyclemap.cli.number_types import Real
 from cyclemap.cli.options import LoopOptions, decorated, result_options
+from cyclemap.cli.own_data import table_options, tell_what_was_read, told_columns
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -22,53 +22,35 @@ if TYPE_CHECKING:
     Chosen = tuple[CycleAction, NextAction]
     Choose = Callable[[BiasMonitor], Chosen | None]
 
-SHORTEST_WAIT, LONGEST_WAIT = 0.01, 86400.0
-_WAITS = f"{SHORTEST_WAIT:g} to {LONGEST_WAIT:g}"
 # Shares of the circle whose covering is told.
 _TOLD_SHARES = 10
 # Radians: of the maps that tell the next action, far below what recorded directions are told apart by.
 _TOLERANCE = 1e-3
+_PATH: Any = click.Path(path_type=Path)
+_SHARE, _WAIT = Real(min=0.0, max=1.0, min_open=True, max_open=True), Real(min=0.01, max=86400.0)
+_RATE = "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger."
+_SURFACE = "With --protocol: name or TOML file of the surface. [default: isotropic]"
 
 
-def _wait(context: click.Context, option: click.Parameter, seconds: float) -> float:
-    """Refuse what no clock can wait for; a range would let nan pass."""
-    if not (math.isfinite(seconds) and SHORTEST_WAIT <= seconds <= LONGEST_WAIT):
-        raise click.BadParameter(f"{seconds:g} is no wait; give a finite number of {_WAITS} seconds")
-    return seconds
-
-
-def _watch_options(command: Callable[..., None]) -> Callable[..., None]:
-    rate = "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger."
-    again = f"How often --follow looks for new rows: every {_WAITS} seconds."
-    share, toml = Real(min=0.0, max=1.0, min_open=True, max_open=True), click.Path(path_type=Path)
-    waits: dict[str, Any] = {"metavar": "SECONDS", "type": Real(), "callback": _wait, "help": again}
-    actions = "Protocol with a [strategy]: which of its actions to take next."
-    surface = "With --protocol: name or TOML file of the surface. [default: isotropic]"
-    waiting = "Wait for new rows, and tell what changes, until interrupted (Ctrl-C)."
-    decorators: list[Callable[[Any], Any]] = [
-        click.argument("file", type=click.Path(path_type=Path)),
-        click.option("--alarm-rate", type=share, default=0.01, show_default=True, help=rate),
-        click.option("--follow", is_flag=True, help=waiting),
-        click.option("--every", default=1.0, show_default=True, **waits),
-        click.option("--protocol", metavar="TOML", type=toml, help=actions),
-        click.option("--material", metavar="MATERIAL", help=surface),
-        *result_options("watch_FILE.png and .json"),
-    ]
-    return decorated(command, decorators)
+def _results(command: Callable[..., None]) -> Callable[..., None]:
+    return decorated(command, result_options("watch_FILE.png and .json"))
 
 
 @click.command("watch")
-@_watch_options
+@click.argument("file", type=_PATH)
+@click.option("--alarm-rate", type=_SHARE, default=0.01, show_default=True, help=_RATE)
+@click.option("--follow", is_flag=True, help="Wait for new rows, and tell what changes, until interrupted (Ctrl-C).")
+@click.option("--every", metavar="SECONDS", type=_WAIT, default=1.0, show_default=True, help="Between --follow's looks.")
+@click.option("--protocol", metavar="TOML", type=_PATH, help="With a [strategy]: which of its actions to take next.")
+@click.option("--material", metavar="MATERIAL", help=_SURFACE)
+@table_options
+@_results
 def watch_command(
-    file: Path,
-    alarm_rate: float,
-    follow: bool,
-    every: float,
-    protocol: Path | None,
-    material: str | None,
-    **results: Any,
-) -> None:
-    """Watch a collection of θ0 for locking in: FILE is a CSV with theta0_deg in order, or a folder of MIT pushes.
+    file: Path, alarm_rate: float, follow: bool, every: float, protocol: Path | None, material: str | None,
+    columns: str | None, units: str | None, **results: Any,
+) -> None:  # fmt: skip
+    """Watch a collection of θ0 for locking in: FILE is a CSV with theta0_deg in order, a folder of MIT pushes, or a
+    table of your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
 
     With --protocol it also tells which action of the strategy takes the object to where least is recorded. With
     --follow, `--json -` prints a line of JSON for each push.
@@ -77,13 +59,14 @@ def watch_command(
     from cyclemap.resets import BiasMonitor
     from cyclemap.resets.monitor.theta0_feed import theta0_feed
 
-    feed, monitor, reports = theta0_feed(file), BiasMonitor(alarm_rate), list[Any]()
+    feed, monitor, reports = theta0_feed(file, *told_columns(columns, units)), BiasMonitor(alarm_rate), list[Any]()
     if not follow:
-        recorded, choose = feed.look(finished=True).theta, _chooser(protocol, material)
+        found, choose = feed.look(finished=True), _chooser(protocol, material)
+        tell_what_was_read(found.words, found.guessed)
         with progress_bar(f"watching {file.name}") as report:
-            for done, theta in enumerate(recorded, 1):
+            for done, theta in enumerate(found.theta, 1):
                 reports.append(monitor.update(theta))
-                report(done / len(recorded))
+                report(done / len(found.theta))
         _conclude(file, monitor, reports, choose(monitor), **results)
         return
     choose, as_json = _chooser(protocol, material), results["json_target"] == "-"
@@ -92,6 +75,8 @@ def watch_command(
     try:
         while True:
             found = feed.look()
+            if not reports:
+                tell_what_was_read(found.words, found.guessed)
             if found.began_anew:
                 click.echo(f"{file} began anew, and so does the watch", err=True)
                 monitor, reports = BiasMonitor(alarm_rate), []
@@ -180,14 +165,14 @@ def _report(report: BiasReport, chosen: Chosen | None) -> Json:
         "alarm": alarm and {
             "push": alarm.push,
             "kind": alarm.kind,
-            "directions_deg": [direction_deg(theta) for theta in alarm.directions],
+            "directions_deg": [*map(direction_deg, alarm.directions)],
             "began": alarm.began,
         },
         "evidence": {f"{kind}_log10": number(value) for kind, value in evidence.items()},
         "rest": rest and {
             "began": rest.began,
-            "directions_deg": [direction_deg(theta) for theta in rest.directions],
-            "towards_deg": [direction_deg(theta) for theta in rest.towards],
+            "directions_deg": [*map(direction_deg, rest.directions)],
+            "towards_deg": [*map(direction_deg, rest.towards)],
         },
         "useful_pushes": report.useful_pushes,
         "recent_worth": number(report.recent_worth),
