@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,29 +23,24 @@ if TYPE_CHECKING:
     Chosen = tuple[CycleAction, NextAction]
     Choose = Callable[[BiasMonitor], Chosen | None]
 
-# Shares of the circle whose covering is told.
-_TOLD_SHARES = 10
-# Radians: of the maps that tell the next action, far below what recorded directions are told apart by.
-_TOLERANCE = 1e-3
+# Shares of the circle whose covering is told; rad, of the maps that tell the next action, far below what is recorded.
+_TOLD_SHARES, _TOLERANCE = 10, 1e-3
 _PATH: Any = click.Path(path_type=Path)
 _SHARE, _WAIT = Real(min=0.0, max=1.0, min_open=True, max_open=True), Real(min=0.01, max=86400.0)
 _RATE = "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger."
 _SURFACE = "With --protocol: name or TOML file of the surface. [default: isotropic]"
-
-
-def _results(command: Callable[..., None]) -> Callable[..., None]:
-    return decorated(command, result_options("watch_FILE.png and .json"))
+_RESULTS = partial(decorated, decorators=result_options("watch_FILE.png and .json"))
 
 
 @click.command("watch")
 @click.argument("file", type=_PATH)
 @click.option("--alarm-rate", type=_SHARE, default=0.01, show_default=True, help=_RATE)
 @click.option("--follow", is_flag=True, help="Wait for new rows, and tell what changes, until interrupted (Ctrl-C).")
-@click.option("--every", metavar="SECONDS", type=_WAIT, default=1.0, show_default=True, help="Between --follow's looks.")
+@click.option("--every", metavar="SECONDS", type=_WAIT, default=1.0, show_default=True, help="Between such looks.")
 @click.option("--protocol", metavar="TOML", type=_PATH, help="With a [strategy]: which of its actions to take next.")
 @click.option("--material", metavar="MATERIAL", help=_SURFACE)
 @table_options
-@_results
+@_RESULTS
 def watch_command(
     file: Path, alarm_rate: float, follow: bool, every: float, protocol: Path | None, material: str | None,
     columns: str | None, units: str | None, **results: Any,
@@ -55,19 +51,14 @@ def watch_command(
     With --protocol it also tells which action of the strategy takes the object to where least is recorded. With
     --follow, `--json -` prints a line of JSON for each push.
     """
-    from cyclemap.cli.output import progress_bar
-    from cyclemap.resets import BiasMonitor
+    from cyclemap.resets import BiasMonitor, watch
     from cyclemap.resets.monitor.theta0_feed import theta0_feed
 
     feed, monitor, reports = theta0_feed(file, *told_columns(columns, units)), BiasMonitor(alarm_rate), list[Any]()
     if not follow:
         found, choose = feed.look(finished=True), _chooser(protocol, material)
         tell_what_was_read(found.words, found.guessed)
-        with progress_bar(f"watching {file.name}") as report:
-            for done, theta in enumerate(found.theta, 1):
-                reports.append(monitor.update(theta))
-                report(done / len(found.theta))
-        _conclude(file, monitor, reports, choose(monitor), **results)
+        _conclude(file, monitor, watch(found.theta, monitor), choose, **results)
         return
     choose, as_json = _chooser(protocol, material), results["json_target"] == "-"
     if not as_json:
@@ -88,7 +79,7 @@ def watch_command(
     finally:
         # However following ends the last report is kept, and what ended it goes on.
         if reports:
-            _conclude(file, monitor, reports, choose(monitor), **results, quiet=as_json)
+            _conclude(file, monitor, reports, choose, **results, quiet=as_json)
 
 
 def _chooser(protocol: Path | None, material: str | None) -> Choose:
@@ -102,22 +93,21 @@ def _chooser(protocol: Path | None, material: str | None) -> Choose:
     from cyclemap.resets import next_action, strategy_maps
 
     chosen = chosen_collection(LoopOptions(material, protocol, ()))
-    if chosen.strategy is None or len(chosen.strategy.actions) == 1:
+    loop, strategy = chosen.loop, chosen.strategy
+    if strategy is None or len(strategy.actions) == 1:
         raise InvalidInput(f"{protocol}: there is no action to choose: it needs a [strategy] of two actions or more")
-    actions = chosen.strategy.actions
-    with progress_bar(f"cycle maps on {chosen.loop.material.name}") as report:
-        maps = strategy_maps(chosen.loop, chosen.strategy, tolerance=_TOLERANCE, progress=report)
+    with progress_bar(f"cycle maps on {loop.material.name}") as report:
+        maps = strategy_maps(loop, strategy, tolerance=_TOLERANCE, progress=report)
 
     def choose(monitor: BiasMonitor) -> Chosen:
         found = next_action(maps, monitor.coverage, monitor.path[-1])
-        return actions[found.number], found
+        return strategy.actions[found.number], found
 
     return choose
 
 
 def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | None, as_json: bool) -> None:
-    """A line of JSON; or one where something changed: an alarm, a rest that began or ended after it, another tenth of
-    the circle; and one for each push that a strategy answers."""
+    """A line of JSON; or what changed: alarm, rest, another tenth of the circle; and what a strategy does next."""
     from cyclemap.cli.json_numbers import direction_deg
     from cyclemap.views import watch_sentences as sentences
 
@@ -125,7 +115,7 @@ def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | 
         told = {"push": after.push, "theta0_deg": direction_deg(theta), **_report(after, chosen)}
         click.echo(json.dumps(told, allow_nan=False, ensure_ascii=False))
         return
-    news = []
+    news: list[str] = []
     if after.alarm is not None and before.alarm is None:
         news += [sentences.alarm_sentence(after.alarm), sentences.advice_sentence(after)]
     elif after.alarm is not None and (after.rest is None) != (before.rest is None):
@@ -137,7 +127,7 @@ def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | 
 
 
 def _conclude(
-    file: Path, monitor: BiasMonitor, reports: list[BiasReport], chosen: Chosen | None, out: Path, picture_format: str,
+    file: Path, monitor: BiasMonitor, reports: Sequence[BiasReport], choose: Choose, out: Path, picture_format: str,
     json_target: str | None, quiet: bool = False,
 ) -> None:  # fmt: skip
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
@@ -146,12 +136,13 @@ def _conclude(
     from cyclemap.views.watch_page import watch_page
     from cyclemap.views.watch_sentences import next_action_sentence, watch_sentences
 
-    told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(reports[-1], chosen)}
+    last, chosen = reports[-1], choose(monitor)
+    told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(last, chosen)}
     page, stem = watch_page(monitor, reports, file.name), out / f"watch_{file_stem(file.stem)}"
     picture = publish(told, page, stem, picture_format, None if quiet else json_target)
     if picture is not None and not quiet:
         following = () if chosen is None else (next_action_sentence(*chosen),)
-        PeopleConsole().tell(*watch_sentences(reports[-1]), *following, f"picture: {picture}")
+        PeopleConsole().tell(*watch_sentences(last), *following, f"picture: {picture}")
 
 
 def _report(report: BiasReport, chosen: Chosen | None) -> Json:
@@ -160,31 +151,29 @@ def _report(report: BiasReport, chosen: Chosen | None) -> Json:
     from cyclemap.views.reset_sentences import action_words
 
     alarm, rest, state, advice = report.alarm, report.rest, report.coverage, report.advice
-    evidence = {"rest": report.rest_evidence, "visits": report.visit_evidence, "threshold": report.threshold}
     told: Json = {
-        "alarm": alarm and {
-            "push": alarm.push,
-            "kind": alarm.kind,
-            "directions_deg": [*map(direction_deg, alarm.directions)],
-            "began": alarm.began,
+        "alarm": None,
+        "evidence": {
+            "rest_log10": number(report.rest_evidence),
+            "visits_log10": number(report.visit_evidence),
+            "threshold_log10": number(report.threshold),
         },
-        "evidence": {f"{kind}_log10": number(value) for kind, value in evidence.items()},
-        "rest": rest and {
-            "began": rest.began,
-            "directions_deg": [*map(direction_deg, rest.directions)],
-            "towards_deg": [*map(direction_deg, rest.towards)],
-        },
+        "rest": None,
         "useful_pushes": report.useful_pushes,
         "recent_worth": number(report.recent_worth),
         "coverage": {
-            "covered": number(state.covered),
+            **{name: number(getattr(state, name)) for name in ("covered", "effective_pushes", "gain")},
             "largest_gap_deg": degrees(state.largest_gap),
             "gap_centre_deg": direction_deg(state.gap_centre),
-            "effective_pushes": number(state.effective_pushes),
-            "gain": number(state.gain),
         },
         "advice": {"change_reset": advice.change_reset, "direction_deg": direction_deg(advice.direction)},
-    }  # fmt: skip
+    }
+    if alarm is not None:
+        where = [*map(direction_deg, alarm.directions)]
+        told["alarm"] = {"push": alarm.push, "kind": alarm.kind, "directions_deg": where, "began": alarm.began}
+    if rest is not None:
+        where, towards = ([*map(direction_deg, angles)] for angles in (rest.directions, rest.towards))
+        told["rest"] = {"began": rest.began, "directions_deg": where, "towards_deg": towards}
     if chosen is not None:
         action, found = chosen
         lands = {"lands_deg": direction_deg(found.lands), "crowding": number(found.crowding)}

@@ -47,9 +47,7 @@ class Theta0Feed(Protocol):
         ...
 
 
-def theta0_feed(
-    path: str | Path, columns: Mapping[str, str] | None = None, units: Sequence[str] = ()
-) -> Theta0Feed:
+def theta0_feed(path: str | Path, columns: Mapping[str, str] | None = None, units: Sequence[str] = ()) -> Theta0Feed:
     """The feed of a CSV file with a column theta0_deg (or theta0_accum_deg), or of a folder of pushes, MIT layout.
 
     columns, units : of a table of one's own, as `read_own_table` takes them; other data are told by themselves.
@@ -199,7 +197,7 @@ class OwnTableFeed:
                 return NewOrientations(())
             raise DataFileError(f"{self.path}: there is no such file; check the path") from error
         now = (status.st_size, status.st_mtime_ns)
-        if not finished and (now == self._seen or self.path.is_file() and self.path.read_bytes().count(b"\n") < 2):
+        if not finished and (now == self._seen or (self.path.is_file() and self.path.read_bytes().count(b"\n") < 2)):
             return NewOrientations(())
         found = read_orientations(self.path, *self._asked, growing=not finished)
         theta, fed = tuple(found.columns["theta0"].tolist()), self._fed
