@@ -311,7 +311,10 @@ def _bag(path: Path, topic: str | None) -> Columns:
     except DataFileError:
         raise
     except Exception as error:
-        raise DataFileError(f"{path}: not a ROS bag that can be read ({error})") from error
+        mend = "one that was not closed is mended by rosbag reindex, ros2 bag reindex or mcap recover"
+        if "Profile is not ros2" in str(error):
+            mend = "only MCAP of ROS 2 is; write what this one holds as a table of t,x,y,qx,qy,qz,qw"
+        raise DataFileError(f"{path}: not a ROS bag that can be read ({error}): {mend}") from error
     if not rows:
         raise DataFileError(f"{path}: the topic {wanted} has no message")
     return dict(zip(("t", "x", "y", *_QUATERNION), np.array(rows).T, strict=True))
