@@ -76,8 +76,8 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
 
     - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row with a flag makes
       no pair and is counted in `dropped`; the last row has no next θ0.
-    - `theta0_deg,theta_next_deg`: pairs in any order; the turn is the shorter way round. Where each row begins where the
-      one before ended, within 0.005 degrees, they are pushes in order.
+    - `theta0_deg,theta_next_deg`: pairs, in order where each begins where the one before ended (within 0.005 degrees),
+      in any order else; the turn is the shorter way round.
     - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round.
 
     DataFileError names the file, the line and the mend.
