@@ -248,7 +248,10 @@ def _assessed(
         rows.append(row)
     chosen, own = rows[0].strategy, rows[-1].strategy
     compared = [chosen, *(row.strategy for row in rows[1:] if SIMPLEST in row.roles)]
-    stretched = [_stretched(about.nominal, error) for error in _RATIO_STEPS]
+    # The ratio of the axes off by a share, their geometric mean kept.
+    law, roots = about.nominal.friction, np.sqrt(1.0 + np.array(_RATIO_STEPS)).tolist()
+    bent = [replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root) for root in roots]
+    stretched = [replace(about.nominal, friction=one) for one in bent]
     curves = [
         [
             orientation_law(turn, one, sigma, 1).total_variation
@@ -281,12 +284,6 @@ def _cycles(loop: CollectionLoop, strategy: ResetStrategy, materials: Sequence[M
 def _mean_and_spread(shares: Array) -> tuple[float, float]:
     distances = histogram_distances(shares)
     return float(distances.mean()), float(distances.std(ddof=1))
-
-
-def _stretched(material: Material, error: float) -> Material:
-    """The material with the ratio of its axes off by a share, their geometric mean kept."""
-    root, law = math.sqrt(1.0 + error), material.friction
-    return replace(material, friction=replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root))
 
 
 def _by_order(turn: Array, row: ResetRow, pushes: int, runs: int, sigma: float, seed: int) -> dict[str, float]:
