@@ -112,7 +112,7 @@ def _what_to_do(found: Portrait, sigma: float, progress: Progress) -> tuple[Sect
     from cyclemap.views.report.report_page import Download, Section
     from cyclemap.views.reset_sentences import design_sentences
 
-    design = design_reset(found.loop, sigma=sigma, progress=lambda _, share: progress(share))
+    design = design_reset(found.loop, sigma=sigma, progress=progress)
     text = protocol_text(found.loop, design.chosen.strategy, noise=sigma)
     return Section("What to do", design_sentences(design)), (Download("protocol.toml", text),)
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ import click
 
 from cyclemap.cli.number_types import Real
 from cyclemap.cli.options import LoopOptions, decorated, result_options
+from cyclemap.cli.own_data import table_options, tell_what_was_read, told_columns
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -22,69 +23,42 @@ if TYPE_CHECKING:
     Chosen = tuple[CycleAction, NextAction]
     Choose = Callable[[BiasMonitor], Chosen | None]
 
-SHORTEST_WAIT, LONGEST_WAIT = 0.01, 86400.0
-_WAITS = f"{SHORTEST_WAIT:g} to {LONGEST_WAIT:g}"
-# Shares of the circle whose covering is told.
-_TOLD_SHARES = 10
-# Radians: of the maps that tell the next action, far below what recorded directions are told apart by.
-_TOLERANCE = 1e-3
-
-
-def _wait(context: click.Context, option: click.Parameter, seconds: float) -> float:
-    """Refuse what no clock can wait for; a range would let nan pass."""
-    if not (math.isfinite(seconds) and SHORTEST_WAIT <= seconds <= LONGEST_WAIT):
-        raise click.BadParameter(f"{seconds:g} is no wait; give a finite number of {_WAITS} seconds")
-    return seconds
-
-
-def _watch_options(command: Callable[..., None]) -> Callable[..., None]:
-    rate = "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger."
-    again = f"How often --follow looks for new rows: every {_WAITS} seconds."
-    share, toml = Real(min=0.0, max=1.0, min_open=True, max_open=True), click.Path(path_type=Path)
-    waits: dict[str, Any] = {"metavar": "SECONDS", "type": Real(), "callback": _wait, "help": again}
-    actions = "Protocol with a [strategy]: which of its actions to take next."
-    surface = "With --protocol: name or TOML file of the surface. [default: isotropic]"
-    waiting = "Wait for new rows, and tell what changes, until interrupted (Ctrl-C)."
-    decorators: list[Callable[[Any], Any]] = [
-        click.argument("file", type=click.Path(path_type=Path)),
-        click.option("--alarm-rate", type=share, default=0.01, show_default=True, help=rate),
-        click.option("--follow", is_flag=True, help=waiting),
-        click.option("--every", default=1.0, show_default=True, **waits),
-        click.option("--protocol", metavar="TOML", type=toml, help=actions),
-        click.option("--material", metavar="MATERIAL", help=surface),
-        *result_options("watch_FILE.png and .json"),
-    ]
-    return decorated(command, decorators)
+# Shares of the circle whose covering is told; rad, of the maps that tell the next action, far below what is recorded.
+_TOLD_SHARES, _TOLERANCE = 10, 1e-3
+_PATH: Any = click.Path(path_type=Path)
+_SHARE, _WAIT = Real(min=0.0, max=1.0, min_open=True, max_open=True), Real(min=0.01, max=86400.0)
+_RATE = "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger."
+_SURFACE = "With --protocol: name or TOML file of the surface. [default: isotropic]"
+_RESULTS = partial(decorated, decorators=result_options("watch_FILE.png and .json"))
 
 
 @click.command("watch")
-@_watch_options
+@click.argument("file", type=_PATH)
+@click.option("--alarm-rate", type=_SHARE, default=0.01, show_default=True, help=_RATE)
+@click.option("--follow", is_flag=True, help="Wait for new rows, and tell what changes, until interrupted (Ctrl-C).")
+@click.option("--every", metavar="SECONDS", type=_WAIT, default=1.0, show_default=True, help="Between such looks.")
+@click.option("--protocol", metavar="TOML", type=_PATH, help="With a [strategy]: which of its actions to take next.")
+@click.option("--material", metavar="MATERIAL", help=_SURFACE)
+@table_options
+@_RESULTS
 def watch_command(
-    file: Path,
-    alarm_rate: float,
-    follow: bool,
-    every: float,
-    protocol: Path | None,
-    material: str | None,
-    **results: Any,
-) -> None:
-    """Watch a collection of θ0 for locking in: FILE is a CSV with theta0_deg in order, or a folder of MIT pushes.
+    file: Path, alarm_rate: float, follow: bool, every: float, protocol: Path | None, material: str | None,
+    columns: str | None, units: str | None, **results: Any,
+) -> None:  # fmt: skip
+    """Watch a collection of θ0 for locking in: FILE is a CSV with theta0_deg in order, a folder of MIT pushes, or a
+    table of your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
 
     With --protocol it also tells which action of the strategy takes the object to where least is recorded. With
     --follow, `--json -` prints a line of JSON for each push.
     """
-    from cyclemap.cli.output import progress_bar
-    from cyclemap.resets import BiasMonitor
+    from cyclemap.resets import BiasMonitor, watch
     from cyclemap.resets.monitor.theta0_feed import theta0_feed
 
-    feed, monitor, reports = theta0_feed(file), BiasMonitor(alarm_rate), list[Any]()
+    feed, monitor, reports = theta0_feed(file, *told_columns(columns, units)), BiasMonitor(alarm_rate), list[Any]()
     if not follow:
-        recorded, choose = feed.look(finished=True).theta, _chooser(protocol, material)
-        with progress_bar(f"watching {file.name}") as report:
-            for done, theta in enumerate(recorded, 1):
-                reports.append(monitor.update(theta))
-                report(done / len(recorded))
-        _conclude(file, monitor, reports, choose(monitor), **results)
+        found, choose = feed.look(finished=True), _chooser(protocol, material)
+        tell_what_was_read(found.words, found.guessed)
+        _conclude(file, monitor, watch(found.theta, monitor), choose, **results)
         return
     choose, as_json = _chooser(protocol, material), results["json_target"] == "-"
     if not as_json:
@@ -92,6 +66,8 @@ def watch_command(
     try:
         while True:
             found = feed.look()
+            if not reports:
+                tell_what_was_read(found.words, found.guessed)
             if found.began_anew:
                 click.echo(f"{file} began anew, and so does the watch", err=True)
                 monitor, reports = BiasMonitor(alarm_rate), []
@@ -103,7 +79,7 @@ def watch_command(
     finally:
         # However following ends the last report is kept, and what ended it goes on.
         if reports:
-            _conclude(file, monitor, reports, choose(monitor), **results, quiet=as_json)
+            _conclude(file, monitor, reports, choose, **results, quiet=as_json)
 
 
 def _chooser(protocol: Path | None, material: str | None) -> Choose:
@@ -117,22 +93,21 @@ def _chooser(protocol: Path | None, material: str | None) -> Choose:
     from cyclemap.resets import next_action, strategy_maps
 
     chosen = chosen_collection(LoopOptions(material, protocol, ()))
-    if chosen.strategy is None or len(chosen.strategy.actions) == 1:
+    loop, strategy = chosen.loop, chosen.strategy
+    if strategy is None or len(strategy.actions) == 1:
         raise InvalidInput(f"{protocol}: there is no action to choose: it needs a [strategy] of two actions or more")
-    actions = chosen.strategy.actions
-    with progress_bar(f"cycle maps on {chosen.loop.material.name}") as report:
-        maps = strategy_maps(chosen.loop, chosen.strategy, tolerance=_TOLERANCE, progress=report)
+    with progress_bar(f"cycle maps on {loop.material.name}") as report:
+        maps = strategy_maps(loop, strategy, tolerance=_TOLERANCE, progress=report)
 
     def choose(monitor: BiasMonitor) -> Chosen:
         found = next_action(maps, monitor.coverage, monitor.path[-1])
-        return actions[found.number], found
+        return strategy.actions[found.number], found
 
     return choose
 
 
 def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | None, as_json: bool) -> None:
-    """A line of JSON; or one where something changed: an alarm, a rest that began or ended after it, another tenth of
-    the circle; and one for each push that a strategy answers."""
+    """A line of JSON; or what changed: alarm, rest, another tenth of the circle; and what a strategy does next."""
     from cyclemap.cli.json_numbers import direction_deg
     from cyclemap.views import watch_sentences as sentences
 
@@ -140,7 +115,7 @@ def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | 
         told = {"push": after.push, "theta0_deg": direction_deg(theta), **_report(after, chosen)}
         click.echo(json.dumps(told, allow_nan=False, ensure_ascii=False))
         return
-    news = []
+    news: list[str] = []
     if after.alarm is not None and before.alarm is None:
         news += [sentences.alarm_sentence(after.alarm), sentences.advice_sentence(after)]
     elif after.alarm is not None and (after.rest is None) != (before.rest is None):
@@ -152,7 +127,7 @@ def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | 
 
 
 def _conclude(
-    file: Path, monitor: BiasMonitor, reports: list[BiasReport], chosen: Chosen | None, out: Path, picture_format: str,
+    file: Path, monitor: BiasMonitor, reports: Sequence[BiasReport], choose: Choose, out: Path, picture_format: str,
     json_target: str | None, quiet: bool = False,
 ) -> None:  # fmt: skip
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
@@ -161,12 +136,13 @@ def _conclude(
     from cyclemap.views.watch_page import watch_page
     from cyclemap.views.watch_sentences import next_action_sentence, watch_sentences
 
-    told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(reports[-1], chosen)}
+    last, chosen = reports[-1], choose(monitor)
+    told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(last, chosen)}
     page, stem = watch_page(monitor, reports, file.name), out / f"watch_{file_stem(file.stem)}"
     picture = publish(told, page, stem, picture_format, None if quiet else json_target)
     if picture is not None and not quiet:
         following = () if chosen is None else (next_action_sentence(*chosen),)
-        PeopleConsole().tell(*watch_sentences(reports[-1]), *following, f"picture: {picture}")
+        PeopleConsole().tell(*watch_sentences(last), *following, f"picture: {picture}")
 
 
 def _report(report: BiasReport, chosen: Chosen | None) -> Json:
@@ -175,31 +151,29 @@ def _report(report: BiasReport, chosen: Chosen | None) -> Json:
     from cyclemap.views.reset_sentences import action_words
 
     alarm, rest, state, advice = report.alarm, report.rest, report.coverage, report.advice
-    evidence = {"rest": report.rest_evidence, "visits": report.visit_evidence, "threshold": report.threshold}
     told: Json = {
-        "alarm": alarm and {
-            "push": alarm.push,
-            "kind": alarm.kind,
-            "directions_deg": [direction_deg(theta) for theta in alarm.directions],
-            "began": alarm.began,
+        "alarm": None,
+        "evidence": {
+            "rest_log10": number(report.rest_evidence),
+            "visits_log10": number(report.visit_evidence),
+            "threshold_log10": number(report.threshold),
         },
-        "evidence": {f"{kind}_log10": number(value) for kind, value in evidence.items()},
-        "rest": rest and {
-            "began": rest.began,
-            "directions_deg": [direction_deg(theta) for theta in rest.directions],
-            "towards_deg": [direction_deg(theta) for theta in rest.towards],
-        },
+        "rest": None,
         "useful_pushes": report.useful_pushes,
         "recent_worth": number(report.recent_worth),
         "coverage": {
-            "covered": number(state.covered),
+            **{name: number(getattr(state, name)) for name in ("covered", "effective_pushes", "gain")},
             "largest_gap_deg": degrees(state.largest_gap),
             "gap_centre_deg": direction_deg(state.gap_centre),
-            "effective_pushes": number(state.effective_pushes),
-            "gain": number(state.gain),
         },
         "advice": {"change_reset": advice.change_reset, "direction_deg": direction_deg(advice.direction)},
-    }  # fmt: skip
+    }
+    if alarm is not None:
+        where = [*map(direction_deg, alarm.directions)]
+        told["alarm"] = {"push": alarm.push, "kind": alarm.kind, "directions_deg": where, "began": alarm.began}
+    if rest is not None:
+        where, towards = ([*map(direction_deg, angles)] for angles in (rest.directions, rest.towards))
+        told["rest"] = {"began": rest.began, "directions_deg": where, "towards_deg": towards}
     if chosen is not None:
         action, found = chosen
         lands = {"lands_deg": direction_deg(found.lands), "crowding": number(found.crowding)}

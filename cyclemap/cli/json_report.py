@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from cyclemap.cli.json_numbers import degrees, direction_deg, number
@@ -18,11 +17,6 @@ if TYPE_CHECKING:
 
 
 Json = dict[str, object]
-
-
-def cycles_report(starts_deg: Sequence[float], cycles: Sequence[Cycle]) -> Json:
-    """The report of `cyclemap cycle`: cycles from the start angles as they were given (degrees)."""
-    return {"cycles": [cycle_report(start, cycle) for start, cycle in zip(starts_deg, cycles, strict=True)]}
 
 
 def cycle_report(start_deg: float, cycle: Cycle) -> Json:

@@ -1,5 +1,6 @@
 """Numbers of the command line: click's ranges, in plain digits only."""
 
+import math
 from typing import Any
 
 import click
@@ -19,11 +20,14 @@ class Whole(click.IntRange):
 
 
 class Real(click.FloatRange):
-    """A number of a range, finite or not."""
+    """A number of a range, which has no nan, or any where no range is given."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the number; a usage error for other than plain digits."""
-        return super().convert(_plain(self, plain_number, value, param, ctx), param, ctx)
+        found = super().convert(_plain(self, plain_number, value, param, ctx), param, ctx)
+        if math.isnan(found) and (self.min is not None or self.max is not None):
+            self.fail("nan is in no range", param, ctx)
+        return found
 
 
 def _plain(kind: Whole | Real, read: Any, value: Any, param: Any, ctx: Any) -> Any:

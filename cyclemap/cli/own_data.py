@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,26 +23,34 @@ def table_options(command: Callable[..., None]) -> Callable[..., None]:
     return decorated(command, decorators)
 
 
-def readable_data(data: Path, columns: str | None, units: str | None, out: Path) -> Path:
-    """The data, or a table of them under `out` that every command reads, after saying on stderr what was read.
+def told_columns(columns: str | None, units: str | None) -> tuple[dict[str, str], list[str]]:
+    """What --columns and --units say; InvalidInput where they cannot be read."""
+    told = {}
+    for part in filter(str.strip, (columns or "").split(",")):
+        name, _, column = (word.strip() for word in part.partition("="))
+        if not (name and column):
+            raise InvalidInput(f"--columns {columns}: give it as theta0=yaw,theta_next=yaw_after")
+        told[name] = column
+    return told, [unit.strip() for unit in (units or "").split(",") if unit.strip()]
 
-    On a terminal, people are asked whether a guess is right; click.Abort where it is not.
-    """
+
+def tell_what_was_read(words: Sequence[str], guessed: bool) -> None:
+    """Say it on stderr; on a terminal ask whether a guess is right, InvalidInput where it is not."""
+    for line in words:
+        click.echo(line, err=True)
+    if guessed and sys.stdin.isatty() and not click.confirm("Is that right?", default=True, err=True):
+        raise InvalidInput("say what the columns are: --columns theta0=NAME,... --units deg,mm")
+
+
+def readable_data(data: Path, columns: str | None, units: str | None, out: Path) -> Path:
+    """The data, or a table of them under `out` that every command reads, after saying on stderr what was read."""
     from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
     from cyclemap.whole_files import file_stem, write_whole
 
     if columns is None and units is None and not is_own(data):
         return data
-    pairs = [part.partition("=") for part in (columns or "").split(",") if part.strip()]
-    for name, equals, column in pairs:
-        if not (equals and name.strip() and column.strip()):
-            raise InvalidInput(f"--columns {columns}: give it as theta0=yaw,theta_next=yaw_after")
-    told = {name.strip(): column.strip() for name, _, column in pairs}
-    found = read_own_table(data, told, [unit.strip() for unit in (units or "").split(",") if unit.strip()])
+    found = read_own_table(data, *told_columns(columns, units))
     target = out / f"{file_stem(data.stem)}_as_read.csv"
-    for line in (*found.words, f"written as {target}"):
-        click.echo(line, err=True)
-    if found.guessed and sys.stdin.isatty() and not click.confirm("Is that right?", default=True, err=True):
-        raise InvalidInput("say what the columns are: --columns theta0=NAME,... --units deg,mm")
+    tell_what_was_read((*found.words, f"written as {target}"), found.guessed)
     write_whole(target, found.csv_text().encode())
     return target

@@ -6,12 +6,13 @@ from pathlib import Path
 
 from rich.table import Table
 
-from cyclemap.cli.json_report import cycles_report
+from cyclemap.cli.json_numbers import degrees
+from cyclemap.cli.json_report import Json, cycle_report
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, publish_json, write_json
 from cyclemap.cli.settings import chosen_collection
 from cyclemap.cli.terminal import PeopleConsole
-from cyclemap.collection.loop import Cycle
+from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import plain_number
 
@@ -24,16 +25,25 @@ LARGEST_DEG = 1e12
 
 def run_cycle(options: LoopOptions, theta0_deg: str, out: Path | None, json_target: str | None) -> None:
     """Run the cycles that start at the angles listed in `theta0_deg`, and print or write them."""
-    starts = parse_angles(theta0_deg)
-    chosen = chosen_collection(options)
-    name = chosen.loop.material.name
-    if chosen.strategy is None:
-        cycles = [chosen.loop.cycle(math.radians(start)) for start in starts]
-        report, tables = cycles_report(starts, cycles), [cycle_table(f"{TITLE} {name}", cycles)]
-    else:
-        from cyclemap.cli.run_strategy import strategy_cycles
+    starts, chosen = parse_angles(theta0_deg), chosen_collection(options)
+    loop, strategy, name = chosen.loop, chosen.strategy, chosen.loop.material.name
+    acts: list[tuple[CollectionLoop, float, Json, str]] = [(loop, 0.0, {}, f"{TITLE} {name}")]
+    if strategy is not None:
+        from cyclemap.cli.reset_report import actions_report
 
-        report, tables = strategy_cycles(chosen.loop, chosen.strategy, starts)
+        parts = zip(strategy.actions, strategy.loops(loop), actions_report(strategy, loop), strict=True)
+        acts = [
+            (acted, action.turn, {"action": told}, f"{told['name']}: {told['weight']:.3g} of the cycles on {name}")
+            for action, acted, told in parts
+        ]
+    cycles: list[Json] = []
+    tables = []
+    for acted, turn, more, title in acts:
+        runs = [acted.cycle(math.radians(start)) for start in starts]
+        for start, run in zip(starts, runs, strict=True):
+            cycles.append({**cycle_report(start, run), "theta1_deg": degrees(run.theta_next + turn), **more})
+        tables.append(cycle_table(title, runs, turn))
+    report: Json = {"cycles": cycles}
     if out is not None:
         write_json(out / f"cycles_{file_stem(name)}.json", report)
     if not publish_json(report, json_target):

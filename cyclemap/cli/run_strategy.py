@@ -1,4 +1,4 @@
-"""`cyclemap cycle`, `portrait` and `staircase` with a strategy whose cycles differ."""
+"""`cyclemap portrait` and `staircase` with a strategy whose cycles differ."""
 
 from __future__ import annotations
 
@@ -7,47 +7,25 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
-from rich.table import Table
 
+from cyclemap.arrays import Array
 from cyclemap.cli.json_numbers import degrees, direction_deg, number
-from cyclemap.cli.json_report import Json, cycle_report, measured_report, steps_report
+from cyclemap.cli.json_report import Json, measured_report, steps_report
 from cyclemap.cli.options import RunRequest
 from cyclemap.cli.output import file_stem, progress_bar, publish
 from cyclemap.cli.reset_report import actions_report
-from cyclemap.cli.run_cycle import cycle_table
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
 from cyclemap.maps import find_steps
-from cyclemap.resets import OrientationLaw, ResetStrategy, map_turns, orientation_law, run_strategy, strategy_maps
+from cyclemap.resets import ResetStrategy, map_turns, orientation_law, run_strategy, strategy_maps
 from cyclemap.resets.design.orientation_law import slowest_factor
-from cyclemap.views.reset_sentences import action_words, recipe
+from cyclemap.views.reset_sentences import recipe
 from cyclemap.views.strategy_page import strategy_page
-
-Array = NDArray[np.float64]
 
 _EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
 _CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the distribution of θ0"
-_TOLERANCE = 1e-4
-
-
-def strategy_cycles(
-    loop: CollectionLoop, strategy: ResetStrategy, starts_deg: Sequence[float]
-) -> tuple[Json, list[Table]]:
-    """The report and the tables of a cycle from each start (degrees) for each action of the strategy."""
-    cycles: list[Json] = []
-    tables = []
-    told = actions_report(strategy, loop)
-    for action, acted, one in zip(strategy.actions, strategy.loops(loop), told, strict=True):
-        runs = [acted.cycle(math.radians(start)) for start in starts_deg]
-        for start, run in zip(starts_deg, runs, strict=True):
-            ends = {"theta1_deg": degrees(run.theta_next + action.turn)}
-            cycles.append({**cycle_report(start, run), **ends, "action": one})
-        title = f"{action_words(action)}: {one['weight']:.3g} of the cycles on {loop.material.name}"
-        tables.append(cycle_table(title, runs, action.turn))
-    return {"cycles": cycles}, tables
 
 
 def run_strategy_portrait(
@@ -56,35 +34,33 @@ def run_strategy_portrait(
 ) -> None:  # fmt: skip
     """Compute the distribution of the orientations, draw it, and print it for people or as JSON."""
     with progress_bar(f"cycle maps of {loop.material.name}") as report:
-        maps = strategy_maps(loop, strategy, tolerance=_TOLERANCE, progress=report)
+        maps = strategy_maps(loop, strategy, tolerance=1e-4, progress=report)
     turns, measured = map_turns(maps), None if pairs is None else pairs.path
-    law = orientation_law(turns, strategy, sigma)
+    law, factor = orientation_law(turns, strategy, sigma), slowest_factor(turns, strategy, sigma)
     theta, ran = _run(loop, strategy, sigma, request, measured)
-    mean_turn = float((theta[-1] - theta[0]) / (len(theta) - 1))
-    slopes = 1.0 + np.diff(turns, append=turns[:, :1]) * turns.shape[1] / (2.0 * math.pi)
+    mean_turn, above = float((theta[-1] - theta[0]) / (len(theta) - 1)), law.density > 0.5 / math.pi
+    peaks = np.flatnonzero((law.density > np.roll(law.density, 1)) & (law.density >= np.roll(law.density, -1)) & above)
     told: Json = {
         "strategy": {"recipe": recipe(strategy), "order": strategy.order, "needs": list(strategy.needs)},
         "map": [
-            {
-                "action": action,
-                "degree": int(one.degree),
-                "samples": int(one.samples),
-                "max_error_deg": degrees(one.max_error),
-                "mean_turn_deg": degrees(float(turn.mean())),
-                "min_turn_deg": degrees(float(turn.min())),
-                "max_turn_deg": degrees(float(turn.max())),
-                "min_slope": number(float(slope.min())),
-                "max_slope": number(float(slope.max())),
-            }
-            for action, one, turn, slope in zip(actions_report(strategy, loop), maps, turns, slopes, strict=True)
+            {"action": action, "max_error_deg": degrees(one.max_error), "mean_turn_deg": degrees(float(turn.mean()))}
+            for action, one, turn in zip(actions_report(strategy, loop), maps, turns, strict=True)
         ],
         "fixed_points": [],
         "fixed_points_reason": _EACH,
         "rotation_number": {"value": number(mean_turn / (2.0 * math.pi)), "lower": None, "upper": None, "locked": None},
-        "stationary": _stationary(law, sigma, slowest_factor(turns, strategy, sigma)),
+        "stationary": {
+            "noise_deg": degrees(sigma),
+            "peaks_deg": [direction_deg(math.radians(peak)) for peak in peaks.tolist()],
+            "spectral_gap": number(1.0 - factor),
+            "mixing_cycles": number(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
+            "tv_from_uniform": number(law.total_variation),
+            "tv_error": number(law.error),
+            "tv_after_pushes_from_worst_start": {"pushes": law.pushes, "tv": number(law.after)},
+        },
         "staircase": {"mean_turn_deg": degrees(mean_turn), "mean_residence_cycles": None, "step_deg": None, "run": ran},
+        **({} if pairs is None else {"data": {"pairs": len(pairs.theta), "dropped": dict(pairs.dropped)}}),
     }
-    told |= {} if pairs is None else {"data": {"pairs": len(pairs.theta), "dropped": dict(pairs.dropped)}}
     words = (
         f"{loop.material.name}: {law.total_variation:.1%} away from uniform",
         f"With {math.degrees(sigma):.2g}° of noise a cycle: {recipe(strategy)}.",
@@ -93,22 +69,7 @@ def run_strategy_portrait(
         f"In a run of {len(theta) - 1} cycles θ0 moves {math.degrees(mean_turn):.2f}° a cycle on average.",
     )
     figure = strategy_page(words, loop, strategy, theta, measured, turns, law)
-    _finish(f"portrait_{file_stem(loop.material.name)}", request, told, words, figure, json_target)
-
-
-def _stationary(law: OrientationLaw, sigma: float, factor: float) -> Json:
-    density = law.density
-    peaks = np.flatnonzero((density > np.roll(density, 1)) & (density >= np.roll(density, -1)))
-    high = peaks[density[peaks] > 1.0 / (2.0 * math.pi)]
-    return {
-        "noise_deg": degrees(sigma),
-        "peaks_deg": [direction_deg(math.radians(peak)) for peak in high.tolist()],
-        "spectral_gap": number(1.0 - factor),
-        "mixing_cycles": number(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
-        "tv_from_uniform": number(law.total_variation),
-        "tv_error": number(law.error),
-        "tv_after_pushes_from_worst_start": {"pushes": law.pushes, "tv": number(law.after)},
-    }
+    _finish("portrait", loop, request, told, words, figure, json_target)
 
 
 def run_strategy_staircase(
@@ -119,13 +80,13 @@ def run_strategy_staircase(
     data = None if measured is None else measured.path
     theta, ran = _run(loop, strategy, sigma, request, data)
     steps = find_steps(theta)
-    nothing: Json = {"mean_turn_deg": None, "mean_residence_cycles": None, "step_deg": None, "zones": []}
+    nothing = dict.fromkeys(("mean_turn_deg", "mean_residence_cycles", "step_deg"))
     told: Json = {
         "noise_deg": degrees(sigma),
-        "prediction": {**nothing, "reason": _CHANGING},
+        "prediction": {**nothing, "zones": [], "reason": _CHANGING},
         "run": {**ran, "followed": "mechanics", **steps_report(steps)},
+        **({} if measured is None else {"data": measured_report(measured)}),
     }
-    told |= {} if measured is None else {"data": measured_report(measured)}
     rests = f"makes {steps.count} steps" if steps.levels.size else "rests nowhere"
     words = (
         f"Staircase of {loop.material.name}",
@@ -133,8 +94,7 @@ def run_strategy_staircase(
         f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {request.seed}) it {rests}; "
         f"θ0 moves {math.degrees((theta[-1] - theta[0]) / (len(theta) - 1)):.2f}° a cycle on average.",
     )
-    figure = strategy_page(words, loop, strategy, theta, data)
-    _finish(f"staircase_{file_stem(loop.material.name)}", request, told, words, figure, json_target)
+    _finish("staircase", loop, request, told, words, strategy_page(words, loop, strategy, theta, data), json_target)
 
 
 def _run(
@@ -150,8 +110,10 @@ def _run(
 
 
 def _finish(
-    stem: str, request: RunRequest, told: Json, words: Sequence[str], figure: Figure, json_target: str | None
-) -> None:
-    picture = publish(told, figure, request.out / stem, request.picture_format, json_target)
+    what: str, loop: CollectionLoop, request: RunRequest, told: Json, words: Sequence[str], figure: Figure,
+    json_target: str | None,
+) -> None:  # fmt: skip
+    stem = request.out / f"{what}_{file_stem(loop.material.name)}"
+    picture = publish(told, figure, stem, request.picture_format, json_target)
     if picture is not None:
         PeopleConsole().tell(*words, f"picture: {picture}")

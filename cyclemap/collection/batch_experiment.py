@@ -140,7 +140,8 @@ def batch_experiment(
     count, report = whole_number("batches", batches, least=1), progress or (lambda fraction: None)
     starts = 2.0 * np.pi * np.arange(count) / count
     anisotropic = run_batches(loop, starts, cycles, lambda done: report(0.5 * done))
-    isotropic = run_batches(_twin(loop), starts, cycles, lambda done: report(0.5 + 0.5 * done))
+    twin = replace(loop, loop=isotropic_twin(loop.loop)) if isinstance(loop, DynamicLoop) else isotropic_twin(loop)
+    isotropic = run_batches(twin, starts, cycles, lambda done: report(0.5 + 0.5 * done))
     if isinstance(loop, DynamicLoop):
         return BatchExperiment(loop.loop, loop.speed, starts, anisotropic, isotropic)
     return BatchExperiment(loop, None, starts, anisotropic, isotropic)
@@ -173,12 +174,6 @@ def _checked(loop: object) -> None:
         raise InvalidInput(
             f"loop must be a DynamicLoop or a CollectionLoop, such as CollectionLoop.mit('plywood'), not {told}"
         )
-
-
-def _twin(loop: DynamicLoop | CollectionLoop) -> DynamicLoop | CollectionLoop:
-    if isinstance(loop, DynamicLoop):
-        return replace(loop, loop=isotropic_twin(loop.loop))
-    return isotropic_twin(loop)
 
 
 def _course(loop: DynamicLoop | CollectionLoop, theta: float) -> tuple[float, Array]:

@@ -162,17 +162,13 @@ def _svg_outline(path: Path) -> tuple[Array, float]:
     lines = []
     for one in paths:
         for part in one.continuous_subpaths():
-            ends = [
-                part.start,
-                *(segment.point(t) for segment in part for t in _places(type(segment).__name__ == "Line")),
-            ]
+            ends = [part.start]
+            for segment in part:
+                pieces = 1 if type(segment).__name__ == "Line" else _PIECES
+                ends += [segment.point(step / pieces) for step in range(1, pieces + 1)]
             if len(ends) > 3 and abs(ends[-1] - ends[0]) <= 1e-3 * max(abs(end - ends[0]) for end in ends):
                 lines.append(np.array([[end.real, -end.imag] for end in ends]))
     return _largest(path, lines), _svg_unit(root)
-
-
-def _places(is_line: bool) -> list[float]:
-    return [1.0] if is_line else [step / _PIECES for step in range(1, _PIECES + 1)]
 
 
 def _svg_unit(root: ElementTree.Element) -> float:

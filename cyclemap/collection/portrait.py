@@ -148,7 +148,7 @@ def portrait(
         positive_number("sigma", sigma)
     if cycles < 1:
         raise InvalidInput(f"cycles is {cycles}; a staircase needs at least one cycle")
-    report = progress or _silent
+    report = progress or (lambda fraction: None)
     # The maps are nearly all of the work; what follows them takes a fixed, small part.
     share = 0.6 if loop.material.wear is None else 0.2
     cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda fraction: report(share * fraction))
@@ -158,6 +158,7 @@ def portrait(
     noise, kicks = noises_of(loop, cycle_map, sigma)
     operator = transfer_operator(cycle_map, noise)
     report(0.9)
+    stable = [float(orbit.points[0]) for orbit in points if orbit.stable]
     result = Portrait(
         loop=loop,
         map=cycle_map,
@@ -169,7 +170,7 @@ def portrait(
         operator=operator,
         staircase=sample_staircase(drifting or cycle_map, kicks, cycles, start, seed),
         prediction=predict_staircase(cycle_map, noise, operator),
-        cycle=loop.cycle(_drawn_start(points, operator)),
+        cycle=loop.cycle(max(stable, key=lambda theta: _density_at(operator, theta), default=0.0)),
         drifting=drifting,
         worn=None if drifting is None else predict_staircase(drifting.maps[-1], noise),
         uncertainty=uncertainty,
@@ -222,14 +223,5 @@ def _spread_nodes(cycle_map: CircleMap) -> tuple[Array, Array]:
     return gauss_rule(knots[:-1], np.diff(knots), _CUBIC_NODES)
 
 
-def _drawn_start(points: tuple[Orbit, ...], operator: TransferOperator) -> float:
-    stable = [float(orbit.points[0]) for orbit in points if orbit.stable]
-    return max(stable, key=lambda theta: _density_at(operator, theta), default=0.0)
-
-
 def _density_at(operator: TransferOperator, theta: float) -> float:
     return float(operator.density(np.array([theta]))[0])
-
-
-def _silent(fraction: float) -> None:
-    """Report nothing."""

@@ -112,15 +112,11 @@ def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoo
     with _blaming(settings, _PUSH):
         push = replace(loop.push, **_numbers(settings, _PUSH))  # type: ignore[arg-type]
     with _blaming(settings, _RESET):
-        reset = _reset(loop.reset, settings)
+        way_points = _points(settings, "way_points_mm") if "way_points_mm" in settings else loop.reset.way_points
+        reset = DragBack(way_points, _number(settings, "pin_friction_mm", loop.reset.pin_friction_radius))
     with _blaming(settings, _PRESSURE):
         footprint = _footprint(loop, slider, settings)
     return replace(loop, slider=slider, material=material, pusher=pusher, push=push, reset=reset, footprint=footprint)
-
-
-def _reset(reset: DragBack, settings: Settings) -> DragBack:
-    way_points = _points(settings, "way_points_mm") if "way_points_mm" in settings else reset.way_points
-    return DragBack(way_points, _number(settings, "pin_friction_mm", reset.pin_friction_radius))
 
 
 def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Footprint | None:

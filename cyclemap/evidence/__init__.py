@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from cyclemap.evidence.orientations.orientation_modes import kernel_modes
     from cyclemap.evidence.orientations.p_value import PValue
     from cyclemap.evidence.published.published_comparison import comparison_table, published_comparison
-    from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes
+    from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes, simulated_push
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
     from cyclemap.evidence.pushes.push_files import read_push_file
     from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
@@ -174,6 +174,7 @@ __all__ = [
     "set_laws",
     "simulate_collection",
     "simulated_ensemble",
+    "simulated_push",
     "total_variation",
     "turn_bins",
     "turn_histogram",

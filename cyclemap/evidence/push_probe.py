@@ -24,14 +24,17 @@ from scipy import optimize, stats
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import fit_linear
 from cyclemap.evidence.laws.periodic_basis import fourier_columns
 from cyclemap.maps import fixed_points
-from cyclemap.mechanics import Material
+from cyclemap.mechanics import Material, Pose
 
 Array = NDArray[np.float64]
 Push = Callable[[float], Sequence[float]]
+Place = tuple[float, float]
+EndPose = Callable[[float, Place, Place], Sequence[float]]
 
 PUSHES = 72
 FEWEST = 12
@@ -223,6 +226,30 @@ def _ellipse(angles: Array, moved: Array, noise: Array, loop: CollectionLoop) ->
     covariance = scatter * np.linalg.inv(fit.jac.T @ fit.jac)
     total = (moved - moved.mean(axis=0)) / noise
     return fit.x, covariance, max(1.0 - float(fit.fun @ fit.fun) / max(float((total**2).sum()), 1e-300), 0.0)
+
+
+def simulated_push(loop: CollectionLoop, end_pose: EndPose) -> Push:
+    """Return the push of `loop` as `probe` asks for it, from a simulator that moves a rod in the world.
+
+    end_pose : gives the object's pose (x, y, theta), m and rad, whole turns left out or not, after the rod has gone
+    straight from one place to another (m), at which the object lay at the origin with orientation theta (rad): the rod
+    first touches it where it starts. No push turns an object by half a turn.
+
+    >>> loop = CollectionLoop.mit()
+    >>> push = simulated_push(loop, lambda theta, start, end: (*end, theta))
+    >>> [round(part, 5) for part in push(0.3)]      # an object that goes to where the rod ends
+    [-0.018, -0.10025, 0.0]
+    """
+    place, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
+    last = place + loop.push.distance * way
+
+    def push(theta: float) -> tuple[float, float, float]:
+        start = Pose(theta=theta)
+        rod_start, rod_end = (start.to_world(*point.tolist()) for point in (place, last))
+        x, y, turned = end_pose(theta, rod_start, rod_end)
+        return (*start.to_object(x, y), math.remainder(turned - theta, 2.0 * math.pi))
+
+    return push
 
 
 def command_push(command: Sequence[str]) -> Push:

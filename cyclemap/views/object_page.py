@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -53,7 +54,7 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
         _arrow(axes, np.zeros(2), 0.3 * reach * way, QUIET)
         axes.text(0.37 * reach * way[0], 0.37 * reach * way[1], name, ha="center", va="center", color=QUIET, fontsize=8)
     axes.plot(*(MM * np.array(loop.slider.centre_of_mass)), "+", color=INK, markersize=8, label="centre of mass")
-    _number_sides(axes, outline, middle, reach)
+    number_sides(axes, outline, 0.1)
     place, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
     rod, radius = MM * place, MM * loop.pusher.radius
     length = MM * loop.push.distance
@@ -77,14 +78,17 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=2)
 
 
-def _number_sides(axes: Axes, outline: Array, middle: Array, reach: float) -> None:
+def number_sides(axes: Axes, outline: Array, out: float, **look: Any) -> None:
+    """Write the number of each side of a closed outline (m, 2), `out` of half its size off it."""
+    middle, reach = outline[:-1].mean(axis=0), 0.5 * float(np.ptp(outline, axis=0).max())
     if len(outline) - 1 > _MOST_NUMBERS:
         axes.text(middle[0], middle[1] - 0.5 * reach, "one curve: side 0", ha="center", color=QUIET, fontsize=8)
         return
     edge = np.diff(outline, axis=0)
     outward = np.stack([edge[:, 1], -edge[:, 0]], axis=-1) / np.hypot(*edge.T)[:, None]
-    for number, (x, y) in enumerate((0.5 * (outline[:-1] + outline[1:]) + 0.1 * reach * outward).tolist()):
-        axes.text(x, y, f"side {number}" if number == 0 else str(number), ha="center", va="center", fontsize=8)
+    for number, (x, y) in enumerate((0.5 * (outline[:-1] + outline[1:]) + out * reach * outward).tolist()):
+        name = f"side {number}" if number == 0 and out > 0.0 else str(number)
+        axes.text(x, y, name, ha="center", va="center", **{"fontsize": 8, **look})
 
 
 def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:

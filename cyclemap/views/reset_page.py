@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from textwrap import fill
 
 import numpy as np
@@ -13,10 +14,11 @@ from matplotlib.ticker import PercentFormatter
 from scipy.stats import binom
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.mechanics import Polygon, SidePush
+from cyclemap.mechanics import SidePush
 from cyclemap.resets import ResetDesign, ResetStrategy
 from cyclemap.resets.protocol.schedule_file import rod_start
 from cyclemap.views import style
+from cyclemap.views.object_page import number_sides
 from cyclemap.views.panel_parts import legend_above, name_tag
 from cyclemap.views.reset_sentences import COLUMNS, miss_sentences, recipe, row_cells
 from cyclemap.views.style import FORCE, INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET, degree_axis
@@ -46,33 +48,21 @@ def reset_page(design: ResetDesign) -> Figure:
 
 def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> None:
     """The object with its sides numbered and its ring, and the rod's way in each push, with its share."""
-    prepared, outline = strategy.prepared(loop), loop.slider.outline
-    points = 1e3 * loop.slider.outline_points()
-    size = float(np.ptp(points, axis=0).max())
-    axes.fill(*points.T, facecolor=PREDICTED_FILL, edgecolor=QUIET, linewidth=1.0, zorder=1)
-    ring = (1e3 * prepared.slider.hitch[0], 1e3 * prepared.slider.hitch[1])
-    axes.plot(*ring, "o", markersize=6, markerfacecolor="white", color=INK, zorder=2)
-    name_tag(axes, ring[0], ring[1], "ring", xytext=(9, 7), textcoords="offset points")
-    if isinstance(outline, Polygon):
-        corners = 1e3 * np.array(outline.vertices)
-        middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
-        inward = 0.07 * size * (corners.mean(axis=0) - middles) / np.hypot(*(corners.mean(axis=0) - middles).T)[:, None]
-        for side, place in enumerate((middles + inward).tolist()):
-            axes.text(
-                place[0], place[1], str(side), fontsize=12, fontweight="bold", color=PREDICTED, ha="center", va="center"
-            )
-    shares: dict[SidePush, float] = {}
+    prepared, outline = strategy.prepared(loop), 1e3 * loop.slider.outline_points()
+    size, (x, y) = float(np.ptp(outline, axis=0).max()), (1e3 * np.array(prepared.slider.hitch)).tolist()
+    axes.fill(*outline.T, facecolor=PREDICTED_FILL, edgecolor=QUIET, linewidth=1.0, zorder=1)
+    axes.plot(x, y, "o", markersize=6, markerfacecolor="white", color=INK, zorder=2)
+    name_tag(axes, x, y, "ring", xytext=(9, 7), textcoords="offset points")
+    number_sides(axes, outline, -0.14, fontsize=12, fontweight="bold", color=PREDICTED)
+    shares: Counter[SidePush] = Counter()
     for action, share in zip(strategy.actions, strategy.shares.tolist(), strict=True):
-        push = action.push or prepared.push
-        shares[push] = shares.get(push, 0.0) + share
+        shares[action.push or prepared.push] += share
     for push, share in shares.items():
-        (x, y), (dx, dy) = rod_start(prepared, push)
-        tip, way = np.array([x, y]) * 1e3, np.array([dx, dy])
-        tail = tip - _ARROW * size * way
+        tip, way = (np.array(part) for part in rod_start(prepared, push))
+        tip, tail, beyond = (1e3 * tip - part * size * way for part in (0.0, _ARROW, _ARROW + 0.09))
         look = {"arrowstyle": "-|>", "color": FORCE, "linewidth": 1.0 + 2.2 * share, "mutation_scale": 16}
         axes.annotate("", tuple(tip), tuple(tail), arrowprops={**look, "shrinkA": 0, "shrinkB": 0}, zorder=3)
-        beyond = tail - 0.09 * size * way
-        axes.plot([tip[0], beyond[0]], [tip[1], beyond[1]], linestyle="none")
+        axes.plot(*np.array([tip, beyond]).T, linestyle="none")
         if len(shares) <= _NAMED:
             name_tag(axes, beyond[0], beyond[1], f"{share:.0%}", fontsize=10)
     axes.set_aspect("equal", adjustable="datalim")
@@ -95,8 +85,7 @@ def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
         name_tag(axes, edges[peak] + 5.0, 0.93 * axes.get_ylim()[1], f"{design.before[0][peak]:.0%}", color=MEASURED)
     degree_axis(axes, "θ0, orientation before the push (°)")
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
-    axes.set_ylabel("share of pushes")
-    axes.set_title(f"{pushes} pushes")
+    axes.set(ylabel="share of pushes", title=f"{pushes} pushes")
     legend_above(axes)
 
 
@@ -106,28 +95,25 @@ def _draw_errors(axes: Axes, design: ResetDesign) -> None:
     for values, (name, colour, line) in zip(design.ratio_tv, looks, strict=False):
         axes.plot(errors, values, line, color=colour, linewidth=1.8, label=name)
     axes.axhline(design.demands.allow_tv, color=FORCE, linewidth=1.1, linestyle=":", label="allowed")
+    top = 1.25 * max(float(design.ratio_tv.max()), design.demands.allow_tv)
     axes.set(xlabel="error in the ratio of the friction's axes (%)", ylabel="total variation, long run")
-    axes.set_xlim(errors[0], errors[-1])
-    axes.set_ylim(0.0, 1.25 * max(float(design.ratio_tv.max()), design.demands.allow_tv))
-    axes.set_title("Friction in error")
+    axes.set(xlim=(errors[0], errors[-1]), ylim=(0.0, top), title="Friction in error")
     axes.legend(loc="upper center", ncols=3)
 
 
 def _write_rows(figure: Figure, design: ResetDesign) -> None:
-    top, width = 0.325, 0.97
-    for place, name in zip(_PLACES, COLUMNS, strict=True):
-        figure.text(0.015 + width * place, top, name, fontsize=8.5, color=QUIET, va="bottom")
-    y = top - 0.012
+    lefts, y = [0.015 + 0.97 * place for place in _PLACES], 0.313
+    for left, name in zip(lefts, COLUMNS, strict=True):
+        figure.text(left, y + 0.012, name, fontsize=8.5, color=QUIET, va="bottom")
     for number, row in enumerate(design.rows):
         cells = [fill(cell, (96 if number else 82) if place == 1 else 24) for place, cell in enumerate(row_cells(row))]
-        weight = "bold" if number == 0 else "normal"
-        for place, cell in zip(_PLACES, cells, strict=True):
-            figure.text(0.015 + width * place, y, cell, fontsize=8, fontweight=weight, va="top", linespacing=1.15)
+        weight = "normal" if number else "bold"
+        for left, cell in zip(lefts, cells, strict=True):
+            figure.text(left, y, cell, fontsize=8, fontweight=weight, va="top", linespacing=1.15)
         y -= 0.0185 * max(cell.count("\n") + 1 for cell in cells) + 0.006
-    within = design.demands.within
     foot = (
-        f"total variation from uniform; after: {within} pushes from the worst start; histogram: mean distance of "
-        f"{design.demands.pushes} pushes in 36 bins, independent uniform ones {design.independent:.3f}; "
+        f"total variation from uniform; after: {design.demands.within} pushes from the worst start; histogram: mean "
+        f"distance of {design.demands.pushes} pushes in 36 bins, independent uniform ones {design.independent:.3f}; "
         f"noise {math.degrees(design.sigma):.2g}° a cycle"
     )
     figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.resets import OrientationLaw, ResetStrategy
 from cyclemap.views.panel_parts import legend_above
@@ -16,18 +16,11 @@ from cyclemap.views.record_panels import PER_DEGREE
 from cyclemap.views.reset_page import PAGE_INCHES, draw_pushes
 from cyclemap.views.style import INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET, degree_axis, new_figure, picture_style
 
-Array = NDArray[np.float64]
-
 
 def strategy_page(
-    words: Sequence[str],
-    loop: CollectionLoop,
-    strategy: ResetStrategy,
-    theta: Array,
-    measured: Array | None,
-    turns: Array | None = None,
-    law: OrientationLaw | None = None,
-) -> Figure:
+    words: Sequence[str], loop: CollectionLoop, strategy: ResetStrategy, theta: Array, measured: Array | None,
+    turns: Array | None = None, law: OrientationLaw | None = None,
+) -> Figure:  # fmt: skip
     """Draw one run theta (n + 1,), rad, beside measured orientations; with turns (actions, n) rad and the law, if any.
 
     words : the title, then what is said below it.
@@ -35,7 +28,12 @@ def strategy_page(
     with picture_style():
         figure = new_figure(*PAGE_INCHES)
         grid = GridSpec(2, 2, figure, left=0.06, right=0.98, bottom=0.09, top=0.77, wspace=0.18, hspace=0.5)
-        _draw_orientations(figure.add_subplot(grid[0, 0]), theta, measured)
+        path = figure.add_subplot(grid[0, 0])
+        if measured is not None:
+            path.plot(np.degrees(measured) % 360.0, ".", color=MEASURED, markersize=4, label="measured")
+        path.plot(np.degrees(theta) % 360.0, ".", color=PREDICTED, markersize=2, label="predicted")
+        path.set(xlabel="cycle", ylabel="θ0 (°)", title="One run", ylim=(0.0, 360.0), yticks=range(0, 361, 90))
+        legend_above(path)
         draw_pushes(figure.add_subplot(grid[0, 1]), loop, strategy)
         _draw_shares(figure.add_subplot(grid[1, 0]), theta, measured, law)
         last = figure.add_subplot(grid[1, 1])
@@ -49,29 +47,17 @@ def strategy_page(
     return figure
 
 
-def _draw_orientations(axes: Axes, theta: Array, measured: Array | None) -> None:
-    if measured is not None:
-        axes.plot(np.degrees(measured) % 360.0, ".", color=MEASURED, markersize=4, label="measured", zorder=2)
-    axes.plot(np.degrees(theta) % 360.0, ".", color=PREDICTED, markersize=2, label="predicted", zorder=3)
-    axes.set(xlabel="cycle", ylabel="θ0 (°)", title="Orientations, one run")
-    axes.set(ylim=(0.0, 360.0), yticks=range(0, 361, 90))
-    if measured is not None:
-        legend_above(axes)
-
-
 def _draw_shares(axes: Axes, theta: Array, measured: Array | None, law: OrientationLaw | None) -> None:
-    edges = np.linspace(0.0, 360.0, 37)
     looks = ((theta, PREDICTED_FILL, "this run"), (measured, MEASURED, "measured"))
     for place, (path, colour, name) in enumerate(looks):
         if path is not None:
-            heights, _ = np.histogram(np.degrees(path) % 360.0, edges, density=True)
+            heights, edges = np.histogram(np.degrees(path) % 360.0, np.linspace(0.0, 360.0, 37), density=True)
             axes.stairs(heights, edges, fill=place == 0, color=colour, label=name, linewidth=1.4)
     if law is not None:
         axes.plot(PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run")
     axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
     degree_axis(axes, "θ0, orientation before the push (°)")
-    axes.set_ylabel("probability per degree")
-    axes.set_title("Directions recorded")
+    axes.set(ylabel="probability per degree", title="Directions recorded")
     legend_above(axes, columns=4)
 
 
@@ -82,6 +68,5 @@ def _draw_turns(axes: Axes, turns: Array, strategy: ResetStrategy) -> None:
         axes.plot(theta, turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
     axes.plot(theta, np.degrees(strategy.shares @ turns), color=INK, linewidth=1.6, linestyle="--", label="mean")
     degree_axis(axes, "θ0, orientation before the push (°)")
-    axes.set_ylabel("turn of one cycle (°)")
-    axes.set_title("Turn of each action")
+    axes.set(ylabel="turn of one cycle (°)", title="Turn of each action")
     legend_above(axes)

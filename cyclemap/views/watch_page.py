@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from textwrap import fill
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,33 +12,29 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLoca
 
 from cyclemap.evidence import angle_histogram
 from cyclemap.resets import BiasMonitor, BiasReport
-from cyclemap.views import style
 from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, QUIET
+from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
 from cyclemap.views.watch_sentences import watch_sentences
 
 PAGE_INCHES = (13.333, 7.5)
-_BINS, _LETTERS = 36, 175
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 
 
 def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -> Figure:
     """Draw the course of a watched collection, its monitor's report after each push; ``name`` : of its file."""
     last = reports[-1]
-    with style.picture_style():
-        figure = style.new_figure(*PAGE_INCHES)
-        grid = GridSpec(
-            2, 2, figure, width_ratios=(1.9, 1.0), left=0.06, right=0.975, bottom=0.115, top=0.8, wspace=0.16,
-            hspace=0.45,
-        )  # fmt: skip
+    with picture_style():
+        figure = new_figure(*PAGE_INCHES)
+        edges = {"left": 0.06, "right": 0.975, "bottom": 0.115, "top": 0.8}
+        grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.45, **edges)
         draw_path(figure.add_subplot(grid[0, 0]), monitor.path, last)
         _draw_evidence(figure.add_subplot(grid[1, 0]), reports, monitor.alarm_rate)
         draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), monitor.path, last)
         draw_worth(figure.add_subplot(grid[1, 1]), [report.coverage.effective_pushes for report in reports])
-        title = "locks in" if last.alarm is not None else "no sign of locking in"
-        figure.text(0.015, 0.955, f"{name}: {title}", fontsize=18, fontweight="bold", va="center")
-        told = fill(" ".join(watch_sentences(last)), _LETTERS)
+        title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
+        figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
+        told = fill(" ".join(watch_sentences(last)), 175)
         figure.text(0.015, 0.928, told, fontsize=10, va="top", linespacing=1.35)
         foot = "chance of an alarm, however long the collection, where no orientation lingers:"
         figure.text(0.015, 0.02, f"{foot} {monitor.alarm_rate:g} at most", fontsize=8, color=QUIET)
@@ -64,38 +61,30 @@ def _draw_evidence(axes: Axes, reports: Sequence[BiasReport], alarm_rate: float)
     axes.plot(rest, color=PREDICTED, linewidth=1.8, label="of a rest")
     axes.plot(visits, color=MEASURED, linewidth=1.8, linestyle="-.", label="of visits gathering")
     last = reports[-1]
-    label = f"alarm, rate {alarm_rate:g}"
-    axes.axhline(last.threshold, color=FORCE, linewidth=1.2, linestyle="--", label=label)
+    axes.axhline(last.threshold, color=FORCE, linewidth=1.2, linestyle="--", label=f"alarm, rate {alarm_rate:g}")
     if last.alarm is not None:
         axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6)
     # Powers of ten: even steps up to the third, then narrower ones, for evidence may pass any bound.
     highest, lowest = max(*rest, *visits, 2.0 * last.threshold), min(*rest, *visits, -0.5)
     axes.set_yscale("symlog", linthresh=3.0)
-    axes.set_ylim(1.1 * lowest, 1.3 * highest)
+    axes.set(ylim=(1.1 * lowest, 1.3 * highest), ylabel="evidence against no bias", title="Evidence")
     axes.yaxis.set_major_locator(FixedLocator([power for power in _DECADES if power <= 1.3 * highest]))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter(FuncFormatter(lambda power, _: f"$10^{{{power:.0f}}}$"))
-    axes.set_ylabel("evidence against no bias")
-    axes.set_title("Evidence")
     _push_axis(axes, len(reports))
 
 
 def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     """Draw the histogram of directions with equal areas for equal counts: radii are roots of densities."""
-    histogram, aim = angle_histogram(np.mod(theta, 2.0 * np.pi), _BINS), last.advice.direction
+    histogram, aim = angle_histogram(np.mod(theta, 2.0 * np.pi), 36), last.advice.direction
     radii = np.sqrt(histogram.density * 2 * np.pi)
-    axes.bar(
-        histogram.edges[:-1], radii, width=np.diff(histogram.edges), align="edge", color=MEASURED,
-        edgecolor=MEASURED_EDGE, linewidth=0.6,
-    )  # fmt: skip
+    looks: dict[str, Any] = {"color": MEASURED, "edgecolor": MEASURED_EDGE, "linewidth": 0.6}
+    axes.bar(histogram.edges[:-1], radii, width=np.diff(histogram.edges), align="edge", **looks)
     around = np.linspace(0.0, 2 * np.pi, 181)
     axes.plot(around, np.ones_like(around), color=QUIET, linewidth=0.9, linestyle=":", label="spread evenly")
     top = 1.12 * max(float(radii.max()), 1.2)
-    label = f"least covered: {angle(aim, 0)}"
-    axes.plot([aim], [top], "v", markersize=9, color=PREDICTED, clip_on=False, label=label)
-    axes.set_ylim(0.0, top)
-    axes.set_yticklabels([])
-    axes.set_xticks(np.radians(range(0, 360, 45)))
+    axes.plot([aim], [top], "v", ms=9, color=PREDICTED, clip_on=False, label=f"least covered: {angle(aim, 0)}")
+    axes.set(ylim=(0.0, top), yticklabels=[], xticks=np.radians(range(0, 360, 45)))
     axes.tick_params(axis="x", pad=1)
     axes.grid(color="#ececec")
     axes.set_title("Directions recorded", loc="left", x=-0.62, y=1.0)
@@ -107,15 +96,13 @@ def draw_worth(axes: Axes, effective: Sequence[float]) -> None:
     pushes = len(effective)
     axes.plot([0, pushes], [0, pushes], color=QUIET, linewidth=0.9, linestyle=":", label="spread evenly")
     axes.plot(np.arange(1, pushes + 1), effective, color=INK, linewidth=1.8, label="recorded")
-    axes.set(xlabel="pushes recorded", ylabel="worth, in pushes spread evenly", xlim=(0, pushes))
-    axes.set_ylim(bottom=0.0)
+    axes.set(xlabel="pushes recorded", ylabel="worth, in pushes spread evenly", xlim=(0, pushes), ylim=(0.0, None))
     axes.set_title("What the pushes are worth")
     axes.legend(loc="upper left")
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
 
 
 def _push_axis(axes: Axes, pushes: int) -> None:
-    axes.set_xlabel("push")
-    axes.set_xlim(-0.5, max(pushes, 2) - 0.5)
+    axes.set(xlabel="push", xlim=(-0.5, max(pushes, 2) - 0.5))
     axes.xaxis.set_major_locator(MaxNLocator(8, integer=True))
     legend_above(axes)

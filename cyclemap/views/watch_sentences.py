@@ -6,8 +6,6 @@ from cyclemap.resets import Alarm, BiasReport, CoverageState, CycleAction, NextA
 from cyclemap.views.reset_sentences import action_words
 from cyclemap.views.sentences import angle
 
-FEW = 10  # below this many pushes a decimal counts
-
 
 def watch_sentences(report: BiasReport) -> tuple[str, ...]:
     """The whole report: alarm, or how far it is from one, present rest, coverage, advice."""
@@ -23,30 +21,26 @@ def watch_sentences(report: BiasReport) -> tuple[str, ...]:
 
 def alarm_sentence(alarm: Alarm) -> str:
     """When the alarm was raised, and towards which directions."""
-    where = directions(alarm.directions)
-    if alarm.kind == "visits":
-        return f"ALARM at push {alarm.push}: visits gather near {where}."
-    rests = f"goes round {where}" if len(alarm.directions) > 1 else f"rests near {where}"
-    return f"ALARM at push {alarm.push}: θ0 {rests} since push {alarm.began}."
+    rests = "θ0 goes round" if len(alarm.directions) > 1 else "θ0 rests near"
+    how, since = (rests, f" since push {alarm.began}") if alarm.kind == "rest" else ("visits gather near", "")
+    return f"ALARM at push {alarm.push}: {how} {directions(alarm.directions)}{since}."
 
 
 def rest_sentence(report: BiasReport) -> str:
     """Where it rests just now, and whether more pushes there are of use; empty where it does not rest."""
     if report.rest is None:
         return ""
-    useful, worth = report.useful_pushes, ""
-    if useful is not None:
-        worth = f"; {_pushes(useful) if useful else 'no push'} more there would tell much that is new"
+    useful = report.useful_pushes
+    pushes = _pushes(useful) if useful else "no push"
+    worth = "" if useful is None else f"; {pushes} more there would tell much that is new"
     return f"It rests near {directions(report.rest.directions)} since push {report.rest.began}{worth}."
 
 
 def coverage_sentence(report: BiasReport) -> str:
     """How much of the circle is covered, and what that is worth."""
-    state = report.coverage
-    count, effective = report.push + 1, state.effective_pushes
-    decimals = 1 if effective < FEW else 0
-    worth = f"worth {effective:.{decimals}f} spread evenly ({report.recent_worth:.2f} a push lately)"
-    return f"{covered(state)}; the {_pushes(count)} {'is' if count == 1 else 'are'} {worth}."
+    count, effective = report.push + 1, report.coverage.effective_pushes
+    worth = f"worth {effective:.{int(effective < 10.0)}f} spread evenly ({report.recent_worth:.2f} a push lately)"
+    return f"{covered(report.coverage)}; the {_pushes(count)} {'is' if count == 1 else 'are'} {worth}."
 
 
 def covered(state: CoverageState) -> str:
@@ -57,16 +51,15 @@ def covered(state: CoverageState) -> str:
 
 def advice_sentence(report: BiasReport) -> str:
     """What to do next."""
-    aim = angle(report.advice.direction, 0)
-    if report.advice.change_reset:
-        return f"Change the reset: bring θ0 to {aim}, the direction least covered."
-    return f"Carry on; least covered: {aim}."
+    aim, change = angle(report.advice.direction, 0), report.advice.change_reset
+    bring = f"Change the reset: bring θ0 to {aim}, the direction least covered."
+    return bring if change else f"Carry on; least covered: {aim}."
 
 
 def next_action_sentence(action: CycleAction, chosen: NextAction) -> str:
     """Which action of the strategy to take next, and where it leads."""
-    where = f"brings θ0 to {angle(chosen.lands, 0)}, where {chosen.crowding:.0%} of the mean are recorded"
-    return f"Next: {action_words(action)}; it {where}."
+    where = f"{angle(chosen.lands, 0)}, where {chosen.crowding:.0%} of the mean are recorded"
+    return f"Next: {action_words(action)}; it brings θ0 to {where}."
 
 
 def directions(angles: Sequence[float]) -> str:

@@ -4,10 +4,12 @@ import json
 import math
 import sys
 
+import numpy as np
 import pytest
 
 from cyclemap.cli.main import run
 from cyclemap.collection import CollectionLoop
+from cyclemap.resets import read_protocol
 
 
 @pytest.fixture
@@ -37,24 +39,81 @@ def tee_stl(path) -> None:
     trimesh.util.concatenate([bar, stem]).export(path)
 
 
-@pytest.mark.parametrize("kind", ["svg", "stl"])
-def test_a_tee_goes_all_the_way_from_its_file_to_comparison_and_replay(here, capsys, kind) -> None:
+@pytest.fixture(scope="module", params=["svg", "stl"])
+def tee(request, tmp_path_factory):
+    """The folder of a T-shaped block from its file to an identified material, by one command each; and the reports."""
     pytest.importorskip("shapely")
-    {"svg": tee_svg, "stl": tee_stl}[kind](here / f"tee.{kind}")
-    settings = ["--surface", "felt", "--set", "mu_a=0.4", "--set", "mu_b=0.3"]
-    made = report(capsys, "init", "tee.toml", "--outline", f"tee.{kind}", *settings)
-    assert made["wrong"] == [] and made["doubts"] == [] and "80 x 80 mm" in made["said"][0]
-    assert report(capsys, "check", "tee.toml")["doubts"] == []
-    assert (here / "tee.png").stat().st_size > 10_000
-    assert run(["simulate", "tee.toml", "--cycles", "12", "--noise-deg", "0.5", "--out", "data"]) == 0
-    compared = report(capsys, "compare", "tee.toml", "--data", "data", "--runs", "19")
-    assert "warnings" not in compared
-    replayed = report(capsys, "replay", "tee.toml", "--data", "data")
-    assert sum(row["count"] for row in replayed["by_object"]) == 12
-    assert CollectionLoop.from_file("data/collection.toml").slider == CollectionLoop.from_file("tee.toml").slider
-    # Another surface on the same data: object, push and ring are those that the data's own folder tells.
-    assert run(["replay", "plywood", "--data", "data"]) == 0
-    assert report(capsys, "audit", "data")["pushes"] == 12
+    place, reports = tmp_path_factory.mktemp(request.param), {}
+    {"svg": tee_svg, "stl": tee_stl}[request.param](place / f"tee.{request.param}")
+
+    def call(name: str, *arguments: str) -> dict:
+        told = place / f"{name}.json"
+        assert run([name, *arguments, "--json", str(told), "--out", str(place / "out")]) == 0
+        reports[name] = json.loads(told.read_text())
+        return reports[name]
+
+    own, data, found = (str(place / name) for name in ("tee.toml", "data", "out/felt-identified.toml"))
+    surface = ["--surface", "felt", "--set", "mu_a=0.4", "--set", "mu_b=0.3"]
+    assert run(["init", own, "--outline", str(place / f"tee.{request.param}"), *surface]) == 0
+    errors = ["--pose-noise-mm", "0.3", "--pose-noise-deg", "0.3"]
+    assert run(["simulate", own, "--cycles", "40", *errors, "--out", data]) == 0
+    call("check", own)
+    call("portrait", own, "--cycles", "200")
+    call("fit", data)
+    call("identify", data, "--fix", "hitch_scale=1", "--starts", "1", "--folds", "0")
+    reports["compare the truth"] = call("compare", own, "--data", data, "--runs", "19")
+    call("compare", found, "--data", data, "--runs", "19")
+    call("replay", found, "--data", data)
+    few = ["--axes-percent", "5", "--offsets-percent", "20", "--pushes", "100", "--cycles", "20"]
+    call("reset", own, "--keep-push", *few)
+    call("watch", data)
+    return place, reports
+
+
+def test_a_tee_is_what_its_file_says(tee) -> None:
+    """80 by 80 mm in eight sides, its centroid where two rectangles put it; the data's folder tells the same."""
+    place, reports = tee
+    assert reports["check"]["wrong"] == [] and reports["check"]["doubts"] == []
+    slider = CollectionLoop.from_file(place / "tee.toml").slider
+    low, high = np.min(slider.outline.vertices, axis=0), np.max(slider.outline.vertices, axis=0)
+    assert len(slider.outline.vertices) == 8 and high - low == pytest.approx([0.08, 0.08], abs=1e-4)
+    # From the stem's end: bar of 80 x 20 mm at 70 mm, stem of 20 x 60 mm at 30 mm.
+    along = (1600.0 * 70.0 + 1200.0 * 30.0) / 2800.0
+    ends = sorted(np.abs(np.concatenate([low, high])))
+    assert 1e3 * ends[0] == pytest.approx(80.0 - along, abs=0.1) and 1e3 * ends[-1] == pytest.approx(along, abs=0.1)
+    assert CollectionLoop.from_file(place / "data" / "collection.toml").slider == slider
+    assert (place / "tee.png").stat().st_size > 10_000
+
+
+def test_a_tees_friction_lies_in_the_intervals_identified_from_its_pushes(tee) -> None:
+    """Axes 0.4 : 0.3 along the frame, centred: ratio, direction and offset, each in a narrow interval."""
+    found = {one["name"]: one for one in tee[1]["identify"]["derived"]}
+    truths = {"axis_ratio": (0.4 / 0.3, 0.02), "axis_direction": (0.0, 2.0), "offset_size": (0.0, 0.02)}
+    for name, (truth, narrow) in truths.items():
+        assert found[name]["lower"] <= truth <= found[name]["upper"] <= found[name]["lower"] + narrow
+
+
+def test_a_tees_data_agree_with_what_made_them_and_with_what_is_identified_of_them(tee) -> None:
+    """Every verdict on the truth; of the identified one the map, whose replayed pushes end within the noise's reach."""
+    reports = tee[1]
+    assert len(reports["compare the truth"]["verdicts"]) >= 8
+    assert all(verdict["agrees"] for verdict in reports["compare the truth"]["verdicts"])
+    verdicts = {verdict["question"]: verdict["agrees"] for verdict in reports["compare"]["verdicts"]}
+    assert verdicts["cycle map"] and verdicts["histogram of directions"]
+    (row,) = reports["replay"]["by_object"]
+    assert row["count"] == 40
+    assert row["mean_error_mm"] < 0.1 * row["isotropic_mean_error_mm"]
+    assert row["mean_turn_error_deg"] < 0.2 * row["isotropic_mean_turn_error_deg"]
+
+
+def test_a_tees_lock_in_is_watched_and_a_reset_is_found(tee) -> None:
+    place, reports = tee
+    assert reports["watch"]["pushes"] == 40 and reports["watch"]["alarm"] is None
+    actions, own = reports["reset"]["rows"][0]["actions"], CollectionLoop.from_file(place / "tee.toml").push
+    assert {(action["side"], action["fraction"]) for action in actions} == {(own.side, own.fraction)}
+    assert reports["reset"]["rows"][0]["tv"] < reports["reset"]["rows"][-1]["tv"]
+    strategy = read_protocol(place / "out" / "reset_felt.toml")[1]
+    assert len(strategy.actions) == len(actions)
 
 
 def test_data_whose_object_nobody_tells_are_refused_with_what_to_do(here, capsys) -> None:

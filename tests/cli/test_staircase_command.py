@@ -78,6 +78,6 @@ def test_bad_use_is_one_line_and_exit_2(here, capsys, arguments, told) -> None:
 
 
 def test_pairs_without_an_order_are_refused(here, capsys) -> None:
-    (here / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 1}\n" for k in range(50)))
+    (here / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 2}\n" for k in range(50)))
     assert run(["staircase", "plywood", "--data", "pairs.csv"]) == 2
     assert "order" in capsys.readouterr().err

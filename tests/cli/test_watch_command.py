@@ -17,7 +17,7 @@ from cyclemap.cli.main import run
 from cyclemap.errors import DataFileError
 
 LOCKED = [20.0, 28.0, 36.0, 44.0, 52.0, *[60.0 + 0.3 * (k % 3) for k in range(30)]]
-NO_WAITS = ("nan", "inf", "1e12", "86400.1", "0.001", "-1")
+NO_WAITS = ("inf", "1e12", "86400.1", "0.001", "-1")
 
 
 @pytest.fixture(autouse=True)
@@ -85,8 +85,11 @@ def test_the_measured_staircase_is_told_at_push_16(here, capsys, measured_data) 
         (["none.csv", "--follow"], "none.csv: there is no such file"),
         (["bad.csv", "--alarm-rate", "0"], "--alarm-rate"),
         (["bad.csv", "--every", "0"], "--every"),
-        *((["bad.csv", "--follow", "--every", wait], "finite number of 0.01 to 86400 seconds") for wait in NO_WAITS),
-        (["bad.csv", "--alarm-rate", "nan"], "nan"),
+        *((["bad.csv", "--follow", "--every", wait], "0.01<=x<=86400") for wait in NO_WAITS),
+        (["bad.csv", "--follow", "--every", "nan"], "nan is in no range"),
+        (["bad.csv", "--alarm-rate", "nan"], "nan is in no range"),
+        (["bad.csv", "--columns", "yaw"], "give it as theta0=yaw"),
+        (["own.csv"], "say which, --columns theta0=NAME; it has speed, force"),
         (["far.csv"], "far.csv, line 3: theta0_deg is '1e300'; at such a size the fraction of a turn is lost"),
         ([], "FILE"),
     ],
@@ -94,6 +97,7 @@ def test_the_measured_staircase_is_told_at_push_16(here, capsys, measured_data) 
 def test_bad_use_is_one_line_and_exit_code_2(here, capsys, arguments, message) -> None:
     (here / "bad.csv").write_text("theta0_deg\n1\nx\n")
     (here / "far.csv").write_text("theta0_deg\n1\n1e300\n")
+    (here / "own.csv").write_text("speed;force\n1;2\n")
     assert run(["watch", *arguments]) == 2
     shown = capsys.readouterr()
     assert message in shown.err
@@ -149,6 +153,34 @@ def test_following_tells_people_what_changes_and_a_file_that_begins_anew(here, c
     assert json.loads((here / "out" / "watch_my_run.json").read_text())["pushes"] == 4
 
 
+def own_rows(angles) -> str:
+    return "".join(f"{n};{angle:.2f}\n".replace(".", ",") for n, angle in enumerate(angles))
+
+
+def test_a_table_of_ones_own_is_watched_like_ours_and_followed(here, capsys, monkeypatch) -> None:
+    """Semicolons and decimal commas under another name: the report is that of the same angles in our columns."""
+    own = here / "log.csv"
+    own.write_text("Nr;Winkel vorher\n" + own_rows(LOCKED))
+    assert run(["watch", str(data_file(here)), "--json", "-"]) == 0
+    ours = json.loads(capsys.readouterr().out)
+    asked = ["watch", "log.csv", "--columns", "theta0=Winkel vorher", "--units", "deg", "--json", "-"]
+    assert run(asked) == 0
+    shown = capsys.readouterr()
+    assert {**json.loads(shown.out), "file": "my run.csv"} == ours
+    assert "Winkel vorher read as theta0 in deg" in shown.err
+    own.write_text("Nr;Winkel vorher\n" + own_rows(LOCKED[:10]))
+
+    def append() -> None:
+        with own.open("a") as stream:
+            stream.write(own_rows(LOCKED)[len(own_rows(LOCKED[:10])) :])
+
+    grown(monkeypatch, [append, lambda: None])
+    assert run([*asked, "--follow", "--every", "0.5"]) == 130
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [line["theta0_deg"] for line in lines] == pytest.approx(LOCKED)
+    assert lines[-1]["alarm"] == ours["alarm"]
+
+
 def test_a_bad_row_while_following_ends_the_watch_with_its_line_and_keeps_the_report(here, capsys, monkeypatch) -> None:
     file = data_file(here)
 
@@ -193,7 +225,7 @@ def test_however_following_ends_picture_and_json_are_written(here, monkeypatch, 
     grown(monkeypatch, [fail])
     results = {"out": here / "out", "picture_format": "png", "json_target": "-"}
     with pytest.raises(type(failure)):
-        module.watch_command.callback(here / "fol", 0.01, True, 0.5, None, None, **results)
+        module.watch_command.callback(here / "fol", 0.01, True, 0.5, None, None, None, None, **results)
     if code is not None:
         grown(monkeypatch, [fail])
         assert run(["watch", "fol", "--follow", "--every", "0.5"]) == code

@@ -9,8 +9,9 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.push_probe import command_push, probe, probe_pushes
-from cyclemap.mechanics import EllipseFriction, Material
+from cyclemap.evidence import command_push, probe, probe_pushes, simulated_push
+from cyclemap.mechanics import EllipseFriction, Material, Pose
+from cyclemap.resets.protocol.schedule_file import rod_start
 from cyclemap.views.probe_page import probe_page, probe_sentences
 from cyclemap.views.style import render
 
@@ -57,6 +58,24 @@ def test_the_ellipse_and_its_lock_in_are_those_of_the_surface_that_was_pushed_on
     assert np.degrees(found.stable) == pytest.approx([63.2], abs=0.3)
     assert "orientation 63." in probe_sentences(found)[2] and "pushed towards −26." in probe_sentences(found)[2]
     assert render(probe_page(found)).startswith(b"\x89PNG")
+
+
+def test_a_simulator_is_told_where_the_rod_goes_and_its_poses_are_brought_into_the_objects_frame() -> None:
+    """The mechanics as a simulator: the rod where a robot's schedule has it, the poses as a simulator's, wrapped."""
+    plywood = CollectionLoop.mit("plywood", accuracy=1e-6)
+    (x, y), way = rod_start(plywood, plywood.push)
+
+    def end_pose(theta: float, start: tuple[float, float], end: tuple[float, float]) -> tuple[float, float, float]:
+        assert start == pytest.approx(Pose(theta=theta).to_world(x, y))
+        assert np.subtract(end, start) == pytest.approx(0.15 * np.array(Pose(theta=theta).to_world(*way)))
+        cycle = plywood.cycle(theta)
+        return (*Pose(theta=theta).to_world(*cycle.push_displacement), (theta + cycle.push_turn) % (2.0 * math.pi))
+
+    push = simulated_push(plywood, end_pose)
+    for theta in (0.0, 1.0, 3.0, 6.0):
+        cycle = plywood.cycle(theta)
+        assert push(theta) == pytest.approx((*cycle.push_displacement, cycle.push_turn), abs=1e-12)
+    assert probe(push, ISOTROPIC, 24).ratio[0] == pytest.approx(0.2545 / 0.2346, abs=1e-4)
 
 
 def test_what_no_ellipse_can_mimic_is_found_and_said_to_be_unexplained() -> None:

@@ -68,7 +68,7 @@ def test_the_measured_staircase_has_a_bottleneck_near_95_degrees_and_its_steps_s
 
 
 def test_measured_pairs_without_an_order_are_refused(tmp_path) -> None:
-    (tmp_path / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 1}\n" for k in range(50)))
+    (tmp_path / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 2}\n" for k in range(50)))
     with pytest.raises(InvalidInput, match="no known order"):
         measured_bottleneck(tmp_path / "pairs.csv")
 

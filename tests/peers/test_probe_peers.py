@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.evidence import Probe, probe
+from cyclemap.evidence import Probe, probe, simulated_push
 from cyclemap.mechanics import Pose, SidePush, corner_footprint
 from tests.benchmarks.peers.push_problem import CORNERS, four_corners
 
@@ -20,11 +20,11 @@ def probed(end_pose: Callable[[Pose, SidePush], Pose]) -> Probe:
     loop = CollectionLoop.mit("isotropic", accuracy=1e-6)
     loop = CollectionLoop(loop.slider, loop.material, footprint=corner_footprint(loop.slider.outline), accuracy=1e-6)
 
-    def push(theta: float) -> tuple[float, float, float]:
-        end = end_pose(Pose(0.0, 0.0, theta), SidePush())
-        return (*Pose(theta=theta).to_object(end.x, end.y), end.theta - theta)
+    def ended(theta: float, start: tuple[float, float], end: tuple[float, float]) -> tuple[float, float, float]:
+        found = end_pose(Pose(0.0, 0.0, theta), SidePush())
+        return found.x, found.y, found.theta
 
-    return probe(push, loop, PUSHES)
+    return probe(simulated_push(loop, ended), loop, PUSHES)
 
 
 def largest(found: Probe) -> tuple[float, float]:

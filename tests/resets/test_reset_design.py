@@ -56,9 +56,9 @@ def test_rows_are_few_and_each_has_its_role(design) -> None:
     roles = [role for row in design.rows for role in row.roles]
     assert len(design.rows) <= 7 and roles[0] == "chosen" and roles[-1] == "as it is"
     assert len(set(roles)) == len(roles)
-    assert {"simplest", "evenest", "cheapest", "way back", "yours"} <= set(roles)
+    assert {"simplest", "most uniform", "cheapest", "way back only", "yours"} <= set(roles)
     able = [row for row in design.rows if not row.lacking]
-    assert row_of(design, "evenest").worst_after == min(row.worst_after for row in able)
+    assert row_of(design, "most uniform").worst_after == min(row.worst_after for row in able)
     assert row_of(design, "cheapest").seconds == min(row.seconds for row in able if not row.misses)
     own = row_of(design, "as it is")
     assert own.nominal.total_variation == pytest.approx(0.957, abs=2e-3)
@@ -110,7 +110,7 @@ def test_demands_that_nothing_meets_are_answered_by_the_nearest_and_what_binds()
     assert all(action.push is None for action in kept.chosen.strategy.actions)
     least = {limit.demand: limit.value for limit in kept.binding}
     assert least["tv"] > kept.demands.allow_tv and least["after"] >= least["tv"] - 1e-9
-    assert "gripper" not in kept.chosen.strategy.needs and row_of(kept, "gripper").lacking == ("gripper",)
+    assert "gripper" not in kept.chosen.strategy.needs and row_of(kept, "with a gripper").lacking == ("gripper",)
     assert len(kept.rows) <= 7
     able = design_reset(
         LOOP, replace(kept.demands, abilities=("gripper",)), materials=material_range(LOOP.material, 0.1, 0.0)
@@ -137,7 +137,7 @@ def test_a_material_with_a_narrow_posterior_is_designed_for_by_that() -> None:
         (turns,) = sample_turns(loop, narrow.chosen.strategy.actions, [sample], 72).refined(1024)
         worst.append(orientation_law(turns, narrow.chosen.strategy, SIGMA).after)
     assert narrow.chosen.worst_after == pytest.approx(max(worst), abs=2e-3)
-    assert max(worst) < 0.2 * row_of(wide, "gripper").worst_after
+    assert max(worst) < 0.2 * row_of(wide, "with a gripper").worst_after
 
 
 @pytest.mark.parametrize(

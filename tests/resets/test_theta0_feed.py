@@ -175,7 +175,8 @@ def test_a_file_that_is_away_between_two_looks_is_waited_for(tmp_path) -> None:
         ("theta0_deg\n1\nabc\n", r"data.csv, line 3: theta0_deg is 'abc'; it must be a finite number"),
         ("theta0_deg\n1\n\nnan\n", r"line 4: theta0_deg is 'nan'"),
         ("theta0_deg,flag\n1,\n2\n", r"line 3: 1 of 2 fields \('2'\)"),
-        ("angle,flag\n1,\n", r"line 1: the header is angle,flag; it must have theta0_deg or theta0_accum_deg"),
+        ("theta0", r"line 1: the header is theta0; it must have theta0_deg or theta0_accum_deg"),
+        ("speed,flag\n1,\n", r"say which, --columns theta0=NAME; it has speed, flag"),
         ('theta0_deg\n"1\n', r"line 2: .* mend the quotes"),
         ("theta0_deg\n1\n1e300\n", r"line 3: theta0_deg is '1e300'; at such a size the fraction of a turn is lost"),
         ("theta0_accum_deg\n-6e10\n", r"line 2: theta0_accum_deg is '-6e10'; at such a size"),
@@ -316,3 +317,40 @@ def test_a_push_whose_orientation_has_lost_its_fraction_of_a_turn_is_refused(tmp
     push_file(tmp_path, 1).write_text(push_text(2e9))
     with pytest.raises(DataFileError, match=r"rep=0001\.json: .* is 2e[+]09; it must be a number within"):
         theta0_feed(tmp_path).look(finished=True)
+
+
+def test_a_table_of_ones_own_is_followed_row_by_row(tmp_path) -> None:
+    """Semicolons and decimal commas, a line cut off in its number, a missing value, an edit: θ0 as they stand there."""
+    file = tmp_path / "log.csv"
+    file.write_text("Nr;yaw")
+    feed = theta0_feed(file, {"theta0": "yaw"}, ["deg"])
+    assert feed.look() == NewOrientations(())
+    append(file, "\n1;12,5\n2;17,2")
+    assert degrees(feed.look()) == [12.5]
+    append(file, "5\n3;\n4;31,0\n")
+    found = feed.look()
+    assert degrees(found) == [17.25, 31.0]
+    assert any("yaw read as theta0 in deg" in line for line in found.words)
+    assert feed.look() == NewOrientations(())
+    file.write_text("Nr;yaw\n1;12,5\n2;18,0\n3;20,0\n")
+    found = feed.look()
+    assert found.began_anew and degrees(found) == [12.5, 18.0, 20.0]
+    file.unlink()
+    assert feed.look() == NewOrientations(())
+    with pytest.raises(DataFileError, match="no such file"):
+        feed.look(finished=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("small.csv", "yaw\n0.5\n1.0\n", "later rows may tell another unit of yaw: say it, --units deg or rad"),
+        ("stream.csv", "t,x,y,yaw_deg\n0,0,0,10\n1,0,0,20\n", "a stream of poses is cut into pushes once it is whole"),
+        ("log.xlsx", "no\nmatter\n", "only a CSV file is read while it grows"),
+    ],
+)
+def test_what_rows_to_come_would_read_otherwise_is_not_followed(tmp_path, name, content, message) -> None:
+    file = tmp_path / name
+    file.write_text(content)
+    with pytest.raises(DataFileError, match=message):
+        theta0_feed(file).look()

@@ -21,6 +21,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     SHARE_NAMES,
     SURFACE,
     SurfaceParameters,
+    possible_names,
     share_names,
 )
 from cyclemap.mechanics import FoundWith, Material, PlatePressure
@@ -82,7 +83,11 @@ class CyclePairBlock:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the unknowns; a surface that wears has a second ellipse, `worn_...`."""
+        """Names of the unknowns that the object can have; a surface that wears has a second ellipse, `worn_...`."""
+        return possible_names(self._all_unknowns, self.loop.slider.outline)
+
+    @property
+    def _all_unknowns(self) -> tuple[str, ...]:
         return (*CYCLE_UNKNOWNS, *(part.name for part in self.own_parameters))
 
     @property
@@ -117,7 +122,7 @@ class CyclePairBlock:
             jacobian *= 1.0 - share
             jacobian[:, shape:kept] += share * by_worn[:, shape:]
             jacobian[:, kept:] = share * by_worn[:, :shape]
-        return turn - self.turn, jacobian
+        return turn - self.turn, jacobian[:, [self._all_unknowns.index(name) for name in self.parameters]]
 
     def subset(self, keep_groups: ArrayLike) -> CyclePairBlock:
         """Return the block with the rows of some groups only."""

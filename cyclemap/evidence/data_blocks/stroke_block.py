@@ -16,7 +16,9 @@ from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, k
 from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
+    SHARE_NAMES,
     SurfaceParameters,
+    possible_names,
     share_names,
 )
 from cyclemap.mechanics import PatchFootprint, Pose, QuasiStaticModel, Slider
@@ -38,9 +40,8 @@ TIP_OFFSET = (
     Parameter("tip_offset_y", "shift of the robot's frame against the camera's, along y", "m", -0.01, 0.01, 0.0, 1e-3),
 )
 _SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
-_SHARES = ("rim_share", "corner_share", "inner_share")
-PUSH_UNKNOWNS = (*_SHAPE, "pusher_friction", *_SHARES)
-DRAG_UNKNOWNS = (*_SHAPE, *_SHARES, "pin_friction_radius")
+PUSH_UNKNOWNS = (*_SHAPE, "pusher_friction", *SHARE_NAMES)
+DRAG_UNKNOWNS = (*_SHAPE, *SHARE_NAMES, "pin_friction_radius")
 
 Misfit = Callable[["StrokeBlock", QuasiStaticModel, SurfaceParameters, Values], Rows]
 
@@ -96,7 +97,7 @@ def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider, name: str = "
     Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have them in the frame of
     the object's poses.
     """
-    parameters = (*_possible(PUSH_UNKNOWNS, slider), *(parameter.name for parameter in TIP_OFFSET))
+    parameters = (*possible_names(PUSH_UNKNOWNS, slider.outline), *(parameter.name for parameter in TIP_OFFSET))
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
     labels = np.array([push.contact for push in pushes], dtype=np.int64)
     return StrokeBlock(name, parameters, tuple(pushes), _push_misfit, kinds, labels, slider, TIP_OFFSET)
@@ -105,14 +106,8 @@ def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider, name: str = "
 def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, name: str = "drag-backs") -> StrokeBlock:
     """Return the block of how far drags turned the object (rad), each ring going straight to where it ended."""
     labels = np.array([drag.contact for drag in drags], dtype=np.int64)
-    parameters = _possible(DRAG_UNKNOWNS, slider)
+    parameters = possible_names(DRAG_UNKNOWNS, slider.outline)
     return StrokeBlock(name, parameters, tuple(drags), _drag_misfit, ("drag turn (rad)",), labels, slider)
-
-
-def _possible(names: tuple[str, ...], slider: Slider) -> tuple[str, ...]:
-    """The names without shares of the weight that the slider cannot have."""
-    shares = share_names(slider.outline)
-    return tuple(name for name in names if name not in _SHARES or name in shares)
 
 
 def surface_model(surface: SurfaceParameters, slider: Slider, accuracy: float = ACCURACY) -> QuasiStaticModel:

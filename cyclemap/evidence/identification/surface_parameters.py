@@ -220,6 +220,12 @@ def share_names(outline: Outline) -> tuple[str, ...]:
     return frame if isinstance(outline, Ellipse) else (*frame, "corner_share")
 
 
+def possible_names(names: tuple[str, ...], outline: Outline) -> tuple[str, ...]:
+    """Return the names of unknowns without shares of the weight that the outline cannot have."""
+    shares = share_names(outline)
+    return tuple(name for name in names if name not in SHARE_NAMES or name in shares)
+
+
 def _index(name: str) -> int:
     if name not in SURFACE.names:
         raise unknown_name("parameter", name, SURFACE.names)

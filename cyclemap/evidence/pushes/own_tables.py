@@ -71,6 +71,7 @@ _UNIT_WORDS = {
 # A rest of a stream of poses, and what counts as one: slower than m/s and rad/s for so many seconds.
 _REST_SECONDS, _SLOW, _SLOW_TURN = 0.4, 0.003, 0.03
 _SMOOTHED_SECONDS = 0.2
+_LONGEST_HEADER = 100_000
 # Angles beyond this are no radians, places beyond this no metres of a table.
 _NO_RADIANS, _NO_METRES = 7.0, 3.0
 
@@ -107,7 +108,8 @@ def is_own(path: str | Path) -> bool:
         return True
     if kind not in TEXTS or kind in SUFFIXES or not place.is_file():
         return False
-    header = (read_text(place, "CSV").splitlines() or [""])[0].lower()
+    with place.open(encoding="utf-8-sig", errors="replace") as file:
+        header = file.readline(_LONGEST_HEADER).lower()
     names = {name.strip().strip('"') for name in header.split(",")}
     ours = (
         {"theta0_deg"},
@@ -116,7 +118,8 @@ def is_own(path: str | Path) -> bool:
         {"x1", "y1", "x0n", "y0n"},
         {"fx", "fy", "vx", "vy"},
     )
-    return not any(names >= wanted for wanted in ours)
+    # A header that is still being written tells nothing.
+    return header.endswith("\n") and not any(names >= wanted for wanted in ours)
 
 
 def read_own_table(path: str | Path, columns: Mapping[str, str] | None = None, units: Sequence[str] = ()) -> OwnTable:
@@ -127,19 +130,50 @@ def read_own_table(path: str | Path, columns: Mapping[str, str] | None = None, u
     angles (deg, rad) and lengths (mm, cm, m). What is not told is guessed.
     Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
     """
-    place, told = Path(path), dict(columns or {})
+    place = Path(path)
+    found, words, guessed = _understood(place, dict(columns or {}), units)
+    pushes, more_words = _cleaned(place, found)
+    return OwnTable(pushes, (*words, *more_words), guessed)
+
+
+def read_orientations(
+    path: str | Path, columns: Mapping[str, str] | None = None, units: Sequence[str] = (), growing: bool = False
+) -> OwnTable:
+    """Read θ0 alone of a table of one's own, as `read_own_table` does: every one known, in the order of the rows.
+
+    growing : a CSV file that is written to, whose last line waits for its end. Then DataFileError also where rows to
+    come could change what earlier ones mean: a stream of poses, or a unit that would be guessed.
+    """
+    place = Path(path)
+    if growing and place.suffix.lower() not in TEXTS:
+        raise DataFileError(f"{path}: read once it is whole, without --follow: only a CSV file is read while it grows")
+    found, words, guessed = _understood(place, dict(columns or {}), units, growing)
+    known = np.isfinite(found["theta0"])
+    if not known.all():
+        words.append(f"{int((~known).sum())} rows without an orientation left out")
+    return OwnTable({"theta0": found["theta0"][known]}, tuple(words), guessed)
+
+
+def _understood(
+    place: Path, told: dict[str, str], units: Sequence[str], growing: bool = False
+) -> tuple[Columns, list[str], bool]:
+    """The columns in SI units by our names, what was read as what, and whether any of that is a guess."""
     for name in told:
         if name not in (*KNOWN, "pose"):
             raise InvalidInput(f"--columns {name}=...: know {', '.join((*KNOWN, 'pose'))}")
     for unit in units:
         if unit not in UNITS:
             raise InvalidInput(f"--units {unit}: know {', '.join(UNITS)}")
-    raw = _raw(place, told)
+    raw = _raw(place, told, growing)
     meaning = _meaning(place, raw, told)
+    if growing and "theta0" not in meaning and ({"t", "episode", "qw"} & set(meaning)):
+        raise DataFileError(f"{place}: a stream of poses is cut into pushes once it is whole: without --follow")
     words = [f"{place.name}: {len(next(iter(raw.values())))} rows"]
     found: Columns = {}
     for name, column in meaning.items():
         factor, said = _factor(name, column, raw[column], units)
+        if growing and name in ANGLES and "guessed" in said:
+            raise DataFileError(f"{place}: later rows may tell another unit of {column}: say it, --units deg or rad")
         found[name] = factor * raw[column]
         words.append(f"{column} read as {name}{said}")
     if "qw" in found:
@@ -149,15 +183,14 @@ def read_own_table(path: str | Path, columns: Mapping[str, str] | None = None, u
         words.append(more)
     elif "theta" in found and "theta0" not in found:
         found["theta0"] = found.pop("theta")
-    pushes, more_words = _cleaned(place, found)
-    return OwnTable(pushes, (*words, *more_words), guessed=len(meaning) > len(told) or not units)
+    return found, words, len(meaning) > len(told) or not units
 
 
 # -- what kind of file ------------------------------------------------------------------------------------------
 
 
-def _raw(path: Path, told: Mapping[str, str]) -> Columns:
-    """The columns of a file, by its own names, NaN where a field is empty."""
+def _raw(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
+    """The columns of a file, by its own names, NaN where a field is empty; `growing`: without an unfinished line."""
     if path.is_dir() and (path / "meta" / "info.json").is_file():
         return _lerobot(path)
     if path.is_dir() or path.suffix.lower() in BAGS:
@@ -173,12 +206,12 @@ def _raw(path: Path, told: Mapping[str, str]) -> Columns:
             raise DataFileError(f"{path}: not a spreadsheet that can be read ({error})") from error
     if path.suffix.lower() in PARQUET:
         return _parquet([path])
-    return _numbers(path, _text_table(pandas, path))
-
-
-def _text_table(pandas: Any, path: Path) -> Any:
-    """A CSV file of any separator; where that is no comma, commas in numbers are decimal ones."""
     text = read_text(path, "CSV")
+    return _numbers(path, _text_table(pandas, path, text[: text.rfind("\n") + 1] if growing else text))
+
+
+def _text_table(pandas: Any, path: Path, text: str) -> Any:
+    """A CSV file of any separator; where that is no comma, commas in numbers are decimal ones."""
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith(("#", "sep="))]
     if len(lines) < 2:
         raise DataFileError(f"{path}: {len(lines)} lines; a header and rows are wanted")
@@ -278,7 +311,10 @@ def _bag(path: Path, topic: str | None) -> Columns:
     except DataFileError:
         raise
     except Exception as error:
-        raise DataFileError(f"{path}: not a ROS bag that can be read ({error})") from error
+        mend = "one that was not closed is mended by rosbag reindex, ros2 bag reindex or mcap recover"
+        if "Profile is not ros2" in str(error):
+            mend = "only MCAP of ROS 2 is; write what this one holds as a table of t,x,y,qx,qy,qz,qw"
+        raise DataFileError(f"{path}: not a ROS bag that can be read ({error}): {mend}") from error
     if not rows:
         raise DataFileError(f"{path}: the topic {wanted} has no message")
     return dict(zip(("t", "x", "y", *_QUATERNION), np.array(rows).T, strict=True))

@@ -76,7 +76,8 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
 
     - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row with a flag makes
       no pair and is counted in `dropped`; the last row has no next θ0.
-    - `theta0_deg,theta_next_deg`: pairs in any order; the turn is the shorter way round.
+    - `theta0_deg,theta_next_deg`: pairs, in order where each begins where the one before ended (within 0.005 degrees),
+      in any order else; the turn is the shorter way round.
     - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round.
 
     DataFileError names the file, the line and the mend.
@@ -144,15 +145,20 @@ def _from_pairs(table: CsvTable) -> Theta0Pairs:
     require_columns(table, PAIR_COLUMNS)
     theta = np.array([table.number(row, "theta0_deg") for row in table.rows])
     theta_next = np.array([table.number(row, "theta_next_deg") for row in table.rows])
-    lifted = theta + _shorter_way(theta_next - theta)
-    return Theta0Pairs(np.deg2rad(theta), np.deg2rad(lifted))
+    turn = _shorter_way(theta_next - theta)
+    if theta.size < 2 or (np.abs(_shorter_way(theta[1:] - theta_next[:-1])) > CONSISTENT_DEG).any():
+        return Theta0Pairs(np.deg2rad(theta), np.deg2rad(theta + turn))
+    return _in_order(np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(turn)])))
 
 
 def _from_ordered(table: CsvTable) -> Theta0Pairs:
     theta = np.array([table.number(row, ORDERED_COLUMN) for row in table.rows])
     if theta.size < 2:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
-    path = np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(_shorter_way(np.diff(theta)))]))
+    return _in_order(np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(_shorter_way(np.diff(theta)))])))
+
+
+def _in_order(path: Array) -> Theta0Pairs:
     number = np.arange(float(path.size))
     return Theta0Pairs(path[:-1], path[1:], path, cycle=number[:-1], path_cycle=number)
 

@@ -92,8 +92,7 @@ class ResetDesign:
     """The answer of `design_reset`.
 
     rows : the chosen one first, as it is last, seven at most. met : whether the chosen one meets every demand.
-    binding : where not, what the demands it misses could be at least. about : the range. considered, too_steep : how
-    many mixtures were compared, and pushes left out because they jump where friction is a little different.
+    binding : where not, what the demands it misses could be at least. about : the range.
     independent : mean histogram distance of independent uniform pushes. orders : histogram distance of the chosen
     actions by order, and "steered" by the monitor.
     ratio_errors, ratio_tv : (n,), and (2, n) or (1, n): total variation in the long run of the chosen row and of the
@@ -108,8 +107,6 @@ class ResetDesign:
     rows: tuple[ResetRow, ...]
     met: bool
     binding: tuple[Limit, ...]
-    considered: int
-    too_steep: int
     independent: float
     orders: dict[str, float]
     ratio_errors: Array
@@ -131,7 +128,7 @@ def design_reset(
     materials: Sequence[Material] | MaterialRange | None = None,
     given: ResetStrategy | None = None,
     seed: int = 0,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> ResetDesign:
     """Return the reset to use: the most uniform at the worst of a range of materials, then cheap, then simple.
 
@@ -145,11 +142,12 @@ def design_reset(
     ----------
     sigma : noise of a cycle, rad. materials : a `MaterialRange`, or materials that are as likely as the loop's own,
         such as draws from an identification; None: `material_range`. given : a strategy to rank with them.
-    progress : called with what is being done and the fraction of it done.
+    progress : called with the fraction done.
 
     Raises what a cycle raises that leads out of the mechanics, and InvalidInput for values that make no sense.
     """
-    wanted, report = demands or ResetDemands(), progress or (lambda stage, done: None)
+    wanted, report = demands or ResetDemands(), progress or (lambda done: None)
+    report(0.0)
     if materials is None:
         materials = material_range(loop.material)
     elif not isinstance(materials, MaterialRange):
@@ -157,7 +155,7 @@ def design_reset(
     about = materials
     nominal = replace(loop, material=about.nominal)
     positive_number("sigma", sigma)
-    pool, considered, too_steep = _pool(nominal, wanted, about, sigma, report)
+    pool = _pool(nominal, wanted, about, sigma, report)
     for firm in FIRM:
         found = picked(pool, wanted, firm)
         if found.misses or _keeps(nominal, found.roles[0][1], wanted, about, sigma):
@@ -171,7 +169,7 @@ def design_reset(
         roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
     rows, course = _assessed(nominal, roles, pool.limits, wanted, about, sigma, seed, report)
     return ResetDesign(
-        loop, sigma, wanted, about, rows, not found.misses and not rows[0].misses, binding, considered, too_steep,
+        loop, sigma, wanted, about, rows, not found.misses and not rows[0].misses, binding,
         independent_distance(wanted.pushes), **course,
     )  # fmt: skip
 
@@ -181,11 +179,10 @@ def _pool(
     demands: ResetDemands,
     about: MaterialRange,
     sigma: float,
-    report: Callable[[str, float], None],
-) -> tuple[Pool, int, int]:
+    report: Callable[[float], None],
+) -> Pool:
     """Every candidate, those that need what the robot cannot do included, for they are told too."""
-    parts, steep = [random_legs(loop, about, sigma, demands.within)], 0
-    parts.append(gripper_turned(loop, about, sigma, demands.within))
+    parts = [make(loop, about, sigma, demands.within) for make in (random_legs, gripper_turned)]
     places: list[tuple[float, float] | None] = [] if demands.keep_push else [None]
     if RING in demands.abilities and not demands.keep_push:
         x, y = loop.slider.hitch
@@ -197,10 +194,8 @@ def _pool(
             break
         source = push_set(loop, about, sigma, contact, slants, hitch)
         if source is not None:
-            steep += source.too_steep
-            parts.append(searched(source, demands.within, lambda done: report("comparing mixtures of pushes", done)))
-    count = sum(len(part.tv) for part in parts)
-    return gathered(loop, demands, tuple(parts)), count, steep
+            parts.append(searched(source, demands.within, lambda done: report(0.4 * done)))
+    return gathered(loop, demands, tuple(parts))
 
 
 def _assessed(
@@ -211,13 +206,13 @@ def _assessed(
     about: MaterialRange,
     sigma: float,
     seed: int,
-    report: Callable[[str, float], None],
+    report: Callable[[float], None],
 ) -> tuple[tuple[ResetRow, ...], dict[str, Any]]:
     """The rows, from more samples and on all materials of the range, and what is drawn beside them."""
     tried = about.materials
     cycles: dict[ResetStrategy, SampledTurns] = {}
     for strategy in roles:
-        report("looking closer", 0.8 * len(cycles) / len(roles))
+        report(0.4 + 0.4 * len(cycles) / len(roles))
         cycles[strategy] = _cycles(loop, strategy, tried)
     runs = max(2, min(_RUNS, _MOST_SIMULATED // demands.pushes))
 
@@ -227,7 +222,7 @@ def _assessed(
 
     rows: list[ResetRow] = []
     for strategy, told in roles.items():
-        report("looking closer", 0.8 + 0.1 * len(rows) / len(roles))
+        report(0.8 + 0.1 * len(rows) / len(roles))
         turns = cycles[strategy].refined(_REFINED)
         nominal = orientation_law(turns[0], strategy, sigma, demands.within)
         modes = min(nominal.modes, _ENOUGH_MODES)
@@ -253,7 +248,10 @@ def _assessed(
         rows.append(row)
     chosen, own = rows[0].strategy, rows[-1].strategy
     compared = [chosen, *(row.strategy for row in rows[1:] if SIMPLEST in row.roles)]
-    stretched = [_stretched(about.nominal, error) for error in _RATIO_STEPS]
+    # The ratio of the axes off by a share, their geometric mean kept.
+    law, roots = about.nominal.friction, np.sqrt(1.0 + np.array(_RATIO_STEPS)).tolist()
+    bent = [replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root) for root in roots]
+    stretched = [replace(about.nominal, friction=one) for one in bent]
     curves = [
         [
             orientation_law(turn, one, sigma, 1).total_variation
@@ -286,12 +284,6 @@ def _cycles(loop: CollectionLoop, strategy: ResetStrategy, materials: Sequence[M
 def _mean_and_spread(shares: Array) -> tuple[float, float]:
     distances = histogram_distances(shares)
     return float(distances.mean()), float(distances.std(ddof=1))
-
-
-def _stretched(material: Material, error: float) -> Material:
-    """The material with the ratio of its axes off by a share, their geometric mean kept."""
-    root, law = math.sqrt(1.0 + error), material.friction
-    return replace(material, friction=replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root))
 
 
 def _by_order(turn: Array, row: ResetRow, pushes: int, runs: int, sigma: float, seed: int) -> dict[str, float]:

@@ -19,8 +19,8 @@ from cyclemap.resets.design.strategy_run import independent_distance
 
 ABILITIES = (GRIPPER, RING)
 # The roles of the rows, in the order in which they are told.
-CHOSEN, SIMPLEST, EVENEST, CHEAPEST = "chosen", "simplest", "evenest", "cheapest"
-WAY_BACK, WITH_GRIPPER, GIVEN, AS_IT_IS = "way back", "gripper", "yours", "as it is"
+CHOSEN, SIMPLEST, EVENEST, CHEAPEST = "chosen", "simplest", "most uniform", "cheapest"
+WAY_BACK, WITH_GRIPPER, GIVEN, AS_IT_IS = "way back only", "with a gripper", "yours", "as it is"
 # Pushes of a collection that is simulated for its histogram.
 MOST_PUSHES = 10_000
 # The loop as it is.

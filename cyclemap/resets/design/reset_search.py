@@ -46,8 +46,8 @@ class ActionSet:
     """Actions that can be done together, with all that the search asks of them.
 
     family : "pushes", "way back", "gripper" or "ring". hitch : m, of the ring, None: the loop's. turns : on all
-    materials of the range. contact : (k,), m, shortest. kernels : (materials, k, 2M, 2M + 1). too_steep : how many
-    actions were left out because friction of the range makes them jump."""
+    materials of the range. contact : (k,), m, shortest. kernels : (materials, k, 2M, 2M + 1).
+    """
 
     family: str
     actions: tuple[CycleAction, ...]
@@ -55,7 +55,6 @@ class ActionSet:
     turns: SampledTurns
     contact: Array
     kernels: Array
-    too_steep: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +135,13 @@ def push_set(
     if not calm:
         return None
     made = _action_set("pushes" if hitch is None else RING, prepared, tuple(calm), about.searched, sigma, hitch)
-    return replace(_without_steep(made), too_steep=len(kept) - int((made.turns.steepest <= STEEPEST).sum()))
+    steepest = made.turns.steepest
+    # Where every push jumps somewhere in the range, the one that is least steep.
+    chosen = np.flatnonzero(steepest <= STEEPEST) if steepest.min() <= STEEPEST else np.argsort(steepest)[:1]
+    turns = SampledTurns(made.turns.turn[:, chosen], made.turns.drag_length[:, chosen])
+    least_steep = tuple(made.actions[number] for number in chosen.tolist())
+    contact, kernels = made.contact[chosen], made.kernels[:, chosen]
+    return replace(made, actions=least_steep, turns=turns, contact=contact, kernels=kernels)
 
 
 def random_legs(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> Candidates:
@@ -183,14 +188,6 @@ def _action_set(
     turns = sample_turns(loop, actions, materials, SAMPLES)
     kernels = affine_kernels(turns.refined(_REFINED), _MODES, sigma)
     return ActionSet(family, actions, hitch, turns, contact_lengths(loop, actions), kernels)
-
-
-def _without_steep(made: ActionSet) -> ActionSet:
-    calm = np.flatnonzero(made.turns.steepest <= STEEPEST)
-    calm = calm if calm.size else np.argsort(made.turns.steepest)[:1]
-    turns = SampledTurns(made.turns.turn[:, calm], made.turns.drag_length[:, calm])
-    actions = tuple(made.actions[number] for number in calm.tolist())
-    return replace(made, actions=actions, turns=turns, contact=made.contact[calm], kernels=made.kernels[:, calm])
 
 
 def _pushes(loop: CollectionLoop, slants: tuple[float, ...], straight: bool) -> list[CycleAction]:

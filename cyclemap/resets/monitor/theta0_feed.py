@@ -6,12 +6,14 @@ import csv
 import hashlib
 import math
 import stat
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, Protocol
 
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
+from cyclemap.evidence.pushes.own_tables import is_own, read_orientations
 from cyclemap.evidence.pushes.push_files import SUFFIXES, read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord
 from cyclemap.resets.monitor.bias_monitor import LARGEST_ORIENTATION
@@ -26,10 +28,15 @@ _PART_BYTES = 1 << 20
 
 @dataclass(frozen=True)
 class NewOrientations:
-    """What a look at a growing file found: the new θ0, rad, and whether the file began anew before them."""
+    """What a look at a growing file found: the new θ0, rad, and whether the file began anew before them.
+
+    words, guessed : of a table with other columns, what was read as what, and whether that was guessed.
+    """
 
     theta: tuple[float, ...]
     began_anew: bool = False
+    words: tuple[str, ...] = ()
+    guessed: bool = False
 
 
 class Theta0Feed(Protocol):
@@ -40,12 +47,15 @@ class Theta0Feed(Protocol):
         ...
 
 
-def theta0_feed(path: str | Path) -> Theta0Feed:
+def theta0_feed(path: str | Path, columns: Mapping[str, str] | None = None, units: Sequence[str] = ()) -> Theta0Feed:
     """The feed of a CSV file with a column theta0_deg (or theta0_accum_deg), or of a folder of pushes, MIT layout.
 
+    columns, units : of a table of one's own, as `read_own_table` takes them; other data are told by themselves.
     Of a tree with pushes in one folder it is that one's; InvalidInput where several hold some.
     """
     place = Path(path)
+    if columns or units or is_own(place):
+        return OwnTableFeed(place, columns or {}, units)
     if not place.is_dir():
         return Theta0CsvFeed(place)
     homes = sorted({file.parent for file in place.rglob("*") if push_facts(file) is not None} or {place})
@@ -162,6 +172,38 @@ class Theta0CsvFeed:
         if not set(COLUMNS) & set(table.header):
             raise table.error(row.line, f"the header is {','.join(table.header)}; it must have {' or '.join(COLUMNS)}")
         return table
+
+
+class OwnTableFeed:
+    """The orientations of a table with other columns.
+
+    It is read whole whenever it has changed: where its first rows are no longer what they were, it began anew.
+    """
+
+    def __init__(self, path: Path, columns: Mapping[str, str], units: Sequence[str]) -> None:
+        self.path, self._asked = path, (columns, units)
+        self._fed: tuple[float, ...] = ()
+        self._seen: tuple[int, int] | None = None
+
+    def look(self, finished: bool = False) -> NewOrientations:
+        """The θ0 of the rows added since the last look; DataFileError where `read_orientations` raises it.
+
+        Unless ``finished`` a file that holds no whole row, or is away after the first look, is waited for.
+        """
+        try:
+            status = self.path.stat()
+        except OSError as error:
+            if self._seen and not finished:
+                return NewOrientations(())
+            raise DataFileError(f"{self.path}: there is no such file; check the path") from error
+        now = (status.st_size, status.st_mtime_ns)
+        if not finished and (now == self._seen or (self.path.is_file() and self.path.read_bytes().count(b"\n") < 2)):
+            return NewOrientations(())
+        found = read_orientations(self.path, *self._asked, growing=not finished)
+        theta, fed = tuple(found.columns["theta0"].tolist()), self._fed
+        self._seen, self._fed = now, theta
+        anew = theta[: len(fed)] != fed
+        return NewOrientations(theta if anew else theta[len(fed) :], anew, found.words, found.guessed)
 
 
 class PushFolderFeed:

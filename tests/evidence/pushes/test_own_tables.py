@@ -149,33 +149,72 @@ def test_a_lerobot_data_set_has_a_push_an_episode(tmp_path) -> None:
     assert np.degrees(found.columns["theta1"] - found.columns["theta0"]) == pytest.approx(TURN_DEG)
 
 
-def test_a_ros_2_bag_is_read_by_the_topic_of_the_objects_pose(tmp_path) -> None:
+def bag(path, kind, topics=("/box", "/tip"), message="geometry_msgs/msg/PoseStamped"):
+    """A recording of `stream` under each topic: ROS 1, ROS 2 as SQLite or MCAP."""
     pytest.importorskip("rosbags")
-    from rosbags.rosbag2 import Writer
+    from rosbags import rosbag1, rosbag2
     from rosbags.typesys import Stores, get_typestore
 
-    store, path = get_typestore(Stores.LATEST), tmp_path / "run1"
-    kinds = store.types
-    t, x, theta = stream()
-    half = np.radians(theta) / 2.0
-    with Writer(path, version=9) as writer:
-        topics = [
-            writer.add_connection(name, "geometry_msgs/msg/PoseStamped", typestore=store) for name in ("/box", "/tip")
-        ]
-        for seconds, place, angle in zip(t, x, half, strict=True):
-            stamp = kinds["builtin_interfaces/msg/Time"](int(seconds), int(seconds % 1 * 1e9))
-            header = kinds["std_msgs/msg/Header"](stamp, "world")
-            point = kinds["geometry_msgs/msg/Point"](place, 0.0, 0.0)
-            turn = kinds["geometry_msgs/msg/Quaternion"](0.0, 0.0, math.sin(angle), math.cos(angle))
-            message = kinds["geometry_msgs/msg/PoseStamped"](header, kinds["geometry_msgs/msg/Pose"](point, turn))
-            for topic in topics:
-                writer.write(
-                    topic, int(1e9 * seconds) + 1, store.serialize_cdr(message, "geometry_msgs/msg/PoseStamped")
-                )
+    store = get_typestore(Stores.ROS1_NOETIC if kind == "ros1" else Stores.LATEST)
+    if kind == "ros1":
+        writer = rosbag1.Writer(path)
+    else:
+        plugin = rosbag2.StoragePlugin.MCAP if kind == "mcap" else rosbag2.StoragePlugin.SQLITE3
+        writer = rosbag2.Writer(path, version=9, storage_plugin=plugin)
+    kinds, written = store.types, store.serialize_ros1 if kind == "ros1" else store.serialize_cdr
+    time, head = kinds["builtin_interfaces/msg/Time"], kinds["std_msgs/msg/Header"]
+    count = {"seq": 0} if kind == "ros1" else {}
+    with writer:
+        joined = [writer.add_connection(name, message, typestore=store) for name in topics]
+        for seconds, place, angle in zip(*stream(), strict=True):
+            header = head(stamp=time(int(seconds), int(seconds % 1 * 1e9)), frame_id="world", **count)
+            if message == "geometry_msgs/msg/PoseStamped":
+                half = math.radians(angle) / 2.0
+                turn = kinds["geometry_msgs/msg/Quaternion"](0.0, 0.0, math.sin(half), math.cos(half))
+                pose = kinds["geometry_msgs/msg/Pose"](kinds["geometry_msgs/msg/Point"](place, 0.0, 0.0), turn)
+                told = kinds[message](header, pose)
+            else:
+                told = kinds[message](header, place, 0.0)
+            for one in joined:
+                writer.write(one, int(1e9 * seconds) + 1, written(told, message))
+
+
+@pytest.mark.parametrize("kind", ["ros1", "sqlite", "mcap"])
+def test_a_bag_of_any_kind_is_read_by_the_topic_of_the_objects_pose(tmp_path, kind) -> None:
+    path = tmp_path / ("run.bag" if kind == "ros1" else "run")
+    bag(path, kind)
+    assert is_own(path)
     with pytest.raises(DataFileError, match=r"--columns pose=TOPIC; with poses: /box, /tip"):
         read_own_table(path)
-    found = read_own_table(path, {"pose": "/box"})
-    assert np.degrees(found.columns["theta0"]) == pytest.approx([10.0, 22.0], abs=0.2)
+    for place in (path, *path.glob("*.mcap")):
+        found = read_own_table(place, {"pose": "/box"})
+        assert is_own(place)
+        assert np.degrees(found.columns["theta0"]) == pytest.approx([10.0, 22.0], abs=0.2)
+        assert found.columns["x1"] == pytest.approx([0.040, 0.041], abs=5e-4)
+
+
+@pytest.mark.parametrize("kind", ["ros1", "sqlite", "mcap"])
+def test_a_bag_without_poses_or_cut_off_is_refused_with_what_gets_one_on(tmp_path, kind) -> None:
+    warm, path = (tmp_path / (f"{name}.bag" if kind == "ros1" else name) for name in ("warm", "run"))
+    bag(warm, kind, ["/heat"], "sensor_msgs/msg/Temperature")
+    with pytest.raises(DataFileError, match=r"give the topic of the object's pose, .*; with poses: none among /heat"):
+        read_own_table(warm)
+    bag(path, kind)
+    (content,) = [path] if kind == "ros1" else [*path.glob("*.db3"), *path.glob("*.mcap")]
+    content.write_bytes(content.read_bytes()[: content.stat().st_size // 2])
+    with pytest.raises(DataFileError, match=r"not a ROS bag that can be read .* one that was not closed is mended by"):
+        read_own_table(path, {"pose": "/box"})
+
+
+def test_an_mcap_file_of_another_house_is_refused_with_what_to_write_instead(tmp_path) -> None:
+    bag(tmp_path / "run", "mcap")
+    (file,) = (tmp_path / "run").glob("*.mcap")
+    # The profile stands first in the file, behind its magic, the record's kind and two lengths.
+    content = file.read_bytes()
+    assert content[21:25] == b"ros2"
+    file.write_bytes(content[:21] + b"json" + content[25:])
+    with pytest.raises(DataFileError, match="only MCAP of ROS 2 is; write what this one holds as a table of t,x,y,qx"):
+        read_own_table(file, {"pose": "/box"})
 
 
 @pytest.mark.parametrize(

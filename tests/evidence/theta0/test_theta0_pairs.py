@@ -55,6 +55,15 @@ def test_two_columns_take_the_shorter_way_round(csv) -> None:
     assert pairs.path is None
 
 
+def test_pairs_of_which_each_begins_where_the_one_before_ended_are_in_order(csv) -> None:
+    """They are what the single column of their beginnings and the last end is; one gap, and nothing is known."""
+    chained = read_theta0_pairs(csv("theta0_deg,theta_next_deg\n340,355\n-5.004,12\n372,350\n"))
+    alone = read_theta0_pairs(csv("theta0_deg\n340\n355\n12\n350\n"))
+    assert np.degrees(chained.path) == pytest.approx(np.degrees(alone.path), abs=0.01)
+    assert chained.cycle.tolist() == [0.0, 1.0, 2.0] and chained.path_cycle.tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert read_theta0_pairs(csv("theta0_deg,theta_next_deg\n340,355\n355,12\n12.02,350\n")).path is None
+
+
 def test_single_column_is_unwrapped_in_order(csv) -> None:
     pairs = read_theta0_pairs(csv("theta0_deg\n340\n355\n12\n350\n"))
     assert degrees(pairs.path) == [340.0, 355.0, 372.0, 350.0]
