@@ -330,10 +330,11 @@ def _library(name: str, extra: str) -> None:
 def _bare(column: str) -> tuple[str, str]:
     """A column's name without its unit, and the unit; both in small letters."""
     name = re.sub(r"[\s.\-/]+", "_", column.strip().lower())
-    found = re.search(r"[_\[(]*(deg|degrees?|rad|radians|grad|°|mm|cm|m|metres|meters)[\])]*$", name)
-    if found and found.start() > 0 and found.group(0)[0] in "_[(":
-        unit = found.group(1)
-        return name[: found.start()].strip("_"), _UNIT_WORDS.get(unit, unit)
+    # One bracket, not a run of them: the search takes no longer than the name is.
+    found = re.search(r"[_\[(](deg|degrees?|rad|radians|grad|°|mm|cm|m|metres|meters)[\])]*$", name)
+    told = name[: found.start()].rstrip("_[(") if found else ""
+    if found and told:
+        return told.strip("_"), _UNIT_WORDS.get(found.group(1), found.group(1))
     return name.strip("_"), ""
 
 

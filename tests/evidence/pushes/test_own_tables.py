@@ -91,6 +91,13 @@ def test_a_pipe_is_refused_and_not_waited_for(tmp_path, suffix) -> None:
         read_own_table(tmp_path / f"pipe{suffix}")
 
 
+def test_a_column_named_by_ten_thousand_brackets_is_read_like_any_other(tmp_path) -> None:
+    """The search for a unit takes a step a bracket; it took a step for every pair of them, minutes in all."""
+    path = tmp_path / "log.csv"
+    path.write_text("yaw_deg," + "[" * 10_000 + "\n" + "".join(f"{angle},1\n" for angle in THETA_DEG % 360.0))
+    assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-9)
+
+
 def test_columns_of_any_name_as_told(tmp_path) -> None:
     path = tmp_path / "pairs.csv"
     rows = pairwise(THETA_DEG)
