@@ -321,7 +321,8 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     extrema may have missed just outside the edge: since F^q does not fall, no value between two samples exceeds the
     second by more than their distance, and samples are added until that rules every other hump out (proved). Where
     4096 samples cannot, as near the top itself or in a tongue next to nothing wide, F^q counts as smooth where a
-    quartic meets five neighbours to rounding: humps narrower than half a milliradian, and no higher, may hide there.
+    quartic meets five neighbours to rounding: humps narrower, at half their height, than a tenth of a milliradian, and
+    no higher, may hide there.
     The bounds hold for the family as given: ``max_error`` is not added.
 
     Raises InvalidInput when an edge lies outside the range or the family is seen to fall.

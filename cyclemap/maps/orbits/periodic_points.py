@@ -88,9 +88,10 @@ def periodic_points(
     the folds of F with their preimages among their ends; no image longer than half a radian) until the cubic through
     each cell's ends meets Fⁿ at inner probes, and split at the extrema of Fⁿ - id. Then every sign change is
     bracketed and solved to rounding (Chandrupatla 1997, and Newton's steps).
-    Complete but for pairs of extrema that F hides within half a milliradian. Roots between which |Fⁿ - id - 2πw|
-    stays within ``tangency`` (radians; plus rounding) count as one: a "saddle-node" where the curve keeps its side,
-    a crossing where it changes it. All points of an orbit are judged alike.
+    Complete but for pairs of extrema of a hump or dent of F narrower, at half its height, than a tenth of a
+    milliradian. Roots between which |Fⁿ - id - 2πw| stays within ``tangency`` (radians; plus rounding) count as one: a
+    "saddle-node" where the curve keeps its side, a crossing where it changes it. All points of an orbit are judged
+    alike.
     A curve that ends within ``tangency`` of 2πw at a jump of Fⁿ gives a point of kind "border-collision".
 
     Raises InvalidInput when a whole arc is periodic, ConvergenceError when Fⁿ needs more than 2,000,000 cells.
@@ -325,7 +326,7 @@ def fixed_points(circle_map: CircleMap) -> list[Orbit]:
     """All θ in [0, 2π) with F(θ) = θ + 2πw for some whole w, sorted by angle.
 
     Found and judged as in ``periodic_points`` with period 1: complete but for pairs of extrema that F
-    hides within half a milliradian; an extremum within 1e-12 radians of 2πw is one fixed point of
+    hides within a tenth of a milliradian; an extremum within 1e-12 radians of 2πw is one fixed point of
     kind "saddle-node", never two and never none. A fixed point on a kink carries both one-sided multipliers.
     Jumps across the diagonal are no fixed points: see ``crossings_by_jump``.
 

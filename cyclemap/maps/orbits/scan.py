@@ -3,7 +3,8 @@
 The one search for extrema that root finding, envelopes, tongues and orbit counts share. A cell is cut until the cubic
 through its ends' values and slopes meets the iterate at probes inside, of F itself no further apart than ``GRAIN``;
 that cubic's slope then tells how often the slope of Fⁿ - shift·id changes sign. The folds of F, the narrow cells that
-F needs, and the preimages of both are ends of cells of Fⁿ. What is narrower than ``GRAIN`` may hide between the probes.
+F needs, and the preimages of both are ends of cells of Fⁿ. A hump or dent of F that turns Fⁿ - shift·id back is seen
+where it is as wide as ``GRAIN`` at half its height; a narrower one may hide between the probes.
 """
 
 from __future__ import annotations
@@ -160,10 +161,10 @@ MAX_CELLS = 2_000_000
 MAX_ROUGH = 8_000  # cells of F that no cubic meets: more than a lift without structure below ``GRAIN`` has
 _LONGEST_IMAGE = 0.5  # radians: no cell's image under any iterate is longer
 _PASSES = 60
-GRAIN = 5e-4  # radians: what is as wide as this in F is seen
+GRAIN = 1e-4  # radians: distance of the probes
 _SKEW = 0.04  # of a cell's width: no probe in its middle, where an odd misfit is zero
 _NARROW = 0.2  # of the width that the resolution asks for: narrower cells of F are marked in its iterates
-_MISFIT = 0.02  # of the cell's steepest rise: how far the probes may lie off the cubic
+_MISFIT = 1e-3  # of the cell's steepest rise: how far the probes may lie off the cubic
 _HIDDEN_JUMP = 1e-6  # radians: a rise within 32 INSET beyond what the slopes explain
 _LEVELS_AT_ONCE = 2_048
 _NOTHING = 1e-13  # radians: smaller misfits and dips are of no account
