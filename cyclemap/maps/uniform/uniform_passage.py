@@ -264,9 +264,9 @@ def _certified(chain: _Chain) -> float:
     if slack > _ACCEPTED:
         wide = float(np.sum(chain.panels.end - chain.panels.start)) / chain.halfwidth
         raise ConvergenceError(
-            f"the passage is too long for the noise {chain.halfwidth:g}, or {chain.panels.count} panels are too few for "
-            f"where it leads, {wide:.0f} times as wide: the equation's solution leaves a residual of {slack:.2g} (times "
-            "longer than about 1e12 cycles are beyond double precision); raise the noise or shorten the arc"
+            f"the passage is too long for the noise {chain.halfwidth:g}, or {chain.panels.count} panels are too few "
+            f"for where it leads, {wide:.0f} times as wide: the equation's solution leaves a residual of {slack:.2g} "
+            "(times longer than about 1e12 cycles are beyond double precision); raise the noise or shorten the arc"
         )
     return slack
 
