@@ -10,9 +10,8 @@ from math import gcd
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT, Estimate
@@ -26,7 +25,7 @@ from cyclemap.maps.families.parameter_tangent import (
 )
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.diagonal import displacement
-from cyclemap.maps.orbits.scan import Turns, monotone_cells
+from cyclemap.maps.orbits.scan import monotone_cells
 from cyclemap.maps.rotation.envelopes import lower_envelope, upper_envelope
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
@@ -177,7 +176,7 @@ class EdgeSearch:
                 )
 
     @property
-    def _winding(self) -> Turns:
+    def _winding(self) -> Whole:
         return np.asarray(self.ratio.numerator)
 
     @property
@@ -295,7 +294,7 @@ class TongueBoundaries:
     right: Array
     left_error: Array
     right_error: Array
-    folded: npt.NDArray[np.bool_]
+    folded: Mask
 
     @property
     def width(self) -> Array:

@@ -14,9 +14,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import EPS, LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
@@ -25,7 +24,7 @@ _CLOSE = 2.0 * EPS  # share of |x| (plus a thousandth) at which a bracket is clo
 _STEPS = 120
 
 
-def bracketed_root(function: Callable[[Array, npt.NDArray[np.int64]], Array], low: Array, high: Array) -> Array:
+def bracketed_root(function: Callable[[Array, Whole], Array], low: Array, high: Array) -> Array:
     """A root of f(x, i) in each bracket i, to rounding (Chandrupatla 1997): bisection or inverse quadratic steps.
 
     f takes points and the numbers of their brackets. Where it has one sign at both ends, the end nearer to zero.
@@ -62,9 +61,6 @@ def _next_share(a: Array, b: Array, c: Array, fa: Array, fb: Array, fc: Array) -
         share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
     return np.where(trusted & np.isfinite(share), share, 0.5)
 
-
-Mask = npt.NDArray[np.bool_]
-Turns = npt.NDArray[np.int64]
 
 INSET = 1e-12  # radians: how far beside a break of an iterate its one-sided values are read
 _ARRAYS = ("start", "end", "g_start", "g_end", "slope_start", "slope_end", "cut")
@@ -123,7 +119,7 @@ class Cells:
         return self.start + INSET * self.cut, self.end - INSET * cut_after
 
 
-def taken(cells: Cells, index: Mask | Turns) -> Cells:
+def taken(cells: Cells, index: Mask | Whole) -> Cells:
     """The cells with these indices."""
     return replace(cells, **{name: getattr(cells, name)[index] for name in _ARRAYS})
 
@@ -233,7 +229,7 @@ def _refuse_hidden_jump(cells: Cells) -> None:
         )
 
 
-def _ranks(count: Turns) -> Turns:
+def _ranks(count: Whole) -> Whole:
     """0, 1, ..., count - 1 for each entry, one after the other."""
     return np.asarray(np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count))
 
@@ -291,7 +287,7 @@ def _base_nodes(circle_map: CircleMap, breaks: Array, folds: Array, resolution: 
 
 def _evaluated(
     circle_map: CircleMap, start: Array, end: Array, cut: Mask, cut_end: Mask, period: int, shift: float
-) -> tuple[Cells, Turns, Mask]:
+) -> tuple[Cells, Whole, Mask]:
     """The cells with their values, into how many parts each must still be cut, and which no cubic meets."""
     width, size = end - start, start.size
     here = np.concatenate([start + INSET * cut, end - INSET * cut_end])
@@ -366,7 +362,7 @@ def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
 # -- roots -------------------------------------------------------------------------------------------------
 
 
-def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> tuple[Array, Turns]:
+def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> tuple[Array, Whole]:
     """All θ in [0, 2π] with g(θ) = level + 2πw for some w, and the index of the level of each.
 
     levels : shape (m,), radians. Sorted by level, then by angle.
@@ -382,7 +378,7 @@ def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> tuple[Array
     return np.concatenate(found), np.concatenate(owner)
 
 
-def crossings(circle_map: CircleMap, cells: Cells, level: float) -> tuple[Array, Turns, Turns]:
+def crossings(circle_map: CircleMap, cells: Cells, level: float) -> tuple[Array, Whole, Whole]:
     """All θ in [0, 2π] with g(θ) = level + 2πw, their w, and the cell of each."""
     low = np.floor((cells.g_start - level) / TWO_PI).astype(np.int64)
     high = np.floor((cells.g_end - level) / TWO_PI).astype(np.int64)
@@ -390,8 +386,8 @@ def crossings(circle_map: CircleMap, cells: Cells, level: float) -> tuple[Array,
 
 
 def roots_between(
-    circle_map: CircleMap, cells: Cells, level: float, turn_start: Turns, turn_end: Turns
-) -> tuple[Array, Turns, Turns]:
+    circle_map: CircleMap, cells: Cells, level: float, turn_start: Whole, turn_end: Whole
+) -> tuple[Array, Whole, Whole]:
     """The roots of g = level + 2πw for every w in (min, max] of the whole turns at a cell's two ends."""
     cell = np.flatnonzero(turn_start != turn_end)
     theta, whole, pick = _solved(circle_map, cells, cell, np.float64(level), turn_start[cell], turn_end[cell])
@@ -399,8 +395,8 @@ def roots_between(
 
 
 def _solved(
-    circle_map: CircleMap, cells: Cells, cell: Turns, level: Array | np.float64, turn_start: Turns, turn_end: Turns
-) -> tuple[Array, Turns, Turns]:
+    circle_map: CircleMap, cells: Cells, cell: Whole, level: Array | np.float64, turn_start: Whole, turn_end: Whole
+) -> tuple[Array, Whole, Whole]:
     """The roots in the listed cells, their w, and which entry of the list each belongs to."""
     count = np.abs(turn_end - turn_start)
     owner = np.repeat(np.arange(count.size), count)
@@ -410,7 +406,7 @@ def _solved(
     inner_start, inner_end = cells.inner()
     target = np.broadcast_to(level, count.shape)[owner] + TWO_PI * whole
 
-    def residual(theta: Array, index: Turns) -> Array:
+    def residual(theta: Array, index: Whole) -> Array:
         return np.asarray(iterate(circle_map, theta, cells.period) - cells.shift * theta - target[index])
 
     return bracketed_root(residual, inner_start[cell[owner]], inner_end[cell[owner]]), whole, owner

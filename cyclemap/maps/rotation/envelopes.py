@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from math import ceil, floor
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import SIDE_STEP, CircleMap, Scalar
 from cyclemap.maps.orbits.scan import GRAIN, INSET, bracketed_root, monotone_cells
@@ -135,7 +134,7 @@ def _recovery(
     circle_map: CircleMap,
     theta: Array,
     value: Array,
-    after: npt.NDArray[np.int64],
+    after: Whole,
     level: Array,
     mirror: float,
 ) -> Array:
@@ -166,7 +165,7 @@ def _with_plateaus(circle_map: CircleMap, start: Array, end: Array, level: Array
     order = np.argsort(start)
     start, end, level = start[order], end[order], level[order]
 
-    def located(theta: Array) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
+    def located(theta: Array) -> tuple[Array, Array, Mask]:
         turn = np.floor((theta - start[0]) / TWO_PI)
         base = theta - TWO_PI * turn
         index = np.clip(np.searchsorted(start, base, side="right") - 1, 0, start.size - 1)

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import lapack
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.arcs import Arc, arcs_between
 from cyclemap.maps.estimate import EPS, SOLUTION, Estimate
@@ -40,7 +39,7 @@ class Intervals:
         """Their total length."""
         return float(np.sum(self.end - self.start))
 
-    def overlaps(self, low: Array, high: Array) -> npt.NDArray[np.bool_]:
+    def overlaps(self, low: Array, high: Array) -> Mask:
         """Whether each (low, high) shares more than a point with one of the intervals."""
         low, high = low[:, None] + _SLIVER, high[:, None] - _SLIVER
         if not self.wrapped:
@@ -49,7 +48,7 @@ class Intervals:
         turns = np.floor((low - self.end) / TWO_PI) + 1.0
         return np.asarray(np.any(self.start + TWO_PI * turns < high, axis=1))
 
-    def hold(self, theta: Array) -> npt.NDArray[np.bool_]:
+    def hold(self, theta: Array) -> Mask:
         """Whether each angle lies inside one of the intervals, ends left out."""
         return self.overlaps(theta - 2.0 * _SLIVER, theta + 2.0 * _SLIVER)
 
@@ -143,7 +142,7 @@ def _none(wrapped: bool) -> Intervals:
     return Intervals(np.zeros(0), np.zeros(0), wrapped)
 
 
-def _joined(pieces: Array, keep: npt.NDArray[np.bool_], wrapped: bool) -> Intervals:
+def _joined(pieces: Array, keep: Mask, wrapped: bool) -> Intervals:
     """The kept pieces, neighbours joined."""
     edge = np.diff(np.concatenate([[False], keep, [False]]).astype(np.int64))
     return Intervals(pieces[edge == 1], pieces[edge == -1], wrapped)
