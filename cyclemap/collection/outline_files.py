@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import CycleMapError, DataFileError, InvalidInput
 from cyclemap.mechanics import Polygon
 from cyclemap.plain_text import plain_number
 from cyclemap.text_files import read_bytes, read_text
@@ -256,8 +256,12 @@ def _urdf_mesh(path: Path) -> Array:
         )
     link = next(iter(links.values()))
     parts = link.findall("collision") or link.findall("visual")
-    found = [_placed(_geometry(part.find("geometry"), path), part.find("origin")) for part in parts]
-    return np.concatenate(found)
+    try:
+        return np.concatenate([_placed(_geometry(part.find("geometry"), path), part.find("origin")) for part in parts])
+    except CycleMapError:
+        raise
+    except Exception as error:  # what is missing, or is no number, in an element's text
+        raise DataFileError(f"{path}: a geometry or origin of {link.get('name')} cannot be read ({error})") from error
 
 
 def _geometry(geometry: Any, path: Path) -> Array:

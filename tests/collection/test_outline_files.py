@@ -135,6 +135,11 @@ def test_curves_are_simplified_within_the_tolerance_and_no_more(tmp_path) -> Non
         ("no.dxf", "not a drawing", "not a DXF drawing"),
         ("no.stl", "solid nothing\nendsolid nothing\n", "not a mesh|no triangles"),
         ("no.urdf", "<robot/>", "0 links with a geometry"),
+        (
+            "box.urdf",
+            '<robot><link name="a"><visual><geometry><box size="0.1 0..2 1"/></geometry></visual></link></robot>',
+            r"a geometry or origin of a cannot be read \('0..2' is not a number",
+        ),
         ("two.csv", "0,0\n1,0\n", "2 vertices; an outline has three"),
         ("bad.csv", "x,y\n0,0\n1,zero\n", "line 3: two numbers x,y are wanted"),
         ("gone.svg", None, "there is no such file"),

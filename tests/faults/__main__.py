@@ -8,7 +8,8 @@ import tempfile
 from pathlib import Path
 
 from tests.faults.kills import COMMANDS, kill_and_go_on
-from tests.faults.mutations import LARGEST_BYTES, write_samples
+from tests.faults.mutations import LARGEST_BYTES
+from tests.faults.samples import write_samples
 
 GOOD = {"read", "refused", "killed", "done before", "went on", "files", "peak_bytes"}
 

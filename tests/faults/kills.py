@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-LONGEST_SECONDS = 120.0
+LONGEST_SECONDS = 120.0  # and ten times what an undisturbed run takes: other work may have slowed the machine
 COMMANDS = {
     "simulate": ("simulate", "plywood", "--cycles", "150", "--pose-noise-mm", "0.1"),
     "sweep": ("sweep", "plywood", "--over", "hitch_x_mm=-12:-9:4", "--quantities", "rotation", "--workers", "1"),
@@ -26,14 +26,14 @@ def start(command: str, folder: Path) -> subprocess.Popen[str]:
     return subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=quiet)
 
 
-def finish(command: str, folder: Path) -> tuple[int, str, float]:
+def finish(command: str, folder: Path, longest: float = 5 * LONGEST_SECONDS) -> tuple[int, str, float]:
     """Run a command to its end: its exit code, its complaints, its seconds."""
     begun, process = time.monotonic(), start(command, folder)
     try:
-        _, told = process.communicate(timeout=LONGEST_SECONDS)
+        _, told = process.communicate(timeout=longest)
     except subprocess.TimeoutExpired:
         process.kill()
-        return -1, "hangs", LONGEST_SECONDS
+        return -1, "hangs", longest
     return process.returncode, told, time.monotonic() - begun
 
 
@@ -69,7 +69,7 @@ def kill_and_go_on(command: str, folder: Path, kills: int, seed: int, said: Call
             outcomes["killed" if was_killed else "done before"] += 1
             if not was_killed:
                 break
-        code, told, _ = finish(command, place)
+        code, told, _ = finish(command, place, max(LONGEST_SECONDS, 10.0 * seconds))
         hidden = [name for name in left(command, place) if name.endswith(".part")]
         if code or "Traceback" in told:
             outcomes["hang" if code == -1 else "traceback"] += 1

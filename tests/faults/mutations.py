@@ -20,17 +20,24 @@ Reader = Callable[[Path], object]
 def readers() -> dict[str, tuple[Reader, ...]]:
     """Who reads a file, by its kind: the name of its sample."""
     from cyclemap.cli.run_figures import _read_index
+    from cyclemap.collection.collection_file import read_collection
+    from cyclemap.collection.outline_files import read_outline
     from cyclemap.evidence import load_pushes, read_theta0_pairs
     from cyclemap.evidence.data_blocks.data_recognition import recognise
+    from cyclemap.evidence.pushes.own_tables import read_own_table
     from cyclemap.mechanics import load_footprint, load_material
     from cyclemap.resets import read_protocol, read_schedule
+    from cyclemap.resets.monitor.theta0_feed import theta0_feed
     from cyclemap.sweeps import load_sweep
+
+    def read_all_theta0(path: Path) -> object:
+        return theta0_feed(path).look(finished=True)
 
     return {
         "push.h5": (load_pushes, recognise),
         "push.json": (load_pushes, recognise),
         "poses.csv": (load_pushes, recognise),
-        "staircase.csv": (read_theta0_pairs, load_pushes),
+        "staircase.csv": (read_theta0_pairs, load_pushes, read_all_theta0),
         "pairs.csv": (read_theta0_pairs, load_pushes),
         "support.csv": (load_footprint,),
         "schedule.csv": (read_schedule,),
@@ -38,38 +45,10 @@ def readers() -> dict[str, tuple[Reader, ...]]:
         "protocol.toml": (read_protocol,),
         "sweep.sqlite": (load_sweep,),
         "figures.json": (_read_index,),
+        "collection.toml": (read_collection,),
+        **{f"log{end}": (read_own_table,) for end in (".tsv", ".xlsx", ".parquet", ".db3", ".mcap", ".bag")},
+        **{f"tee{end}": (read_outline,) for end in (".svg", ".dxf", ".stl", ".urdf", ".csv")},
     }
-
-
-def write_samples(folder: Path) -> None:
-    """Write one healthy file of every kind."""
-    from cyclemap.collection import CollectionLoop
-    from cyclemap.evidence import simulate_collection
-    from cyclemap.mechanics import SidePush, load_material
-    from cyclemap.mechanics.material_text import material_toml
-    from cyclemap.resets import CycleAction, ResetStrategy, write_protocol, write_schedule
-    from cyclemap.sweeps import PortraitNumbers, SweepPlan, run_sweep
-
-    loop = CollectionLoop.mit("plywood", accuracy=1e-6)
-    for suffix in (".h5", ".json"):
-        made = simulate_collection(loop, folder / f"made{suffix}", 1, suffix=suffix)
-        next(made.folder.rglob(f"motion_*{suffix}")).rename(folder / f"push{suffix}")
-    poses = "".join(f"{n},0.1,0.2,{n / 7:.4f},0.3,0.4,1.5\n" for n in range(20))
-    (folder / "poses.csv").write_text(f"rep,x0,y0,theta0,x1,y1,theta1\n{poses}")
-    rows = "".join(f"{n},{3 * n},{3 * n % 360},{3 if n < 99 else ''},\n" for n in range(100))
-    (folder / "staircase.csv").write_text(f"rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag\n{rows}")
-    (folder / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{n},{n + 2.5}\n" for n in range(50)))
-    (folder / "support.csv").write_text("x_mm,y_mm,weight\n40,40,1\n-40,40,1\n-40,-40,1.5\n40,-40,0.5\n")
-    (folder / "material.toml").write_text(material_toml(load_material("plywood-measured")))
-    coin = ResetStrategy(tuple(CycleAction(push=SidePush(side)) for side in (1, 2)))
-    write_protocol(folder / "protocol.toml", loop, coin)
-    write_schedule(folder / "schedule.csv", loop, coin, 20)
-    plan = SweepPlan.grid(
-        "isotropic", {"noise_deg": (1.0, 2.0)}, numbers=PortraitNumbers(("rotation",), tolerance=1e-2)
-    )
-    run_sweep(plan, folder / "sweep.sqlite", workers=1)
-    line = {"name": "x", "title": "t", "source": "s", "caption": "c", "file": "x.png", "measured": None}
-    (folder / "figures.json").write_text(json.dumps({"figures": [line]}))
 
 
 def mutated(content: bytes, chance: random.Random) -> bytes:
@@ -92,10 +71,12 @@ def read_mutations(folder: Path, count: int, seed: int) -> Counter[str]:
     """Give `count` damaged files to their readers; how they ended, faults by a line each on stderr."""
     from cyclemap.errors import CycleMapError
 
-    chance, outcomes, by_kind = random.Random(seed), Counter[str](), readers()
+    chance, outcomes = random.Random(seed), Counter[str]()
+    by_kind = {kind: who for kind, who in readers().items() if (folder / kind).exists()}
     healthy = {kind: (folder / kind).read_bytes() for kind in by_kind}
     place = folder / "damaged"
     place.mkdir(exist_ok=True)
+    too_much = False
     for number in range(count):
         kind = list(by_kind)[number % len(by_kind)]
         path = place / kind
@@ -114,6 +95,10 @@ def read_mutations(folder: Path, count: int, seed: int) -> Counter[str]:
                 print(f"{kind} {number}: {traceback.format_exc(limit=-3)}", file=sys.stderr)
             if time.monotonic() - begun > LONGEST_SECONDS:
                 outcomes["hang"] += 1
+                print(f"{kind} {number}: takes {time.monotonic() - begun:.0f} s", file=sys.stderr)
+            if not too_much and peak_bytes() > LARGEST_BYTES:
+                too_much = True
+                print(f"{kind} {number}: takes the memory to {peak_bytes()} bytes", file=sys.stderr)
         if path.read_bytes() != content:
             outcomes["changed by reading"] += 1
         for rest in place.glob(f"{kind}-*"):
@@ -121,13 +106,17 @@ def read_mutations(folder: Path, count: int, seed: int) -> Counter[str]:
     return outcomes
 
 
+def peak_bytes() -> int:
+    """The most memory that this process has had."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
 def main(folder: Path, count: int, seed: int) -> int:
     """Run in a process of its own: memory and time are limited as hard as the system can."""
     signal.alarm(LONGEST_SECONDS * max(1, count // 10))
     warnings.simplefilter("ignore")
     outcomes = read_mutations(folder, count, seed)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    print(json.dumps({**outcomes, "files": count, "peak_bytes": peak}))
+    print(json.dumps({**outcomes, "files": count, "peak_bytes": peak_bytes()}))
     return 0
 
 

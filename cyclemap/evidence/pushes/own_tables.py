@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +73,8 @@ _UNIT_WORDS = {
 _REST_SECONDS, _SLOW, _SLOW_TURN = 0.4, 0.003, 0.03
 _SMOOTHED_SECONDS = 0.2
 _LONGEST_HEADER = 100_000
+# Bytes of a spreadsheet, or of parquet as doubles: both pack a thousand times what they show on disk.
+_LARGEST_DECODED = 2**26
 # Angles beyond this are no radians, places beyond this no metres of a table.
 _NO_RADIANS, _NO_METRES = 7.0, 3.0
 
@@ -193,21 +196,38 @@ def _raw(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
     """The columns of a file, by its own names, NaN where a field is empty; `growing`: without an unfinished line."""
     if path.is_dir() and (path / "meta" / "info.json").is_file():
         return _lerobot(path)
+    if not path.is_dir() and not path.is_file():
+        mend = (
+            "is a pipe or a device; give a regular file" if path.exists() else "there is no such file; check the path"
+        )
+        raise DataFileError(f"{path}: {mend}")
     if path.is_dir() or path.suffix.lower() in BAGS:
         return _bag(path, told.get("pose"))
-    if not path.is_file():
-        raise DataFileError(f"{path}: there is no such file; check the path")
     pandas: Any = import_module("pandas")
     if path.suffix.lower() in EXCEL:
-        _library("openpyxl", "excel")
-        try:
-            return _numbers(path, pandas.read_excel(path))
-        except (ValueError, KeyError, OSError) as error:
-            raise DataFileError(f"{path}: not a spreadsheet that can be read ({error})") from error
+        return _spreadsheet(pandas, path)
     if path.suffix.lower() in PARQUET:
         return _parquet([path])
     text = read_text(path, "CSV")
     return _numbers(path, _text_table(pandas, path, text[: text.rfind("\n") + 1] if growing else text))
+
+
+def _spreadsheet(pandas: Any, path: Path) -> Columns:
+    _library("openpyxl", "excel")
+    try:
+        with ZipFile(path) as parts:
+            _check_size(path, sum(part.file_size for part in parts.infolist()))
+        return _numbers(path, pandas.read_excel(path))
+    except DataFileError:
+        raise
+    except Exception as error:  # zipfile, zlib, XML, openpyxl, pandas: each has its own
+        raise DataFileError(f"{path}: not a spreadsheet that can be read ({error})") from error
+
+
+def _check_size(path: Path, decoded: int) -> None:
+    """Refuse what is small on disk and large when it is unpacked."""
+    if decoded > _LARGEST_DECODED:
+        raise DataFileError(f"{path}: holds {decoded / 1e6:.0f} MB, of at most {_LARGEST_DECODED / 1e6:.0f}; split it")
 
 
 def _text_table(pandas: Any, path: Path, text: str) -> Any:
@@ -247,9 +267,14 @@ def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = 
     """Columns of parquet files, one after the other; of lists each part as a column named[i], or by its own name."""
     _library("pyarrow", "lerobot")
     pandas: Any = import_module("pandas")
+    parquet: Any = import_module("pyarrow.parquet")
     try:
+        groups = [told.row_group(n) for told in map(parquet.read_metadata, files) for n in range(told.num_row_groups)]
+        _check_size(files[0], 8 * sum(one.column(n).num_values for one in groups for n in range(one.num_columns)))
         frame = pandas.concat([pandas.read_parquet(file) for file in files], ignore_index=True)
-    except (ValueError, OSError) as error:
+    except DataFileError:
+        raise
+    except Exception as error:  # arrow's own kinds of error, and any of what a damaged type makes of pandas
         raise DataFileError(f"{files[0]}: not parquet that can be read ({error})") from error
     found: Columns = {}
     for column in frame.columns:
@@ -341,10 +366,11 @@ def _library(name: str, extra: str) -> None:
 def _bare(column: str) -> tuple[str, str]:
     """A column's name without its unit, and the unit; both in small letters."""
     name = re.sub(r"[\s.\-/]+", "_", column.strip().lower())
-    found = re.search(r"[_\[(]*(deg|degrees?|rad|radians|grad|°|mm|cm|m|metres|meters)[\])]*$", name)
-    if found and found.start() > 0 and found.group(0)[0] in "_[(":
-        unit = found.group(1)
-        return name[: found.start()].strip("_"), _UNIT_WORDS.get(unit, unit)
+    # One bracket, not a run of them: the search takes no longer than the name is.
+    found = re.search(r"[_\[(](deg|degrees?|rad|radians|grad|°|mm|cm|m|metres|meters)[\])]*$", name)
+    told = name[: found.start()].rstrip("_[(") if found else ""
+    if found and told:
+        return told.strip("_"), _UNIT_WORDS.get(found.group(1), found.group(1))
     return name.strip("_"), ""
 
 

@@ -5,6 +5,7 @@ import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,8 @@ LAYOUTS = f"{','.join(STAIRCASE_COLUMNS)} or {','.join(PAIR_COLUMNS)} or {ORDERE
 _TELLING, _NEARLY_A_TURN, _HALF_A_TURN = 8, 5.0, 1.001 * math.pi
 # Figures in a staircase file are rounded to 0.001 degrees, three of them enter each comparison.
 CONSISTENT_DEG = 0.005
+# How alike a column's name and theta_next_deg are where it is likely meant; theta1_deg is 0.75.
+_NEARLY_THE_NAME = 0.85
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +81,8 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
       no pair and is counted in `dropped`; the last row has no next θ0.
     - `theta0_deg,theta_next_deg`: pairs, in order where each begins where the one before ended (within 0.005 degrees),
       in any order else; the turn is the shorter way round.
-    - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round.
+    - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round. A column beside it whose
+      name is nearly theta_next_deg, or speaks of the next one, is refused.
 
     DataFileError names the file, the line and the mend.
     """
@@ -152,6 +156,10 @@ def _from_pairs(table: CsvTable) -> Theta0Pairs:
 
 
 def _from_ordered(table: CsvTable) -> Theta0Pairs:
+    for name in table.header:
+        if "next" in name or get_close_matches(name, PAIR_COLUMNS[1:], cutoff=_NEARLY_THE_NAME):
+            told = f"the header has {name} beside {ORDERED_COLUMN}: name it {PAIR_COLUMNS[1]} if it is the next θ0 in"
+            raise table.error(1, f"{told} degrees, or leave it out")
     theta = np.array([table.number(row, ORDERED_COLUMN) for row in table.rows])
     if theta.size < 2:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS
@@ -97,9 +97,7 @@ class MonotoneTable:
         return inverse
 
 
-def _step(
-    x: Array, gap: Array, slope: Array, low: Array, high: Array, last: Array
-) -> tuple[Array, npt.NDArray[np.bool_]]:
+def _step(x: Array, gap: Array, slope: Array, low: Array, high: Array, last: Array) -> tuple[Array, Mask]:
     """Newton's next angle, or the middle of the bracket where that one is outside or no nearer; which it is."""
     with np.errstate(divide="ignore", invalid="ignore"):
         step = -gap / slope
@@ -133,8 +131,6 @@ TOUCH = 1e-12  # radians: a fold this near a level touches it
 _SHORTEST_PLATEAU = 1e-5  # radians: a shorter constant piece belongs to its neighbour
 _FLAT = 1e-11  # slopes below this, relative to 1 + |F|, are zero: what differences leave of a constant
 _UNKNOWN = 2
-
-Whole = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,7 +217,7 @@ def _one_sided_values(circle_map: CircleMap, cells: Cells) -> tuple[Array, Array
     return first, last
 
 
-def _joined(first: Array, last: Array, climb: float) -> npt.NDArray[np.bool_]:
+def _joined(first: Array, last: Array, climb: float) -> Mask:
     """Whether F is continuous at the start of each cell; ``last`` then takes the next cell's value."""
     following = np.append(first[1:], first[0] + climb)
     smooth_after = np.abs(following - last) <= JUMP
@@ -229,7 +225,7 @@ def _joined(first: Array, last: Array, climb: float) -> npt.NDArray[np.bool_]:
     return np.roll(smooth_after, 1)
 
 
-def _directions(cells: Cells, first: Array, last: Array, smooth: npt.NDArray[np.bool_]) -> Whole:
+def _directions(cells: Cells, first: Array, last: Array, smooth: Mask) -> Whole:
     """1, -1 or 0 for each cell; one too flat to tell goes with the cell it continues."""
     scale = 1.0 + np.abs(first)
     still = np.abs(last - first) <= 64.0 * EPS * scale
@@ -297,9 +293,7 @@ def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple
     return np.sort(base_angles(np.concatenate(roots))), np.concatenate(plateaus)
 
 
-def _levels(
-    parts: tuple[Branch, ...], i: int, angles: Array, degree: int
-) -> tuple[Whole, Whole, npt.NDArray[np.bool_]]:
+def _levels(parts: tuple[Branch, ...], i: int, angles: Array, degree: int) -> tuple[Whole, Whole, Mask]:
     """The whole turns w, from the first to the second, with F = angle + 2πw in [start, end); whether start is one.
 
     Where two branches meet without a jump, both count from the same rounding, so nothing is lost or doubled.
@@ -317,7 +311,7 @@ def _levels(
     return above_start, above_end - 1, touches
 
 
-def _rounded(value: float, angles: Array, turns_back: bool) -> tuple[Whole, Whole, npt.NDArray[np.bool_]]:
+def _rounded(value: float, angles: Array, turns_back: bool) -> tuple[Whole, Whole, Mask]:
     """The least w with angle + 2πw ≥ value, the greatest with ≤, and whether one is equal within the tolerance."""
     turns = (value - angles) / TWO_PI
     nearest = np.round(turns)

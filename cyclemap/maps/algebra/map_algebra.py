@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from math import floor
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.algebra.branches import Branch, MonotoneTable, branches, preimages_on
@@ -70,7 +69,7 @@ def inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLif
     return InverseLift(table, breaks[np.diff(breaks, prepend=-1.0) > SNAP], degree)
 
 
-def _at_ends(part: Branch) -> npt.NDArray[np.bool_]:
+def _at_ends(part: Branch) -> Mask:
     """Marks the ends of a plateau among its nodes."""
     marks = np.zeros(part.table.theta.size, dtype=bool)
     marks[[0, -1]] = part.direction == 0

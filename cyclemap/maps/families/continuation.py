@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.families.orbit_equations import OrbitEquations, OrbitState, crossed_break, orbit_equations
@@ -200,7 +199,7 @@ class OrbitBranch:
     parameter: Array
     points: Array
     multiplier: Array
-    stable: npt.NDArray[np.bool_]
+    stable: Mask
     arclength: Array
     special: tuple[Bifurcation, ...]
     period: int

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.families.parameter_tangent import Family, ParameterTangent, Range, family_member, parameter_tangent
 from cyclemap.maps.lifts.circle_map import CircleMap
@@ -170,7 +169,7 @@ def crossed_break(before: OrbitState, theta: Array, motion: Array) -> tuple[int,
         return None
     old = shorter_way(before.theta[:, None] - before.member.breaks)
     new = old + (theta - before.theta)[:, None] - motion
-    crossed: npt.NDArray[np.bool_] = (old * new < 0.0) & (np.abs(old) < 1.0) & (np.abs(old) > 1e-11)
+    crossed: Mask = (old * new < 0.0) & (np.abs(old) < 1.0) & (np.abs(old) > 1e-11)
     if not np.any(crossed):
         return None
     share = np.where(crossed, np.abs(old) / np.where(crossed, np.abs(old - new), 1.0), np.inf)

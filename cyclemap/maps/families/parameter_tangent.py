@@ -95,7 +95,8 @@ class _Stencil:
         """Σ_k w_k F(θ + d_k(θ); p_k)/step, every angle carried along with the breaks round it."""
         total = np.zeros_like(theta)
         for member, weight, motion in zip(self.members, self.weights, self.motions, strict=True):
-            total += weight * _from_right(member)(theta + _carried(theta, centre.breaks, motion))
+            lift = member.right if member.breaks.size else member
+            total += weight * lift(theta + _carried(theta, centre.breaks, motion))
         return total / self.step
 
     @property
@@ -108,10 +109,6 @@ class _Stencil:
     def weight(self) -> float:
         """Σ |w_k|/step: by how much an error of the lifts is magnified."""
         return sum(map(abs, self.weights)) / self.step
-
-
-def _from_right(circle_map: CircleMap) -> Callable[[Array], Array]:
-    return circle_map.right if circle_map.breaks.size else circle_map
 
 
 def _carried(theta: Array, breaks: Array, motion: Array) -> Array:

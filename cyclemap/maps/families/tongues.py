@@ -10,9 +10,8 @@ from math import gcd
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT, Estimate
@@ -26,7 +25,7 @@ from cyclemap.maps.families.parameter_tangent import (
 )
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.diagonal import displacement
-from cyclemap.maps.orbits.scan import Turns, monotone_cells
+from cyclemap.maps.orbits.scan import monotone_cells
 from cyclemap.maps.rotation.envelopes import lower_envelope, upper_envelope
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
@@ -177,7 +176,7 @@ class EdgeSearch:
                 )
 
     @property
-    def _winding(self) -> Turns:
+    def _winding(self) -> Whole:
         return np.asarray(self.ratio.numerator)
 
     @property
@@ -295,7 +294,7 @@ class TongueBoundaries:
     right: Array
     left_error: Array
     right_error: Array
-    folded: npt.NDArray[np.bool_]
+    folded: Mask
 
     @property
     def width(self) -> Array:
@@ -321,7 +320,8 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     extrema may have missed just outside the edge: since F^q does not fall, no value between two samples exceeds the
     second by more than their distance, and samples are added until that rules every other hump out (proved). Where
     4096 samples cannot, as near the top itself or in a tongue next to nothing wide, F^q counts as smooth where a
-    quartic meets five neighbours to rounding: humps narrower than half a milliradian, and no higher, may hide there.
+    quartic meets five neighbours to rounding: humps narrower, at half their height, than a tenth of a milliradian, and
+    no higher, may hide there.
     The bounds hold for the family as given: ``max_error`` is not added.
 
     Raises InvalidInput when an edge lies outside the range or the family is seen to fall.

@@ -122,15 +122,11 @@ def _piece(index: int, branch: Any) -> Piece:
         return differences_between(lift, theta, theta - first, last - theta)[0]
 
     piece = Piece(first, last, lift, by_differences if derivative is None else derivative, derivative is not None)
-    _check_ends(index, piece)
-    return piece
-
-
-def _check_ends(index: int, piece: Piece) -> None:
     ends = np.array([piece.start, piece.end])
     with np.errstate(all="ignore"):
         checked_call(f"lift of branch {index}", piece.lift, ends)
         checked_call(f"derivative of branch {index}", piece.derivative, ends)
+    return piece
 
 
 def _check_cover(pieces: tuple[Piece, ...]) -> None:

@@ -37,7 +37,7 @@ class CircleMap:
     lift : callable, radians to radians, F(θ + 2π) = F(θ) + 2π·degree; never wrapped. It takes float64 arrays
         of any shape and gives float64 entry by entry.
     derivative : such a callable for F', or None: then differences of fourth order that never reach across
-        a break, about 1e-11 off in [-2π, 2π] where F is smooth; ``derivative_error`` tells.
+        a break, about 1e-11 off in [-2π, 2π] where F is smooth; ``derivative_and_error`` tells.
     breaks : angles (radians, any order, any turn) where F jumps or F' does. F is taken to be continuous
         from the right there: ``F(b)`` should be the limit from above.
     degree : how often the image runs round while θ runs round once; any whole number.
@@ -141,12 +141,13 @@ class CircleMap:
             return self._derivative(angles)
         return differences(self._lift, self.breaks, angles)[0]
 
-    def derivative_error(self, theta: Any) -> Array:
-        """A bound on the error of ``derivative``: rounding; where none was given, the measured one of differences."""
+    def derivative_and_error(self, theta: Any) -> tuple[Array, Array]:
+        """F'(θ) and a bound on its error: rounding; where no derivative was given, the measured one of differences."""
         angles = np.asarray(theta, dtype=np.float64)
-        if self._derivative is not None:
-            return LIFT * (1.0 + np.abs(self._derivative(angles)))
-        return differences(self._lift, self.breaks, angles)[1]
+        if self._derivative is None:
+            return differences(self._lift, self.breaks, angles)
+        slope = self._derivative(angles)
+        return slope, LIFT * (1.0 + np.abs(slope))
 
     def left(self, theta: Any) -> Array:
         """The limit of F from below at ``theta``: differs from F(θ) only at breaks that jump."""

@@ -212,7 +212,7 @@ def guarded(name: str, function: Lift, finite: bool) -> Lift:
     >>> guarded("lift", np.sqrt, True)(np.array([4.0])).tolist()
     [2.0]
     """
-    bad = _not_finite if finite else np.isnan
+    bad = (lambda values: ~np.isfinite(values)) if finite else np.isnan
 
     def call(theta: Array) -> Array:
         try:
@@ -231,10 +231,6 @@ def guarded(name: str, function: Lift, finite: bool) -> Lift:
         return values
 
     return call
-
-
-def _not_finite(values: Array) -> Any:
-    return ~np.isfinite(values)
 
 
 def _allowance(values: Array, slopes: Array) -> float:

@@ -8,9 +8,8 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
@@ -66,7 +65,7 @@ class ParametricLift:
         slope = None if self.derivative is None else partial(_at, self.derivative, values)
         return CircleMap(partial(_at, self.lift, values), slope, self.breaks, max_error=self.max_error)
 
-    def rises(self, *parameters: Any) -> npt.NDArray[np.bool_]:
+    def rises(self, *parameters: Any) -> Mask:
         """Where F never falls, by ``nondecreasing`` or at 65 angles; parameters of shape (n,) each, result (n,)."""
         if self.nondecreasing is not None:
             size = np.broadcast_shapes(*(np.shape(p) for p in parameters))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_number, whole_number
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
@@ -25,17 +27,25 @@ _BATCHES = 40
 _DEVIATIONS = 4.0  # standard errors that a statistical bound allows
 _DECIDED = 0.05  # a weighted mean this much sharper than a plain one shows a quasi-periodic orbit
 _FLOOR = 1e-18  # |F'| at nodes that rounding puts on a fold
+_EVERYWHERE = TWO_PI * np.mod(np.sqrt(2.0) * np.arange(1.0, 65.0), 1.0)
+_LOST = 0.05  # of 1 + |F'|: an error this large says that differences do not settle
+_STRETCH = 4_000  # cycles between two words of progress
 _BLUR = 50.0  # how far off ln|F'| is where F' is lost in rounding
 
 
 def lyapunov_exponent(
-    circle_map: CircleMap, noise: Noise | None = None, *, start: float | None = None, transient: int = TRANSIENT
+    circle_map: CircleMap,
+    noise: Noise | None = None,
+    *,
+    start: float | None = None,
+    transient: int = TRANSIENT,
+    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """The Lyapunov exponent E ln|F'(θ)|, per cycle (natural logarithm), with a bound on its error.
 
     With noise: the integral over the stationary law of ``transfer_operator``, on Gauss-Legendre panels graded towards
     the folds; the bound is that of ``TransferOperator.expectation`` (``max_error`` bounds F, not F': it counts through
-    the law only) and the error of F' (``CircleMap.derivative_error``), which matters where F' has a double zero.
+    the law only) and the error of F' (``derivative_and_error``), which matters where F' has a double zero.
     Without noise, for the orbit of ``start`` (radians) after ``transient`` cycles:
     - where that settles on a periodic orbit of period n ≤ 512, ln|multiplier|/n of the orbit itself, solved by
       Newton's method; the bound is a measured one of rounding;
@@ -46,8 +56,11 @@ def lyapunov_exponent(
     To each the error of F' adds; inf where F' is lost in it. -inf where F' = 0 on a set that the law or the orbit
     visits. Without a start: the orbits from five angles that no symmetry favours, so that none lies on a repelling
     orbit; a small basin may be missed.
+    progress : called with the fraction of the orbits done, at most, where a slow lift takes seconds. An exception from
+        it ends the work.
 
-    Raises InvalidInput where orbits from those angles have different exponents: the map has several attractors.
+    Raises InvalidInput where orbits from those angles have different exponents: the map has several attractors;
+    ConvergenceError where F has no derivative that differences can follow.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> round(lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi)), 9)
@@ -56,17 +69,17 @@ def lyapunov_exponent(
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     skipped = whole_number("transient", transient, least=0)
+    _require_slopes(circle_map)
     if noise is not None:
         if start is not None:
             raise InvalidInput(
                 f"start is {start!r}, but under noise the exponent is of the stationary law: leave it out"
             )
         return _under_noise(circle_map, noise)
+    begin = _STARTS if start is None else np.array([finite_number("start", start)])
+    found = [_along_orbit(circle_map, row) for row in _orbits(circle_map, begin, skipped, progress)]
     if start is not None:
-        begin = np.array([finite_number("start", start)])
-        return _along_orbit(circle_map, orbits_angles(circle_map, begin, skipped + ITERATES)[0, skipped:])
-    visited = orbits_angles(circle_map, _STARTS, skipped + ITERATES)[:, skipped:]
-    found = [_along_orbit(circle_map, row) for row in visited]
+        return found[0]
     low, high = (int(pick(found)) for pick in (np.argmin, np.argmax))
     allowed = _SAME + 4.0 * (found[low].error_bound + found[high].error_bound)
     if found[low] != found[high] and found[high] - found[low] > allowed:
@@ -77,6 +90,33 @@ def lyapunov_exponent(
     return min(found, key=lambda one: one.error_bound)
 
 
+def _require_slopes(circle_map: CircleMap) -> None:
+    """Refuse, before thousands of iterates are made, a lift that is nowhere smooth."""
+    slope, error = circle_map.derivative_and_error(_EVERYWHERE)
+    lost = error > _LOST * (1.0 + np.abs(slope))
+    if 2 * np.count_nonzero(lost) > lost.size:
+        raise ConvergenceError(
+            f"F' cannot be told from differences at {np.count_nonzero(lost)} of {lost.size} angles, such as "
+            f"{_EVERYWHERE[int(np.argmax(lost))]:.6g}: give the derivative, or the lift has none and no exponent"
+        )
+
+
+def _orbits(
+    circle_map: CircleMap, begin: Array, skipped: int, progress: Callable[[float], None] | None
+) -> Iterator[Array]:
+    """The orbits of ``begin`` without their transients, made a stretch at a time so that progress can be told."""
+    tell, parts, at = progress or (lambda fraction: None), [], begin
+    lengths = [_STRETCH] * ((skipped + ITERATES) // _STRETCH) + [(skipped + ITERATES) % _STRETCH]
+    for number, length in enumerate(lengths):
+        stretch = orbits_angles(circle_map, at, length + 1)
+        parts.append(stretch[:, :-1])
+        at = stretch[:, -1]
+        tell(0.5 * (number + 1) / len(lengths))
+    for number, row in enumerate(np.concatenate(parts, axis=1)[:, skipped:]):
+        yield row
+        tell(0.5 + 0.5 * (number + 1) / begin.size)
+
+
 def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
     operator = transfer_operator(circle_map, noise)
     theta, _ = arc_rule(circle_map, 0.0, TWO_PI, operator.modes)
@@ -84,13 +124,12 @@ def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
     if np.any(flat & np.roll(flat, 1)):  # neighbouring nodes: a flat piece, not a fold
         return Estimate(float("-inf"), 0.0)
 
-    def stretch(at: Array) -> Array:
-        return np.maximum(np.abs(circle_map.derivative(at)), _FLOOR)
+    def blur(at: Array) -> Array:
+        slope, error = circle_map.derivative_and_error(at)
+        return np.minimum(error / np.maximum(np.abs(slope), _FLOOR), _BLUR)
 
-    found = operator.expectation(lambda at: np.log(stretch(at)), folds=True)
-    blurred = operator.expectation(
-        lambda at: np.minimum(circle_map.derivative_error(at) / stretch(at), _BLUR), folds=True
-    )
+    found = operator.expectation(lambda at: np.log(np.maximum(np.abs(circle_map.derivative(at)), _FLOOR)), folds=True)
+    blurred = operator.expectation(blur, folds=True)
     return Estimate(found, found.error_bound + blurred.upper)
 
 
@@ -98,10 +137,11 @@ def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
     periodic = _on_periodic_orbit(circle_map, visited)
     if periodic is not None:
         return periodic
-    stretch = np.abs(circle_map.derivative(visited))
+    slopes, errors = circle_map.derivative_and_error(visited)
+    stretch = np.abs(slopes)
     if np.any(stretch == 0.0):
         return Estimate(float("-inf"), 0.0)
-    values, inexact = np.log(stretch), _from_slopes(circle_map, visited, stretch)
+    values, inexact = np.log(stretch), _from_slopes(errors, stretch)
     smooth = weighted_mean(values)
     means = values.reshape(_BATCHES, -1).mean(axis=1)
     spread = float(np.std(means, ddof=1)) / np.sqrt(_BATCHES)
@@ -110,9 +150,9 @@ def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
     return Estimate(float(np.mean(values)), _DEVIATIONS * spread + inexact)
 
 
-def _from_slopes(circle_map: CircleMap, theta: Array, stretch: Array) -> float:
-    """What the error of F' makes of the mean of ln|F'|; inf where F' may be zero."""
-    share = circle_map.derivative_error(theta) / stretch
+def _from_slopes(errors: Array, stretch: Array) -> float:
+    """What the errors of F' make of the mean of ln|F'|; inf where F' may be zero."""
+    share = errors / stretch
     return float(-np.mean(np.log1p(-share))) if np.all(share < 1.0) else float("inf")
 
 
@@ -158,7 +198,8 @@ def _once_round(circle_map: CircleMap, theta: float, period: int) -> tuple[Array
 
 
 def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
-    slopes = np.abs(circle_map.derivative(points))
+    slopes, errors = circle_map.derivative_and_error(points)
+    slopes = np.abs(slopes)
     if np.any(slopes == 0.0):
         return Estimate(float("-inf"), 0.0)
     found = float(np.mean(np.log(slopes)))
@@ -168,4 +209,4 @@ def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
     with np.errstate(divide="ignore"):
         changes = [np.abs(np.log(slope) - np.log(slopes)) for slope in nearby]
     moved = float(np.max(np.mean(changes, axis=1))) / 1e3
-    return Estimate(found, moved + _from_slopes(circle_map, points, slopes) + 8.0 * EPS * (1.0 + abs(found)))
+    return Estimate(found, moved + _from_slopes(errors, slopes) + 8.0 * EPS * (1.0 + abs(found)))

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import eigh
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
@@ -40,7 +40,7 @@ def leaving_chances(flow: Array) -> Array:
     return chances
 
 
-def best_cuts(cost: Array, count: int) -> npt.NDArray[np.int64]:
+def best_cuts(cost: Array, count: int) -> Whole:
     """First cells of the ``count`` arcs that divide the circle at least total cost, in rising order.
 
     cost : (n, n), of the arc of l cells from cell i at [i, l - 1]. The minimum over all choices is found: for each
@@ -61,7 +61,7 @@ def best_cuts(cost: Array, count: int) -> npt.NDArray[np.int64]:
     return np.sort(best)
 
 
-def _shortest(steps: Array, count: int) -> tuple[float, npt.NDArray[np.int64]]:
+def _shortest(steps: Array, count: int) -> tuple[float, Whole]:
     """The cheapest way from 0 to n in ``count`` steps; steps[l, j - 1] is the cost from l to j. Its points but n."""
     reached, came = steps[0], []
     for _ in range(count - 1):
@@ -218,7 +218,7 @@ class MetastableSets:
         with np.errstate(divide="ignore"):
             return np.asarray(1.0 / self.leaving)
 
-    def index(self, theta: Any) -> npt.NDArray[np.int64]:
+    def index(self, theta: Any) -> Whole:
         """Which set each angle ``theta`` (radians, any turn, any shape) is in: 0, ..., k - 1."""
         angles = np.mod(finite_array("theta", theta) - self.arcs[0, 0], TWO_PI)
         return np.asarray(np.searchsorted(self.arcs[1:, 0] - self.arcs[0, 0], angles, side="right"), dtype=np.int64)
@@ -252,7 +252,10 @@ def metastable_sets(
     ([[0.5, 1.5], [1.5, 2.5]], [0.5, 0.5])
     """
     grid = whole_number("cells", cells, least=4 * MOST_SETS)
-    chain, other = (_whole_chain(circle_map, noise, stretch) for stretch in (1.0, _STRETCH))
+    chain, other = (
+        killed_chain(circle_map, noise, ((0.0, TWO_PI),), (), False, every_sample=True, stretch=stretch)
+        for stretch in (1.0, _STRETCH)
+    )
     eigenvalues = transfer_operator(circle_map, noise).eigenvalues(MOST_SETS + 1)
     shown = _count(eigenvalues)
     wanted = shown if count is None else whole_number("count", count, least=1)
@@ -287,10 +290,6 @@ def _described(
         eigenvalues,
         metastable,
     )
-
-
-def _whole_chain(circle_map: CircleMap, noise: Noise, stretch: float) -> KilledChain:
-    return killed_chain(circle_map, noise, ((0.0, TWO_PI),), (), False, every_sample=True, stretch=stretch)
 
 
 def _count(eigenvalues: npt.NDArray[np.complex128]) -> int:

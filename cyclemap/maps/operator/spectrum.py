@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Whole
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import MATRIX, Estimate
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
@@ -131,7 +131,7 @@ def _deflated(basis: Discretisation) -> Array:
     return np.asarray(basis.matrix - np.multiply.outer(basis.uniform, basis.mass))
 
 
-def _falling(values: Complex) -> npt.NDArray[np.int64]:
+def _falling(values: Complex) -> Whole:
     """Order by falling modulus, of a pair the one above the real line first."""
     return np.lexsort((-values.imag, -np.round(np.abs(values), 13)))
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
@@ -37,10 +37,10 @@ from cyclemap.maps.orbits.scan import bracketed_root
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import arc_rule, graded_rule
 
-Density = Callable[[Array], Array]
+Function = Callable[[Array], Array]
 
 
-def peaks_of(slope: Density, grid: Array, values: Array, margin: float) -> Array:
+def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Array:
     """Angles in [0, 2π) of the maxima that rise by ``margin`` above the minima beside them, sorted."""
     tops = _prominent(values, margin)
     step, at = grid[1], grid[tops]
@@ -52,7 +52,7 @@ def peaks_of(slope: Density, grid: Array, values: Array, margin: float) -> Array
     return np.sort(np.where(at >= TWO_PI, 0.0, at))
 
 
-def _prominent(values: Array, margin: float) -> npt.NDArray[np.int64]:
+def _prominent(values: Array, margin: float) -> Whole:
     """Indices of local maxima on a periodic grid that rise by ``margin`` above the dips beside them."""
     before, after = np.roll(values, 1), np.roll(values, -1)
     tops = np.flatnonzero((values > before) & (values >= after) & (values > margin))
@@ -67,7 +67,7 @@ def _prominent(values: Array, margin: float) -> npt.NDArray[np.int64]:
     return tops
 
 
-def distance_from_uniform(density: Density, circle_map: CircleMap, grid: Array, values: Array, size: int) -> float:
+def distance_from_uniform(density: Function, circle_map: CircleMap, grid: Array, values: Array, size: int) -> float:
     """½ ∫ |p - 1/2π| dθ, cut where the density crosses the uniform one; ``values`` its values on ``grid``."""
     excess = values - 0.5 / np.pi
     crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
@@ -79,8 +79,6 @@ def distance_from_uniform(density: Density, circle_map: CircleMap, grid: Array, 
     parts = [abs(float(np.dot(weight, density(theta) - 0.5 / np.pi))) for theta, weight in rules]
     return 0.5 * float(np.sum(parts))
 
-
-Function = Callable[[Array], Array]
 
 _LEADING = 5  # eigenvalues among which the second largest is told from the rest
 

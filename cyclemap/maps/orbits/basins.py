@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.periodic_points import Orbit, PeriodicPoints, periodic_orbits, periodic_points
-from cyclemap.maps.orbits.scan import INSET, Cells, Mask, Turns, monotone_cells, preimages
+from cyclemap.maps.orbits.scan import INSET, Cells, monotone_cells, preimages
 
 MAX_PERIOD = 8
 LEFT_OVER = 1e-6  # share of the circle
@@ -94,7 +93,7 @@ def basins(
     return _as_basins(orbits, immediate, arcs, owner)
 
 
-def _as_basins(orbits: list[Orbit], immediate: list[Array], arcs: Array, owner: Turns) -> tuple[Basin, ...]:
+def _as_basins(orbits: list[Orbit], immediate: list[Array], arcs: Array, owner: Whole) -> tuple[Basin, ...]:
     covered = np.bincount(owner, arcs[:, 1] - arcs[:, 0], len(orbits)) / TWO_PI
     undecided = max(0.0, 1.0 - float(covered.sum()))
     made = []
@@ -205,7 +204,7 @@ def _moves_back(x: Array, image: Array, other: float, way: float) -> Mask:
 # -- whole basins --------------------------------------------------------------------------------------------
 
 
-def _all_preimages(circle_map: CircleMap, immediate: list[Array], left_over: float, most: int) -> tuple[Array, Turns]:
+def _all_preimages(circle_map: CircleMap, immediate: list[Array], left_over: float, most: int) -> tuple[Array, Whole]:
     """All arcs of all basins and the basin of each; the longest arcs are pulled back first."""
     cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
     start = np.concatenate(immediate)
@@ -229,7 +228,7 @@ def _total(arcs: Array) -> float:
     return float(np.sum(arcs[:, 1] - arcs[:, 0]))
 
 
-def _preimage_arcs(circle_map: CircleMap, cells: Cells, arcs: Array, mark: Turns) -> tuple[Array, Turns]:
+def _preimage_arcs(circle_map: CircleMap, cells: Cells, arcs: Array, mark: Whole) -> tuple[Array, Whole]:
     """The arcs that F maps into the given disjoint arcs, with the marks of those."""
     ends = np.unique(np.mod(arcs.ravel(), TWO_PI))
     theta = np.mod(preimages(circle_map, cells, ends)[0], TWO_PI)
@@ -241,7 +240,7 @@ def _preimage_arcs(circle_map: CircleMap, cells: Cells, arcs: Array, mark: Turns
     return between[holder >= 0], mark[holder[holder >= 0]]
 
 
-def _holder(arcs: Array, theta: Array) -> npt.NDArray[np.int64]:
+def _holder(arcs: Array, theta: Array) -> Whole:
     """Index of the arc that holds each angle, or -1; the arcs are disjoint on the circle."""
     order = np.argsort(arcs[:, 0])
     start, end = arcs[order, 0], arcs[order, 1]

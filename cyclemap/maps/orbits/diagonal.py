@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.scan import INSET, Cells, Mask, Turns, is_continuous, is_rising, iterate, monotone_cells
+from cyclemap.maps.orbits.scan import INSET, Cells, is_continuous, is_rising, iterate, monotone_cells
 
 _IDENTITY = 1e-11  # radians: cells with |Fⁿ - id - 2πw| below this at both ends may be arcs of periodic points
 _FLAT = 1e-2  # radians: on a longer arc Fⁿ = id + 2πw to rounding is an arc of periodic points
@@ -42,8 +42,8 @@ class DiagonalScan:
     """
 
     cells: Cells
-    turn_start: Turns
-    turn_end: Turns
+    turn_start: Whole
+    turn_end: Whole
     touch: list[tuple[float, int]] = field(default_factory=list)
     kink: list[tuple[float, int]] = field(default_factory=list)
     border: list[tuple[float, int]] = field(default_factory=list)
@@ -55,7 +55,7 @@ class DiagonalScan:
         return round(self.cells.climb / TWO_PI)
 
 
-def displacement(circle_map: CircleMap, theta: Array, period: int, winding: Turns) -> tuple[Array, Array, Array]:
+def displacement(circle_map: CircleMap, theta: Array, period: int, winding: Whole) -> tuple[Array, Array, Array]:
     """(Fⁿ(θ) - θ - 2πw, (Fⁿ)'(θ), a bound on the first one's rounding); whole turns are counted apart.
 
     The bound adds up ``rounding.LIFT``·(2π + |F|) an iterate, and one rounding of θ itself, through the slopes.
@@ -88,7 +88,7 @@ def diagonal_scan(circle_map: CircleMap, period: int, resolution: int, tangency:
     return scan
 
 
-def _whole_turns(g: Array) -> Turns:
+def _whole_turns(g: Array) -> Whole:
     return np.floor(g / TWO_PI).astype(np.int64)
 
 
@@ -114,7 +114,7 @@ def _refuse_identity(circle_map: CircleMap, cells: Cells) -> None:
 # -- cell ends that lie on the diagonal, within the tangency -------------------------------------------------
 
 
-def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask, tangency: float) -> tuple[Array, Turns]:
+def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask, tangency: float) -> tuple[Array, Whole]:
     """How far from a whole turn each cell end still counts as on it, and the ends where that needs settling.
 
     Ends are counted 0, 1, 2, ...: the start of cell 0, its end, the start of cell 1, ... Only at extrema and breaks
@@ -142,7 +142,7 @@ def _gap(g: Array) -> Array:
     return np.asarray(np.abs(g - TWO_PI * np.round(g / TWO_PI)))
 
 
-def _judged_alike(circle_map: CircleMap, cells: Cells, special: Turns, gap: Array, allowed: Array) -> Array:
+def _judged_alike(circle_map: CircleMap, cells: Cells, special: Whole, gap: Array, allowed: Array) -> Array:
     """The tolerances, raised at the extrema that the orbits of touches come by."""
     image, stretch = cells.start[special[gap <= allowed]], np.ones(np.count_nonzero(gap <= allowed))
     reach, raised = 4.0 * (gap + allowed)[gap <= allowed], allowed.copy()
@@ -157,7 +157,7 @@ def _judged_alike(circle_map: CircleMap, cells: Cells, special: Turns, gap: Arra
     return raised
 
 
-def nearest_on_circle(nodes: Array, theta: Array) -> Turns:
+def nearest_on_circle(nodes: Array, theta: Array) -> Whole:
     """Index of the sorted node in [0, 2π) nearest to each angle of [0, 2π], the short way round."""
     around = np.concatenate([nodes[-1:] - TWO_PI, nodes, nodes[:1] + TWO_PI])
     above = np.clip(np.searchsorted(around, theta), 1, around.size - 1)

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
 from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import SNAP, CircleMap
 from cyclemap.maps.orbits.diagonal import DiagonalScan, JumpCrossing, diagonal_scan, displacement, nearest_on_circle
-from cyclemap.maps.orbits.scan import Mask, Turns, roots_between
+from cyclemap.maps.orbits.scan import roots_between
 
 RESOLUTION = 512
 TANGENCY = 1e-12  # radians
@@ -43,13 +43,13 @@ class PeriodicPoints:
     """
 
     theta: Array
-    winding: Turns
+    winding: Whole
     multiplier: Array
     left_multiplier: Array
-    prime_period: Turns
+    prime_period: Whole
     kind: npt.NDArray[np.str_]
     error_bound: Array
-    image: Turns
+    image: Whole
     period: int
     resolution: int
     tangency: float
@@ -88,9 +88,10 @@ def periodic_points(
     the folds of F with their preimages among their ends; no image longer than half a radian) until the cubic through
     each cell's ends meets Fⁿ at inner probes, and split at the extrema of Fⁿ - id. Then every sign change is
     bracketed and solved to rounding (Chandrupatla 1997, and Newton's steps).
-    Complete but for pairs of extrema that F hides within half a milliradian. Roots between which |Fⁿ - id - 2πw|
-    stays within ``tangency`` (radians; plus rounding) count as one: a "saddle-node" where the curve keeps its side,
-    a crossing where it changes it. All points of an orbit are judged alike.
+    Complete but for pairs of extrema of a hump or dent of F narrower, at half its height, than a tenth of a
+    milliradian. Roots between which |Fⁿ - id - 2πw| stays within ``tangency`` (radians; plus rounding) count as one: a
+    "saddle-node" where the curve keeps its side, a crossing where it changes it. All points of an orbit are judged
+    alike.
     A curve that ends within ``tangency`` of 2πw at a jump of Fⁿ gives a point of kind "border-collision".
 
     Raises InvalidInput when a whole arc is periodic, ConvergenceError when Fⁿ needs more than 2,000,000 cells.
@@ -134,8 +135,8 @@ class _Roots:
     """Sorted roots, what each is, and g = Fⁿ - id - 2πw with slope and rounding there."""
 
     theta: Array
-    winding: Turns
-    role: Turns
+    winding: Whole
+    role: Whole
     residual: Array
     slope: Array
     rounding: Array
@@ -145,7 +146,7 @@ class _Roots:
         return np.asarray(self.role >= _TOUCH)
 
 
-def _roots(scan: DiagonalScan, circle_map: CircleMap) -> tuple[Array, Turns, Turns]:
+def _roots(scan: DiagonalScan, circle_map: CircleMap) -> tuple[Array, Whole, Whole]:
     theta, whole, _ = roots_between(circle_map, scan.cells, 0.0, scan.turn_start, scan.turn_end)
     listed = [scan.kink, scan.touch, scan.border]
     marked = np.array([pair for pairs in listed for pair in pairs]).reshape(-1, 2)
@@ -156,7 +157,7 @@ def _roots(scan: DiagonalScan, circle_map: CircleMap) -> tuple[Array, Turns, Tur
     return np.where(beyond, theta - TWO_PI, theta), whole - beyond * scan.lap, role
 
 
-def _polished(circle_map: CircleMap, found: tuple[Array, Turns, Turns], period: int) -> _Roots:
+def _polished(circle_map: CircleMap, found: tuple[Array, Whole, Whole], period: int) -> _Roots:
     """Newton's steps with whole turns counted apart, as long as they help; then everything sorted."""
     theta, whole, role = found
     residual, slope, rounding = displacement(circle_map, theta, period, whole)
@@ -195,7 +196,7 @@ def _error_bounds(circle_map: CircleMap, roots: _Roots, period: int, tangency: f
     return bound
 
 
-def _leaves(circle_map: CircleMap, roots: _Roots, use: Turns, half: Array, period: int, tangency: float) -> Mask:
+def _leaves(circle_map: CircleMap, roots: _Roots, use: Whole, half: Array, period: int, tangency: float) -> Mask:
     theta, whole, touch = roots.theta[use], roots.winding[use], roots.at_touch[use]
     (low, _, low_noise), (high, _, high_noise) = (
         displacement(circle_map, theta + side * half, period, whole) for side in (-1, 1)
@@ -208,7 +209,7 @@ def _leaves(circle_map: CircleMap, roots: _Roots, use: Turns, half: Array, perio
 # -- orbits among the roots ----------------------------------------------------------------------------------
 
 
-def _images(circle_map: CircleMap, theta: Array, bound: Array) -> Turns:
+def _images(circle_map: CircleMap, theta: Array, bound: Array) -> Whole:
     """Index of the root that F maps each root to, or -1 where none lies within the error bounds."""
     if theta.size == 0:
         return np.zeros(0, dtype=np.int64)
@@ -219,7 +220,7 @@ def _images(circle_map: CircleMap, theta: Array, bound: Array) -> Turns:
     return np.where(away <= allowed, nearest, -1)
 
 
-def _prime_periods(circle_map: CircleMap, theta: Array, image: Turns, period: int, bound: Array) -> Turns:
+def _prime_periods(circle_map: CircleMap, theta: Array, image: Whole, period: int, bound: Array) -> Whole:
     """The least divisor d of n after which each root is back: by the links, or by iteration where they break."""
     prime, own = np.full(theta.size, period), np.arange(theta.size)
     reached, angle = own, theta
@@ -234,7 +235,7 @@ def _prime_periods(circle_map: CircleMap, theta: Array, image: Turns, period: in
     return prime
 
 
-def _multiplier(circle_map: CircleMap, theta: Array, image: Turns, period: int, side: int) -> Array:
+def _multiplier(circle_map: CircleMap, theta: Array, image: Whole, period: int, side: int) -> Array:
     """Product of the slopes on the side where a nearby orbit passes: a negative slope changes the side.
 
     Taken at the roots themselves, each solved on its own, so that no digit is lost however expanding the map.
@@ -270,7 +271,7 @@ def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:
     return right, left
 
 
-def _kinds(left: Array, right: Array, role: Turns) -> npt.NDArray[np.str_]:
+def _kinds(left: Array, right: Array, role: Whole) -> npt.NDArray[np.str_]:
     # Stability of 0 under x → left·x (x < 0), right·x (x > 0).
     flips = (left < 0.0) & (right < 0.0)
     attracts = np.where(flips, left * right < 1.0, np.maximum(left, right) < 1.0)
@@ -325,7 +326,7 @@ def fixed_points(circle_map: CircleMap) -> list[Orbit]:
     """All θ in [0, 2π) with F(θ) = θ + 2πw for some whole w, sorted by angle.
 
     Found and judged as in ``periodic_points`` with period 1: complete but for pairs of extrema that F
-    hides within half a milliradian; an extremum within 1e-12 radians of 2πw is one fixed point of
+    hides within a tenth of a milliradian; an extremum within 1e-12 radians of 2πw is one fixed point of
     kind "saddle-node", never two and never none. A fixed point on a kink carries both one-sided multipliers.
     Jumps across the diagonal are no fixed points: see ``crossings_by_jump``.
 

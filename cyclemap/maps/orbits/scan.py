@@ -3,7 +3,8 @@
 The one search for extrema that root finding, envelopes, tongues and orbit counts share. A cell is cut until the cubic
 through its ends' values and slopes meets the iterate at probes inside, of F itself no further apart than ``GRAIN``;
 that cubic's slope then tells how often the slope of Fⁿ - shift·id changes sign. The folds of F, the narrow cells that
-F needs, and the preimages of both are ends of cells of Fⁿ. What is narrower than ``GRAIN`` may hide between the probes.
+F needs, and the preimages of both are ends of cells of Fⁿ. A hump or dent of F that turns Fⁿ - shift·id back is seen
+where it is as wide as ``GRAIN`` at half its height; a narrower one may hide between the probes.
 """
 
 from __future__ import annotations
@@ -13,9 +14,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import EPS, LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
@@ -24,7 +24,7 @@ _CLOSE = 2.0 * EPS  # share of |x| (plus a thousandth) at which a bracket is clo
 _STEPS = 120
 
 
-def bracketed_root(function: Callable[[Array, npt.NDArray[np.int64]], Array], low: Array, high: Array) -> Array:
+def bracketed_root(function: Callable[[Array, Whole], Array], low: Array, high: Array) -> Array:
     """A root of f(x, i) in each bracket i, to rounding (Chandrupatla 1997): bisection or inverse quadratic steps.
 
     f takes points and the numbers of their brackets. Where it has one sign at both ends, the end nearer to zero.
@@ -61,9 +61,6 @@ def _next_share(a: Array, b: Array, c: Array, fa: Array, fb: Array, fc: Array) -
         share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
     return np.where(trusted & np.isfinite(share), share, 0.5)
 
-
-Mask = npt.NDArray[np.bool_]
-Turns = npt.NDArray[np.int64]
 
 INSET = 1e-12  # radians: how far beside a break of an iterate its one-sided values are read
 _ARRAYS = ("start", "end", "g_start", "g_end", "slope_start", "slope_end", "cut")
@@ -122,7 +119,7 @@ class Cells:
         return self.start + INSET * self.cut, self.end - INSET * cut_after
 
 
-def taken(cells: Cells, index: Mask | Turns) -> Cells:
+def taken(cells: Cells, index: Mask | Whole) -> Cells:
     """The cells with these indices."""
     return replace(cells, **{name: getattr(cells, name)[index] for name in _ARRAYS})
 
@@ -160,10 +157,10 @@ MAX_CELLS = 2_000_000
 MAX_ROUGH = 8_000  # cells of F that no cubic meets: more than a lift without structure below ``GRAIN`` has
 _LONGEST_IMAGE = 0.5  # radians: no cell's image under any iterate is longer
 _PASSES = 60
-GRAIN = 5e-4  # radians: what is as wide as this in F is seen
+GRAIN = 1e-4  # radians: distance of the probes
 _SKEW = 0.04  # of a cell's width: no probe in its middle, where an odd misfit is zero
 _NARROW = 0.2  # of the width that the resolution asks for: narrower cells of F are marked in its iterates
-_MISFIT = 0.02  # of the cell's steepest rise: how far the probes may lie off the cubic
+_MISFIT = 1e-3  # of the cell's steepest rise: how far the probes may lie off the cubic
 _HIDDEN_JUMP = 1e-6  # radians: a rise within 32 INSET beyond what the slopes explain
 _LEVELS_AT_ONCE = 2_048
 _NOTHING = 1e-13  # radians: smaller misfits and dips are of no account
@@ -232,7 +229,7 @@ def _refuse_hidden_jump(cells: Cells) -> None:
         )
 
 
-def _ranks(count: Turns) -> Turns:
+def _ranks(count: Whole) -> Whole:
     """0, 1, ..., count - 1 for each entry, one after the other."""
     return np.asarray(np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count))
 
@@ -290,7 +287,7 @@ def _base_nodes(circle_map: CircleMap, breaks: Array, folds: Array, resolution: 
 
 def _evaluated(
     circle_map: CircleMap, start: Array, end: Array, cut: Mask, cut_end: Mask, period: int, shift: float
-) -> tuple[Cells, Turns, Mask]:
+) -> tuple[Cells, Whole, Mask]:
     """The cells with their values, into how many parts each must still be cut, and which no cubic meets."""
     width, size = end - start, start.size
     here = np.concatenate([start + INSET * cut, end - INSET * cut_end])
@@ -365,7 +362,7 @@ def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
 # -- roots -------------------------------------------------------------------------------------------------
 
 
-def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> tuple[Array, Turns]:
+def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> tuple[Array, Whole]:
     """All θ in [0, 2π] with g(θ) = level + 2πw for some w, and the index of the level of each.
 
     levels : shape (m,), radians. Sorted by level, then by angle.
@@ -381,7 +378,7 @@ def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> tuple[Array
     return np.concatenate(found), np.concatenate(owner)
 
 
-def crossings(circle_map: CircleMap, cells: Cells, level: float) -> tuple[Array, Turns, Turns]:
+def crossings(circle_map: CircleMap, cells: Cells, level: float) -> tuple[Array, Whole, Whole]:
     """All θ in [0, 2π] with g(θ) = level + 2πw, their w, and the cell of each."""
     low = np.floor((cells.g_start - level) / TWO_PI).astype(np.int64)
     high = np.floor((cells.g_end - level) / TWO_PI).astype(np.int64)
@@ -389,8 +386,8 @@ def crossings(circle_map: CircleMap, cells: Cells, level: float) -> tuple[Array,
 
 
 def roots_between(
-    circle_map: CircleMap, cells: Cells, level: float, turn_start: Turns, turn_end: Turns
-) -> tuple[Array, Turns, Turns]:
+    circle_map: CircleMap, cells: Cells, level: float, turn_start: Whole, turn_end: Whole
+) -> tuple[Array, Whole, Whole]:
     """The roots of g = level + 2πw for every w in (min, max] of the whole turns at a cell's two ends."""
     cell = np.flatnonzero(turn_start != turn_end)
     theta, whole, pick = _solved(circle_map, cells, cell, np.float64(level), turn_start[cell], turn_end[cell])
@@ -398,8 +395,8 @@ def roots_between(
 
 
 def _solved(
-    circle_map: CircleMap, cells: Cells, cell: Turns, level: Array | np.float64, turn_start: Turns, turn_end: Turns
-) -> tuple[Array, Turns, Turns]:
+    circle_map: CircleMap, cells: Cells, cell: Whole, level: Array | np.float64, turn_start: Whole, turn_end: Whole
+) -> tuple[Array, Whole, Whole]:
     """The roots in the listed cells, their w, and which entry of the list each belongs to."""
     count = np.abs(turn_end - turn_start)
     owner = np.repeat(np.arange(count.size), count)
@@ -409,7 +406,7 @@ def _solved(
     inner_start, inner_end = cells.inner()
     target = np.broadcast_to(level, count.shape)[owner] + TWO_PI * whole
 
-    def residual(theta: Array, index: Turns) -> Array:
+    def residual(theta: Array, index: Whole) -> Array:
         return np.asarray(iterate(circle_map, theta, cells.period) - cells.shift * theta - target[index])
 
     return bracketed_root(residual, inner_start[cell[owner]], inner_end[cell[owner]]), whole, owner

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.diagonal import displacement
 from cyclemap.maps.orbits.periodic_points import RESOLUTION, TANGENCY
-from cyclemap.maps.orbits.scan import Cells, Turns, is_continuous, is_rising, monotone_cells
+from cyclemap.maps.orbits.scan import Cells, is_continuous, is_rising, monotone_cells
 
 LEAST_CYCLES = 10.0
 REACH = 4.0  # widths on each side of the slowest point across which ``relative_error`` looks
@@ -89,7 +89,7 @@ def slow_passages(
     return [passage for passage in passages if passage and passage.passage_cycles >= longest_short]
 
 
-def _near_misses(circle_map: CircleMap, cells: Cells, wanted: int | None) -> tuple[Array, Turns, Array]:
+def _near_misses(circle_map: CircleMap, cells: Cells, wanted: int | None) -> tuple[Array, Whole, Array]:
     """Smooth extrema of the move that face the line 2πw, w, and their distance ε from it where that is small."""
     rising = is_rising(cells)
     least = rising & ~np.roll(rising, 1)

@@ -6,10 +6,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import solve_triangular
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.arcs import Arc
 from cyclemap.maps.estimate import EPS
@@ -31,7 +30,7 @@ class Elimination:
 
     packed: Array
     out: Array
-    order: npt.NDArray[np.int64]
+    order: Whole
 
     @property
     def leaves(self) -> bool:
@@ -114,7 +113,7 @@ def _eliminate_block(work: Array, left: Array, low: int, high: int) -> None:
     left[:low] += work[:low, inside] @ left[inside]
 
 
-def _by_visits(q: Array) -> npt.NDArray[np.int64]:
+def _by_visits(q: Array) -> Whole:
     """States in falling order of visits: each that is eliminated then has a fair chance to go to one that is not."""
     mass = np.full(q.shape[0], 1.0 / q.shape[0])
     for _ in range(_VISITS):

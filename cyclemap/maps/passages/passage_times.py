@@ -72,12 +72,20 @@ def mean_passage_time(
     return _certified(make, inside, 1.0, np.zeros(len(exits)), "mean passage time")
 
 
-def hitting_probability(circle_map: CircleMap, noise: Noise, start: float, arc_a: Arc, arc_b: Arc) -> Estimate:
+def hitting_probability(
+    circle_map: CircleMap,
+    noise: Noise,
+    start: float,
+    arc_a: Arc,
+    arc_b: Arc,
+    *,
+    progress: Callable[[float], None] | None = None,
+) -> Estimate:
     """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
 
-    The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start inside one
-    of them gives 1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x)) u(y) dy, solved and
-    bounded as in ``mean_passage_time``: small chances keep their digits too. ConvergenceError also when
+    The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start inside one of them gives
+    1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x)) u(y) dy, solved and bounded as in
+    ``mean_passage_time``, with its ``progress``: small chances keep their digits too. ConvergenceError also when
     neither arc is reached within 1e300 cycles.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
@@ -94,7 +102,7 @@ def hitting_probability(circle_map: CircleMap, noise: Noise, start: float, arc_a
     if isinstance(noise, UniformNoise):
         from cyclemap.maps.uniform.uniform_passage import uniform_hitting_probability
 
-        return uniform_hitting_probability(circle_map, noise, theta, a, b)
+        return uniform_hitting_probability(circle_map, noise, theta, a, b, progress=progress)
     make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
     found = _certified(make, theta, 0.0, np.array([1.0, 0.0]), "hitting probability")
     if not np.isfinite(found):

@@ -176,7 +176,7 @@ def rotation_number(
 
     Proved, given that a computed image is F at an angle a few rounding units beside the one asked for, give or take
     a few more: 4 units (8.9e-16) of 2π + max|F| in all. A lift that is computed worse must say so by
-    ``max_error``. Folds of F narrower than half a milliradian may pass unseen.
+    ``max_error``. Folds of F narrower than a tenth of a milliradian may pass unseen.
 
     Where F^q - e and F^q + e leave values on both sides of 2πp (q ≤ ``max_period``), ρ = p/q is proved and ``locked``,
     with the two angles as ``proof``. At the very edge of a tongue the sides cannot be told apart: ``locked`` is

@@ -10,9 +10,8 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT
@@ -20,8 +19,6 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.parametric_lift import ParametricLift, parametric_form
 from cyclemap.maps.rotation.envelopes import is_nondecreasing
 from cyclemap.maps.rotation.rotation_number import rotation_number
-
-Whole = npt.NDArray[np.int64]
 
 _CHUNK = 12_288  # maps at once: many enough to hide the cost of calls, few enough for the caches
 _EARLY = 96  # cycles after which the few maps left of all pieces are put together anew
@@ -51,7 +48,7 @@ class RotationNumbers:
     tolerance: float
 
     @property
-    def met(self) -> npt.NDArray[np.bool_]:
+    def met(self) -> Mask:
         """Where the enclosure is no wider than twice the tolerance."""
         return np.asarray(self.upper - self.lower <= 2.0 * self.tolerance)
 
@@ -149,7 +146,7 @@ class _Orbits:
     place: Whole
     cycles: int = 0
 
-    def those(self, which: npt.NDArray[np.bool_]) -> _Orbits:
+    def those(self, which: Mask) -> _Orbits:
         """Copies of the maps where ``which`` is true."""
         index = np.flatnonzero(which)
         parameters = [values.take(index) for values in self.parameters]
@@ -286,7 +283,7 @@ class RotationPlane:
     upper: Array
     period: Whole
     winding: Whole
-    folded: npt.NDArray[np.bool_]
+    folded: Mask
     tolerance: float
 
     def locked(self, row: int, column: int) -> Fraction | None:
@@ -377,7 +374,7 @@ class _Sheet:
         for place in np.flatnonzero(singly).tolist():
             self._fill_one(place)
 
-    def _fill_together(self, family: ParametricLift, places: npt.NDArray[np.int64]) -> None:
+    def _fill_together(self, family: ParametricLift, places: Whole) -> None:
         found = rotation_numbers(family, self.first[places], self.second[places], tolerance=self.tolerance)
         for name in ("value", "lower", "upper", "period", "winding"):
             getattr(self, name)[places] = getattr(found, name)

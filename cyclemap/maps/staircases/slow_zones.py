@@ -138,19 +138,16 @@ def predict_staircase(
     if not found:
         return StaircaseSummary(mean_turn, None, None, ())
     zones = tuple(_with_visits(zone, circle_map, noise, known) for zone in found)
-    residence = _average([zone.residence_cycles for zone in zones])
+    residences = [zone.residence_cycles for zone in zones]
+    mean = float(np.mean(residences))
+    bound = float(np.mean([one.error_bound for one in residences])) if np.isfinite(mean) else 0.0
     climb = mean_turn - TWO_PI * zones[0].winding
-    return StaircaseSummary(mean_turn, residence, TWO_PI / len(zones), zones, _net_step(climb, zones))
+    return StaircaseSummary(mean_turn, Estimate(mean, bound), TWO_PI / len(zones), zones, _net_step(climb, zones))
 
 
 def _lingers(operator: TransferOperator, arc: tuple[float, float]) -> bool:
     inside = arc[0] + (arc[1] - arc[0]) * (np.arange(_INSIDE) + 0.5) / _INSIDE
     return bool(TWO_PI * np.mean(operator.density(inside)) >= _LINGERING)
-
-
-def _average(residences: list[Estimate]) -> Estimate:
-    mean = float(np.mean(residences))
-    return Estimate(mean, float(np.mean([one.error_bound for one in residences])) if np.isfinite(mean) else 0.0)
 
 
 def _net_step(climb: float, zones: tuple[SlowZone, ...]) -> float | None:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import gammainc, stdtr
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary
@@ -205,6 +205,7 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
     if not escaped and lengths.size:
         mean, error = kaplan_meier_mean(lengths, ~closed)
     predicted, spread = zone.visit_cycles, zone.visit_spread
+    exponential = predicted is not None and spread is not None and abs(spread - predicted) <= _EXPONENTIAL * predicted
     return VisitComparison(
         zone=zone,
         exits=exits,
@@ -216,12 +217,8 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
         predicted_spread=spread,
         ratio=_ratio(mean, predicted),
         mean_p_value=_count_p_value(exits, exposure, predicted, spread),
-        law_p_value=_spacings_p_value(lengths, closed) if escaped and _is_exponential(predicted, spread) else None,
+        law_p_value=_spacings_p_value(lengths, closed) if escaped and exponential else None,
     )
-
-
-def _is_exponential(mean: float | None, spread: float | None) -> bool:
-    return mean is not None and spread is not None and abs(spread - mean) <= _EXPONENTIAL * mean
 
 
 def _count_p_value(exits: int, exposure: float, mean: float | None, spread: float | None) -> float | None:
@@ -235,7 +232,7 @@ def _count_p_value(exits: int, exposure: float, mean: float | None, spread: floa
     return min(1.0, 2.0 * min(middle, 1.0 - middle))
 
 
-def _spacings_p_value(lengths: Array, closed: npt.NDArray[np.bool_]) -> float | None:
+def _spacings_p_value(lengths: Array, closed: Mask) -> float | None:
     """Kolmogorov-Smirnov test of Durbin's transformed spacings: uniform if exits come at a constant rate."""
     from scipy.stats import kstest
 

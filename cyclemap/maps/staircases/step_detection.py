@@ -8,15 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import STAIRCASE
 from cyclemap.maps.staircases.slow_zones import SlowZone
 
-Counts = npt.NDArray[np.int64]
+Counts = Whole
 
 _SLOW = 2.0  # a dwell is at least this much slower than the path is on average over its height
 _SHORTEST = 3  # cycles: nothing shorter is a dwell
@@ -82,7 +81,7 @@ class Steps:
         return np.diff(self.start)
 
     @property
-    def censored(self) -> npt.NDArray[np.bool_]:
+    def censored(self) -> Mask:
         """Shape (m,): the path begins or ends in this dwell, which lasted longer than was seen."""
         return np.asarray((self.start == 0) | (self.end == self.cycles))
 
@@ -152,7 +151,8 @@ def find_steps(
 def _best_window(path: Array, least: int | None) -> Steps:
     span = float(np.ptp(path))
     widest = min(_WIDEST, span / 8.0)
-    if span <= 2.0 * _WIDEST and _stays(path):
+    half = path.size // 2
+    if span <= 2.0 * _WIDEST and abs(path[:half].mean() - path[-half:].mean()) <= path.std():
         return _made(path, [(0, path.size - 1)], span / 2.0, least)
     jitter = float(np.median(np.abs(np.diff(path))))
     windows = [widest * 0.5**halving for halving in range(_HALVINGS + 1)]
@@ -161,11 +161,6 @@ def _best_window(path: Array, least: int | None) -> Steps:
     if max(contrast, default=0.0) < _CONTRAST:
         return _made(path, [], widest, least)
     return found[int(np.argmax(np.array(contrast) >= max(contrast) - _ALIKE))]
-
-
-def _stays(path: Array) -> bool:
-    half = path.size // 2
-    return bool(abs(path[:half].mean() - path[-half:].mean()) <= path.std())
 
 
 def _contrast(steps: Steps, path: Array) -> float:

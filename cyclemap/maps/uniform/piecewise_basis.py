@@ -7,16 +7,13 @@ from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask, Whole
 
 ORDER = 24  # polynomials on each panel
 _SLOPE_INSET = 1e-5  # how near a bent panel's end, in t, slopes are read
 _EXTRA = 20  # further degrees that hold an antiderivative on a bent panel to rounding
-
-Indices = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +55,7 @@ class Panels:
 
     start: Array
     end: Array
-    bent: npt.NDArray[np.bool_]
+    bent: Mask
 
     @property
     def count(self) -> int:
@@ -105,7 +102,7 @@ class Panels:
         blocks = given.reshape(self.count, ORDER, -1)
         return np.matmul(_reference().to_coefficients, blocks).reshape(given.shape)
 
-    def locate(self, theta: Array) -> tuple[Indices, Array]:
+    def locate(self, theta: Array) -> tuple[Whole, Array]:
         """The panel of each angle and t there; angles in a gap are at the end of the panel before it."""
         panel = np.clip(np.searchsorted(self.start, theta, side="right") - 1, 0, self.count - 1)
         low, high = theta - self.start[panel], self.end[panel] - theta
@@ -133,7 +130,7 @@ class Panels:
         slopes = legendre.legvander(t, ORDER - 2) @ legendre.legder(np.eye(ORDER), axis=0)
         return self._scattered(panel, slopes / stretch[:, None])
 
-    def _scattered(self, panel: Indices, values: Any) -> Array:
+    def _scattered(self, panel: Whole, values: Any) -> Array:
         rows = np.zeros((panel.size, self.count, ORDER))
         rows[np.arange(panel.size), panel] = values
         return rows.reshape(panel.size, self.size)
@@ -154,7 +151,7 @@ class Panels:
         before = np.concatenate([[0.0], np.cumsum(whole)[:-1]])
         return before[panel] + np.einsum("ij,ij->i", partial, blocks[panel])
 
-    def integral_matrix(self, theta: Array, weight: Array, row: Indices, rows: int) -> Array:
+    def integral_matrix(self, theta: Array, weight: Array, row: Whole, rows: int) -> Array:
         """(rows, size): row r is the sum of weight·∫ φ_j up to θ over the entries with ``row`` r."""
         panel, partial = self._partial(theta)
         matrix = np.zeros((rows, self.count, ORDER))
@@ -165,7 +162,7 @@ class Panels:
         matrix += after[:, :, None] * self.mass.reshape(self.count, ORDER)
         return matrix.reshape(rows, self.size)
 
-    def _partial(self, theta: Array) -> tuple[Indices, Array]:
+    def _partial(self, theta: Array) -> tuple[Whole, Array]:
         """The panel of each angle and, shape (m, ORDER), the integrals of its functions from its start to there."""
         panel, t = self.locate(theta)
         tables = _reference().antiderivative

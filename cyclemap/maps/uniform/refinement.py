@@ -6,14 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.scan import Cells, bracketed_root, crossings, monotone_cells
 from cyclemap.maps.uniform.piecewise_basis import ORDER, Panels
-
-Indices = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,11 +21,11 @@ class LevelSteps:
     first, last : (levels,): n just after 0 and just before 2π.
     """
 
-    row: Indices
+    row: Whole
     theta: Array
-    height: Indices
-    first: Indices
-    last: Indices
+    height: Whole
+    first: Whole
+    last: Whole
 
 
 def level_steps(circle_map: CircleMap, cells: Cells, levels: Array) -> LevelSteps:
@@ -50,9 +47,7 @@ def level_steps(circle_map: CircleMap, cells: Cells, levels: Array) -> LevelStep
     )
 
 
-def _crossed(
-    circle_map: CircleMap, cells: Cells, levels: Array, low: Indices, high: Indices
-) -> tuple[Indices, Array, Indices]:
+def _crossed(circle_map: CircleMap, cells: Cells, levels: Array, low: Whole, high: Whole) -> tuple[Whole, Array, Whole]:
     """Row, angle and height (±1) of every crossing inside a cell."""
     row, cell = np.nonzero(low != high)
     rise = (high - low)[row, cell]
@@ -93,8 +88,8 @@ class Singularities:
     """Angles in [0, 2π), sorted; ``generation`` 0 is the roughest; ``root`` marks half-integer powers."""
 
     theta: Array
-    generation: npt.NDArray[np.int64]
-    root: npt.NDArray[np.bool_]
+    generation: Whole
+    root: Mask
 
     def upto(self, generation: int) -> Singularities:
         """Those of this generation and rougher ones."""
@@ -124,7 +119,7 @@ def law_singularities(circle_map: CircleMap, cells: Cells, halfwidth: float) -> 
     return Singularities(theta, generation, roots)
 
 
-def _sources(circle_map: CircleMap, cells: Cells) -> tuple[Array, npt.NDArray[np.bool_]]:
+def _sources(circle_map: CircleMap, cells: Cells) -> tuple[Array, Mask]:
     """One-sided values at the breaks, and the values at the smooth extrema of F (True)."""
     at_breaks = np.concatenate([circle_map.left(circle_map.breaks), circle_map.right(circle_map.breaks)])
     rising = np.sign(cells.g_end - cells.g_start)
@@ -141,9 +136,7 @@ def _trap_ends(circle_map: CircleMap, halfwidth: float) -> Array:
     return np.concatenate(found)
 
 
-def _merged(
-    theta: Array, generation: npt.NDArray[np.int64], root: npt.NDArray[np.bool_]
-) -> tuple[Array, npt.NDArray[np.int64], npt.NDArray[np.bool_]]:
+def _merged(theta: Array, generation: Whole, root: Mask) -> tuple[Array, Whole, Mask]:
     """Sorted, with points that are the same joined into the roughest of them."""
     order = np.argsort(theta, kind="stable")
     theta, generation, root = theta[order], generation[order], root[order]
@@ -163,7 +156,7 @@ _TAIL = 2  # last coefficients of a panel that must be small
 _SLOPE_TOLERANCE = 1e-11
 
 
-def panels_between(ends: Array, root: Array, within: Callable[[Array], npt.NDArray[np.bool_]] | None = None) -> Panels:
+def panels_between(ends: Array, root: Array, within: Callable[[Array], Mask] | None = None) -> Panels:
     """The panels between neighbouring ``ends`` whose middles are ``within``, bent where an end is in ``root``."""
     sharp = np.zeros(ends.size, dtype=bool)
     if root.size:
@@ -195,7 +188,7 @@ def refined(
     assembled: Callable[[Panels], Array],
     tolerance: Array,
     most: int,
-    within: Callable[[Array], npt.NDArray[np.bool_]] | None = None,
+    within: Callable[[Array], Mask] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Panels:
     """Panels cut until each function in ``assembled(panels)`` (n, m) is resolved to its ``tolerance`` (m,).
@@ -222,7 +215,7 @@ def refined(
     return panels
 
 
-def _roughest(panels: Panels, excess: Array, most: int) -> npt.NDArray[np.bool_]:
+def _roughest(panels: Panels, excess: Array, most: int) -> Mask:
     """The panels to cut now: near the roughest, long enough, and no more than there is room for."""
     long = panels.end - panels.start >= SHORTEST
     worth = np.where(long, excess, 0.0)
@@ -230,7 +223,7 @@ def _roughest(panels: Panels, excess: Array, most: int) -> npt.NDArray[np.bool_]
     return np.asarray(long & (excess >= max(1.0, _FOCUS * float(np.max(worth)), float(last))))
 
 
-def _cut_points(panels: Panels, rough: npt.NDArray[np.bool_], singular: Singularities, below: int) -> Array:
+def _cut_points(panels: Panels, rough: Mask, singular: Singularities, below: int) -> Array:
     """Where to cut the rough panels: at the roughest singular point inside, of generations ``below``, else halfway."""
     known = singular.generation < below
     theta, generation = singular.theta[known], singular.generation[known]

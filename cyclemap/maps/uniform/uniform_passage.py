@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import lapack
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.arcs import Arc, arcs_between
 from cyclemap.maps.estimate import EPS, SOLUTION, Estimate
@@ -23,6 +22,8 @@ from cyclemap.maps.uniform.refinement import Singularities, level_steps, refined
 _SLIVER = 1e-12  # radians: an overlap no longer than this is none
 _GROWTH = 1e-11  # radians: a set that grows by less in a cycle has stopped
 _CYCLES = 3_000
+_CYCLES_AHEAD = 100  # a path that has not been everywhere by then may as well come everywhere
+_WIDER = 1.001  # times the noise: so a set that only comes nearer and nearer to its ends is soon closed
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +39,7 @@ class Intervals:
         """Their total length."""
         return float(np.sum(self.end - self.start))
 
-    def overlaps(self, low: Array, high: Array) -> npt.NDArray[np.bool_]:
+    def overlaps(self, low: Array, high: Array) -> Mask:
         """Whether each (low, high) shares more than a point with one of the intervals."""
         low, high = low[:, None] + _SLIVER, high[:, None] - _SLIVER
         if not self.wrapped:
@@ -47,7 +48,7 @@ class Intervals:
         turns = np.floor((low - self.end) / TWO_PI) + 1.0
         return np.asarray(np.any(self.start + TWO_PI * turns < high, axis=1))
 
-    def hold(self, theta: Array) -> npt.NDArray[np.bool_]:
+    def hold(self, theta: Array) -> Mask:
         """Whether each angle lies inside one of the intervals, ends left out."""
         return self.overlaps(theta - 2.0 * _SLIVER, theta + 2.0 * _SLIVER)
 
@@ -75,6 +76,32 @@ class Reach:
                 break
             found = more
         return found
+
+    def ahead(self, start: float) -> Intervals:
+        """A part of the domain, and little more than need be, that paths from ``start`` stay in until they leave it."""
+        found = self._after(np.array([start]), np.array([start]), _WIDER, _none(self.domain.wrapped))
+        for _ in range(_CYCLES_AHEAD):
+            if found.length == 0.0:
+                return found
+            nodes = Reach(self.map, self.cells, self.halfwidth, found).cut(self.cells.start)
+            inside = found.hold(0.5 * (nodes[1:] + nodes[:-1]))
+            low, high = nodes[:-1][inside], nodes[1:][inside]
+            if self._after(low, high, 1.0, found).length <= found.length + _SLIVER:
+                return found
+            found = self._after(low, high, _WIDER, found)
+        return self.domain
+
+    def _after(self, low: Array, high: Array, wider: float, known: Intervals) -> Intervals:
+        """The part of the domain that is ``known`` or one cycle behind an interval [low, high] where F is monotone."""
+        ends, reach = np.stack([self.map.right(low), self.map.left(high)]), wider * self.halfwidth
+        start, end = np.append(ends.min(axis=0) - reach, known.start), np.append(ends.max(axis=0) + reach, known.end)
+        order = np.argsort(start)
+        start, end = start[order], np.maximum.accumulate(end[order])
+        apart = np.append(True, start[1:] > end[:-1])
+        wanted = Intervals(start[apart], end[np.append(apart[1:], True)], known.wrapped)
+        pieces = self.cut(np.append(wanted.start, wanted.end))
+        middle = 0.5 * (pieces[1:] + pieces[:-1])
+        return _joined(pieces, self.domain.hold(middle) & wanted.hold(middle), known.wrapped)
 
     def before(self, target: Intervals, basin: Intervals) -> Intervals:
         """The part of the domain whose next positions meet ``target`` or ``basin``."""
@@ -115,7 +142,7 @@ def _none(wrapped: bool) -> Intervals:
     return Intervals(np.zeros(0), np.zeros(0), wrapped)
 
 
-def _joined(pieces: Array, keep: npt.NDArray[np.bool_], wrapped: bool) -> Intervals:
+def _joined(pieces: Array, keep: Mask, wrapped: bool) -> Intervals:
     """The kept pieces, neighbours joined."""
     edge = np.diff(np.concatenate([[False], keep, [False]]).astype(np.int64))
     return Intervals(pieces[edge == 1], pieces[edge == -1], wrapped)
@@ -160,14 +187,15 @@ def uniform_passage_time(
     >>> round(time, 12), time.error_bound < 1e-12  # every step leaves with chance 1 - 0.4/1.0
     (1.666666666667, True)
     """
-    inside = Intervals(np.array([ends[0]]), np.array([ends[1]]), not lifted)
-    reach = _reach(circle_map, noise, inside)
+    reach = _reach(circle_map, noise, Intervals(np.array([ends[0]]), np.array([ends[1]]), not lifted), start)
+    if reach.domain.length == 0.0:
+        return Estimate(1.0, 0.0)
     if lifted:
         outside = Intervals(np.array([-np.inf, ends[1]]), np.array([ends[0], np.inf]), False)
     else:
         outside = Intervals(np.array([ends[1]]), np.array([ends[0] + TWO_PI]), True)
     trap = reach.without(reach.basin(outside))
-    domain = inside
+    domain = reach.domain
     if trap.length > 0.0:
         lost = reach.basin(trap)
         if _meets(reach, start, lost) or _meets(reach, start, trap):
@@ -189,6 +217,7 @@ def uniform_hitting_probability(
     arc_b: Arc,
     *,
     max_panels: int = MAX_PANELS,
+    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
 
@@ -203,21 +232,26 @@ def uniform_hitting_probability(
     """
     between = np.array(arcs_between(arc_a, arc_b))
     rest = Intervals(between[:, 0], between[:, 1], True)
-    reach = _reach(circle_map, noise, rest)
     goal = Intervals(np.array([arc_a[0]]), np.array([arc_a[1]]), True)
     either = Intervals(np.array([arc_a[0], arc_b[0]]), np.array([arc_a[1], arc_b[1]]), True)
-    if not (_meets(reach, start, goal) or _meets(reach, start, reach.basin(goal))):
-        return Estimate(0.0, 0.0)
-    trap = reach.without(reach.basin(either))
-    domain = reach.without(trap) if trap.length > 0.0 else rest
 
     def arrives(image: Array) -> Array:
         return noise.arc_probability(arc_a[0] - image, arc_a[1] - image)
 
-    if domain.length == 0.0:
+    def at_once() -> Estimate:
         value = float(arrives(circle_map(np.array([start])))[0])
         return Estimate(value, SOLUTION * value)
-    chain = _chain(reach, domain, [*arc_a, *arc_b], arrives, max_panels)
+
+    reach = _reach(circle_map, noise, rest, start)
+    if reach.domain.length == 0.0:
+        return at_once()
+    if not (_meets(reach, start, goal) or _meets(reach, start, reach.basin(goal))):
+        return Estimate(0.0, 0.0)
+    trap = reach.without(reach.basin(either))
+    domain = reach.without(trap) if trap.length > 0.0 else reach.domain
+    if domain.length == 0.0:
+        return at_once()
+    chain = _chain(reach, domain, [*arc_a, *arc_b], arrives, max_panels, progress)
     longest = chain.value(chain.time, start, np.ones_like) / (1.0 - _certified(chain))
     value = float(np.clip(chain.value(chain.law, start, arrives), 0.0, 1.0))
     return Estimate(value, min(chain.residual(chain.law, arrives) * longest + SOLUTION * value, 1.0))
@@ -227,15 +261,19 @@ def _certified(chain: _Chain) -> float:
     """The residual of the mean time, small enough to say something."""
     slack = chain.residual(chain.time, np.ones_like)
     if slack > _ACCEPTED:
+        wide = float(np.sum(chain.panels.end - chain.panels.start)) / chain.halfwidth
         raise ConvergenceError(
-            f"the passage is too long for the noise {chain.halfwidth:g}: the equation's solution leaves a residual of "
-            f"{slack:.2g} (times longer than about 1e12 cycles are beyond double precision); raise the noise"
+            f"the passage is too long for the noise {chain.halfwidth:g}, or {chain.panels.count} panels are too few "
+            f"for where it leads, {wide:.0f} times as wide: the equation's solution leaves a residual of {slack:.2g} "
+            "(times longer than about 1e12 cycles are beyond double precision); raise the noise or shorten the arc"
         )
     return slack
 
 
-def _reach(circle_map: CircleMap, noise: UniformNoise, domain: Intervals) -> Reach:
-    return Reach(circle_map, monotone_cells(circle_map, 1, 0.0, RESOLUTION), noise.halfwidth, domain)
+def _reach(circle_map: CircleMap, noise: UniformNoise, domain: Intervals, start: float) -> Reach:
+    """The noisy map where the path from ``start`` may come to: narrow noise holds it to a small part of the domain."""
+    whole = Reach(circle_map, monotone_cells(circle_map, 1, 0.0, RESOLUTION), noise.halfwidth, domain)
+    return Reach(circle_map, whole.cells, noise.halfwidth, whole.ahead(start))
 
 
 def _meets(reach: Reach, start: float, part: Intervals) -> bool:

@@ -2,6 +2,8 @@
 
 import json
 import math
+import os
+import zipfile
 from itertools import pairwise
 
 import numpy as np
@@ -52,6 +54,47 @@ def test_an_excel_export(tmp_path) -> None:
     pandas.DataFrame({"Push": range(12), "Start angle (deg)": THETA_DEG % 360.0, "Remark": ["ok"] * 12}).to_excel(
         path, index=False
     )
+    assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-9)
+
+
+def test_a_spreadsheet_cut_short_or_packed_too_tightly_is_refused(tmp_path) -> None:
+    """A file of a hundred kilobytes that unpacks to a hundred megabytes is not unpacked."""
+    pytest.importorskip("openpyxl")
+    path = tmp_path / "log.xlsx"
+    pandas.DataFrame({"yaw": THETA_DEG}).to_excel(path, index=False)
+    whole = path.read_bytes()
+    for content in (whole[:-40], whole[:600] + whole[640:]):
+        path.write_bytes(content)
+        with pytest.raises(DataFileError, match="not a spreadsheet that can be read"):
+            read_own_table(path)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as parts:
+        parts.writestr("xl/worksheets/sheet1.xml", b" " * 100_000_000)
+    assert path.stat().st_size < 200_000
+    with pytest.raises(DataFileError, match="holds 100 MB, of at most 67; split it"):
+        read_own_table(path)
+
+
+def test_parquet_of_more_numbers_than_fit_is_refused_before_it_is_unpacked(tmp_path) -> None:
+    pytest.importorskip("pyarrow")
+    path = tmp_path / "still.parquet"
+    pandas.DataFrame({"yaw": np.zeros(10_000_000)}).to_parquet(path)
+    assert path.stat().st_size < 200_000
+    with pytest.raises(DataFileError, match="holds 80 MB"):
+        read_own_table(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="named pipes are of Unix")
+@pytest.mark.parametrize("suffix", [".xlsx", ".parquet", ".mcap"])
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path, suffix) -> None:
+    os.mkfifo(tmp_path / f"pipe{suffix}")
+    with pytest.raises(DataFileError, match="is a pipe or a device"):
+        read_own_table(tmp_path / f"pipe{suffix}")
+
+
+def test_a_column_named_by_ten_thousand_brackets_is_read_like_any_other(tmp_path) -> None:
+    """The search for a unit takes a step a bracket; it took a step for every pair of them, minutes in all."""
+    path = tmp_path / "log.csv"
+    path.write_text("yaw_deg," + "[" * 10_000 + "\n" + "".join(f"{angle},1\n" for angle in THETA_DEG % 360.0))
     assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-9)
 
 

@@ -95,6 +95,8 @@ def test_byte_order_mark_crlf_blanks_and_capitals_are_harmless(csv) -> None:
         ("theta0_deg,theta_next_deg\n1,2\n3", "line 3: 1 of 2 fields; the line is cut off"),
         ("theta0_deg,theta_next_deg\n1,2,3\n", "line 2: 3 of 2 fields"),
         ("theta0_deg\n12\n", "line 2: a single θ0 makes no pair"),
+        ("theta0_deg,theta0_next_deg\n1,2\n3,4\n", "line 1: the header has theta0_next_deg beside theta0_deg: name it"),
+        ("theta_nxt_deg,theta0_deg\n1,2\n3,4\n", "line 1: the header has theta_nxt_deg beside theta0_deg: name it"),
         (b"theta0_deg\n\xff\xfe\n", "byte 11 is not UTF-8"),
         ('theta0_deg\n"1\n2\n', "mend the quotes"),
         (HEADER + "0,10,10,5,jump\n1,15,15,,\n", "line 3: no row without a flag"),

@@ -8,7 +8,7 @@ from math import gcd
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, fixed_points, periodic_orbits, rotation_number, tongue, tongues
 
 TWO_PI = 2 * np.pi
@@ -191,18 +191,37 @@ def bumped(place, width, height, slopes=True):
     return lambda omega: CircleMap(lambda x: x + TWO_PI * omega + bump(x), slope if slopes else None)
 
 
-@pytest.mark.parametrize("slopes", [True, False])
-@pytest.mark.parametrize("height", [8e-4, 0.1])
-def test_a_bump_one_milliradian_wide_is_found_wherever_it_lies(slopes, height):
-    """Lower than its width the map is a homeomorphism, higher it folds; ``fixed_points`` is the other route."""
+@pytest.mark.parametrize(
+    ("width", "height", "slopes"),
+    [
+        (1e-3, 8e-4, True),
+        (1e-3, 8e-4, False),
+        (1e-3, 0.1, True),
+        (1e-3, 0.1, False),
+        (3e-4, 2e-4, True),
+        (3e-4, 2e-4, False),
+        (6e-5, 5e-5, True),
+    ],
+)
+def test_a_bump_is_found_wherever_it_lies(width, height, slopes):
+    """6e-5 is a width of a tenth of a milliradian at half the height, the least that is promised.
+
+    Lower than its width the map is a homeomorphism, higher it folds; ``fixed_points`` is the other route.
+    """
     for place in 0.1 + 0.39 * np.arange(0, 16, 1 if slopes else 5):
-        family = bumped(place, 1e-3, height, slopes)
+        family = bumped(place, width, height, slopes)
         found = tongue(family, 0, (-0.5, 0.6))
         assert found.left.holds(-height / TWO_PI)
         assert abs(found.left_theta - place) < 1e-6 or height > 8e-4
         assert found.folded == (height > 8e-4)
         assert len(fixed_points(family(found.left + 1e-7))) == 2
         assert not fixed_points(family(found.left - 1e-7))
+
+
+def test_a_bump_that_differences_step_over_is_refused_by_its_place():
+    """Without a derivative, differences a milliradian wide do not see a bump of 6e-5; the cells do, and say so."""
+    with pytest.raises(ConvergenceError, match=r"too rough to follow, most of all between θ = 0\.09.*none given"):
+        tongue(bumped(0.1, 6e-5, 5e-5, slopes=False), 0, (-0.5, 0.6))
 
 
 @pytest.mark.parametrize("width", [2e-4, 2e-5, 2e-6])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import (
     CircleMap,
     WrappedCauchy,
@@ -194,3 +194,25 @@ def test_what_is_no_map_is_refused():
         lyapunov_exponent(CircleMap.rigid(0.1), start=float("nan"))
     with pytest.raises(InvalidInput):
         lyapunov_exponent(np.sin)
+
+
+def test_a_lift_that_is_nowhere_smooth_is_refused_before_its_orbits_are_made():
+    """Weierstrass's sum with ab > 1 has a derivative nowhere, and few of its values tell as much."""
+    asked = []
+
+    def rough(theta):
+        asked.append(np.size(theta))
+        return theta + 0.3 + 0.5 * sum(0.5**k * np.cos(3.0**k * theta) for k in range(20))
+
+    for noise in (None, WrappedNormal(0.1)):
+        with pytest.raises(ConvergenceError, match=r"cannot be told from differences .* give the derivative"):
+            lyapunov_exponent(CircleMap(rough), noise)
+    assert sum(asked) < 40_000
+
+
+def test_progress_of_the_orbits_is_told_and_can_end_the_work():
+    seen = []
+    lyapunov_exponent(CircleMap.arnold(0.1, 0.9), progress=seen.append)
+    assert seen == sorted(seen) and len(seen) > 10 and seen[-1] == 1.0
+    with pytest.raises(ZeroDivisionError):
+        lyapunov_exponent(CircleMap.arnold(0.1, 0.9), progress=lambda fraction: 1 / 0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps import CircleMap, UniformNoise
+from cyclemap.maps import CircleMap, UniformNoise, hitting_probability
 from cyclemap.maps.orbits.scan import monotone_cells
 from cyclemap.maps.uniform.uniform_passage import Intervals, Reach, uniform_hitting_probability, uniform_passage_time
 
@@ -155,6 +155,30 @@ def test_an_arc_that_cannot_be_reached_has_chance_zero_exactly():
     assert found == 0.0 and found.error_bound == 0.0
 
 
+def test_narrow_noise_asks_only_for_where_the_path_may_come_to():
+    """A path 1e-4 wide goes one way only: few evaluations decide, where the whole circle would take thousands."""
+    asked = []
+
+    def sine(theta):
+        asked.append(np.size(theta))
+        return theta + 0.2 * np.pi - 0.9 * np.sin(theta)
+
+    counted = CircleMap(sine, lambda theta: 1.0 - 0.9 * np.cos(theta))
+    found = hitting_probability(counted, UniformNoise(1e-4), 0.5, (0.77, 0.78), (-0.002, -0.001))
+    assert found.holds(1.0) and found.error_bound < 1e-8
+    assert sum(asked) < 1_000_000
+
+
+def test_narrow_walks_are_wide_walks_seen_from_afar():
+    """Chances and times depend on lengths over the noise's width alone; half-way between two ends it is a half."""
+    seen = []
+    narrow = hitting_probability(STILL, UniformNoise(1e-4), 0.0, (5e-4, 1e-3), (-1e-3, -5e-4), progress=seen.append)
+    wide = hitting_probability(STILL, UniformNoise(0.1), 0.1, (0.5, 1.0), (-1.0, -0.5))
+    near = hitting_probability(STILL, UniformNoise(1e-4), 1e-4, (5e-4, 1e-3), (-1e-3, -5e-4))
+    assert narrow.holds(0.5) and abs(near - wide) <= near.error_bound + wide.error_bound < 1e-7
+    assert seen and all(0.0 <= share <= 1.0 for share in seen)
+
+
 def test_paths_that_a_trap_swallows_count_for_neither_arc():
     arcs, noise = ((3.4, 3.6), (-0.5, 0.0)), UniformNoise(0.15)
     chances = [uniform_hitting_probability(STICKY, noise, 2.4, *pair, max_panels=40) for pair in (arcs, arcs[::-1])]
@@ -166,7 +190,7 @@ def test_paths_that_a_trap_swallows_count_for_neither_arc():
 
 def test_more_panels_tighten_the_bound_and_stay_within_it():
     def chance(panels):
-        return uniform_hitting_probability(STICKY, UniformNoise(0.7), 0.77, (1.5, 2.0), (-0.2, 0.1), max_panels=panels)
+        return uniform_hitting_probability(STICKY, UniformNoise(0.7), 2.6, (1.5, 2.0), (-0.2, 0.1), max_panels=panels)
 
     coarse, fine = chance(24), chance(64)
     assert abs(coarse - fine) <= coarse.error_bound + fine.error_bound
