@@ -16,10 +16,11 @@ from cyclemap.cli.output import file_stem, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole
-from cyclemap.collection.collection_file import NOISE_KEY, collection_text
+from cyclemap.collection.collection_file import collection_text
 from cyclemap.collection.found_with import with_material
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_settings import loop_tables
+from cyclemap.collection.setting_table import NOISE_KEY
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities
