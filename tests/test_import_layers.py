@@ -31,6 +31,7 @@ SHARED = {
     "plain_text": 0,
     "checks": 1,
     "file_text": 1,
+    "inline_svg": 1,
     "suggestions": 1,
     "text_files": 1,
     "whole_files": 1,
