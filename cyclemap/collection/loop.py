@@ -80,9 +80,7 @@ class Cycle(StrokePair[PushResult, DragResult]):
         outlines = [Stroke(scene.push.before), Stroke(scene.push.after, BLUE), Stroke(scene.drag.after, GREY)]
         rod = [Stroke(stroke.rod, width=1.0) for stroke in (scene.push, scene.drag)]
         push, drag = (f"{math.degrees(turn):+.1f}°" for turn in (self.push_turn, self.drag_turn))
-        caption = (
-            f"from {math.degrees(self.theta):.1f}°: push {push} (blue), drag back {drag} (grey), the rod's way"
-        )
+        caption = f"from {math.degrees(self.theta):.1f}°: push {push} (blue), drag back {drag} (grey), the rod's way"
         return inline_svg([*outlines, *rod], caption, 240, equal=True)
 
 
