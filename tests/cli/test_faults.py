@@ -36,12 +36,13 @@ def test_closed_output_is_told_or_at_least_a_failure(tmp_path) -> None:
 
 
 def test_pictures_need_no_screen_whatever_the_user_draws_with(tmp_path) -> None:
-    done = command(tmp_path, "staircase", "plywood", "--cycles", "20", MPLBACKEND="nonsense")
+    done = command(tmp_path, "staircase", "isotropic", "--cycles", "20", MPLBACKEND="nonsense")
     assert done.returncode == 0 and all(" % done, " in line for line in done.stderr.splitlines())
 
 
-@pytest.mark.parametrize("name", [r"$\frac{$", "$", "a$b$c", r"\$x\$"])
-@pytest.mark.parametrize("picture", ["png", "svg"])
+@pytest.mark.parametrize(
+    ("name", "picture"), [(r"$\frac{$", "png"), ("$", "png"), ("a$b$c", "png"), (r"\$x\$", "png"), (r"$\frac{$", "svg")]
+)
 def test_dollars_in_a_name_are_no_formula(tmp_path, capsys, name, picture) -> None:
     file = tmp_path / "odd.toml"
     file.write_text(f"name = 'a {name}'\n{FRICTION}")
