@@ -91,6 +91,7 @@ def test_portrait_leaves_picture_and_json_and_nothing_else(plywood_run) -> None:
     assert written["portrait_plywood.json"].decode() == done.stdout
 
 
+@pytest.mark.slow
 def test_portrait_for_people_answers_in_sentences(here, capsys) -> None:
     assert run(["portrait", "plywood", "--cycles", "100", "--format", "svg"]) == 0
     shown = capsys.readouterr()
@@ -107,6 +108,7 @@ def test_portrait_for_people_answers_in_sentences(here, capsys) -> None:
     assert (here / "out" / "portrait_plywood.svg").read_bytes().startswith(b"<?xml")
 
 
+@pytest.mark.slow
 def test_portrait_with_data_reports_the_distance(here, capsys) -> None:
     rows = "".join(f"{theta},{theta + 5.0}\n" for theta in range(0, 360, 2))
     (here / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + rows)
@@ -216,6 +218,7 @@ def cyclemap(*arguments: str, **options) -> subprocess.Popen:
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
 
 
+@pytest.mark.slow
 def test_real_entry_point_exits_2_without_traceback() -> None:
     entry = Path(sys.executable).with_name("cyclemap")
     done = subprocess.run([entry, "cycle", "plywod"], capture_output=True, text=True, check=False)
@@ -246,6 +249,7 @@ def test_no_command_shows_the_help_and_exits_2() -> None:
     assert "Commands:" in err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("json_option", [[], ["--json", "-"]])
 def test_reader_that_goes_away_is_no_noise(json_option) -> None:
     reading, writing = os.pipe()
@@ -262,6 +266,7 @@ def test_name_with_markup_is_shown_as_it_is(here, capsys) -> None:
     assert "on [red]rust[/]" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_interrupt_exits_130_quietly(tmp_path) -> None:
     many = ",".join(str(angle) for angle in range(5000))
     # A test run in the background ignores interrupts, and so would all that it starts.

@@ -19,6 +19,7 @@ def here(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_json_tells_both_models_on_both_laws_and_nothing_else(here, capsys) -> None:
     assert run(["dynamics", "plywood", "--theta0-deg", "0,90", *SHORT, "--json", "-"]) == 0
     shown = capsys.readouterr()

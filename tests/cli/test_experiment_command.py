@@ -42,6 +42,7 @@ def turning(step_deg: float, batches: int, cycles: int) -> BatchExperiment:
     return BatchExperiment(CollectionLoop.mit(), None, starts, run, run)
 
 
+@pytest.mark.slow
 def test_json_tells_every_batch_on_both_laws_and_nothing_else(here, capsys) -> None:
     assert run(["experiment", "plywood", "--batches", "2", "--cycles", "3", "--set", "push_mm=30", "--json", "-"]) == 0
     shown = capsys.readouterr()

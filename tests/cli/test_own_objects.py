@@ -37,6 +37,7 @@ def tee_stl(path) -> None:
     trimesh.util.concatenate([bar, stem]).export(path)
 
 
+@pytest.mark.slow
 def test_a_tee_goes_all_the_way_from_its_file_to_comparison_and_replay(here, capsys) -> None:
     """From a mesh as from a drawing comes a file that all commands after it understand."""
     pytest.importorskip("shapely")
@@ -60,6 +61,7 @@ def test_a_tee_goes_all_the_way_from_its_file_to_comparison_and_replay(here, cap
     assert report(capsys, "audit", "data")["pushes"] == 12
 
 
+@pytest.mark.slow
 def test_data_whose_object_nobody_tells_are_refused_with_what_to_do(here, capsys) -> None:
     assert run(["init", "box.toml", "--rectangle-mm", "120,60"]) == 0
     assert run(["simulate", "box.toml", "--cycles", "4", "--out", "data"]) == 0
@@ -98,6 +100,7 @@ def test_what_init_cannot_use_is_one_clear_line(here, capsys, monkeypatch, argum
     assert not (here / "box.toml").exists()
 
 
+@pytest.mark.slow
 def test_init_asks_back_and_writes_over_nothing(here, capsys, monkeypatch) -> None:
     from click.testing import CliRunner
 
@@ -126,6 +129,7 @@ def test_check_of_a_file_with_which_nothing_runs_ends_with_2_and_says_why(here, 
     assert (here / "out" / "check_box.png").is_file()
 
 
+@pytest.mark.slow
 def test_probe_of_a_function_a_program_and_data(here, capsys, monkeypatch) -> None:
     (here / "alike.py").write_text("def push(theta):\n    return 0.04, -0.07, 1.3\n")
     monkeypatch.syspath_prepend(str(here))
@@ -140,6 +144,7 @@ def test_probe_of_a_function_a_program_and_data(here, capsys, monkeypatch) -> No
     assert run(["probe", "--python", "gone:push"]) == 2
 
 
+@pytest.mark.slow
 def test_own_tables_are_read_by_fit_and_audit_and_told_on_stderr(here, capsys) -> None:
     rows = [f"{n};{(n * 27.3) % 360.0:.2f}".replace(".", ",") for n in range(30)]
     (here / "log.csv").write_text("\n".join(["Nr;Winkel vorher [°]", *rows]) + "\n")

@@ -9,6 +9,8 @@ import pytest
 from cyclemap.cli import main
 from cyclemap.resets import read_protocol, read_schedule
 
+pytestmark = pytest.mark.slow
+
 FEW = ("--axes-percent", "5", "--offsets-percent", "20", "--pushes", "200", "--cycles", "30")
 
 

@@ -41,6 +41,7 @@ def test_json_tells_what_was_written_and_found_and_nothing_else(tmp_path, capsys
     assert math.radians(first["theta0_deg_last"]) == pytest.approx(last, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_people_are_told_how_many_where_how_large_and_what_to_do_next(tmp_path, capsys) -> None:
     assert simulate(tmp_path, "--scans") == 0
     lines = capsys.readouterr().out.splitlines()
@@ -127,6 +128,7 @@ def test_a_folder_that_cannot_be_made_exits_1_with_its_name(tmp_path, capsys) ->
     assert f"{tmp_path}/file/made cannot be used (Not a directory)" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_full_disk_exits_1_leaves_nothing_half_written_and_can_be_gone_on_with(tmp_path, capsys) -> None:
     """A limit on the size of files stands for the full disk: the notes fit, the first push does not."""
     folder = tmp_path / "made"

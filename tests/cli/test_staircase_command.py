@@ -30,6 +30,7 @@ def staircase_file(folder: Path, cycles: int = 1_500) -> Path:
     return file
 
 
+@pytest.mark.slow
 def test_json_tells_prediction_run_and_data_and_nothing_else(here, capsys) -> None:
     data = staircase_file(here)
     assert run([*GHOST, "--data", str(data), "--json", "-", "--out", "pictures"]) == 0
@@ -52,6 +53,7 @@ def test_json_tells_prediction_run_and_data_and_nothing_else(here, capsys) -> No
     assert written["staircase_plywood.json"].decode() == shown.out
 
 
+@pytest.mark.slow
 def test_people_are_told_where_it_rests_how_long_and_how_high_it_climbs(here, capsys) -> None:
     assert run([*GHOST, "--format", "svg", "--cycles", "1000"]) == 0
     shown = capsys.readouterr().out

@@ -70,6 +70,7 @@ def test_of_two_stable_points_the_more_visited_comes_first(loop_of) -> None:
     assert found.cycle.theta == places[0]
 
 
+@pytest.mark.slow
 def test_same_seed_same_staircase_and_it_starts_where_told(loop_of) -> None:
     loop = loop_of(CircleMap.arnold(0.1, 0.5))
     paths = [portrait(loop, cycles=30, start=2.0, seed=seed).staircase.theta for seed in (3, 3, 4)]
@@ -116,12 +117,14 @@ def test_cobweb_corners_lie_in_turn_on_the_diagonal_and_on_the_graph(loop_of) ->
         assert abs(path[-1, 0]) < 1e-3
 
 
+@pytest.mark.slow
 def test_cobweb_of_a_map_that_hops_to_and_fro_stays_short(loop_of) -> None:
     flip = CircleMap(lambda theta: theta - 1.999 * np.sin(theta))
     web = cobweb(portrait(loop_of(flip), cycles=10))
     assert all(len(path) < 100 for path in web.paths)
 
 
+@pytest.mark.slow
 def test_density_of_the_curves_is_a_density(loop_of) -> None:
     curves = portrait_curves(portrait(loop_of(CircleMap.arnold(0.05, 0.5)), cycles=10))
     assert np.trapezoid(curves.density, curves.density_theta) == pytest.approx(1.0, abs=1e-6)

@@ -3,6 +3,7 @@
 from functools import cache
 
 import numpy as np
+import pytest
 
 from cyclemap.collection import BatchExperiment
 from cyclemap.figures.anisotropic_against_isotropic import FIGURE
@@ -14,6 +15,7 @@ def small() -> BatchExperiment:
     return FIGURE.compute(MeasuredFolder(), batches=3, cycles=5)
 
 
+@pytest.mark.slow
 def test_anisotropic_batches_draw_together_and_isotropic_ones_keep_their_distance() -> None:
     """A third of a turn apart at first, the batches near the stable point close in: their distance falls."""
     unit = np.exp(1j * small().anisotropic.theta)

@@ -36,6 +36,7 @@ def test_pu_has_no_sharp_peak_and_the_paper_none(result) -> None:
     assert pu.density.max() < 3 * UNIFORM and pu.density.min() > 0.1 * UNIFORM
 
 
+@pytest.mark.slow
 def test_the_caption_tells_peaks_and_shares(result) -> None:
     told = caption(result)
     for one in result.materials[:3]:

@@ -10,6 +10,7 @@ from cyclemap.mechanics.contact_curve import contact_curve
 from cyclemap.mechanics.first_touch import first_touch, first_touches, overlaps
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rect1", "tri3", "hex", "ellip1", "ellip3", "butter"])
 def test_many_touches_are_each_ones(name: str) -> None:
     outline = dataset_sliders()[name].outline

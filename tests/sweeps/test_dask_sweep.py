@@ -28,6 +28,7 @@ def test_a_dask_cluster_finds_the_same_as_one_process(tmp_path, executor) -> Non
     assert there.count(b"\n") == 121
 
 
+@pytest.mark.slow
 def test_a_dask_cluster_finds_real_portraits(tmp_path, executor) -> None:
     plan = SweepPlan.grid("isotropic", {"hitch_x_mm": (-11.0, -9.0)}, numbers=PortraitNumbers(tolerance=1e-2))
     there = table(tmp_path / "there.sqlite", plan, executor=executor, workers=2)

@@ -178,6 +178,7 @@ except StoreWriteError as error:
 """
 
 
+@pytest.mark.slow
 def test_a_full_disk_stops_the_sweep_keeps_what_is_stored_and_lets_it_go_on(path, tmp_path) -> None:
     """A limit on the size of files stands for the disk: SQLite meets a refused write in both cases."""
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
@@ -206,6 +207,7 @@ def test_a_store_that_was_cut_is_refused_and_not_a_point_shorter(path, cut) -> N
         sweep_status(path)
 
 
+@pytest.mark.slow
 def test_a_flipped_byte_is_refused_or_changes_nothing(path, tmp_path) -> None:
     """Wherever it falls: in SQLite's structure, the description, a row, or in room that is not used."""
     full_store(path)
@@ -225,6 +227,7 @@ def test_a_flipped_byte_is_refused_or_changes_nothing(path, tmp_path) -> None:
     assert min(outcomes.values()) > 20
 
 
+@pytest.mark.slow
 def test_sweeps_that_begin_together_share_one_healthy_store(path) -> None:
     """Four processes open a store that is not there at the same moment, three times over."""
     script = """

@@ -51,6 +51,7 @@ def test_with_data_the_paths_are_the_measured_the_predicted_and_the_fitted(forec
     assert "(°)" in paths.get_ylabel()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [GHOST, WELL, TURNING])
 def test_every_kind_of_staircase_can_be_rendered(forecast, law) -> None:
     assert render(staircase_page(forecast(*law))).startswith(b"\x89PNG")
