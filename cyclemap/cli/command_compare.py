@@ -7,9 +7,15 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.number_types import Whole
-from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
-from cyclemap.cli.own_data import readable_data, table_options
+from cyclemap.cli.options import (
+    LoopOptions,
+    Whole,
+    decorated,
+    loop_options,
+    readable_data,
+    result_options,
+    table_options,
+)
 
 Decorator = Callable[[Any], Any]
 
@@ -29,7 +35,7 @@ class CompareRequest:
 
 
 def _compare_options(command: Callable[..., None]) -> Callable[..., None]:
-    return decorated(command, [*_data_options(), *result_options("compare_MATERIAL.png and .json")])
+    return decorated(command, [*_data_options(), result_options("compare_MATERIAL.png and .json")])
 
 
 def _data_options() -> list[Decorator]:

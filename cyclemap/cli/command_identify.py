@@ -7,9 +7,7 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.number_types import Real, Whole
-from cyclemap.cli.options import decorated, result_options
-from cyclemap.cli.own_data import readable_data, table_options
+from cyclemap.cli.options import Real, Whole, decorated, readable_data, result_options, table_options
 
 Decorator = Callable[[Any], Any]
 _PATH = click.Path(path_type=Path)
@@ -98,7 +96,7 @@ def _method_options() -> list[Decorator]:
 def _decorated(command: Callable[..., None]) -> Callable[..., None]:
     name = click.option("--name", help="Of the material. [default: SURFACE-identified]")
     results = result_options("NAME.toml, identify_NAME.png and .json")
-    return decorated(command, [*_data_options(), *_model_options(), *_method_options(), name, *results])
+    return decorated(command, [*_data_options(), *_model_options(), *_method_options(), name, results])
 
 
 @click.command("identify")

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.number_types import Real, Whole
-from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
+from cyclemap.cli.options import LoopOptions, Real, Whole, decorated, loop_options, result_options
 
 if TYPE_CHECKING:
     from cyclemap.mechanics import Material
@@ -46,7 +45,7 @@ def _reset_options(command: Callable[..., None]) -> Callable[..., None]:
         click.option("--pushes", type=Whole(1, 10_000), default=500, help="How many to collect.", **_SHOWN),
         click.option("--cycles", type=Whole(1, 10_000_000), default=2000, help="Schedule's length.", **_SHOWN),
         click.option("--seed", type=Whole(min=0), default=0, help="Seed of the schedule.", **_SHOWN),
-        *result_options("reset_MATERIAL.png and .json, the protocol (.toml) and the schedule (.csv)"),
+        result_options("reset_MATERIAL.png and .json, the protocol (.toml) and the schedule (.csv)"),
     ]
     return decorated(command, decorators)
 

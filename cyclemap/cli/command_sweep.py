@@ -5,15 +5,14 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.number_types import Real, Whole
-from cyclemap.cli.options import LoopOptions, decorated, protocol_options, result_options
+from cyclemap.cli.options import LoopOptions, Real, Whole, decorated, protocol_options, result_options
 
 _GROUPS = "rotation, fixed_points, turns, stationary, staircase, or all"
 
 
 def _sweep_options(command: Callable[..., None]) -> Callable[..., None]:
     files = result_options("the store sweep_MATERIAL.sqlite, .png, .csv and .nc")
-    return decorated(command, [*_options_of_points(), *_options_of_numbers(), *_options_of_work(), *files])
+    return decorated(command, [*_options_of_points(), *_options_of_numbers(), *_options_of_work(), files])
 
 
 def _options_of_points() -> list[Callable[[Any], Any]]:

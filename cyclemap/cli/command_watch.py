@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.number_types import Real
-from cyclemap.cli.options import LoopOptions, decorated, result_options
+from cyclemap.cli.options import LoopOptions, Real, decorated, result_options
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -52,7 +51,7 @@ def _watch_options(command: Callable[..., None]) -> Callable[..., None]:
         click.option("--every", default=1.0, show_default=True, **waits),
         click.option("--protocol", metavar="TOML", type=toml, help=actions),
         click.option("--material", metavar="MATERIAL", help=surface),
-        *result_options("watch_FILE.png and .json"),
+        result_options("watch_FILE.png and .json"),
     ]
     return decorated(command, decorators)
 
@@ -133,7 +132,7 @@ def _chooser(protocol: Path | None, material: str | None) -> Choose:
 def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | None, as_json: bool) -> None:
     """A line of JSON; or one where something changed: an alarm, a rest that began or ended after it, another tenth of
     the circle; and one for each push that a strategy answers."""
-    from cyclemap.cli.json_numbers import direction_deg
+    from cyclemap.cli.json_report import direction_deg
     from cyclemap.views import watch_sentences as sentences
 
     if as_json:
@@ -171,7 +170,7 @@ def _conclude(
 
 def _report(report: BiasReport, chosen: Chosen | None) -> Json:
     """What the monitor tells, and what to do next where a strategy is followed."""
-    from cyclemap.cli.json_numbers import degrees, direction_deg, number
+    from cyclemap.cli.json_report import degrees, direction_deg, number
     from cyclemap.views.reset_sentences import action_words
 
     alarm, rest, state, advice = report.alarm, report.rest, report.coverage, report.advice

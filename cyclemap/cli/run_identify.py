@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from cyclemap.cli.command_identify import IdentifyRequest
-from cyclemap.cli.identify_report import identify_report
-from cyclemap.cli.identify_tables import derived_table, error_table, parameter_table
+from cyclemap.cli.identify_report import derived_table, error_table, identify_report, parameter_table
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from rich.table import Table
 
-from cyclemap.cli.json_numbers import degrees, direction_deg, number
-from cyclemap.cli.json_report import Json, cycle_report, measured_report, steps_report
+from cyclemap.cli.json_report import Json, cycle_report, degrees, direction_deg, measured_report, number, steps_report
 from cyclemap.cli.options import RunRequest
 from cyclemap.cli.output import file_stem, progress_bar, publish
 from cyclemap.cli.reset_report import actions_report

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import click
 
+from cyclemap.cli.json_report import Json, number, numbers
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json
 from cyclemap.cli.settings import set_settings, told_settings
-from cyclemap.cli.sweep_report import status_report, sweep_report
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.settings import layered, warn_of_defaults
 from cyclemap.errors import InvalidInput
@@ -177,3 +177,39 @@ def _tell(sweep: Sweep, files: list[Path]) -> None:
         console.print(f"file: {path}")
     if len(sweep.keys) > _MOST_DRAWN_KEYS:
         console.print("more than two keys: select values of the others in Python, or export, to draw", style="dim")
+
+
+def status_report(status: SweepStatus, store: Path) -> Json:
+    """How far a sweep is."""
+    return {
+        "store": str(store),
+        "points": status.points,
+        "stored": status.stored,
+        "refused": status.refused,
+        "complete": status.complete,
+    }
+
+
+def sweep_report(sweep: Sweep, store: Path) -> Json:
+    """The whole sweep, one entry a point."""
+    count = int(sweep.description["count"])
+    status = SweepStatus(count, len(sweep), int(sweep.refused.sum()))
+    plan = sweep.description["plan"]
+    return {
+        **status_report(status, store),
+        "over": plan["points"],
+        "settings": plan["settings"],
+        "quantities": plan["quantities"],
+        "units": {one.written_name: one.written_unit for one in sweep.quantities},
+        "results": [_point(sweep, place) for place in range(len(sweep))],
+    }
+
+
+def _point(sweep: Sweep, place: int) -> Json:
+    found: Json = {key: sweep.swept[key][place] for key in sweep.keys}
+    for one in sweep.quantities:
+        if one.listed:
+            found[one.written_name] = numbers(one.written(value) for value in sweep.lists[one.name][place].tolist())
+        else:
+            found[one.written_name] = number(one.written(float(sweep.columns[one.name][place])))
+    return {**found, "refusal": sweep.refusals[place] or None}

@@ -6,7 +6,7 @@ import math
 import pytest
 
 from cyclemap.cli import main
-from cyclemap.cli.command_fingerprint import fingerprint_command
+from cyclemap.cli.commands import fingerprint_command
 
 FIVE = ("turn_deg", "offset_amplitude_deg", "offset_phase_deg", "ellipse_amplitude_deg", "ellipse_phase_deg")
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cyclemap.cli import main
-from cyclemap.cli.command_replay import replay_command
+from cyclemap.cli.commands import replay_command
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
 
 OFF_MM = (1.0, 3.0)

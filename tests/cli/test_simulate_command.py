@@ -133,7 +133,7 @@ def test_a_full_disk_exits_1_leaves_nothing_half_written_and_can_be_gone_on_with
     """A limit on the size of files stands for the full disk: the notes fit, the first push does not."""
     folder = tmp_path / "made"
     script = f"""
-        from cyclemap.cli.command_simulate import simulate_command
+        from cyclemap.cli.commands import simulate_command
         from cyclemap.cli.main import cli, main
         cli.add_command(simulate_command)
         main(["simulate", "plywood", "--cycles", "3", "--out", {str(folder)!r}])
