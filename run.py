@@ -185,7 +185,8 @@ def run_tests(arguments: list[str]) -> int:
     if "--quick" in arguments:
         chosen += ["-m", "not slow"]
     rest = [argument for argument in arguments if argument != "--quick"]
-    codes.append(call([PYTHON, "-m", "pytest", "-n", "auto", *chosen, *rest], cwd=ROOT))
+    # The tests of a module share what it prepares: one process runs them all.
+    codes.append(call([PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", *chosen, *rest], cwd=ROOT))
     return next((code for code in codes if code), 0)
 
 

@@ -88,12 +88,12 @@ def image_of(outline, twist):
 
 @pytest.mark.slow
 def test_weight_on_the_rim_alone_dissipates_the_closed_forms_derivative_by_the_scale():
-    for outline in (SQUARE, TRIANGLE):
-        for twist in ((0.4, -0.2, 9.0), (0.1, 0.3, -20.0), (0.6, 0.1, 4.0)):
-            corners = image_of(outline, twist)[0]
-            centre = image_of(Polygon((outline.centroid, (1.0, 0.0), (1.0, 1.0))), twist)[0][0]
-            found = LimitSurface(PatchFootprint(outline, rim_share=1.0), LAW).dissipation(twist)
-            assert abs(found / float(theory.rim_mean(corners, centre)) - 1.0) < 1e-12
+    """For a square and a triangle, turning both ways."""
+    for outline, twist in ((SQUARE, (0.4, -0.2, 9.0)), (TRIANGLE, (0.1, 0.3, -20.0)), (TRIANGLE, (0.6, 0.1, 4.0))):
+        corners = image_of(outline, twist)[0]
+        centre = image_of(Polygon((outline.centroid, (1.0, 0.0), (1.0, 1.0))), twist)[0][0]
+        found = LimitSurface(PatchFootprint(outline, rim_share=1.0), LAW).dissipation(twist)
+        assert abs(found / float(theory.rim_mean(corners, centre)) - 1.0) < 1e-12
 
 
 def grid_errors(twist, counts):
