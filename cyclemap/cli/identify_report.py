@@ -33,7 +33,11 @@ def identify_report(
         "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
         "derived": [_derived(one) for one in derived],
         "errors": [_errors(one) for one in found.errors],
-        "starts": _starts(found),
+        "starts": {
+            "count": len(found.starts.starts),
+            "arrived": found.starts.arrived,
+            "failed": found.starts.failed,
+        },
         "notes": list(found.notes),
         "data": list(data),
     }
@@ -93,17 +97,17 @@ def _errors(one: KindErrors) -> Json:
     return {"block": one.block, "kind": kind, "unit": _NAMES.get(unit, unit.strip()), "rows": one.rows, **told}
 
 
-def _starts(found: Identification) -> Json:
-    return {"count": len(found.starts.starts), "arrived": found.starts.arrived, "failed": found.starts.failed}
-
-
 NOTHING = "–"
 
 
 def parameter_table(found: Identification) -> Table:
     """Every parameter that the data were asked about: identified with its interval, or held."""
     table = _table(
-        "Parameters", ("name", "left"), ("value", "right"), (_interval(found), "right"), ("what it is", "left")
+        "Parameters",
+        ("name", "left"),
+        ("value", "right"),
+        (f"{100.0 * found.level:g} % interval", "right"),
+        ("what it is", "left"),
     )
     for one in found.estimates:
         unit, factor = readable_unit(one.unit)
@@ -144,10 +148,6 @@ def error_table(found: Identification) -> Table:
         table.add_row(one.block, kind, str(one.rows), *told)
     table.caption = "isotropic: the same friction all around, weight spread evenly, nothing identified"
     return table
-
-
-def _interval(found: Identification) -> str:
-    return f"{100.0 * found.level:g} % interval"
 
 
 def _ends(one: Estimate) -> tuple[tuple[float, bool], tuple[float, bool]]:

@@ -12,7 +12,6 @@ from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_jso
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.cli.terminal import PeopleConsole
-from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison.compare import Comparison, compare
 from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement
@@ -42,7 +41,8 @@ def run_compare(options: LoopOptions, request: CompareRequest, json_target: str 
             noise=None if sigma is None else WrappedNormal(sigma),
             first=request.first,
             select=selected_values(request.select),
-            push_length=_push_length(options, request.data, loop),
+            # MIT's own 150 mm are no answer for data that do not tell.
+            push_length=loop.push.distance if "push_mm" in told_settings(options, request.data)[1] else None,
             runs=request.runs,
             seed=request.seed,
             progress=report,
@@ -55,11 +55,6 @@ def run_compare(options: LoopOptions, request: CompareRequest, json_target: str 
     write_whole(picture, render(page, request.picture_format))
     if not publish_json(told, json_target):
         _print_for_people(name, found, picture)
-
-
-def _push_length(options: LoopOptions, data: Path, loop: CollectionLoop) -> float | None:
-    """How far the rod moves, m, where the options say so: MIT's own 150 mm are no answer for data that do not tell."""
-    return loop.push.distance if "push_mm" in told_settings(options, data)[1] else None
 
 
 def _print_for_people(name: str, found: Comparison, picture: Path) -> None:

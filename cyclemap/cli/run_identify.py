@@ -83,7 +83,11 @@ def selected_facts(pairs: tuple[str, ...]) -> dict[str, str | float]:
     >>> selected_facts(("shape=hex", "speed_mm_s=20"))
     {'object': 'hex', 'speed': 0.02}
     """
-    return selected_values(tuple(f"object={pair.partition('=')[2]}" if _is_shape(pair) else pair for pair in pairs))
+    return selected_values(
+        tuple(
+            f"object={pair.partition('=')[2]}" if pair.partition("=")[0].strip() == "shape" else pair for pair in pairs
+        )
+    )
 
 
 def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
@@ -100,10 +104,6 @@ def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
         except ValueError as cause:
             raise InvalidInput(f"--fix {pair!r} is not of the form name=number") from cause
     return values
-
-
-def _is_shape(pair: str) -> bool:
-    return pair.partition("=")[0].strip() == "shape"
 
 
 def _loop(data: Sequence[Path], request: IdentifyRequest) -> CollectionLoop:

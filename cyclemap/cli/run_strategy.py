@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from rich.table import Table
 
+from cyclemap.arrays import Array
 from cyclemap.cli.json_report import Json, cycle_report, degrees, direction_deg, measured_report, number, steps_report
 from cyclemap.cli.options import RunRequest
 from cyclemap.cli.output import file_stem, progress_bar, publish
@@ -24,8 +24,6 @@ from cyclemap.resets import OrientationLaw, ResetStrategy, map_turns, orientatio
 from cyclemap.resets.design.orientation_law import slowest_factor
 from cyclemap.views.reset_sentences import action_words, recipe
 from cyclemap.views.strategy_page import strategy_page
-
-Array = NDArray[np.float64]
 
 _EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
 _CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the distribution of θ0"

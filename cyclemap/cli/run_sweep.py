@@ -60,8 +60,12 @@ def run_sweep_command(options: LoopOptions, request: SweepRequest, json_target: 
     exports, drawn = _exports(request.export), _words(request.draw)
     plan = sweep_plan(options, request)
     for name in drawn:
-        _check_drawn(name, plan)
-    stem = request.out / f"sweep_{file_stem(_name(plan))}"
+        known = [one.name for one in plan.numbers.quantities if not one.listed]
+        if name not in known:
+            raise unknown_name("quantity to draw", name, known)
+    # The material, or the first few letters of those that are swept.
+    name = "_".join(plan.materials)[:_LONGEST_NAME] if MATERIAL_KEY in plan.keys else plan.materials[""].name
+    stem = request.out / f"sweep_{file_stem(name)}"
     store = stem.with_name(f"{stem.name}.sqlite")
     if request.status:
         _tell_status(sweep_status(store, plan), store, json_target)
@@ -98,11 +102,6 @@ def _points(over: tuple[SweptKey, ...], request: SweepRequest) -> Grid | Sample:
     return Grid(over)  # type: ignore[arg-type]
 
 
-def _name(plan: SweepPlan) -> str:
-    """The material, or the first few letters of those that are swept."""
-    return "_".join(plan.materials)[:_LONGEST_NAME] if MATERIAL_KEY in plan.keys else plan.materials[""].name
-
-
 def _words(text: str) -> tuple[str, ...]:
     return tuple(word.strip() for word in text.split(",") if word.strip())
 
@@ -112,12 +111,6 @@ def _exports(text: str) -> tuple[str, ...]:
         if name not in _EXPORTS:
             raise unknown_name("format to export", name, _EXPORTS)
     return _words(text)
-
-
-def _check_drawn(name: str, plan: SweepPlan) -> None:
-    known = [one.name for one in plan.numbers.quantities if not one.listed]
-    if name not in known:
-        raise unknown_name("quantity to draw", name, known)
 
 
 def _run(plan: SweepPlan, store: Path, workers: int | None) -> None:
