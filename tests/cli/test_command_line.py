@@ -161,52 +161,6 @@ def test_material_file_by_argument_and_by_option_are_the_same(here, capsys) -> N
     assert strict_json(by_argument)["cycles"][0]["push_turn_deg"] == pytest.approx(74.52037, abs=1e-4)
 
 
-BAD_USES = [
-    (["cycle", "plywod"], "did you mean 'plywood'"),
-    (["cycle", "missing.toml"], "missing.toml"),
-    (["cycle"], "give one material"),
-    (["cycle", "plywood", "--material", "x.toml"], "give one material"),
-    (["cycle", "plywood", "--set", "mu_aa=1"], "did you mean 'mu_a'"),
-    (["cycle", "plywood", "--set", "mu_a"], "key=value"),
-    (["cycle", "plywood", "--set", "mu_a=-0.1"], "mu_a"),
-    (["cycle", "plywood", "--set", "mu_a=nan"], "mu_a"),
-    (["cycle", "plywood", "--set", "mu_a=high"], "mu_a"),
-    (["cycle", "plywood", "--set", "m0=0.9"], "energy"),
-    (["cycle", "plywood", "--set", "pusher_mu=-1"], "pusher"),
-    (["cycle", "plywood", "--set", "pusher_radius_mm=-5"], "pusher"),
-    (["cycle", "plywood", "--set", "push_mm=-150"], "push"),
-    (["cycle", "plywood", "--set", "fraction=1.5"], "fraction"),
-    (["cycle", "plywood", "--set", "side=7"], "side"),
-    (["cycle", "plywood", "--set", "side=0.5"], "side"),
-    (["cycle", "plywood", "--set", "angle_deg=120"], "away"),
-    (["cycle", "plywood", "--set", "hitch_x_mm=inf"], "hitch"),
-    (["cycle", "plywood", "--set", "footprint=grid:0"], "grid"),
-    (["cycle", "plywood", "--set", "footprint=round"], "footprint"),
-    (["cycle", "plywood", "--set", "noise_deg=0"], "noise_deg"),
-    (["cycle", "plywood", "--theta0-deg", "0,x"], "'x'"),
-    (["cycle", "plywood", "--theta0-deg", "nan"], "'nan'"),
-    (["cycle", "plywood", "--theta0-deg", "1e300"], "lost to rounding"),
-    (["cycle", "plywood", "--theta0-deg", "1,,2"], "''"),
-    (["cycle", "plywood", "--protocol", "none.toml"], "none.toml"),
-    (["cycle", "plywood", "--speed", "3"], "--speed"),
-    (["portrait", "plywood", "--data", "none.csv"], "none.csv"),
-    (["portrait", "plywood", "--cycles", "0"], "--cycles"),
-    (["portrait", "plywood", "--format", "gif"], "--format"),
-    (["portait", "plywood"], "portait"),
-]
-
-
-@pytest.mark.parametrize(("arguments", "named"), BAD_USES, ids=lambda value: value if isinstance(value, str) else "")
-def test_bad_use_exits_2_with_one_clear_line(here, capsys, arguments, named) -> None:
-    assert run(arguments) == 2
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert shown.err.startswith("error: ")
-    assert shown.err.count("\n") == 1
-    assert named in shown.err
-    assert list(here.iterdir()) == []
-
-
 def test_folder_that_cannot_be_made_exits_1(here, capsys) -> None:
     (here / "taken").write_text("a file")
     assert run(["cycle", "plywood", "--theta0-deg", "0", "--out", "taken"]) == 1

@@ -51,24 +51,6 @@ def test_people_are_told_the_largest_differences_and_every_cycle(here, capsys) -
     assert (here / "out" / "dynamics_plywood.svg").read_bytes().startswith(b"<?xml")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (["dynamics", "plywod"], "plywood"),
-        (["dynamics", "plywood", "--theta0-deg", "x"], "theta0-deg"),
-        (["dynamics", "plywood", "--speed-mm-s", "0"], "speed must be positive"),
-        (["dynamics", "plywood", "--set", "pusher_radius_mm=0"], "thicker rod"),
-        (["dynamics"], "MATERIAL"),
-    ],
-)
-def test_bad_use_is_one_line_and_exit_2(here, capsys, arguments, told) -> None:
-    assert run(arguments) == 2
-    shown = capsys.readouterr()
-    assert told in shown.err
-    assert len(shown.err.splitlines()) == 1
-    assert list(here.iterdir()) == []
-
-
 def test_one_orientation_shows_the_quasi_static_turn_by_a_marker() -> None:
     loop = DynamicLoop(CollectionLoop.from_settings({"push_mm": 20}))
     one, two = compare_dynamics(loop, [1.0]), compare_dynamics(loop, [1.0, 2.0])

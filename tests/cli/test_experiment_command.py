@@ -71,23 +71,6 @@ def test_people_are_told_where_the_batches_end_and_with_which_model(here, capsys
     assert (here / "out" / "experiment_plywood.svg").read_bytes().startswith(b"<?xml")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (["experiment", "plywod"], "plywood"),
-        (["experiment", "plywood", "--batches", "0"], "batches"),
-        (["experiment", "plywood", "--cycles", "0"], "cycles"),
-        (["experiment", "plywood", "--speed-mm-s", "-1"], "speed must be positive"),
-    ],
-)
-def test_bad_use_is_one_line_and_exit_2(here, capsys, arguments, told) -> None:
-    assert run(arguments) == 2
-    shown = capsys.readouterr()
-    assert told in shown.err
-    assert len(shown.err.splitlines()) == 1
-    assert list(here.iterdir()) == []
-
-
 def test_sentences_tell_one_direction_several_or_none() -> None:
     # 0.9 rad * 0.6^n falls below a degree at the 8th cycle.
     agreed = experiment_headline(experiment([61.4, 421.4]))

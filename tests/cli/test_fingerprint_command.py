@@ -66,20 +66,3 @@ def test_people_read_the_five_numbers_and_the_direction_with_its_error(tmp_path,
     shown = capsys.readouterr().out
     for words in ("8.002", "117.279", "129.478", "101.365", "−111.061", "plywood locks into 59.4° ± 21.1°"):
         assert words in shown
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["ply"], "ply"),
-        (["plywood", "--material", "other.toml"], "give one material"),
-        (["--check"], "name a MATERIAL"),
-        (["plywood", "--set", "way_points_mm=[[0, 50]]"], "fixed in the world"),
-        (["plywood", "--set", "nonsense=1"], "nonsense"),
-    ],
-)
-def test_bad_use_is_one_line_and_code_2(arguments, words, tmp_path, capsys) -> None:
-    assert main.run(["fingerprint", *arguments, "--out", str(tmp_path)]) == 2
-    shown = capsys.readouterr()
-    assert words in shown.err and shown.err.count("\n") == 1 and shown.out == ""
-    assert not list(tmp_path.iterdir())

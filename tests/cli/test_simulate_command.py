@@ -95,24 +95,6 @@ def test_the_scatter_is_the_options_else_the_settings_else_the_packages(tmp_path
     assert read_toml(tmp_path / "collection.toml")["simulation"]["noise_turn_rad"] == pytest.approx(sigma)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--wear-to", "plywod"], "did you mean 'plywood'"),
-        (["--noise-deg", "-1"], "-1.0 is not in the range"),
-        (["--pose-noise-mm", "nan"], "noise of the position must be a finite number"),
-        (["--speed-mm-s", "0"], "0.0 is not in the range"),
-        (["--start-deg", "inf"], "start must be a finite number"),
-        (["--format", "csv"], "'csv' is not one of"),
-    ],
-)
-def test_bad_use_exits_2_with_one_line_and_writes_nothing(tmp_path, capsys, options, message) -> None:
-    assert simulate(tmp_path / "made", *options) == 2
-    shown = capsys.readouterr()
-    assert shown.out == "" and len(shown.err.splitlines()) == 1 and message in shown.err
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_folder_begun_with_other_arguments_exits_2_and_says_what_differs(tmp_path, capsys) -> None:
     assert simulate(tmp_path) == 0
     before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}

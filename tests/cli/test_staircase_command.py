@@ -62,23 +62,6 @@ def test_people_are_told_where_it_rests_how_long_and_how_high_it_climbs(here, ca
     assert (here / "out" / "staircase_plywood.svg").read_bytes().startswith(b"<?xml")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (["staircase", "plywod"], "plywood"),
-        (["staircase", "plywood", "--cycles", "0"], "cycles"),
-        (["staircase", "plywood", "--data", "nowhere.csv"], "nowhere.csv"),
-        (["staircase", "plywood", "--set", "noise_deg=0"], "noise_deg"),
-    ],
-)
-def test_bad_use_is_one_line_and_exit_2(here, capsys, arguments, told) -> None:
-    assert run(arguments) == 2
-    shown = capsys.readouterr()
-    assert told in shown.err
-    assert len(shown.err.splitlines()) == 1
-    assert list(here.iterdir()) == []
-
-
 def test_pairs_without_an_order_are_refused(here, capsys) -> None:
     (here / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 1}\n" for k in range(50)))
     assert run(["staircase", "plywood", "--data", "pairs.csv"]) == 2
