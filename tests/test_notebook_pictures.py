@@ -50,6 +50,7 @@ def test_a_cycle_tells_its_turns() -> None:
     assert "push +73.7° (blue), drag back -63.7°" in shown(LOOP.cycle(0.0)).findtext("figcaption")
 
 
+@pytest.mark.slow
 def test_a_portrait_marks_its_fixed_points() -> None:
     found = cm.portrait(LOOP, tolerance=1e-4, cycles=50)
     assert len(list(shown(found).iter("circle"))) == len(found.fixed_points) == 2

@@ -219,6 +219,7 @@ def test_a_folder_among_the_pushes_is_passed_over_and_a_link_to_nothing_named(he
     assert "gone.json: a link to a file that is not there" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_real_interrupt_ends_with_130_and_leaves_the_report(here) -> None:
     file = data_file(here, LOCKED[:5])
     command = [sys.executable, "-m", "cyclemap", "watch", str(file), "--follow", "--every", "0.05", "--json", "-"]

@@ -41,6 +41,7 @@ def test_statistics_do_not_smooth_a_jump() -> None:
     assert turns.max_slope == 1.5
 
 
+@pytest.mark.slow
 def test_portrait_of_a_locked_map(loop_of) -> None:
     found = portrait(loop_of(CircleMap.arnold(0.0, 0.5)), cycles=50)
     assert [(float(orbit.points[0]), orbit.stable) for orbit in found.fixed_points] == [
@@ -105,6 +106,7 @@ def test_turn_curve_ends_at_the_jump_on_both_sides() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_cobweb_corners_lie_in_turn_on_the_diagonal_and_on_the_graph(loop_of) -> None:
     circle_map = CircleMap.arnold(0.0, 0.5)
     web = cobweb(portrait(loop_of(circle_map), cycles=10))

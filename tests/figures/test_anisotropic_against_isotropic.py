@@ -26,6 +26,7 @@ def test_anisotropic_batches_draw_together_and_isotropic_ones_keep_their_distanc
     assert isotropic.max() < 1e-4
 
 
+@pytest.mark.slow
 def test_in_the_objects_frame_isotropic_paths_are_one_and_anisotropic_ones_spread() -> None:
     assert small().isotropic.spread < 5e-6
     assert small().anisotropic.spread > 0.01

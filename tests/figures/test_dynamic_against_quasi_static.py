@@ -25,6 +25,7 @@ def test_the_difference_falls_with_the_speed_squared_on_both_laws() -> None:
     assert small().orders == pytest.approx(slopes.mean(axis=1), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_caption_tells_the_largest_differences_of_the_result() -> None:
     caption = FIGURE.caption(small())
     for comparison in (small().material, small().isotropic):

@@ -79,6 +79,7 @@ def test_recorded_pushes_are_read_back_as_the_paths_that_were_recorded(tmp_path_
     assert [one.recorded for one in surfaces] == [True, False, False, False]
 
 
+@pytest.mark.slow
 def test_pushes_of_another_kind_in_the_folder_are_left_out(tmp_path, tmp_path_factory) -> None:
     shutil.copytree(recorded_folder(tmp_path_factory).path, tmp_path / "mixed")
     home = tmp_path / "mixed" / "plywood" / "rect1" / "normal"

@@ -56,6 +56,7 @@ def test_the_papers_peaks_are_marked_where_they_are(result) -> None:
     assert figure.axes[3].texts[0].get_text() == "paper: no stable direction"
 
 
+@pytest.mark.slow
 def test_without_data_it_says_so(result) -> None:
     note = f"Recorded θ0 on plywood, abs, delrin and pu: {NO_DATA}."
     assert caption(result).endswith(note)

@@ -60,6 +60,7 @@ def test_titles_stand_where_matplotlib_would_put_them(drawn) -> None:
     assert len(said) == 6 and said == found
 
 
+@pytest.mark.slow
 def test_turn_panel_draws_the_map_in_degrees_and_marks_its_fixed_points(drawn) -> None:
     result = drawn("locked")
     axes = axes_titled(result.page, "Turn")
@@ -96,6 +97,7 @@ def test_density_panel_draws_probability_per_degree(drawn) -> None:
     assert np.sum(measured.values * np.diff(measured.edges)) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_staircase_panel_draws_both_runs(drawn) -> None:
     result = drawn("rotating", True)
     axes = axes_titled(result.page, "Staircase")

@@ -80,12 +80,14 @@ def test_speed_of_locking_follows_from_the_multiplier(drawn) -> None:
     assert said == f"Stable at 18.3°, multiplier {multiplier:.3f}: {fast}"
 
 
+@pytest.mark.slow
 def test_without_fixed_points_the_pace_is_told(drawn) -> None:
     # 2πΩ = 7.2 and K = 5.7 degrees: the turn runs from their difference to their sum.
     said = sentences.lock_sentence(drawn("rotating").portrait)
     assert said.startswith("Without noise a cycle turns the object by 1.5° to 12.9°; a full turn takes ")
 
 
+@pytest.mark.slow
 def test_attracting_jump_is_told(drawn) -> None:
     assert sentences.lock_sentence(drawn("jumping").portrait) == "Orbits gather about the jump at 114.6°."
 

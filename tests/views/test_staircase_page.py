@@ -33,6 +33,7 @@ def measured() -> MeasuredStaircase:
     return measured_staircase(Theta0Pairs(path[:-1], path[1:], path))
 
 
+@pytest.mark.slow
 def test_a_page_shows_the_whole_run_and_every_dwell(forecast) -> None:
     found = forecast(*GHOST)
     paths, steps, lengths = staircase_page(found).axes

@@ -178,6 +178,7 @@ def test_the_plywood_turn_is_known_to_a_degree_and_better_with_wear(measured_dat
     assert np.all(fitted.wear.whole.noise(np.deg2rad([20.0, 200.0])) > 3 * fitted.wear.whole.noise(np.deg2rad(95.0)))
 
 
+@pytest.mark.slow
 def test_the_plywood_bottleneck_lies_near_95_degrees_and_opens(measured_data: Path) -> None:
     fitted, _ = plywood(measured_data)
     theta = np.deg2rad(np.arange(0.0, 360.0, 0.1))

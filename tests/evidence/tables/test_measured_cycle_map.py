@@ -14,6 +14,8 @@ from cyclemap.evidence.theta0.covered_arcs import is_covered
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.theta0.theta0_statistics import turn_bins
 
+pytestmark = pytest.mark.slow
+
 GRID = np.linspace(0.0, TURN, 90)
 
 

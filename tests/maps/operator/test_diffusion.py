@@ -54,6 +54,7 @@ def test_jumps_of_the_map_diffuse_too():
         assert found.error_bound < 1e-10
 
 
+@pytest.mark.slow
 def test_normal_kicks_have_two_routes():
     """Narrow von Mises noise of variance s² diffuses like normal noise of that variance, up to its fourth moment."""
     circle_map, gaps = CircleMap.arnold(0.2, 0.7), []
