@@ -4,6 +4,7 @@
     python3 run.py portrait plywood     install what is needed, then run `cyclemap portrait plywood`
     python3 run.py COMMAND ...          the same for any command of cyclemap
     python3 run.py test [PYTEST ...]    install the test tools too, check style and types, run the tests
+    python3 run.py test --quick ...     the same without the tests marked slow: an answer in two minutes
     python3 run.py test --floors ...    run the tests on the oldest packages that pyproject.toml allows
     python3 run.py test --newest ...    run the tests on the newest packages there are
     python3 run.py docs [SPHINX ...]    build the documentation into docs/_build/html
@@ -180,8 +181,12 @@ def run_tests(arguments: list[str]) -> int:
     """
     usual = VENV.name == ".venv"
     codes = [call([PYTHON, "-m", *check], cwd=ROOT) for check in CHECKS if usual]
-    lenient = [] if usual else ["-W", "ignore::DeprecationWarning", "-W", "ignore::FutureWarning"]
-    codes.append(call([PYTHON, "-m", "pytest", "-n", "auto", *lenient, *arguments], cwd=ROOT))
+    chosen = [] if usual else ["-W", "ignore::DeprecationWarning", "-W", "ignore::FutureWarning"]
+    if "--quick" in arguments:
+        chosen += ["-m", "not slow"]
+    rest = [argument for argument in arguments if argument != "--quick"]
+    # The tests of a module share what it prepares: one process runs them all.
+    codes.append(call([PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", *chosen, *rest], cwd=ROOT))
     return next((code for code in codes if code), 0)
 
 

@@ -102,6 +102,22 @@ def read_toml(path: str | Path, parse_float: Callable[[str], Any] = float) -> di
         raise DataFileError(f"{path}: lists or tables are nested too deeply; a few levels are enough") from error
 
 
+def key_place(path: str | Path, text: str, table: str, key: str) -> str:
+    """Return the file and, where it is found, the line of a key in a table ("": before the first) of its TOML text.
+
+    >>> key_place("a.toml", "side = 1\\n[push]\\nside = 2\\n", "push", "side")
+    'a.toml, line 3'
+    """
+    here = ""
+    for number, line in enumerate(text.splitlines(), 1):
+        heading = re.fullmatch(r"\s*\[+\s*[\"']?([A-Za-z_][^\[\],\"']*?)[\"']?\s*\]+\s*(#.*)?", line)
+        here = heading[1] if heading else here
+        stands = here == table and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=", line)
+        if stands or (heading and here == f"{table}.{key}"):
+            return f"{path}, line {number}"
+    return str(path)
+
+
 def read_json(path: str | Path) -> object:
     """Read a JSON file; DataFileError where it is absent, cut short, not JSON, or names a key twice."""
     content = read_bytes(Path(path))

@@ -28,6 +28,7 @@ extensions = [
     "house_docstrings",
     "mathml_math",
     "public_names",
+    "settings_table",
 ]
 exclude_patterns = ["_build", "_extensions", "_figures", "gallery/*.md"]
 nitpicky = True

@@ -28,6 +28,13 @@ def measured_data() -> Path:
     return folder
 
 
+@pytest.fixture(autouse=True)
+def _silent_progress(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Commands say every few seconds that they go on: on a busy machine, that is no part of what they answer."""
+    if request.path.parent.name == "cli":
+        monkeypatch.setattr("cyclemap.cli.output.LINE_SECONDS", 3600.0)
+
+
 @dataclass(frozen=True)
 class StubLoop:
     """A loop whose cycle map is given outright, while all else is the real loop's."""

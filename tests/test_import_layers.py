@@ -31,6 +31,7 @@ SHARED = {
     "plain_text": 0,
     "checks": 1,
     "file_text": 1,
+    "inline_svg": 1,
     "suggestions": 1,
     "text_files": 1,
     "whole_files": 1,
@@ -98,11 +99,13 @@ def test_every_file_belongs_to_a_known_room() -> None:
     assert {"mechanics", "maps", "collection", "evidence", "views", "figures", "cli"} <= parts
 
 
+@pytest.mark.slow
 def test_imports_never_run_upward_or_sideways() -> None:
     found = [violations(path.read_text(encoding="utf-8"), *module_name(path)) for path in FILES]
     assert [line for lines in found for line in lines] == []
 
 
+@pytest.mark.slow
 def test_no_file_imports_itself_through_others() -> None:
     """Files none of whose imports is left are taken away until none is; what a function imports, it imports later."""
     left = {}
@@ -190,6 +193,7 @@ def allowed(place: str, part: str) -> set[str]:
     return {name for row in before for name in row} | PARTS_SHARED[place]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", ROWS)
 def test_the_parts_of_a_room_import_one_way(place: str) -> None:
     """A lift knows no orbit, a noise no operator; nothing inside a room goes through its door."""

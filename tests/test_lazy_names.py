@@ -25,6 +25,7 @@ def loaded(code: str, names: tuple[str, ...]) -> list[str]:
     return run.stderr.split()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room", ROOMS)
 def test_every_name_of_a_room_is_the_one_that_its_module_defines(room: str) -> None:
     """One list: __all__ holds what is imported for type checkers, and each name is the module's own object."""
@@ -51,6 +52,7 @@ def test_a_name_loads_its_own_module_and_not_the_others() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_a_function_named_like_its_module_is_the_function_in_either_order() -> None:
     """Python binds an imported submodule on its package; the public name must not change with the order of imports."""
     for order in ("import {0}", "from {1} import {2}; import {0}", "import {0}; from {1} import {2}"):
@@ -78,6 +80,7 @@ def test_a_room_without_its_source_says_so(monkeypatch: pytest.MonkeyPatch) -> N
         import_on_first_use("bare_room")
 
 
+@pytest.mark.slow
 def test_a_portrait_loads_nothing_that_it_does_not_use(tmp_path: Path) -> None:
     """The whole command, drawing included: what takes long to load and serves other commands stays out."""
     code = (

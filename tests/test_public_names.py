@@ -7,7 +7,7 @@ import pytest
 
 import cyclemap as cm
 
-# The names thatusers were promised.
+# The names that users were promised.
 PROMISED = (
     *("CollectionLoop", "CircleMap", "fixed_points", "periodic_orbits", "rotation_number", "rotation_interval"),
     *("lyapunov_exponent", "transfer_operator", "WrappedNormal", "WrappedCauchy", "VonMises", "UniformNoise"),
@@ -34,6 +34,15 @@ def test_every_public_name_resolves():
     """Each name of __all__ leads to something, and every promised name is among them."""
     found = [name for name in cm.__all__ if getattr(cm, name) is not None]
     assert len(found) == len(cm.__all__) and set(PROMISED) <= set(found)
+
+
+@pytest.mark.parametrize("room", [name for name in ROOMS if name != "views"])
+def test_the_docstring_of_a_room_is_its_table_of_contents(room):
+    """help() of a room tells every public name of it once, with a few words, and no other."""
+    module = getattr(cm, room)
+    entries = [line.split(" : ") for line in module.__doc__.splitlines() if " : " in line]
+    told = [name for names, words in entries for name in names.split(", ") if words.strip()]
+    assert sorted(told) == sorted(module.__all__)
 
 
 def test_unknown_name_is_an_attribute_error():

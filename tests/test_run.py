@@ -182,6 +182,16 @@ def test_every_check_runs_and_any_failure_counts(run, monkeypatch, failing) -> N
     assert made[-1][-2:] == ["-k", "cycle"]
 
 
+@pytest.mark.parametrize(("asked", "left_out"), [(["--quick", "tests/maps"], True), (["tests/maps"], False)])
+def test_a_quick_run_leaves_out_the_tests_marked_slow(run, monkeypatch, asked, left_out) -> None:
+    """All the checks run; of the tests those that the marker `slow` of pyproject.toml is not on."""
+    made: list[list[str]] = []
+    monkeypatch.setattr(run, "call", lambda command, cwd=None: made.append(command) or 0)
+    assert run.run_tests(asked) == 0
+    assert len(made) == 4 and made[-1][-1] == "tests/maps" and "--quick" not in made[-1]
+    assert ("not slow" in made[-1]) == left_out
+
+
 @pytest.mark.parametrize(("code", "said"), [(0, "index.html"), (2, "")])
 def test_documentation_is_built_with_warnings_as_errors_and_its_place_told(
     run, monkeypatch, capsys, code, said

@@ -41,6 +41,7 @@ def test_a_pipe_a_device_and_an_endless_file_are_refused_at_once(tmp_path, suffi
                 reader(tmp_path / f"{name}{suffix}")
 
 
+@pytest.mark.slow
 def test_tables_that_unpack_to_gigabytes_are_refused_before_they_do(tmp_path) -> None:
     """The limit is on what is decoded: bytes become doubles, and a chunk may hold more than its size says."""
     wide, bomb = tmp_path / "wide.h5", tmp_path / "bomb.h5"
@@ -71,6 +72,7 @@ def test_columns_and_keys_that_are_there_twice_are_refused(tmp_path) -> None:
     assert "the key 'tip_pose' is there twice" in reasons(push)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", ["1_0", "١٢", "0x10", "1e", "--1"])
 def test_numbers_are_written_in_plain_digits(tmp_path, capsys, number) -> None:
     table = tmp_path / "odd.csv"

@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import click
 
-from cyclemap.cli.options import decorated, result_options
-from cyclemap.cli.own_data import readable_data, table_options
-
-
-def _results(command: Any) -> Any:
-    return decorated(command, result_options("audit_DATA.png and .json"))
+from cyclemap.cli.options import readable_data, result_options, table_options
 
 
 @click.command("audit")
 @click.argument("data", type=click.Path(path_type=Path))
 @table_options
-@_results
+@result_options("audit_DATA.png and .json")
 def audit_command(
     data: Path, columns: str | None, units: str | None, out: Path, picture_format: str, json_target: str | None
 ) -> None:
@@ -26,7 +20,7 @@ def audit_command(
 
     DATA is a file, folder or tree in the MIT layout, or a table: orientations alone tell much, poses more.
     """
-    from cyclemap.cli.json_numbers import degrees, direction_deg
+    from cyclemap.cli.json_report import degrees, direction_deg
     from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
     from cyclemap.cli.terminal import PeopleConsole
     from cyclemap.resets.monitor.audit import audit

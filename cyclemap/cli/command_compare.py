@@ -1,17 +1,20 @@
 """`cyclemap compare`: its options, and the one call that it is."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import click
 
-from cyclemap.cli.number_types import Whole
-from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options, select_option
-from cyclemap.cli.own_data import readable_data, table_options
-
-Decorator = Callable[[Any], Any]
+from cyclemap.cli.options import (
+    LoopOptions,
+    Whole,
+    loop_options,
+    readable_data,
+    result_options,
+    select_option,
+    table_options,
+)
 
 
 @dataclass(frozen=True)
@@ -28,28 +31,21 @@ class CompareRequest:
     picture_format: str
 
 
-def _compare_options(command: Callable[..., None]) -> Callable[..., None]:
-    return decorated(command, [*_data_options(), *result_options("compare_MATERIAL.png and .json")])
-
-
-def _data_options() -> list[Decorator]:
-    """What is compared, and how."""
-    tables = "Measured pushes: a CSV table of θ0 or of poses, or a file or folder of the MIT layout."
-    early = "Leave out pushes before this one."
-    runs: dict[str, Any] = {"type": Whole(min=19), "default": 199, "help": "Simulated collections."}
-    return [
-        click.option("--data", metavar="DATA", required=True, type=click.Path(path_type=Path), help=tables),
-        click.option("--first", type=Whole(min=0), default=0, show_default=True, help=early),
-        select_option,
-        click.option("--runs", show_default=True, **runs),
-        click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of their noise."),
-    ]
-
-
 @click.command("compare")
 @loop_options
 @table_options
-@_compare_options
+@click.option(
+    "--data",
+    metavar="DATA",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="Measured pushes: a CSV table of θ0 or of poses, or a file or folder of the MIT layout.",
+)
+@click.option("--first", type=Whole(min=0), default=0, show_default=True, help="Leave out pushes before this one.")
+@select_option
+@click.option("--runs", type=Whole(min=19), default=199, show_default=True, help="Simulated collections.")
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of their noise.")
+@result_options("compare_MATERIAL.png and .json")
 def compare_command(
     options: LoopOptions,
     columns: str | None,

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from cyclemap.cli.number_types import Real
-from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options, theta0_option
+from cyclemap.cli.options import LoopOptions, Real, loop_options, result_options, theta0_option
 
 if TYPE_CHECKING:
     from cyclemap.cli.json_report import Json
@@ -21,15 +19,11 @@ if TYPE_CHECKING:
 COLUMNS = ("law", "θ0 (°)", "model", "push turn (°)", "dx (mm)", "dy (mm)", "drag turn (°)", "next θ0 (°)")
 
 
-def _results(command: Callable[..., None]) -> Callable[..., None]:
-    return decorated(command, result_options("dynamics_MATERIAL.png and .json"))
-
-
 @click.command("dynamics")
 @loop_options
 @theta0_option
 @click.option("--speed-mm-s", type=Real(), default=20.0, show_default=True, help="Speed of the rod.")
-@_results
+@result_options("dynamics_MATERIAL.png and .json")
 def dynamics_command(
     options: LoopOptions,
     theta0_deg: str,
@@ -67,7 +61,7 @@ def dynamics_command(
 
 def _report(starts_deg: list[float], material: DynamicsComparison, isotropic: DynamicsComparison) -> Json:
     """The comparison as JSON: for both laws the cycles of both models from each start angle (degrees)."""
-    from cyclemap.cli.json_numbers import degrees, number
+    from cyclemap.cli.json_report import degrees, number
 
     def rows(comparison: DynamicsComparison) -> Json:
         both = (("dynamic", comparison.dynamic), ("quasi_static", comparison.quasi_static))

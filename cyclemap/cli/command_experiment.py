@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from cyclemap.cli.number_types import MOST_CYCLES, Real, Whole
-from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
+from cyclemap.cli.options import MOST_CYCLES, LoopOptions, Real, Whole, loop_options, result_options
 
 if TYPE_CHECKING:
     from cyclemap.cli.json_report import Json
     from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun
-
-
-def _results(command: Callable[..., None]) -> Callable[..., None]:
-    return decorated(command, result_options("experiment_MATERIAL.png and .json"))
 
 
 @click.command("experiment")
@@ -26,7 +20,7 @@ def _results(command: Callable[..., None]) -> Callable[..., None]:
 @click.option("--cycles", type=Whole(1, MOST_CYCLES), default=100, show_default=True, help="Cycles a batch.")
 @click.option("--speed-mm-s", type=Real(), default=20.0, show_default=True, help="Speed of the rod.")
 @click.option("--quasi-static", is_flag=True, help="Quasi-static cycles, without inertia, in place of dynamic ones.")
-@_results
+@result_options("experiment_MATERIAL.png and .json")
 def experiment_command(
     options: LoopOptions,
     batches: int,
@@ -65,7 +59,7 @@ def experiment_command(
 
 def _report(experiment: BatchExperiment) -> Json:
     """The experiment as JSON; theta0_deg on the lift, one entry more than cycles."""
-    from cyclemap.cli.json_numbers import degrees, number
+    from cyclemap.cli.json_report import degrees, number
     from cyclemap.collection.batch_experiment import WITHIN
 
     return {
@@ -81,7 +75,7 @@ def _report(experiment: BatchExperiment) -> Json:
 def _run(run: BatchRun) -> Json:
     import numpy as np
 
-    from cyclemap.cli.json_numbers import degrees, direction_deg, number, numbers
+    from cyclemap.cli.json_report import degrees, direction_deg, number, numbers
 
     directions, settled = run.directions(), run.settled_after()
     return {

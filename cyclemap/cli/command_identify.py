@@ -1,17 +1,13 @@
 """The command `cyclemap identify`: its arguments and options."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import click
 
-from cyclemap.cli.number_types import Real, Whole
-from cyclemap.cli.options import decorated, result_options, select_option
-from cyclemap.cli.own_data import readable_data, table_options
+from cyclemap.cli.options import Real, Whole, readable_data, result_options, select_option, table_options
 
-Decorator = Callable[[Any], Any]
 _PATH = click.Path(path_type=Path)
 
 
@@ -38,72 +34,39 @@ class IdentifyRequest:
     picture_format: str
 
 
-def _data_options() -> list[Decorator]:
-    """Which data, and in which experiment they were taken."""
-    repeatable: dict[str, Any] = {"metavar": "KEY=VALUE", "multiple": True}
-    return [
-        select_option,
-        click.option("--protocol", metavar="TOML", type=_PATH, help="The --set keys in TOML tables."),
-        click.option(
-            "--set", "settings", help="One fact of the experiment (rod, ring, object); repeatable.", **repeatable
-        ),
-        click.option(
-            "--first",
-            type=Whole(min=0),
-            default=0,
-            show_default=True,
-            help="Leave out cycles before this one.",
-        ),
-        click.option(
-            "--most",
-            type=Whole(min=2),
-            default=2000,
-            show_default=True,
-            help="Pushes or drags of an object and file, at most.",
-        ),
-    ]
-
-
-def _model_options() -> list[Decorator]:
-    """What is identified."""
-    return [
-        click.option("--start", metavar="MATERIAL", help="Where the search begins: a name or a TOML file."),
-        click.option(
-            "--free", metavar="NAMES", help="Parameters to identify, by commas. [default: what the data tell]"
-        ),
-        click.option("--fix", metavar="NAME=VALUE", multiple=True, help="Hold a parameter (SI units); repeatable."),
-        click.option("--wear", is_flag=True, help="Let the friction change over the cycles."),
-        click.option("--no-priors", is_flag=True, help="Believe nothing beforehand: the data alone speak."),
-    ]
-
-
-def _method_options() -> list[Decorator]:
-    """How."""
-    whole = Whole(min=0)
-    return [
-        click.option("--folds", type=whole, help="Parts for cross-validation; 0: none. [default: 5]"),
-        click.option(
-            "--student",
-            type=Real(min=1.0, min_open=True),
-            default=4.0,
-            show_default=True,
-            help="Freedom of Student noise, which lets outliers count less; a large one is normal noise.",
-        ),
-        click.option("--starts", type=Whole(min=1), default=2, show_default=True, help="Searches."),
-        click.option("--seed", type=whole, default=0, show_default=True, help="Seed of starts, folds and draws."),
-    ]
-
-
-def _decorated(command: Callable[..., None]) -> Callable[..., None]:
-    name = click.option("--name", help="Of the material. [default: SURFACE-identified]")
-    results = result_options("NAME.toml, identify_NAME.png and .json")
-    return decorated(command, [*_data_options(), *_model_options(), *_method_options(), name, *results])
-
-
 @click.command("identify")
 @click.argument("data", nargs=-1, required=True, type=_PATH)
 @table_options
-@_decorated
+@select_option
+@click.option("--protocol", metavar="TOML", type=_PATH, help="The --set keys in TOML tables.")
+@click.option(
+    "--set",
+    "settings",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="One fact of the experiment (rod, ring, object); repeatable.",
+)
+@click.option("--first", type=Whole(min=0), default=0, show_default=True, help="Leave out cycles before this one.")
+@click.option(
+    "--most", type=Whole(min=2), default=2000, show_default=True, help="Pushes or drags of an object and file, at most."
+)
+@click.option("--start", metavar="MATERIAL", help="Where the search begins: a name or a TOML file.")
+@click.option("--free", metavar="NAMES", help="Parameters to identify, by commas. [default: what the data tell]")
+@click.option("--fix", metavar="NAME=VALUE", multiple=True, help="Hold a parameter (SI units); repeatable.")
+@click.option("--wear", is_flag=True, help="Let the friction change over the cycles.")
+@click.option("--no-priors", is_flag=True, help="Believe nothing beforehand: the data alone speak.")
+@click.option("--folds", type=Whole(min=0), help="Parts for cross-validation; 0: none. [default: 5]")
+@click.option(
+    "--student",
+    type=Real(min=1.0, min_open=True),
+    default=4.0,
+    show_default=True,
+    help="Freedom of Student noise, which lets outliers count less; a large one is normal noise.",
+)
+@click.option("--starts", type=Whole(min=1), default=2, show_default=True, help="Searches.")
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of starts, folds and draws.")
+@click.option("--name", help="Of the material. [default: SURFACE-identified]")
+@result_options("NAME.toml, identify_NAME.png and .json")
 def identify_command(
     data: tuple[Path, ...], columns: str | None, units: str | None, json_target: str | None, **request: Any
 ) -> None:

@@ -13,19 +13,6 @@ from cyclemap.errors import InvalidInput
 if TYPE_CHECKING:
     from cyclemap.mechanics.outline import Outline
 
-NOTES = {
-    "vertices_mm": "Counter-clockwise; side i runs from vertex i (from 0) to the next. The frame is the drawing's.",
-    "object_name": "As the data call it.",
-    "mass_kg": "Weigh it. It scales forces alone, never the motion.",
-    "side": "Which side is pushed; see the picture.",
-    "fraction": "Where on it, from its first vertex (0) to its second (1).",
-    "angle_deg": "Direction of the push from the side's inward normal, counter-clockwise.",
-    "push_mm": "How far the rod goes from its first touch.",
-    "pusher_radius_mm": "Measure your rod.",
-    "pusher_mu": "Friction of rod and object; 0.15 is steel on steel.",
-    "hitch_x_mm": "The ring that drags the object back, in the object's frame: measure where yours is.",
-    "noise_deg": "Scatter of the orientation from cycle to cycle; 1.1 was measured on plywood.",
-}
 COMMENTS = (
     "What is pushed, on what, where, and how it is dragged back: lengths in mm, angles in degrees counter-clockwise.",
     "Every command takes this file as MATERIAL, or as --protocol beside another material. [friction] is the surface:",
@@ -128,24 +115,24 @@ def _lengths(key: str, text: str) -> list[float]:
 
 
 def _write(file: Path, outline: Outline, name: str, asked: dict[str, Any]) -> None:
-    import math
     from dataclasses import replace
 
     from cyclemap.cli.settings import set_settings
-    from cyclemap.collection.collection_file import NOISE_KEY, collection_text
+    from cyclemap.collection.collection_file import collection_text
     from cyclemap.collection.loop import CollectionLoop
     from cyclemap.collection.own_object import first_settings, within_reach
     from cyclemap.collection.portrait import DEFAULT_SIGMA
+    from cyclemap.collection.setting_table import SETTINGS, without_noise
     from cyclemap.collection.settings import layered
     from cyclemap.whole_files import write_whole
 
-    own = set_settings(asked["settings"])
-    noise_deg = own.pop(NOISE_KEY, round(math.degrees(DEFAULT_SIGMA), 9))
+    own, sigma = without_noise(set_settings(asked["settings"]))
     first = {"shape": asked["shape"]} if asked["shape"] else first_settings(outline, name)
     loop = CollectionLoop.from_settings(layered(first, own), CollectionLoop.mit("isotropic"))
     material = replace(loop.material, name=asked["surface"], provenance="given with cyclemap init, not measured")
     loop = replace(loop, material=material)
     if "push_mm" not in own and not asked["shape"]:
         loop = within_reach(loop)
-    text = collection_text(loop, noise=math.radians(float(str(noise_deg))), comments=COMMENTS, notes=NOTES)
+    notes = {key: f"{one.meaning[0].upper()}{one.meaning[1:]}." for key, one in SETTINGS.items()}
+    text = collection_text(loop, noise=DEFAULT_SIGMA if sigma is None else sigma, comments=COMMENTS, notes=notes)
     write_whole(file, text.encode())

@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.number_types import Whole
-from cyclemap.cli.options import LoopOptions, decorated, protocol_options, result_options
-from cyclemap.cli.own_data import readable_data, table_options
+from cyclemap.cli.options import (
+    LoopOptions,
+    Whole,
+    protocol_options,
+    readable_data,
+    result_options,
+    table_options,
+)
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
     from cyclemap.evidence.push_probe import Probe
-
-
-def _results(command: Any) -> Any:
-    return decorated(command, result_options("probe.png and .json"))
 
 
 @click.command("probe")
@@ -35,14 +36,14 @@ def _results(command: Any) -> Any:
     "--count", type=Whole(12, 3600), default=72, show_default=True, help="Orientations, of a program or function."
 )
 @table_options
-@_results
+@result_options("probe.png and .json")
 def probe_command(options: LoopOptions, json_target: str | None, **asked: Any) -> None:
     """Ask whether pushes depend on their direction, what friction ellipse does the same, and where it would lock in.
 
     MATERIAL, or --protocol, tells the object and its push; the surface is taken as isotropic. Give one of --data,
     --command and --python.
     """
-    from cyclemap.cli.json_numbers import degrees
+    from cyclemap.cli.json_report import degrees
     from cyclemap.cli.output import publish_json, write_json
     from cyclemap.cli.terminal import PeopleConsole
     from cyclemap.views.probe_page import probe_page, probe_sentences

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from cyclemap.cli.number_types import Real, Whole
-from cyclemap.cli.options import LoopOptions, decorated, loop_options, result_options
+from cyclemap.cli.options import LoopOptions, Real, Whole, loop_options, result_options
 
 _SHARE = Real(min=0.0, max=1.0, min_open=True, max_open=True)
 _ABOVE_ZERO = Real(min=0.0, min_open=True)
@@ -20,9 +18,6 @@ _MORE = "What the robot can do besides: put the ring elsewhere, turn the object.
 _AXES = "How much one axis of friction may be longer against the other.  [default: the material's posterior, or 10]"
 _OFFSETS = "How much m0 and n0 may vary.  [default: the material's posterior, or 50]"
 _LIKELY = "A material as likely as MATERIAL, in place of these percentages. Repeatable."
-_RESULTS = partial(
-    decorated, decorators=result_options("reset_MATERIAL.png and .json, the protocol (.toml) and the schedule (.csv)")
-)
 
 
 @click.command("reset", context_settings={"show_default": True})
@@ -42,7 +37,7 @@ _RESULTS = partial(
 @click.option("--pushes", type=Whole(1, 10_000), default=500, help="How many to collect.")
 @click.option("--cycles", type=Whole(1, 10_000_000), default=2000, help="Schedule's length.")
 @click.option("--seed", type=Whole(min=0), default=0, help="Seed of the schedule.")
-@_RESULTS
+@result_options("reset_MATERIAL.png and .json, the protocol (.toml) and the schedule (.csv)")
 def reset_command(
     options: LoopOptions, json_target: str | None, out: Path, picture_format: str, cycles: int, seed: int,
     reach_mm: float | None, least_push_mm: float | None, axes_percent: float | None, offsets_percent: float | None,

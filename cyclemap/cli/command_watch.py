@@ -5,15 +5,19 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.number_types import Real
-from cyclemap.cli.options import LoopOptions, decorated, result_options
-from cyclemap.cli.own_data import table_options, tell_what_was_read, told_columns
+from cyclemap.cli.options import (
+    LoopOptions,
+    Real,
+    result_options,
+    table_options,
+    tell_what_was_read,
+    told_columns,
+)
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -29,7 +33,6 @@ _PATH: Any = click.Path(path_type=Path)
 _SHARE, _WAIT = Real(min=0.0, max=1.0, min_open=True, max_open=True), Real(min=0.01, max=86400.0)
 _RATE = "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger."
 _SURFACE = "With --protocol: name or TOML file of the surface. [default: isotropic]"
-_RESULTS = partial(decorated, decorators=result_options("watch_FILE.png and .json"))
 
 
 @click.command("watch")
@@ -40,7 +43,7 @@ _RESULTS = partial(decorated, decorators=result_options("watch_FILE.png and .jso
 @click.option("--protocol", metavar="TOML", type=_PATH, help="With a [strategy]: which of its actions to take next.")
 @click.option("--material", metavar="MATERIAL", help=_SURFACE)
 @table_options
-@_RESULTS
+@result_options("watch_FILE.png and .json")
 def watch_command(
     file: Path, alarm_rate: float, follow: bool, every: float, protocol: Path | None, material: str | None,
     columns: str | None, units: str | None, **results: Any,
@@ -108,7 +111,7 @@ def _chooser(protocol: Path | None, material: str | None) -> Choose:
 
 def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | None, as_json: bool) -> None:
     """A line of JSON; or what changed: alarm, rest, another tenth of the circle; and what a strategy does next."""
-    from cyclemap.cli.json_numbers import direction_deg
+    from cyclemap.cli.json_report import direction_deg
     from cyclemap.views import watch_sentences as sentences
 
     if as_json:
@@ -147,7 +150,7 @@ def _conclude(
 
 def _report(report: BiasReport, chosen: Chosen | None) -> Json:
     """What the monitor tells, and what to do next where a strategy is followed."""
-    from cyclemap.cli.json_numbers import degrees, direction_deg, number
+    from cyclemap.cli.json_report import degrees, direction_deg, number
     from cyclemap.views.reset_sentences import action_words
 
     alarm, rest, state, advice = report.alarm, report.rest, report.coverage, report.advice

@@ -8,7 +8,21 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.options import LoopOptions, RunRequest, loop_options, run_options, theta0_option
+from cyclemap.cli.options import (
+    MOST_CYCLES,
+    LoopOptions,
+    Real,
+    RunRequest,
+    Whole,
+    loop_options,
+    protocol_options,
+    readable_data,
+    result_options,
+    run_options,
+    select_option,
+    table_options,
+    theta0_option,
+)
 
 
 @click.command("cycle")
@@ -54,3 +68,130 @@ def staircase_command(
     from cyclemap.cli.run_staircase import run_staircase
 
     run_staircase(options, RunRequest(**request), json_target)
+
+
+@click.command("fingerprint")
+@protocol_options
+@click.option("--check", is_flag=True, help="Compute the full cycle map too, and set its directions beside.")
+@result_options("fingerprint_MATERIAL.png and .json")
+def fingerprint_command(
+    options: LoopOptions,
+    json_target: str | None,
+    **request: Any,
+) -> None:
+    """Print the five numbers of a protocol and, for a material, the directions they predict.
+
+    Without MATERIAL and friction settings only the protocol's own numbers are told.
+    """
+    from cyclemap.cli.run_fingerprint import FingerprintRequest, run_fingerprint
+
+    run_fingerprint(options, FingerprintRequest(**request), json_target)
+
+
+_NOT_NEGATIVE = Real(min=0.0)
+
+
+@click.command("simulate")
+@loop_options
+@click.option(
+    "--out", "folder", metavar="DIR", type=click.Path(path_type=Path), required=True, help="Folder of the collection."
+)
+@click.option("--cycles", type=Whole(1, MOST_CYCLES), default=2000, show_default=True, help="How many pushes.")
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of all noise.")
+@click.option("--start-deg", type=Real(), default=0.0, show_default=True, help="θ0 of the first push.")
+@click.option("--noise-deg", type=_NOT_NEGATIVE, help="Scatter of θ0 from cycle to cycle. [default: its own or 1.1]")
+@click.option(
+    "--pose-noise-mm", type=_NOT_NEGATIVE, default=0.0, show_default=True, help="Error of recorded positions."
+)
+@click.option("--pose-noise-deg", type=_NOT_NEGATIVE, default=0.0, show_default=True, help="Error of recorded angles.")
+@click.option("--force-noise-n", type=_NOT_NEGATIVE, default=0.0, show_default=True, help="Error of recorded forces.")
+@click.option("--wear-to", metavar="MATERIAL", help="The surface at the last push: a name or a TOML file.")
+@click.option("--speed-mm-s", type=Real(min=0.0, min_open=True), default=20.0, show_default=True, help="Of the rod.")
+@click.option("--scans", is_flag=True, help="Friction scans of the fresh surface, too.")
+@click.option(
+    "--format", "suffix", type=click.Choice(["h5", "json"]), default="h5", show_default=True, help="Kind of the files."
+)
+@click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
+def simulate_command(
+    options: LoopOptions,
+    json_target: str | None,
+    **request: Any,
+) -> None:
+    """Write a simulated collection as files of the MIT dataset's layout, to rehearse what comes after.
+
+    Run it again with the same arguments to go on with a collection that was broken off.
+    """
+    from cyclemap.cli.run_simulate import SimulationRequest, run_simulate
+
+    run_simulate(options, SimulationRequest(**request), json_target)
+
+
+@click.command("replay")
+@loop_options
+@click.option(
+    "--data",
+    metavar="PATH",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="Recorded pushes: in the MIT layout (a file, a folder or a tree), or CSV of poses and places of the tip.",
+)
+@select_option
+@click.option("--pusher-friction", type=Real(min=0.0), help="Friction of rod and object. [default: 0.25, or as set]")
+@result_options("replay_MATERIAL.png and .json")
+def replay_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
+    """Replay recorded pushes along their own tip paths on MATERIAL, and tell how far off each ends.
+
+    How plates press on it is taken from MATERIAL, and errors stand beside those of isotropic friction. The object is
+    the data's: MIT's by its name in them, any other from MATERIAL, --protocol or the collection.toml beside the data.
+    On an isotropic surface the friction coefficient changes no motion.
+    """
+    from cyclemap.cli.run_replay import ReplayRequest, run_replay
+
+    run_replay(options, ReplayRequest(**request), json_target)
+
+
+MOST_HARMONICS = 50
+
+
+@click.command("fit")
+@click.argument("data", type=click.Path(path_type=Path))
+@select_option
+@click.option("--harmonics", type=Whole(0, MOST_HARMONICS), help="Order of every law. [default: by cross-validation]")
+@click.option("--wear/--no-wear", default=True, show_default=True, help="Let the cycle map drift in time.")
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of folds and paths.")
+@table_options
+@result_options("fit_NAME.png and .json, for each set,")
+def fit_command(data: Path, columns: str | None, units: str | None, json_target: str | None, **request: Any) -> None:
+    """Fit laws to measured pushes: Δθ, Δx, Δy over θ0, their histogram, and the cycle map with its wear.
+
+    DATA is a file, a folder or a tree in the MIT layout, a CSV table of poses or of θ0, or a table of
+    your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
+    """
+    from cyclemap.cli.run_fit import FitRequest, run_fit
+
+    data = readable_data(data, columns, units, request["out"])
+    run_fit(data, FitRequest(**request), json_target)
+
+
+@click.command("figures")
+@click.argument("names", metavar="[NAME ...|all]", nargs=-1)
+@click.option(
+    "--data",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    help="Folder of measured data. [default: $CYCLEMAP_DATA, or shared/data beside the checkout]",
+)
+@result_options("pictures, tables and figures.json")
+def figures_command(
+    names: tuple[str, ...], data: Path | None, out: Path, picture_format: str, json_target: str | None
+) -> None:
+    """Make figures and tables of the paper, and those it lacks; without a NAME, list them.
+
+    Figures become pictures, tables CSV, the animation a GIF. figures.json beside them holds their captions.
+    """
+    from cyclemap.cli.run_figures import list_figures, run_figures
+
+    if names:
+        run_figures(names, data, out, picture_format, json_target)
+    else:
+        list_figures(json_target)

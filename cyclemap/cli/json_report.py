@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import math
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from cyclemap.cli.json_numbers import degrees, direction_deg, number
+import numpy as np
+
 from cyclemap.collection.loop import Cycle
 from cyclemap.collection.portrait import Portrait
 
@@ -17,6 +20,11 @@ if TYPE_CHECKING:
 
 
 Json = dict[str, object]
+
+
+def cycles_report(starts_deg: Sequence[float], cycles: Sequence[Cycle]) -> Json:
+    """The report of `cyclemap cycle`: cycles from the start angles as they were given (degrees)."""
+    return {"cycles": [cycle_report(start, cycle) for start, cycle in zip(starts_deg, cycles, strict=True)]}
 
 
 def cycle_report(start_deg: float, cycle: Cycle) -> Json:
@@ -215,3 +223,27 @@ def _data(measured: MeasuredOverlay) -> Json:
         "bins": agreement.bins,
         "bin_rms_deg": degrees(agreement.bin_rms),
     }
+
+
+def number(value: float | None) -> float | None:
+    """Return the value, None where there is none or it is not finite.
+
+    >>> number(1.5), number(math.inf), number(None)
+    (1.5, None, None)
+    """
+    return float(value) if value is not None and math.isfinite(value) else None
+
+
+def numbers(values: Iterable[float]) -> list[float | None]:
+    """Return each value as `number` does."""
+    return [number(value) for value in values]
+
+
+def degrees(radians: float | None) -> float | None:
+    """Return an angle in degrees."""
+    return None if radians is None else number(math.degrees(radians))
+
+
+def direction_deg(radians: float) -> float:
+    """Return a direction in degrees in [0, 360); a hair below zero must not round to 360."""
+    return float(np.degrees(radians) % 360.0) % 360.0

@@ -20,19 +20,23 @@ from cyclemap.cli.command_doctor import doctor_command
 from cyclemap.cli.command_dynamics import dynamics_command
 from cyclemap.cli.command_experiment import experiment_command
 from cyclemap.cli.command_explore import explore_command
-from cyclemap.cli.command_figures import figures_command
-from cyclemap.cli.command_fingerprint import fingerprint_command
-from cyclemap.cli.command_fit import fit_command
 from cyclemap.cli.command_identify import identify_command
 from cyclemap.cli.command_init import init_command
 from cyclemap.cli.command_probe import probe_command
-from cyclemap.cli.command_replay import replay_command
 from cyclemap.cli.command_report import report_command
 from cyclemap.cli.command_reset import reset_command
-from cyclemap.cli.command_simulate import simulate_command
 from cyclemap.cli.command_sweep import sweep_command
 from cyclemap.cli.command_watch import watch_command
-from cyclemap.cli.commands import cycle_command, portrait_command, staircase_command
+from cyclemap.cli.commands import (
+    cycle_command,
+    figures_command,
+    fingerprint_command,
+    fit_command,
+    portrait_command,
+    replay_command,
+    simulate_command,
+    staircase_command,
+)
 from cyclemap.cli.complaints import one_line, told_warnings
 from cyclemap.errors import CycleMapError, InvalidInput
 

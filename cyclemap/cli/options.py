@@ -1,6 +1,10 @@
 """The options that commands share, and what they come to: which loop, which run."""
 
-from collections.abc import Callable
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
@@ -8,7 +12,8 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.number_types import MOST_CYCLES, Whole
+from cyclemap.errors import InvalidInput
+from cyclemap.plain_text import plain_number, plain_whole
 
 
 @dataclass(frozen=True)
@@ -102,21 +107,24 @@ def run_options(command: Callable[..., None]) -> Callable[..., None]:
             "--cycles", type=Whole(1, MOST_CYCLES), help="Length of the staircase. [default: 2000, or the data's]"
         ),
         click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of its noise."),
-        *result_options("COMMAND_MATERIAL.png and .json"),
+        result_options("COMMAND_MATERIAL.png and .json"),
     ]
     return decorated(command, decorators)
 
 
-def result_options(files: str) -> list[Callable[[Any], Any]]:
-    """Options of where results go, and as what; `files` names them in the help."""
+def result_options(files: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command the options of where results go, and as what; `files` names them in the help."""
     only = "Write JSON there; '-' prints JSON and nothing else."
     folder: dict[str, Any] = {"metavar": "DIR", "type": click.Path(path_type=Path), "default": "out"}
     formats: dict[str, Any] = {"type": click.Choice(["png", "pdf", "svg"]), "default": "png"}
-    return [
-        click.option("--out", show_default=True, help=f"Where {files} go.", **folder),
-        click.option("--format", "picture_format", show_default=True, help="Format of the picture.", **formats),
-        click.option("--json", "json_target", metavar="FILE", help=only),
-    ]
+    return lambda command: decorated(
+        command,
+        [
+            click.option("--out", show_default=True, help=f"Where {files} go.", **folder),
+            click.option("--format", "picture_format", show_default=True, help="Format of the picture.", **formats),
+            click.option("--json", "json_target", metavar="FILE", help=only),
+        ],
+    )
 
 
 def decorated(command: Callable[..., None], decorators: list[Callable[[Any], Any]]) -> Callable[..., None]:
@@ -124,3 +132,76 @@ def decorated(command: Callable[..., None], decorators: list[Callable[[Any], Any
     for decorate in reversed(decorators):
         command = decorate(command)
     return command
+
+
+# Longer runs fill memory before they tell more.
+MOST_CYCLES = 1_000_000
+
+
+class Whole(click.IntRange):
+    """A whole number of a range."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number; a usage error for other than plain digits."""
+        return super().convert(_plain(self, plain_whole, value, param, ctx), param, ctx)
+
+
+class Real(click.FloatRange):
+    """A number of a range, which has no nan, or any where no range is given."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number; a usage error for other than plain digits."""
+        found = super().convert(_plain(self, plain_number, value, param, ctx), param, ctx)
+        if math.isnan(found) and (self.min is not None or self.max is not None):
+            self.fail("nan is in no range", param, ctx)
+        return found
+
+
+def _plain(kind: Whole | Real, read: Any, value: Any, param: Any, ctx: Any) -> Any:
+    try:
+        return read(value) if isinstance(value, str) else value
+    except ValueError as error:
+        kind.fail(str(error), param, ctx)
+
+
+def table_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give `command` the options that tell what the columns of a table are: they reach it as columns and units."""
+    named = "What a column of an own table is, by commas: theta0=yaw,theta_next=yaw_after; pose=TOPIC for a bag."
+    decorators: list[Callable[[Any], Any]] = [
+        click.option("--columns", metavar="NAME=COLUMN,...", help=named),
+        click.option("--units", metavar="UNITS", help="Of its angles and lengths: deg or rad, mm, cm or m, by commas."),
+    ]
+    return decorated(command, decorators)
+
+
+def told_columns(columns: str | None, units: str | None) -> tuple[dict[str, str], list[str]]:
+    """What --columns and --units say; InvalidInput where they cannot be read."""
+    told = {}
+    for part in filter(str.strip, (columns or "").split(",")):
+        name, _, column = (word.strip() for word in part.partition("="))
+        if not (name and column):
+            raise InvalidInput(f"--columns {columns}: give it as theta0=yaw,theta_next=yaw_after")
+        told[name] = column
+    return told, [unit.strip() for unit in (units or "").split(",") if unit.strip()]
+
+
+def tell_what_was_read(words: Sequence[str], guessed: bool) -> None:
+    """Say it on stderr; on a terminal ask whether a guess is right, InvalidInput where it is not."""
+    for line in words:
+        click.echo(line, err=True)
+    if guessed and sys.stdin.isatty() and not click.confirm("Is that right?", default=True, err=True):
+        raise InvalidInput("say what the columns are: --columns theta0=NAME,... --units deg,mm")
+
+
+def readable_data(data: Path, columns: str | None, units: str | None, out: Path) -> Path:
+    """The data, or a table of them under `out` that every command reads, after saying on stderr what was read."""
+    from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
+    from cyclemap.whole_files import file_stem, write_whole
+
+    if columns is None and units is None and not is_own(data):
+        return data
+    found = read_own_table(data, *told_columns(columns, units))
+    target = out / f"{file_stem(data.stem)}_as_read.csv"
+    tell_what_was_read((*found.words, f"written as {target}"), found.guessed)
+    write_whole(target, found.csv_text().encode())
+    return target

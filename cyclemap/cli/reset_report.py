@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cyclemap.cli.json_numbers import degrees, number
-from cyclemap.cli.json_report import Json
+from cyclemap.cli.json_report import Json, degrees, number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.resets import ResetDesign, ResetRow, ResetStrategy
 from cyclemap.views.reset_sentences import action_words, miss_sentences, recipe

@@ -6,17 +6,26 @@ from pathlib import Path
 from rich.table import Table
 
 from cyclemap.cli.command_compare import CompareRequest
-from cyclemap.cli.compare_report import compare_report
+from cyclemap.cli.json_report import Json, degrees, direction_deg, number
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.cli.terminal import PeopleConsole
-from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison.compare import Comparison, compare
-from cyclemap.evidence.comparison.push_agreement import QuantityAgreement
-from cyclemap.maps import WrappedNormal
+from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement
+from cyclemap.evidence.comparison.direction_agreement import DirectionAgreement
+from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
+from cyclemap.evidence.comparison.push_agreement import (
+    Distances,
+    PushAgreement,
+    QuantityAgreement,
+    mean_distances,
+)
+from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
+from cyclemap.evidence.orientations.p_value import PValue
+from cyclemap.maps import StepComparison, WrappedNormal
 from cyclemap.views import compare_sentences as sentences
 from cyclemap.views.compare_page import compare_page
 from cyclemap.views.style import render
@@ -37,7 +46,8 @@ def run_compare(options: LoopOptions, request: CompareRequest, json_target: str 
             noise=None if sigma is None else WrappedNormal(sigma),
             first=request.first,
             select=selected_values(request.select),
-            push_length=_push_length(options, request.data, loop),
+            # MIT's own 150 mm are no answer for data that do not tell.
+            push_length=loop.push.distance if "push_mm" in told_settings(options, request.data)[1] else None,
             runs=request.runs,
             seed=request.seed,
             progress=report,
@@ -50,11 +60,6 @@ def run_compare(options: LoopOptions, request: CompareRequest, json_target: str 
     write_whole(picture, render(page, request.picture_format))
     if not publish_json(told, json_target):
         _print_for_people(name, found, picture)
-
-
-def _push_length(options: LoopOptions, data: Path, loop: CollectionLoop) -> float | None:
-    """How far the rod moves, m, where the options say so: MIT's own 150 mm are no answer for data that do not tell."""
-    return loop.push.distance if "push_mm" in told_settings(options, data)[1] else None
 
 
 def _print_for_people(name: str, found: Comparison, picture: Path) -> None:
@@ -95,3 +100,152 @@ def _test_table(found: Comparison) -> Table:
         value = f"{math.degrees(one.statistic):.2f}°" if name == "wasserstein" else f"{one.statistic:.3f}"
         table.add_row(name.replace("_", " "), value, f"{one.value:.3f} ± {one.standard_error:.3f}")
     return table
+
+
+_DEGREE, _METRE = math.degrees(1.0), 1000.0
+
+
+def compare_report(material: str, found: Comparison) -> Json:
+    """The report of a comparison; what could not be asked is null or an empty list."""
+    return {
+        "prediction": {
+            "material": material,
+            "kind": found.prediction.kind,
+            "noise_deg": number(math.degrees(math.sqrt(found.prediction.noise.variance))),
+            "refitted": found.refitted,
+        },
+        "data": {
+            "cycles": 0 if found.data.pairs is None else found.data.pairs.theta.size,
+            "left_out": dict(found.data.left_out),
+            "unreadable_files": found.data.unreadable,
+        },
+        "pushes": [_pushes(one) for one in found.pushes],
+        "ends_off": None if not found.pushes else _ends_off(*mean_distances(found.pushes)),
+        "cycle": None if found.cycle is None else _cycle(found.cycle),
+        "orientations": None if found.orientations is None else _orientations(found.orientations),
+        "directions": None if found.directions is None else _directions(found.directions),
+        "staircase": None if found.staircase is None else _staircase(found.staircase),
+        "verdicts": [{"question": one.question, "agrees": one.agrees, "words": one.words} for one in found.verdicts],
+        "uncertified": list(found.uncertified),
+    }
+
+
+def _ends_off(found: Distances, isotropic: Distances) -> Json:
+    named = {"mean": found, "isotropic_mean": isotropic}
+    places = {f"{name}_mm": number(_METRE * place) for name, (place, _) in named.items()}
+    return {**places, **{f"{name}_deg": number(_DEGREE * turn) for name, (_, turn) in named.items()}}
+
+
+def _pushes(found: PushAgreement) -> Json:
+    facts = found.facts
+    scales = {"dtheta": ("dtheta_deg", _DEGREE), "dx": ("dx_mm", _METRE), "dy": ("dy_mm", _METRE)}
+    return {
+        "surface": facts["surface"],
+        "object": facts["object"],
+        "speed_mm_s": number(_METRE * facts["speed"]),
+        "side": number(facts["side"]),
+        "fraction": number(facts["fraction"]),
+        "angle_deg": number(_DEGREE * facts["angle"]),
+        "push_mm": number(_METRE * found.length),
+        "pushes": found.count,
+        **{scales[one.name][0]: _quantity(one, scales[one.name][1]) for one in found.quantities},
+    }
+
+
+def _quantity(found: QuantityAgreement, scale: float) -> Json:
+    lengths = ("measured_mean", "measured_std", "predicted_mean", "predicted_std", "bias", "spread", "rmse")
+    return {
+        **{name: number(scale * getattr(found, name)) for name in lengths},
+        "bias_error": None if found.bias_error is None else number(scale * found.bias_error),
+        "rmse_percent": number(found.percent),
+        "measured_std_percent": number(found.std_percent),
+    }
+
+
+def _cycle(found: CycleAgreement) -> Json:
+    return {
+        "pairs": found.agreement.pairs,
+        "rms_deg": degrees(found.agreement.rms),
+        "bins": found.agreement.bins,
+        "bin_rms_deg": degrees(found.agreement.bin_rms),
+        "measured_turn_deg": degrees(found.measured_turn),
+        "predicted_turn_deg": degrees(found.predicted_turn),
+        "bias_deg": degrees(found.bias),
+        "bias_error_deg": degrees(found.bias_error),
+        "scatter_deg": degrees(found.scatter),
+        "lag_correlation": number(found.lag_correlation),
+        "map_test": _p_value(found.p_value),
+    }
+
+
+def _orientations(found: OrientationAgreement) -> Json:
+    tests = {name: _p_value(one) for name, one in found.tests.items()}
+    wasserstein = {"statistic_deg": degrees(found.wasserstein.statistic), "p_value": number(found.wasserstein.value)}
+    return {
+        "count": found.count,
+        **{**tests, "wasserstein": wasserstein},
+        "histogram": {
+            "edges_deg": [degrees(edge) for edge in found.measured.edges],
+            "measured_per_deg": [number(one / _DEGREE) for one in found.measured.density],
+            "predicted_per_deg": [number(one / _DEGREE) for one in found.predicted.density],
+        },
+    }
+
+
+def _directions(found: DirectionAgreement) -> Json:
+    return {
+        "predicted": [
+            {
+                "kind": one.kind,
+                "centre_deg": _direction(one.centre),
+                "predicted_peak_deg": _direction(one.predicted_mode),
+                "measured_peak_deg": _direction(one.measured_mode),
+                "difference_deg": degrees(one.difference),
+                "p_value": None if one.p_value is None else number(one.p_value.value),
+            }
+            for one in found.matches
+        ],
+        "measured_peaks_deg": [_direction(one) for one in found.measured_modes],
+    }
+
+
+def _staircase(found: StaircaseAgreement) -> Json:
+    return {
+        "turns": _simulated(found.turns, 1.0),
+        "steps": _simulated(found.step_count, 1.0),
+        "step_height_deg": _simulated(found.step_height, _DEGREE),
+        "residence_cycles": _simulated(found.residence, 1.0),
+        "theory": None if found.theory is None else _theory(found.theory),
+    }
+
+
+def _simulated(found: SimulatedQuantity, scale: float) -> Json:
+    names = ("measured", "predicted", "lower", "upper")
+    scaled = {name: None if (value := getattr(found, name)) is None else number(scale * value) for name in names}
+    return {**scaled, "p_value": None if found.p_value is None else number(found.p_value.value)}
+
+
+def _theory(found: StepComparison) -> Json:
+    return {
+        "steps": number(found.net_steps),
+        "expected_steps": number(found.expected_steps),
+        "pace_p_value": number(found.pace_p_value),
+        "visits": [
+            {
+                "centre_deg": _direction(one.zone.centre),
+                "exits": one.exits,
+                "mean_cycles": number(one.mean),
+                "predicted_cycles": number(one.predicted),
+                "p_value": number(one.mean_p_value),
+            }
+            for one in found.visits
+        ],
+    }
+
+
+def _p_value(found: PValue | None) -> Json | None:
+    return None if found is None else {"statistic": number(found.statistic), "p_value": number(found.value)}
+
+
+def _direction(radians: float | None) -> float | None:
+    return None if radians is None else direction_deg(radians)

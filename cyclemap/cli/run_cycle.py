@@ -6,8 +6,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from cyclemap.cli.json_numbers import degrees
-from cyclemap.cli.json_report import Json, cycle_report
+from cyclemap.cli.json_report import Json, cycle_report, degrees
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, publish_json, write_json
 from cyclemap.cli.settings import chosen_collection

@@ -4,8 +4,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from cyclemap.cli.fit_report import fit_report, set_report
-from cyclemap.cli.fit_tables import law_table, statistics_table
+from cyclemap.cli.fit_report import fit_report, law_table, set_report, statistics_table
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.errors import CycleMapError, InvalidInput

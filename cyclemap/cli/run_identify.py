@@ -8,18 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from cyclemap.cli.command_identify import IdentifyRequest
-from cyclemap.cli.identify_report import identify_report
-from cyclemap.cli.identify_tables import derived_table, error_table, parameter_table
+from cyclemap.cli.identify_report import derived_table, error_table, identify_report, parameter_table
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.cli.terminal import PeopleConsole
-from cyclemap.collection.collection_file import NOISE_KEY, collection_text
+from cyclemap.collection.collection_file import collection_text
 from cyclemap.collection.found_with import with_material
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_settings import loop_tables
+from cyclemap.collection.setting_table import NOISE_KEY
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities

@@ -9,8 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
-from cyclemap.cli.json_numbers import degrees, direction_deg, number
-from cyclemap.cli.json_report import Json, measured_report, steps_report
+from cyclemap.cli.json_report import Json, degrees, direction_deg, measured_report, number, steps_report
 from cyclemap.cli.options import RunRequest
 from cyclemap.cli.output import file_stem, progress_bar, publish
 from cyclemap.cli.reset_report import actions_report

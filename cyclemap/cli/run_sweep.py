@@ -9,10 +9,10 @@ from pathlib import Path
 
 import click
 
+from cyclemap.cli.json_report import Json, number, numbers
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json
 from cyclemap.cli.settings import set_settings, told_settings
-from cyclemap.cli.sweep_report import status_report, sweep_report
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.settings import layered, warn_of_defaults
 from cyclemap.errors import InvalidInput
@@ -60,8 +60,12 @@ def run_sweep_command(options: LoopOptions, request: SweepRequest, json_target: 
     exports, drawn = _exports(request.export), _words(request.draw)
     plan = sweep_plan(options, request)
     for name in drawn:
-        _check_drawn(name, plan)
-    stem = request.out / f"sweep_{file_stem(_name(plan))}"
+        known = [one.name for one in plan.numbers.quantities if not one.listed]
+        if name not in known:
+            raise unknown_name("quantity to draw", name, known)
+    # The material, or the first few letters of those that are swept.
+    name = "_".join(plan.materials)[:_LONGEST_NAME] if MATERIAL_KEY in plan.keys else plan.materials[""].name
+    stem = request.out / f"sweep_{file_stem(name)}"
     store = stem.with_name(f"{stem.name}.sqlite")
     if request.status:
         _tell_status(sweep_status(store, plan), store, json_target)
@@ -98,11 +102,6 @@ def _points(over: tuple[SweptKey, ...], request: SweepRequest) -> Grid | Sample:
     return Grid(over)  # type: ignore[arg-type]
 
 
-def _name(plan: SweepPlan) -> str:
-    """The material, or the first few letters of those that are swept."""
-    return "_".join(plan.materials)[:_LONGEST_NAME] if MATERIAL_KEY in plan.keys else plan.materials[""].name
-
-
 def _words(text: str) -> tuple[str, ...]:
     return tuple(word.strip() for word in text.split(",") if word.strip())
 
@@ -112,12 +111,6 @@ def _exports(text: str) -> tuple[str, ...]:
         if name not in _EXPORTS:
             raise unknown_name("format to export", name, _EXPORTS)
     return _words(text)
-
-
-def _check_drawn(name: str, plan: SweepPlan) -> None:
-    known = [one.name for one in plan.numbers.quantities if not one.listed]
-    if name not in known:
-        raise unknown_name("quantity to draw", name, known)
 
 
 def _run(plan: SweepPlan, store: Path, workers: int | None) -> None:
@@ -177,3 +170,39 @@ def _tell(sweep: Sweep, files: list[Path]) -> None:
         console.print(f"file: {path}")
     if len(sweep.keys) > _MOST_DRAWN_KEYS:
         console.print("more than two keys: select values of the others in Python, or export, to draw", style="dim")
+
+
+def status_report(status: SweepStatus, store: Path) -> Json:
+    """How far a sweep is."""
+    return {
+        "store": str(store),
+        "points": status.points,
+        "stored": status.stored,
+        "refused": status.refused,
+        "complete": status.complete,
+    }
+
+
+def sweep_report(sweep: Sweep, store: Path) -> Json:
+    """The whole sweep, one entry a point."""
+    count = int(sweep.description["count"])
+    status = SweepStatus(count, len(sweep), int(sweep.refused.sum()))
+    plan = sweep.description["plan"]
+    return {
+        **status_report(status, store),
+        "over": plan["points"],
+        "settings": plan["settings"],
+        "quantities": plan["quantities"],
+        "units": {one.written_name: one.written_unit for one in sweep.quantities},
+        "results": [_point(sweep, place) for place in range(len(sweep))],
+    }
+
+
+def _point(sweep: Sweep, place: int) -> Json:
+    found: Json = {key: sweep.swept[key][place] for key in sweep.keys}
+    for one in sweep.quantities:
+        if one.listed:
+            found[one.written_name] = numbers(one.written(value) for value in sweep.lists[one.name][place].tolist())
+        else:
+            found[one.written_name] = number(one.written(float(sweep.columns[one.name][place])))
+    return {**found, "refusal": sweep.refusals[place] or None}

@@ -6,20 +6,17 @@ reset, too), the protocol file, then each --set in order.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cyclemap.checks import positive_number
 from cyclemap.cli.options import LoopOptions
-from cyclemap.collection.collection_file import NOISE_KEY, data_settings, names_surface, read_settings
+from cyclemap.collection.collection_file import data_settings, names_surface, read_settings
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import SETTING_KEYS, layered, warn_of_defaults
+from cyclemap.collection.setting_table import SETTINGS, setting_named, without_noise
+from cyclemap.collection.settings import layered, warn_of_defaults
 from cyclemap.errors import InvalidInput
-from cyclemap.plain_text import json_value, plain_number
-from cyclemap.suggestions import unknown_name
 
 if TYPE_CHECKING:
     from cyclemap.resets import ResetStrategy
@@ -70,10 +67,8 @@ def chosen_collection(options: LoopOptions, data: Path | None = None) -> ChosenC
     material, settings, strategy = told_settings(options, data)
     own = set_settings(options.settings)
     for key in settings:
-        if key not in (*SETTING_KEYS, NOISE_KEY):
-            raise unknown_name("setting", key, (*SETTING_KEYS, NOISE_KEY))
-    noise_deg = settings.pop(NOISE_KEY, None)
-    sigma = None if noise_deg is None else math.radians(positive_number(NOISE_KEY, noise_deg))
+        setting_named(key)
+    settings, sigma = without_noise(settings)
     base = CollectionLoop.mit(material=material or "isotropic")
     warn_of_defaults(settings)
     loop = CollectionLoop.from_settings(settings, base)
@@ -134,14 +129,5 @@ def set_settings(pairs: Iterable[str]) -> dict[str, object]:
         key, equals, value = (part.strip() for part in pair.partition("="))
         if not (key and equals and value):
             raise InvalidInput(f"--set {pair!r} is not of the form key=value")
-        settings[key] = _value(value)
+        settings[key] = SETTINGS[key].parsed(value) if key in SETTINGS else value
     return settings
-
-
-def _value(text: str) -> object:
-    for read in (plain_number, json_value):
-        try:
-            return read(text)
-        except ValueError:
-            continue
-    return text

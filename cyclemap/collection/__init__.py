@@ -1,4 +1,36 @@
-"""The data-collection loop, its cycle map and its portrait: the bridge from the mechanics to the maps."""
+"""The data-collection loop, its cycle map and its portrait: the bridge from the mechanics to the maps.
+
+The loop
+--------
+CollectionLoop : the protocol: object, surface, rod, push, reset
+Cycle, CycleTrajectory, CycleSensitivity : one push and drag back, its course, its derivatives
+run_cycles, Cycles : many, as arrays, a frame, or a dataset
+worn_loop, drifting_map : on a surface that wears
+
+What it does
+------------
+portrait, Portrait : cycle map, fixed points, rotation, stationary distribution, staircase
+staircase_forecast, StaircaseForecast : the staircase alone
+direction_uncertainty, DirectionUncertainty, DirectionInterval : how well stable directions are known
+batch_experiment, BatchExperiment, BatchRun : batches of cycles from all around, as in the paper
+
+To first order in the anisotropy
+--------------------------------
+fingerprint, Fingerprint, TurnResponse, Anisotropy : how a protocol answers a surface that is nearly isotropic
+predict, Prediction : the map of any surface from the fingerprint
+check_prediction, PredictionCheck : beside the full map
+
+With inertia
+------------
+DynamicLoop, DynamicCycle : the loop by the dynamic simulation
+compare_dynamics, DynamicsComparison : both routes from the same orientations
+isotropic_twin : the loop on a surface that has no preferred direction
+
+An object of one's own
+----------------------
+read_outline, OutlineFile : its outline from a drawing or a model
+check_collection, CheckedCollection : what is likely wrong with a collection file
+"""
 
 from typing import TYPE_CHECKING
 

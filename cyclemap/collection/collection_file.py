@@ -14,17 +14,16 @@ from pathlib import Path
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_settings import loop_tables, plain_numbers
-from cyclemap.collection.settings import SETTING_KEYS, Settings, warn_of_defaults
-from cyclemap.errors import DataFileError
+from cyclemap.collection.setting_table import NOISE_KEY, Settings, setting_named, without_noise
+from cyclemap.collection.settings import warn_of_defaults
+from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.file_text import Table, check_checksum, located, toml_text
 from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics import load_material
 from cyclemap.mechanics.material import FILE_KEYS
 from cyclemap.mechanics.material_text import material_toml
-from cyclemap.suggestions import unknown_name
-from cyclemap.text_files import read_text, read_toml
+from cyclemap.text_files import key_place, read_text, read_toml
 
-NOISE_KEY = "noise_deg"
 STRATEGY, PREDICTED, SIMULATION = "strategy", "predicted", "simulation"
 # Data folders keep the collection that they are of under this name.
 FILE_NAME = "collection.toml"
@@ -41,26 +40,27 @@ def read_settings(path: str | Path) -> Settings:
     Raises DataFileError, naming file, key and value, where the file cannot be read, nests deeper, gives a key twice,
     holds what is no setting, or is not what its checksum was made of.
     """
-    check_checksum(path, read_text(Path(path), "TOML"))
+    text = read_text(Path(path), "TOML")
+    check_checksum(path, text)
     settings: Settings = {}
     # Decimals, so that no number is rounded before its unit is known.
-    for key, value in _entries(read_toml(path, Decimal)):
-        if key in settings:
-            raise DataFileError(f"{path}: {key} is given twice; keep one")
-        if isinstance(value, bool) or not isinstance(value, (int, Decimal, str, list)):
-            raise DataFileError(f"{path}: {key} is {_plain(value)!r}; it must be a number, text or list of points")
-        settings[key] = plain_numbers(value)
-    with located(str(path), DataFileError):
-        for key in settings:
-            if key not in (*SETTING_KEYS, NOISE_KEY):
-                raise unknown_name("setting", key, (*SETTING_KEYS, NOISE_KEY))
+    for table, key, value in _entries(read_toml(path, Decimal)):
+        with located(key_place(path, text, table, key), DataFileError):
+            if key in settings:
+                raise InvalidInput(f"{key} is given twice; keep one")
+            if isinstance(value, bool) or not isinstance(value, (int, Decimal, str, list)):
+                raise InvalidInput(f"{key} is {_plain(value)!r}; it must be a number, text or list of points")
+            settings[key] = plain_numbers(value)
+            setting_named(key).checked(settings[key])
     return settings
 
 
-def _entries(tables: Mapping[str, object]) -> Iterator[tuple[str, object]]:
+def _entries(tables: Mapping[str, object]) -> Iterator[tuple[str, str, object]]:
+    """(table, key, value) of every setting; the table is "" of those that stand before the first."""
     for name, table in tables.items():
         if name not in _PASSED_OVER and not _is_surface(name, table):
-            yield from table.items() if isinstance(table, dict) else [(name, table)]
+            inner = table if isinstance(table, dict) else {name: table}
+            yield from ((name if inner is table else "", *entry) for entry in inner.items())
 
 
 def _plain(value: object) -> object:
@@ -82,8 +82,7 @@ def read_collection(path: str | Path, surface: str | Path | None = None) -> Coll
 
     What the file does not say is MIT's; where its object is not, a `DoubtfulInput` warning tells what that is.
     """
-    settings = read_settings(path)
-    settings.pop(NOISE_KEY, None)
+    settings, _ = without_noise(read_settings(path))
     material = load_material(surface or (path if names_surface(path) else "isotropic"))
     warn_of_defaults(settings)
     return CollectionLoop.from_settings(settings, CollectionLoop.mit(material))
@@ -97,7 +96,7 @@ def data_settings(data: str | Path) -> Settings:
     place = Path(data)
     for folder in [place, *place.absolute().parents[:_FOLDERS_UP]]:
         if (folder / FILE_NAME).is_file():
-            return {k: value for k, value in read_settings(folder / FILE_NAME).items() if k != NOISE_KEY}
+            return without_noise(read_settings(folder / FILE_NAME))[0]
     return {}
 
 

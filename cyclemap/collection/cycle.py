@@ -1,14 +1,21 @@
 """One push and reset told by its two strokes, whoever ran them, and many of them as arrays."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Pose
 from cyclemap.mechanics.cycle_batch import CycleBatch
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
 
 
 class PushStroke(Protocol):
@@ -103,7 +110,7 @@ class Cycles:
     left: NDArray[np.bool_]
 
     @classmethod
-    def gathered(cls, theta: NDArray[np.float64], runs: Sequence[StrokePair[Any, Any]]) -> "Cycles":
+    def gathered(cls, theta: NDArray[np.float64], runs: Sequence[StrokePair[Any, Any]]) -> Cycles:
         """Return the runs from the orientations theta (...), in its order, as arrays."""
 
         def column(name: str, *tail: int) -> NDArray[np.float64]:
@@ -119,8 +126,39 @@ class Cycles:
             np.array([run.ended == "left" for run in runs]).reshape(theta.shape),
         )
 
+    def to_frame(self) -> pandas.DataFrame:
+        """Return one row a cycle, in the order of theta.ravel(): theta, push_turn, ..., push_dx, push_dy (rad, m).
+
+        >>> from cyclemap import CollectionLoop
+        >>> CollectionLoop.mit().cycles([0.0, 1.0]).to_frame().drag_length.round(3).tolist()
+        [0.093, 0.097]
+        """
+        import pandas
+
+        return pandas.DataFrame({name: values.ravel() for name, values in self._columns().items()})
+
+    def to_dataset(self, *axes: str) -> xarray.Dataset:
+        """Return the cycles as an xarray Dataset over the axes of theta, by the names given; variables as `to_frame`.
+
+        Raises InvalidInput where names and axes differ in number.
+
+        >>> from cyclemap import CollectionLoop, run_cycles
+        >>> dict(run_cycles([CollectionLoop.mit()], [0.0, 1.0]).to_dataset("loop", "start").sizes)
+        {'loop': 1, 'start': 2}
+        """
+        import xarray
+
+        if len(axes) != self.theta.ndim:
+            raise InvalidInput(f"theta has {self.theta.ndim} axes, but {len(axes)} names are given: give one for each")
+        return xarray.Dataset({name: (axes, values) for name, values in self._columns().items()})
+
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        dx, dy = np.moveaxis(columns.pop("push_displacement"), -1, 0)
+        return columns | {"push_dx": dx, "push_dy": dy}
+
     @classmethod
-    def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> "Cycles":
+    def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> Cycles:
         """Return what the engine ran from the orientations theta (...), in its order."""
         columns = [getattr(batch, field.name) for field in fields(cls)[1:]]
         return cls(theta, *(column.reshape((*theta.shape, *column.shape[2:])) for column in columns))

@@ -17,6 +17,7 @@ from cyclemap.collection.cycle import Cycles, StrokePair
 from cyclemap.collection.found_with import with_material
 from cyclemap.collection.settings import apply_settings
 from cyclemap.errors import DoubtfulInput, InvalidInput
+from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import (
     DragBack,
@@ -71,6 +72,16 @@ class Cycle(StrokePair[PushResult, DragResult]):
         """The course of the cycle, run once more with steps short enough to be drawn."""
         push, drag = self.loop.strokes(self.theta, self.push.travel / _DRAWN)
         return CycleTrajectory(push.trajectory, drag.trajectory)
+
+    def _repr_html_(self) -> str:
+        from cyclemap.collection.cycle_scene import cycle_scene
+
+        scene = cycle_scene(self.loop, self)
+        outlines = [Stroke(scene.push.before), Stroke(scene.push.after, BLUE), Stroke(scene.drag.after, GREY)]
+        rod = [Stroke(stroke.rod, width=1.0) for stroke in (scene.push, scene.drag)]
+        push, drag = (f"{math.degrees(turn):+.1f}°" for turn in (self.push_turn, self.drag_turn))
+        caption = f"from {math.degrees(self.theta):.1f}°: push {push} (blue), drag back {drag} (grey), the rod's way"
+        return inline_svg([*outlines, *rod], caption, 240, equal=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,6 +158,17 @@ class CollectionLoop:
     def from_settings(cls, settings: dict[str, object], base: "CollectionLoop | None" = None) -> "CollectionLoop":
         """Return `base` (MIT's loop on plywood) with settings in degrees and millimetres, as on the command line."""
         return apply_settings(base or cls.mit(), settings)
+
+    def _repr_html_(self) -> str:
+        from cyclemap.collection.own_object import first_contact
+
+        outline = self.slider.outline_points(200)
+        start, way = first_contact(self.slider, self.push, self.pusher.radius)
+        push = Stroke([start, start + 0.5 * self.slider.outline.extent * way])
+        marks = [Stroke([start], BLUE, DISC, 4.0), Stroke([self.slider.hitch], BLUE, CIRCLE, 4.0)]
+        size = f"pushed {1e3 * self.push.distance:.4g} mm by a rod of {1e3 * self.pusher.radius:.4g} mm"
+        caption = f"{self.slider.name} on {self.material.name}, {size} (disc), dragged back by its ring (circle)"
+        return inline_svg([Stroke(outline), push, *marks], caption, equal=True)
 
     @cached_property
     def model(self) -> QuasiStaticModel:

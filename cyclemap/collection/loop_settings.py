@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import replace
 from decimal import Decimal
+from operator import attrgetter
 
 import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.setting_table import ALWAYS, OWN, SETTINGS, SHARES, WORD, Setting
 from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import InvalidInput
-from cyclemap.file_text import DEGREES, MILLIMETRES, Unit
+from cyclemap.file_text import MILLIMETRES, NUMBER, Unit
 from cyclemap.mechanics import (
     Ellipse,
     PatchFootprint,
@@ -28,6 +28,14 @@ Table = dict[str, object]
 # A loop read back may differ by rounding: settings are doubles in millimetres and degrees.
 _ROUNDING = 1e-12
 _LARGEST_GRID = 64
+# The tables of a file, and the groups of settings that stand in each.
+_TABLES = {"object": ("Object", "Pressure"), "push": ("Push", "Rod"), "reset": ("Ring",)}
+# Settings that are read off a loop one by one; its outline, name, pressure and surface are not.
+_READ_OFF = [
+    one
+    for one in SETTINGS.values()
+    if one.group in ("Object", "Ring", "Push", "Rod") and one.kind != WORD and one.place != "slider.outline"
+]
 
 
 def loop_tables(loop: CollectionLoop) -> dict[str, Table]:
@@ -45,18 +53,23 @@ def loop_tables(loop: CollectionLoop) -> dict[str, Table]:
     (0, '150.0', ['object', 'push'])
     """
     base = CollectionLoop.mit(loop.material)
-    shape = _shape(loop.slider, base.slider)
+    shape = _shape(loop.slider)
     own = "shape" not in shape
     # An own object's ring is told in any case: MIT's would lie beside it.
-    ring = _ring(loop.slider, base.slider, own) if own else {}
+    ring = {key: _written(SETTINGS[key], loop) for key in ("hitch_x_mm", "hitch_y_mm")} if own else {}
     start = CollectionLoop.from_settings(_plain({**shape, **ring}), base)
+    told = {**shape, **_footprint(loop, start)}
+    for setting in _READ_OFF:
+        always = setting.told == ALWAYS or (own and setting.told == OWN)
+        # A coordinate says a place only beside the other.
+        part = setting.place.removesuffix(".0").removesuffix(".1")
+        if always or not _same(attrgetter(part)(loop), attrgetter(part)(start)):
+            told[setting.key] = _written(setting, loop)
     tables = {
-        "object": {**shape, **_object(loop.slider, start.slider, own), **_footprint(loop, start)},
-        "push": _push(loop, start, own),
-        "reset": {**_ring(loop.slider, start.slider, own), **_reset(loop, start)},
+        name: {key: told[key] for key, setting in SETTINGS.items() if key in told and setting.group in groups}
+        for name, groups in _TABLES.items()
     }
-    settings = {key: value for table in tables.values() for key, value in table.items()}
-    _refuse_what_is_lost(loop, CollectionLoop.from_settings(_plain(settings), base))
+    _refuse_what_is_lost(loop, CollectionLoop.from_settings(_plain(told), base))
     return {name: table for name, table in tables.items() if table}
 
 
@@ -72,67 +85,29 @@ def plain_numbers(value: object) -> object:
     return float(value) if isinstance(value, Decimal) else value
 
 
-def _setting(unit: Unit, value: float) -> Decimal:
-    """The double that, read as a setting, comes nearest to a value in SI units."""
-    convert: Callable[[float], float] = math.radians if unit is DEGREES else lambda number: number * 1e-3
-    middle = float(unit.written(value))
-    tried = (middle, math.nextafter(middle, math.inf), math.nextafter(middle, -math.inf))
-    return Decimal(repr(min(tried, key=lambda number: abs(convert(number) - value))))
+def _written(setting: Setting, loop: CollectionLoop) -> object:
+    """What a file says of a setting of the loop: the double that, read, comes nearest."""
+    value = setting.of(loop)
+    if isinstance(value, tuple):
+        return [[_decimal(setting.unit, part) for part in place] for place in value]
+    return value if setting.unit is NUMBER else _decimal(setting.unit, value)
 
 
-def _shape(slider: Slider, base: Slider) -> Table:
+def _decimal(unit: Unit, value: float) -> Decimal:
+    return Decimal(repr(float(unit.written(value))))
+
+
+def _shape(slider: Slider) -> Table:
     for shape in MIT_SHAPE_NAMES:
         if Slider.mit(shape).outline == slider.outline:
             return {"shape": shape}
     name: Table = {} if slider.name == OWN_OUTLINE else {"object_name": slider.name}
     if isinstance(slider.outline, Ellipse):
         semi_axes = {"semi_x_mm": slider.outline.semi_x, "semi_y_mm": slider.outline.semi_y}
-        return {key: _setting(MILLIMETRES, value) for key, value in semi_axes.items()} | name
+        return {key: _decimal(MILLIMETRES, value) for key, value in semi_axes.items()} | name
     assert isinstance(slider.outline, Polygon)
-    vertices = [[_setting(MILLIMETRES, x) for x in vertex] for vertex in slider.outline.array.tolist()]
+    vertices = [[_decimal(MILLIMETRES, x) for x in vertex] for vertex in slider.outline.array.tolist()]
     return {"vertices_mm": vertices} | name
-
-
-def _object(slider: Slider, start: Slider, own: bool) -> Table:
-    told: Table = {"mass_kg": slider.mass} if own or slider.mass != start.mass else {}
-    for key, value, before in zip(
-        ("centre_x_mm", "centre_y_mm"), slider.centre_of_mass, start.centre_of_mass, strict=True
-    ):
-        if not _same(value, before):
-            told[key] = _setting(MILLIMETRES, value)
-    return told
-
-
-def _ring(slider: Slider, start: Slider, own: bool) -> Table:
-    if not own and _same(slider.hitch, start.hitch):
-        return {}
-    keys = ("hitch_x_mm", "hitch_y_mm")
-    return {key: _setting(MILLIMETRES, value) for key, value in zip(keys, slider.hitch, strict=True)}
-
-
-def _push(loop: CollectionLoop, start: CollectionLoop, own: bool) -> Table:
-    push, rod = loop.push, loop.pusher
-    told: Table = {
-        "side": push.side,
-        "fraction": push.fraction,
-        "angle_deg": _setting(DEGREES, push.angle),
-        "push_mm": _setting(MILLIMETRES, push.distance),
-        "pusher_radius_mm": _setting(MILLIMETRES, rod.radius),
-    }
-    return {**told, "pusher_mu": rod.friction} if own or rod.friction != start.pusher.friction else told
-
-
-def _reset(loop: CollectionLoop, start: CollectionLoop) -> Table:
-    reset = loop.reset
-    told: Table = {}
-    if reset.way_points:
-        told["way_points_mm"] = [[MILLIMETRES.written(part) for part in place] for place in reset.way_points]
-    if reset.pin_friction_radius == start.reset.pin_friction_radius:
-        return told
-    return {**told, "pin_friction_mm": _setting(MILLIMETRES, reset.pin_friction_radius)}
-
-
-_SHARES = ("inner_share", "rim_share", "corner_share")
 
 
 def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Table:
@@ -142,7 +117,7 @@ def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Table:
     if found is None:
         return {"footprint": "exact"}
     if isinstance(found, PatchFootprint):
-        return {"footprint": "exact", **{name: getattr(found, name) for name in _SHARES}}
+        return {"footprint": "exact", **{name: getattr(found, name) for name in SHARES}}
     return {"footprint": _support_name(found, loop.slider)}
 
 
@@ -161,7 +136,7 @@ def _same_footprint(one: object, other: object) -> bool:
     if isinstance(one, PointFootprint) and isinstance(other, PointFootprint):
         return _same(one.positions, other.positions) and _same(one.weights, other.weights)
     if isinstance(one, PatchFootprint) and isinstance(other, PatchFootprint):
-        alike = all(_same(getattr(one, name), getattr(other, name)) for name in _SHARES)
+        alike = all(_same(getattr(one, name), getattr(other, name)) for name in SHARES)
         return alike and bool(np.allclose(one.gradient, other.gradient, rtol=1e-9, atol=1e-9))
     return one is None and other is None
 
@@ -173,17 +148,8 @@ def _same(one: object, other: object) -> bool:
 
 def _refuse_what_is_lost(loop: CollectionLoop, found: CollectionLoop) -> None:
     """Raise InvalidInput where the settings, read back, do not give the loop."""
-    pairs = {
-        "outline": (_corners(loop.slider), _corners(found.slider)),
-        "mass": (loop.slider.mass, found.slider.mass),
-        "centre of mass": (loop.slider.centre_of_mass, found.slider.centre_of_mass),
-        "ring": (loop.slider.hitch, found.slider.hitch),
-        "rod": ((loop.pusher.radius, loop.pusher.friction), (found.pusher.radius, found.pusher.friction)),
-        "push": (_numbers(loop), _numbers(found)),
-        "way-points": (loop.reset.way_points, found.reset.way_points),
-        "friction of the ring": (loop.reset.pin_friction_radius, found.reset.pin_friction_radius),
-    }
-    lost = [name for name, (given, read) in pairs.items() if not _same(given, read)]
+    lost = [] if _same(_corners(loop.slider), _corners(found.slider)) else ["outline"]
+    lost += [setting.key for setting in _READ_OFF if not _same(setting.of(loop), setting.of(found))]
     lost += [] if _same_footprint(_leaning(loop), _leaning(found)) else ["footprint"]
     if lost:
         raise InvalidInput(f"no setting of a protocol file can say the loop's {', '.join(lost)}: leave that as it was")
@@ -196,7 +162,3 @@ def _leaning(loop: CollectionLoop) -> object:
 
 def _corners(slider: Slider) -> object:
     return replace(slider, hitch=(0.0, 0.0)).outline_points(8)
-
-
-def _numbers(loop: CollectionLoop) -> tuple[float, ...]:
-    return float(loop.push.side), loop.push.fraction, loop.push.angle, loop.push.distance

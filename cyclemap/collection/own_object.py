@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.collection.collection_file import NOISE_KEY, names_surface, read_settings
+from cyclemap.collection.collection_file import names_surface, read_settings
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import Settings, inherited_defaults, layered
+from cyclemap.collection.setting_table import SETTINGS, Settings, without_noise
+from cyclemap.collection.settings import inherited_defaults, layered
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.mechanics import Ellipse, Polygon, SidePush, Slider, load_material
 from cyclemap.mechanics.outline import Outline
@@ -25,7 +26,7 @@ _SLANT, _ROUND = 15.0, 1.02
 _RULED_MM = 5.0
 # Objects that a rod on a robot's arm pushes about are within these sizes (m); a hand moves none that is heavier (kg).
 _SMALLEST, _LARGEST, _HEAVIEST = 0.01, 1.0, 50.0
-_LEAST_FRICTION, _MOST_FRICTION, _MOST_RATIO, _MOST_ROD_FRICTION = 0.05, 1.2, 2.0, 0.8
+_MOST_RATIO = 2.0
 _ORIENTATIONS = 24
 # A ring nearer to the centre than this share of the object's reach hardly turns it; a push shorter than this neither.
 _SHORT_LEVER, _SHORT_PUSH = 0.03, 0.1
@@ -145,8 +146,7 @@ def check_collection(path: str | Path) -> CheckedCollection:
     and drag from 24 orientations, whether the rod runs off the object and whether cycles turn it; last, friction.
     Raises DataFileError where the file is no collection at all.
     """
-    settings = read_settings(path)
-    settings.pop(NOISE_KEY, None)
+    settings, _ = without_noise(read_settings(path))
     told = [Finding(False, words) for words in _unsaid(settings, names_surface(path))]
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always", DoubtfulInput)
@@ -199,13 +199,13 @@ def _sizes(slider: Slider) -> list[str]:
 def _friction(loop: CollectionLoop) -> list[str]:
     law, told = loop.material.friction, []
     low, high = sorted((law.mu_a, law.mu_b))
-    if low < _LEAST_FRICTION or high > _MOST_FRICTION:
+    if low < SETTINGS["mu_a"].low or high > SETTINGS["mu_a"].high:
         told.append(f"friction of {low:g} to {high:g} is rare between dry solids, 0.1 to 0.8 is usual")
     if high > _MOST_RATIO * low:
         told.append(
             f"friction is {high / low:.3g} times as large in one direction as in another; measured ones reach 1.6"
         )
-    if loop.pusher.friction > _MOST_ROD_FRICTION:
+    if loop.pusher.friction > SETTINGS["pusher_mu"].high:
         told.append(f"friction of {loop.pusher.friction:g} between rod and object is that of rubber")
     if law.mu_a == law.mu_b and law.m0 == law.n0 == 0.0:
         told.append(

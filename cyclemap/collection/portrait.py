@@ -13,6 +13,7 @@ from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.collection.wearing_loop import drift_of
 from cyclemap.errors import InvalidInput
+from cyclemap.inline_svg import BLUE, CIRCLE, DISC, Stroke, inline_svg, map_strokes
 from cyclemap.maps import (
     CircleMap,
     DriftingMap,
@@ -90,6 +91,14 @@ class Portrait:
     drifting: DriftingMap | None = None
     worn: StaircaseSummary | None = None
     uncertainty: DirectionUncertainty | None = None
+
+    def _repr_html_(self) -> str:
+        theta = np.linspace(0.0, FULL_TURN, 361)
+        points = [
+            Stroke([[orbit.points[0], 0.0]], BLUE, DISC if orbit.stable else CIRCLE, 4.0) for orbit in self.fixed_points
+        ]
+        caption = f"{self.loop.material.name}: turn of a cycle (rad) over θ from 0 to 2π, {len(points)} fixed points"
+        return inline_svg([*map_strokes(theta, self.map.turn(theta), self.map.breaks), *points], caption)
 
     @cached_property
     def stable_points(self) -> tuple[Orbit, ...]:

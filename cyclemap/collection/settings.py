@@ -1,17 +1,16 @@
 """Settings in degrees and millimetres, by name: what the command line and protocol files change of a loop."""
 
-import math
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from cyclemap.checks import finite_array, finite_number
+from cyclemap.checks import finite_number
 from cyclemap.collection.found_with import plate_footprint
+from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS, SHARES, Settings
 from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.mechanics import (
-    DragBack,
     Ellipse,
     Footprint,
     Material,
@@ -28,22 +27,9 @@ from cyclemap.whole_files import file_stem
 if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
 
-Settings = dict[str, object]
-
 # What an outline that is not MIT's is called until it is given a name.
 OWN_OUTLINE = "own outline"
-_FRICTION = {"mu_a": "mu_a", "mu_b": "mu_b", "m0": "m0", "n0": "n0", "phi_deg": "phi"}
-_PUSHER = {"pusher_mu": "friction", "pusher_radius_mm": "radius"}
-_PUSH = {"side": "side", "fraction": "fraction", "angle_deg": "angle", "push_mm": "distance"}
 _OUTLINE = ("shape", "vertices_mm", "semi_x_mm", "semi_y_mm")
-_OTHER = ("object_name", "hitch_x_mm", "hitch_y_mm", "centre_x_mm", "centre_y_mm", "mass_kg")
-_RESET = ("way_points_mm", "pin_friction_mm")
-_SHARES = ("inner_share", "rim_share", "corner_share")
-_PRESSURE = ("footprint", *_SHARES)
-
-
-SETTING_KEYS = (*_FRICTION, *_PUSHER, *_PUSH, *_OUTLINE, *_OTHER, *_RESET, *_PRESSURE)
-
 
 # What an experiment with an own object would else take over from MIT's without a word: keys, and words for them.
 _TO_BE_TOLD = {
@@ -91,30 +77,31 @@ def warn_of_defaults(settings: Settings) -> None:
 
 
 def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoop":
-    """Return the loop with settings replaced; a key that is not in SETTING_KEYS, or a bad value, raises InvalidInput.
+    """Return the loop with settings replaced; a key that is none of a loop's, or a bad value, raises InvalidInput.
 
     A new outline (`shape`: an MIT shape's name; `vertices_mm`: [[x, y], ...]; `semi_x_mm` with `semi_y_mm`) keeps the
     ring unless `hitch_x_mm`, `hitch_y_mm` move it.
     """
     for key in settings:
-        if key not in SETTING_KEYS:
-            raise unknown_name("setting", key, SETTING_KEYS)
-    with _blaming(settings, (*_OUTLINE, *_OTHER)):
+        if key == NOISE_KEY or key not in SETTINGS:
+            raise unknown_name("setting", key, [one for one in SETTINGS if one != NOISE_KEY])
+    with _blaming(settings, "slider"):
         slider = _slider(loop.slider, settings)
-    with _blaming(settings, _FRICTION):
-        friction = replace(loop.material.friction, **_numbers(settings, _FRICTION))
+    with _blaming(settings, "material"):
+        friction = replace(loop.material.friction, **_numbers(settings, "material.friction"))
     changed = friction != loop.material.friction
     name = f"{loop.material.name} (changed)" if changed else loop.material.name
     plates = loop.material.plates
     material = Material(name, friction, loop.material.provenance, plates=plates) if changed else loop.material
-    with _blaming(settings, _PUSHER):
-        pusher = replace(loop.pusher, **_numbers(settings, _PUSHER))
-    with _blaming(settings, _PUSH):
-        push = replace(loop.push, **_numbers(settings, _PUSH))  # type: ignore[arg-type]
-    with _blaming(settings, _RESET):
-        way_points = _points(settings, "way_points_mm") if "way_points_mm" in settings else loop.reset.way_points
-        reset = DragBack(way_points, _number(settings, "pin_friction_mm", loop.reset.pin_friction_radius))
-    with _blaming(settings, _PRESSURE):
+    with _blaming(settings, "pusher"):
+        pusher = replace(loop.pusher, **_numbers(settings, "pusher"))
+    with _blaming(settings, "push"):
+        push = replace(loop.push, **_numbers(settings, "push"))  # type: ignore[arg-type]
+    with _blaming(settings, "reset"):
+        reset = replace(loop.reset, **_numbers(settings, "reset"))  # type: ignore[arg-type]
+        if "way_points_mm" in settings:
+            reset = replace(reset, way_points=_points(settings, "way_points_mm"))
+    with _blaming(settings, "footprint"):
         footprint = _footprint(loop, slider, settings)
     return replace(loop, slider=slider, material=material, pusher=pusher, push=push, reset=reset, footprint=footprint)
 
@@ -126,33 +113,26 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
     if "footprint" in settings:
         word = str(settings["footprint"])
         found = None if word == "exact" else parse_footprint(word, slider.outline)
-    given = [key for key in _SHARES if key in settings]
+    given = [key for key in SHARES if key in settings]
     if not given:
         return found
     if isinstance(found, PointFootprint):
         raise InvalidInput(f"{given[0]} belongs to the exact footprint: set footprint=exact, or leave {given[0]} out")
     before = PatchFootprint(slider.outline, centre=slider.centre_of_mass) if found is None else found
-    shares = {key: _number(settings, key, getattr(before, key)) for key in _SHARES}
-    return replace(before, **shares, centre=slider.centre_of_mass)  # type: ignore[arg-type]
+    return replace(before, **_numbers(settings, "footprint"), centre=slider.centre_of_mass)  # type: ignore[arg-type]
 
 
 def _slider(slider: Slider, settings: Settings) -> Slider:
-    hitch = (
-        _number(settings, "hitch_x_mm", slider.hitch[0]),
-        _number(settings, "hitch_y_mm", slider.hitch[1]),
-    )
+    hitch = _pair(settings, "slider.hitch", slider.hitch)
     outline = _outline(settings)
     if "shape" in settings:
         slider = Slider.mit(str(settings["shape"]), hitch)
     elif outline is not None:
         slider = Slider(outline, slider.mass, hitch=hitch, name=OWN_OUTLINE)
-    centre = (
-        _number(settings, "centre_x_mm", slider.centre_of_mass[0]),
-        _number(settings, "centre_y_mm", slider.centre_of_mass[1]),
-    )
-    mass, name = _number(settings, "mass_kg", slider.mass), str(settings.get("object_name", slider.name))
+    centre = _pair(settings, "slider.centre_of_mass", slider.centre_of_mass)
+    name = str(settings.get("object_name", slider.name))
     file_stem(name)
-    return replace(slider, hitch=hitch, centre_of_mass=centre, mass=mass, name=name)
+    return replace(slider, hitch=hitch, centre_of_mass=centre, name=name, **_numbers(settings, "slider"))  # type: ignore[arg-type]
 
 
 def _outline(settings: Settings) -> Outline | None:
@@ -164,43 +144,42 @@ def _outline(settings: Settings) -> Outline | None:
     if "vertices_mm" in settings:
         return Polygon(_points(settings, "vertices_mm"))
     if "semi_x_mm" in settings:
-        return Ellipse(_number(settings, "semi_x_mm", 0.0), _number(settings, "semi_y_mm", 0.0))
+        return Ellipse(*(_si(key, settings[key]) for key in ("semi_x_mm", "semi_y_mm")))
     return None
 
 
 @contextmanager
-def _blaming(settings: Settings, keys: Iterable[str]) -> Iterator[None]:
-    """Add to an error what was set, in the units it was set in."""
+def _blaming(settings: Settings, part: str) -> Iterator[None]:
+    """Add to an error what was set of a part of the loop, in the units it was set in."""
     try:
         yield
     except InvalidInput as cause:
-        given = ", ".join(f"{key}={settings[key]}" for key in keys if key in settings)
+        keys = [key for key, one in SETTINGS.items() if key in settings and one.place.split(".")[0] == part]
+        given = ", ".join(f"{key}={settings[key]}" for key in keys)
         if not given or given.partition("=")[0] in str(cause):
             raise
         raise InvalidInput(f"{cause} (set: {given})") from cause
 
 
-def _numbers(settings: Settings, fields: dict[str, str]) -> dict[str, float]:
-    return {field: _number(settings, key, 0.0) for key, field in fields.items() if key in settings}
+def _numbers(settings: Settings, part: str) -> dict[str, float]:
+    """The numbers that are set of a part of the loop, in SI units, by its attributes."""
+    found = {}
+    for key, value in settings.items():
+        place, _, name = SETTINGS[key].place.rpartition(".")
+        if place == part and not SETTINGS[key].kind and name != "outline":
+            found[name] = _si(key, value)
+    return found
 
 
-def _number(settings: Settings, key: str, default: float) -> float:
-    """Return a setting in SI units: keys tell theirs by their ending."""
-    if key not in settings:
-        return default
-    return _to_si(key)(finite_number(key, settings[key]))
+def _pair(settings: Settings, part: str, before: tuple[float, float]) -> tuple[float, float]:
+    found = _numbers(settings, part)
+    return found.get("0", before[0]), found.get("1", before[1])
 
 
-def _to_si(key: str) -> Callable[[float], float]:
-    if key.endswith("_deg"):
-        return math.radians
-    if key.endswith("_mm"):
-        return lambda value: value * 1e-3
-    return lambda value: value
+def _si(key: str, value: object) -> float:
+    return SETTINGS[key].unit.read(finite_number(key, value))
 
 
 def _points(settings: Settings, key: str) -> tuple[tuple[float, float], ...]:
-    array = finite_array(key, settings[key], last=2)  # type: ignore[arg-type]
-    if array.ndim != 2:
-        raise InvalidInput(f"{key} must be a list of points [[x, y], ...], not shape {array.shape}")
-    return tuple(map(tuple, (array * 1e-3).tolist()))
+    points = SETTINGS[key].checked(settings[key])
+    return tuple((_si(key, x), _si(key, y)) for x, y in points)  # type: ignore[attr-defined]

@@ -1,4 +1,51 @@
-"""Measured data: reading it, fitting laws to it, and setting it beside a prediction."""
+"""Measured data: reading it, fitting laws to it, and setting it beside a prediction.
+
+Reading
+-------
+load_pushes, PushTable, UnreadableFile : pushes and friction scans of files, folders, tables
+read_push_file, PushRecord, ScanRecord : one recording in full
+read_theta0_pairs, Theta0Pairs : orientations before successive pushes
+read_measured_pushes, MeasuredPush, read_measured_drags, MeasuredDrag : strokes from a table
+read_wrench_twists, WrenchTwists : wrenches and the twists they keep up
+push_sets, PushSet, dataset_sliders : pushes made alike; the objects that files name
+
+Fitting
+-------
+fit_map, FittedMap, harmonic_map, HarmonicMap, refit_harmonic_map : a cycle map from pairs
+fit_periodic_law, PeriodicLaw, fit_worn_law, WornLaw : a periodic function of θ, also one that wears
+LawBand, OrderScores : its bands; how well each order predicts what was left out
+fit_set, SetFit, set_laws, SetLaws : a set with all its laws, as in the paper's tables
+push_statistics, PushStatistics : mean and deviation of what pushes did
+measured_cycle_map, MeasuredCycleMap, measured_staircase, MeasuredStaircase : map and steps of a measured path
+turn_bins, TurnBins, angle_histogram, AngleHistogram, turn_histogram, TurnHistogram : medians and counts
+measured_overlay, MeasuredOverlay, map_agreement, MapAgreement : pairs over a map, and their distance from it
+
+Identifying
+-----------
+identify, Identification, Parameter, ParameterSpace, SurfaceParameters : maximum likelihood of what is unknown
+identified_material : the answer as a material
+DataBlock, FunctionBlock, CyclePairBlock : data of one sort and their prediction
+push_end_block, drag_turn_block, friction_scan_block, wrench_twist_block, collected_blocks : blocks by sort, or all
+friction_ellipse_from_scans, pusher_friction_from_forces, PusherFriction, contact_force_ratio : from forces alone
+
+Comparing
+---------
+compare, Comparison, Verdict : a prediction beside data, question by question
+replay_pushes, ReplayedPushes, replay_push, Replay : recorded pushes, run again by the mechanics
+published_comparison, comparison_table : beside what is published of MIT's pushes
+compare_orientations, OrientationComparison : a path beside a stationary distribution
+collection_p_values, CollectionModel, simulated_ensemble : p-values of a path by simulated collections
+chain_p_value, chain_p_values, permutation_p_value, PValue : of one statistic, several, and of two samples
+CircularLaw, kernel_modes : a tabulated distribution; maxima of an estimated density
+circular_wasserstein, total_variation : distances
+kuiper_statistic, kuiper_p_value, kuiper_critical_value : Kuiper's test
+watson_statistic, watson_p_value, watson_critical_value : Watson's test
+
+Making
+------
+simulate_collection, SimulatedCollection, RecordingNoise : a collection's files, as a robot would record them
+probe, probe_pushes, command_push, Probe : what a function, program or log says of pushes from all around
+"""
 
 from typing import TYPE_CHECKING
 

@@ -1,6 +1,63 @@
-"""Circle maps and everything asked of one: orbits, rotation, families, laws under noise, passages, staircases.
+"""Circle maps and everything asked of one: orbits, rotation, families, noise, passages, staircases.
 
 Angles are radians, maps are lifts, rotation numbers are in turns a cycle. Knows no mechanics.
+
+Maps
+----
+CircleMap : a map given by its lift; rigid, sine, Möbius, from samples
+ParametricLift, ARNOLD_FAMILY, MOEBIUS_FAMILY : families by a formula
+compose, conjugate, inverse, nth_iterate, shifted : maps made of maps
+branches, Branch, preimages : where a lift is monotone; all θ with a given image
+is_nondecreasing, lower_envelope, upper_envelope : folds, and the monotone lifts that bound a folded one
+Estimate : a number and a bound on its error
+
+Orbits
+------
+fixed_points, periodic_orbits, Orbit : each orbit once, with multiplier and kind
+periodic_points, PeriodicPoints : all points of a period as arrays
+crossings_by_jump, JumpCrossing : where a jump passes the diagonal without a fixed point
+basins, Basin : which θ tend to which stable orbit
+slow_passages, SlowPassage : bottlenecks, as a saddle-node leaves them
+
+Rotation
+--------
+rotation_number, RotationNumber : with bounds, and whether it is locked
+rotation_interval, RotationInterval : of a lift that folds
+rotation_numbers, RotationNumbers, rotation_plane, RotationPlane : many at once
+birkhoff_average : the mean of a function along an orbit, weighted to converge fast
+lyapunov_exponent, lyapunov_exponents, LyapunovExponents : with noise by the operator; of many orbits
+
+Families, p → CircleMap
+-----------------------
+follow_orbit, OrbitBranch, orbit_branches : periodic orbits continued in a parameter
+bifurcations, Bifurcation, saddle_nodes, period_doublings, border_collisions : where orbits change
+tongue, Tongue, tongues, TongueBoundaries : the parameters that lock to p/q
+parameter_tangent, ParameterTangent : ∂F/∂p
+orbit_diagram, OrbitDiagram : where orbits are after a transient
+
+Noise, added after the map
+--------------------------
+Noise, WrappedNormal, VonMises, WrappedCauchy, UniformNoise : the same everywhere
+LocalNoise : kicks whose size depends on θ, for sampled paths
+transfer_operator, TransferOperator : stationary density, moments, rotation, with error bounds
+Spectrum, metastable_sets, MetastableSets : eigenvalues; the arcs where a path stays long
+Response : the derivative of the stationary distribution by a parameter
+
+Passages
+--------
+mean_passage_time, log10_passage_time : cycles until an arc is left
+hitting_probability, survival_probabilities : which arc first; staying for n cycles
+passage_response, PassageResponse : derivatives of a passage time
+quasi_stationary_distribution, QuasiStationaryDistribution : θ, given that the arc was not left
+slip_probabilities, Slip : leaving upwards or downwards
+
+Staircases
+----------
+sample_staircase, sample_staircases, Staircase : noisy paths of the lifted orientation
+predict_staircase, StaircaseSummary, SlowZone : where such a path rests, how long, how high it steps
+find_steps, Steps : the dwells and steps of a path
+compare_steps, StepComparison : found beside predicted
+DriftingMap, predict_drift, DriftSummary : a map that changes with the cycle
 """
 
 from typing import TYPE_CHECKING

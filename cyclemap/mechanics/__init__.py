@@ -1,4 +1,31 @@
-"""Pushing and dragging under anisotropic friction, quasi-static and dynamic; knows no circle map."""
+"""Pushing and dragging under anisotropic friction, quasi-static and dynamic; knows no circle map.
+
+Objects
+-------
+Slider : a flat object: outline, mass, centre, ring; by name those of the MIT push dataset
+Polygon, Ellipse : outlines
+MIT_SHAPE_NAMES, MIT_HITCH : the names, and the place of the ring, of MIT's objects
+
+Friction and pressure
+---------------------
+EllipseFriction, worn_friction : friction of a point; between fresh and worn
+Footprint, PatchFootprint, PointFootprint : how the load is spread, exactly or over points
+grid_footprint, corner_footprint, load_footprint, parse_footprint : footprints by count, outline, file, word
+LimitSurface : friction of a whole footprint; dissipation, wrench and twist
+
+Materials
+---------
+Material, load_material, material_names, material_toml : a surface, read and written
+Wear, CycleNoise : how it changes, and how cycles on it scatter
+FoundWith, PlatePressure, MaterialPosterior : what was identified along with it, and how surely
+
+Motion
+------
+Pose, Pusher : place and orientation; the rod
+SidePush, WorldPush, DragBack : what the rod does: push a side, push in the world, drag by the ring
+QuasiStaticModel, PushResult, DragResult, Trajectory : friction balances the rod at every instant
+DynamicModel, DynamicPush, DynamicDrag, DynamicTrajectory, EnergyBalance : with inertia and a stiff contact
+"""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,32 @@
-"""Resets: what the robot does otherwise, how uniformly the orientations spread then, and how to watch it."""
+"""Resets: what the robot does otherwise, how uniformly the orientations spread then, and how to watch it.
+
+Strategies
+----------
+ResetStrategy, CycleAction : a few actions, how often each comes, in which order
+gripper_turns, legs : actions that turn by a gripper, or drag by another way
+strategy_maps, map_turns, sample_turns : what each action does to the orientation
+run_strategy, StrategyRun : collections by the full mechanics
+sampled_orientations, steered_orientations : orientations of collections from turns that are known
+
+Designing one
+-------------
+design_reset, ResetDesign, ResetRow : the strategies to choose from, the best first
+ResetDemands, Limit : what it must keep to, and which demand binds
+material_range, MaterialRange, on_material : the surfaces it must work on
+orientation_law, OrientationLaw : how orientations are distributed, at once and after n pushes
+histogram_shares, histogram_distances, independent_distance : how uniform a histogram is, and would be by chance
+
+Watching
+--------
+BiasMonitor, watch, BiasReport, Alarm, Rest, Advice : whether orientations lock in, where, and what would help
+Coverage, CoverageState, next_action, NextAction : what was recorded, and what to record next
+audit, Audit : the same of a data set that exists
+
+Files
+-----
+read_protocol, write_protocol : settings and strategy as TOML
+read_schedule, write_schedule : what the robot does, one row a cycle
+"""
 
 from typing import TYPE_CHECKING
 

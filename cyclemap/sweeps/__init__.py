@@ -1,4 +1,22 @@
-"""Sweeps: the portrait's numbers at every point of a grid or a sample of settings, stored as they come."""
+"""Sweeps: the portrait's numbers at every point of a grid or a sample of settings, stored as they come.
+
+Planning
+--------
+SweepPlan, SweptPoint : which points, of which loop, and what is asked of each
+Grid, Sample, SweepAxis, SweepRange : all combinations of values, or a number of points spread over ranges
+PortraitNumbers, PointNumbers, PointOutcome, Quantity : what is found at a point
+
+Running
+-------
+run_sweep, sweep_status, SweepStatus : run what a store lacks; how far it is
+SweepStore, StoreWriteError : the file that keeps every point as it comes
+
+Reading
+-------
+load_sweep, Sweep : what was found so far
+to_dataset, write_netcdf, write_csv : as an xarray Dataset, NetCDF, CSV
+sweep_curves, SweptLines, SweptPlane, SweptScatter : what can be drawn of one key or two
+"""
 
 from typing import TYPE_CHECKING
 

@@ -10,6 +10,7 @@ import numpy as np
 from cyclemap.checks import non_negative_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
+from cyclemap.collection.setting_table import without_noise
 from cyclemap.errors import CycleMapError
 from cyclemap.maps import (
     CircleMap,
@@ -29,7 +30,6 @@ from cyclemap.maps.operator.spectrum import mixing_time
 from cyclemap.mechanics import Material
 from cyclemap.sweeps.code_version import code_version
 from cyclemap.sweeps.quantities import CHEAP_GROUPS, Quantity, chosen_groups, quantities_of
-from cyclemap.sweeps.swept_keys import NOISE_KEY
 
 # How much coarser a map is tried first, and how long it is iterated; in how many parts its cubics are looked at.
 _COARSER, _FIRST_ITERATES, _SHARES = 10.0, 2048, 8
@@ -148,10 +148,9 @@ class PortraitNumbers:
         return work if settled else None
 
     def _loop_and_sigma(self, point: SweptPoint) -> tuple[CollectionLoop, float]:
-        settings = dict(point.settings)
-        noise_deg = settings.pop(NOISE_KEY, None)
-        sigma = DEFAULT_SIGMA if noise_deg is None else float(np.radians(positive_number(NOISE_KEY, noise_deg)))
-        return CollectionLoop.from_settings(settings, CollectionLoop.mit(material=point.material)), sigma
+        settings, sigma = without_noise(point.settings)
+        loop = CollectionLoop.from_settings(settings, CollectionLoop.mit(material=point.material))
+        return loop, DEFAULT_SIGMA if sigma is None else sigma
 
 
 # A coarser and a finer one.

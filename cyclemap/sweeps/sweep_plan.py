@@ -10,6 +10,7 @@ from typing import Any
 
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.setting_table import without_noise
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Material, load_material
 from cyclemap.sweeps.point_sets import Grid, PointSet, Sample
@@ -17,7 +18,6 @@ from cyclemap.sweeps.portrait_numbers import PointNumbers, PortraitNumbers, Swep
 from cyclemap.sweeps.swept_keys import (
     FOOTPRINT_KEY,
     MATERIAL_KEY,
-    NOISE_KEY,
     SweepAxis,
     SweepRange,
     check_key,
@@ -177,9 +177,8 @@ def _listed_words(points: PointSet, key: str) -> tuple[str, ...]:
 
 def _fault(material: Material, settings: Mapping[str, object]) -> InvalidInput | None:
     """Why no loop can be made of settings; None where it can."""
-    changed = {key: value for key, value in settings.items() if key != NOISE_KEY}
     try:
-        CollectionLoop.from_settings(changed, CollectionLoop.mit(material=material))
+        CollectionLoop.from_settings(without_noise(settings)[0], CollectionLoop.mit(material=material))
     except InvalidInput as fault:
         return fault
     return None

@@ -2,22 +2,19 @@
 
 import json
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.checks import finite_array, finite_number, positive_number
-from cyclemap.collection.settings import SETTING_KEYS
+from cyclemap.collection.setting_table import POINTS, SETTINGS, WORD, Setting
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Slider, load_material
 from cyclemap.plain_text import json_value, plain_number, plain_whole
 from cyclemap.suggestions import unknown_name
 
-MATERIAL_KEY, NOISE_KEY, FOOTPRINT_KEY = "material", "noise_deg", "footprint"
-SWEPT_KEYS = (MATERIAL_KEY, NOISE_KEY, *SETTING_KEYS)
-TEXT_KEYS = (MATERIAL_KEY, "shape", "object_name", FOOTPRINT_KEY)
-_POINT_KEYS = ("vertices_mm", "way_points_mm")
+MATERIAL_KEY, FOOTPRINT_KEY = "material", "footprint"
+SWEPT = {**SETTINGS, MATERIAL_KEY: Setting(MATERIAL_KEY, "Floor", "material", "a built-in material or a file", WORD)}
 _MOST_VALUES = 1_000_000
 
 
@@ -71,7 +68,7 @@ class SweepRange:
 
     def __post_init__(self) -> None:
         check_key(self.key)
-        if self.key in (*TEXT_KEYS, *_POINT_KEYS):
+        if SWEPT[self.key].kind:
             raise InvalidInput(f"{self.key} has no range: list its values, {self.key}=A,B")
         for name in ("low", "high"):
             object.__setattr__(self, name, checked_value(self.key, getattr(self, name)))
@@ -98,7 +95,7 @@ def parse_over(text: str) -> SweptKey:
     if not (key and equals and values):
         raise InvalidInput(f"--over {text!r} is not of the form key=start:stop:count or key=a,b,c")
     check_key(key)
-    if ":" in values and key not in TEXT_KEYS:
+    if ":" in values and SWEPT[key].kind != WORD:
         return _stretch(key, text, values.split(":"))
     return SweepAxis(key, _listed(key, values))
 
@@ -119,41 +116,30 @@ def _stretch(key: str, text: str, parts: list[str]) -> SweptKey:
 
 
 def _listed(key: str, text: str) -> tuple[object, ...]:
-    words = tuple(part.strip() for part in text.split(","))
-    if key in TEXT_KEYS:
+    words, kind = tuple(part.strip() for part in text.split(",")), SWEPT[key].kind
+    if kind == WORD:
         return words
     try:
-        return tuple(json_value(f"[{text}]")) if key in _POINT_KEYS else tuple(map(plain_number, words))  # type: ignore[arg-type]
+        return tuple(json_value(f"[{text}]")) if kind == POINTS else tuple(map(plain_number, words))  # type: ignore[arg-type]
     except ValueError as cause:
-        form = "[[x, y], ...],[[x, y], ...]" if key in _POINT_KEYS else "numbers, by commas"
+        form = "[[x, y], ...],[[x, y], ...]" if kind == POINTS else "numbers, by commas"
         raise InvalidInput(f"--over {key}={text}: give {form}") from cause
 
 
 def check_key(key: str) -> None:
     """Raise InvalidInput, with the nearest known one, for a key that cannot be swept."""
-    if key not in SWEPT_KEYS:
-        raise unknown_name("key to sweep", key, SWEPT_KEYS)
+    if key not in SWEPT:
+        raise unknown_name("key to sweep", key, SWEPT)
 
 
 def checked_value(key: str, value: object) -> object:
-    """Return a value that `key` may have, numbers as float, points as tuples; InvalidInput otherwise.
-
-    Whether values of several keys go together only the loop can tell; this checks each by itself.
-    """
-    if key in TEXT_KEYS:
-        return _checked_word(key, value)
-    if key in _POINT_KEYS:
-        return tuple(map(tuple, finite_array(key, value, last=2, ndim=2).tolist()))  # type: ignore[arg-type]
-    return (positive_number if key == NOISE_KEY else finite_number)(key, value)
-
-
-def _checked_word(key: str, value: object) -> str:
-    if not isinstance(value, str) or not value:
-        raise InvalidInput(f"{key} must be a word, not {value!r}")
-    checks: dict[str, Callable[[str], object]] = {MATERIAL_KEY: load_material, "shape": Slider.mit}
-    if key in checks:
-        checks[key](value)
-    return value
+    """Return a value that `key` may have (see `Setting.checked`), names of materials and shapes looked up."""
+    found = SWEPT[key].checked(value)
+    if key == MATERIAL_KEY:
+        load_material(str(found))
+    if key == "shape":
+        Slider.mit(str(found))
+    return found
 
 
 def check_distinct(keys: Iterable[str]) -> None:

@@ -17,6 +17,7 @@ def highest_share(level: float, count: int) -> float:
     return float(binom.ppf(0.9995, count, level)) / count
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", QUICK)
 def test_no_p_value_rejects_the_truth_more_often_than_it_says(name) -> None:
     study, _ = STUDIES[name]
@@ -30,6 +31,7 @@ def test_no_p_value_rejects_the_truth_more_often_than_it_says(name) -> None:
         assert np.mean(values <= 0.5) > 0.25, test
 
 
+@pytest.mark.slow
 def test_p_values_under_wear_hold_their_level() -> None:
     study, _ = STUDIES["wear"]
     found = study(40, 19, 78)

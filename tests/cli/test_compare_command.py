@@ -59,6 +59,7 @@ def strict_json(text: str) -> dict:
     return json.loads(text, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
 
 
+@pytest.mark.slow
 def test_json_tells_everything_that_was_asked_and_nothing_else(here, capsys) -> None:
     data = orientation_file(here)
     told = ["--set", "noise_deg=5.7", "--first", "20", "--runs", "19", "--json", "-", "--out", "pictures"]
@@ -89,6 +90,7 @@ def test_json_tells_everything_that_was_asked_and_nothing_else(here, capsys) -> 
     assert written["compare_plywood.json"].decode() == shown.out
 
 
+@pytest.mark.slow
 def test_people_get_sentences_first_and_tables_second(here, capsys) -> None:
     assert run(["compare", "plywood", "--data", str(pose_file(here)), "--runs", "19", "--format", "svg"]) == 0
     shown = capsys.readouterr().out
@@ -121,6 +123,7 @@ def test_bad_use_is_one_line_and_exit_2(here, capsys, arguments, told) -> None:
     assert list(here.iterdir()) == [data]
 
 
+@pytest.mark.slow
 def test_what_the_data_do_not_hold_is_refused_and_a_length_can_be_said(here, capsys) -> None:
     data = pose_file(here)
     assert run(["compare", "plywood", "--data", str(data), "--select", "surface=delrin"]) == 2
@@ -176,6 +179,7 @@ def test_damaged_data_are_one_line_and_no_traceback(here, capsys) -> None:
     assert not (here / "out").exists()
 
 
+@pytest.mark.slow
 def test_every_cut_of_a_file_is_read_or_refused_in_one_line(here, capsys) -> None:
     """A file cut anywhere in its header and first rows ends in an exit code and never in a traceback."""
     whole, codes = pose_file(here).read_bytes(), set()

@@ -151,22 +151,6 @@ def test_one_that_fails_loses_none_of_the_others_and_is_told_with_exit_1(here, c
     assert [one["name"] for one in lines] == ["staircases", "locking-in"]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (["sadle-node"], "did you mean 'saddle-node'"),
-        (["staircases", "--data", "nowhere"], "nowhere"),
-        (["staircases", "--format", "gif"], "gif"),
-    ],
-)
-def test_bad_use_is_one_line_and_exit_2_before_any_work(here, capsys, arguments, told) -> None:
-    assert run(["figures", *arguments]) == 2
-    shown = capsys.readouterr()
-    assert told in shown.err
-    assert len(shown.err.splitlines()) == 1
-    assert list(here.iterdir()) == []
-
-
 @pytest.mark.parametrize("text", ["{", '{"figures": [1]}', '{"figures": [{"name": "x"}]}', "[]"])
 def test_a_folder_with_another_kind_of_figures_json_is_left_alone(here, capsys, text) -> None:
     (here / "out").mkdir()

@@ -6,7 +6,7 @@ import math
 import pytest
 
 from cyclemap.cli import main
-from cyclemap.cli.command_fingerprint import fingerprint_command
+from cyclemap.cli.commands import fingerprint_command
 
 FIVE = ("turn_deg", "offset_amplitude_deg", "offset_phase_deg", "ellipse_amplitude_deg", "ellipse_phase_deg")
 
@@ -23,6 +23,7 @@ def run_json(tmp_path, capsys, *arguments):
     return json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}")), shown.out
 
 
+@pytest.mark.slow
 def test_json_of_a_material_tells_the_numbers_of_the_protocol_and_where_the_full_map_locks(tmp_path, capsys) -> None:
     report, text = run_json(tmp_path, capsys, "plywood", "--check")
     assert [report[key] for key in FIVE] == pytest.approx([8.0022, 117.279, 129.478, 101.365, -111.061], abs=1e-3)
@@ -46,6 +47,7 @@ def test_json_of_a_material_tells_the_numbers_of_the_protocol_and_where_the_full
     assert written["fingerprint_plywood.json"].decode() == text
 
 
+@pytest.mark.slow
 def test_without_a_material_only_the_protocol_is_told_and_settings_change_it(tmp_path, capsys) -> None:
     plain, _ = run_json(tmp_path, capsys)
     assert set(plain) == {*FIVE, "push", "drag", "remainder_per_rad"}
@@ -58,25 +60,9 @@ def test_without_a_material_only_the_protocol_is_told_and_settings_change_it(tmp
     assert {"fingerprint_protocol.png", "fingerprint_isotropic_changed.svg"} < written
 
 
+@pytest.mark.slow
 def test_people_read_the_five_numbers_and_the_direction_with_its_error(tmp_path, capsys) -> None:
     assert main.run(["fingerprint", "plywood", "--out", str(tmp_path)]) == 0
     shown = capsys.readouterr().out
     for words in ("8.002", "117.279", "129.478", "101.365", "−111.061", "plywood locks into 59.4° ± 21.1°"):
         assert words in shown
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["ply"], "ply"),
-        (["plywood", "--material", "other.toml"], "give one material"),
-        (["--check"], "name a MATERIAL"),
-        (["plywood", "--set", "way_points_mm=[[0, 50]]"], "fixed in the world"),
-        (["plywood", "--set", "nonsense=1"], "nonsense"),
-    ],
-)
-def test_bad_use_is_one_line_and_code_2(arguments, words, tmp_path, capsys) -> None:
-    assert main.run(["fingerprint", *arguments, "--out", str(tmp_path)]) == 2
-    shown = capsys.readouterr()
-    assert words in shown.err and shown.err.count("\n") == 1 and shown.out == ""
-    assert not list(tmp_path.iterdir())

@@ -42,6 +42,7 @@ def collection(file: Path, count: int = 120) -> Path:
     return file
 
 
+@pytest.mark.slow
 def test_json_tells_what_was_read_and_fitted_and_nothing_else(here, capsys) -> None:
     collection(here / "pushes.csv")
     assert run(["fit", "pushes.csv", "--json", "-", "--out", "results"]) == 0
@@ -67,6 +68,7 @@ def test_json_tells_what_was_read_and_fitted_and_nothing_else(here, capsys) -> N
     assert json.loads((here / "results" / "fit_plywood_rect1.json").read_text()) == found
 
 
+@pytest.mark.slow
 def test_people_get_both_tables_whole_the_sentences_and_the_picture(here, capsys) -> None:
     collection(here / "pushes.csv", count=60)
     assert run(["fit", "pushes.csv", "--format", "svg", "--no-wear", "--harmonics", "2", "--seed", "3"]) == 0
@@ -86,6 +88,7 @@ def test_people_get_both_tables_whole_the_sentences_and_the_picture(here, capsys
     assert (here / "out" / "fit_plywood_rect1.svg").read_bytes().startswith(b"<?xml")
 
 
+@pytest.mark.slow
 def test_theta0_alone_gives_a_cycle_map_and_no_tables(here, capsys) -> None:
     rows = "".join(f"{math.degrees(theta) % 360:.4f}\n" for theta in worn_path(100))
     (here / "angles.csv").write_text("theta0_deg\n" + rows)
@@ -98,6 +101,7 @@ def test_theta0_alone_gives_a_cycle_map_and_no_tables(here, capsys) -> None:
     assert json.loads((here / "out" / "fit_angles.json").read_text())["laws"]["dtheta"]["problem"].startswith("too few")
 
 
+@pytest.mark.slow
 def test_a_folder_of_several_sets_is_fitted_set_by_set_or_as_selected(here, capsys) -> None:
     folder = here / "data"
     folder.mkdir()
@@ -160,6 +164,7 @@ def test_bad_use_is_one_line_and_exit_2(here, capsys, arguments, told) -> None:
     assert not (here / "out").exists()
 
 
+@pytest.mark.slow
 def test_the_measured_plywood_is_told_with_its_turns_steps_and_peak(here, capsys, measured_data) -> None:
     assert run(["fit", str(measured_data / "plywood_rect1_theta0_2000.csv"), "--json", "-"]) == 0
     (found,) = json.loads(capsys.readouterr().out)["sets"]

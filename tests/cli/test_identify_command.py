@@ -56,6 +56,7 @@ def push_table(count: int, surface: str) -> str:
 QUICK = ["--starts", "1", "--folds", "2", "--free", "ellipticity_x,ellipticity_y,offset_x,offset_y"]
 
 
+@pytest.mark.slow
 def test_json_tells_the_friction_within_its_intervals_and_the_material_loads(here, capsys) -> None:
     push_file(here / "ends.csv")
     assert run(["identify", "ends.csv", *QUICK, "--json", "-", "--out", "results"]) == 0
@@ -86,6 +87,7 @@ def test_json_tells_the_friction_within_its_intervals_and_the_material_loads(her
     assert "push ends (24 values) in ends.csv" in material.provenance and "isotropic" in material.misfit
 
 
+@pytest.mark.slow
 def test_people_get_a_headline_tables_and_what_to_do_next(here, capsys) -> None:
     push_file(here / "ends.csv", 6)
     arguments = [*QUICK, "--folds", "0", "--name", "my slate", "--set", "pusher_mu=0.16", "--format", "svg"]
@@ -99,6 +101,7 @@ def test_people_get_a_headline_tables_and_what_to_do_next(here, capsys) -> None:
     assert CollectionLoop.mit("out/my_slate.toml").pusher.friction == 0.16
 
 
+@pytest.mark.slow
 def test_fixed_and_started_values_are_taken(here, capsys) -> None:
     push_file(here / "ends.csv", 5)
     arguments = ["--free", "offset_x", "--fix", "rim_share=0.1", "--start", "plywood", "--folds", "0", "--starts", "1"]
@@ -150,6 +153,7 @@ def test_no_answer_from_any_start_is_a_failure(here, capsys) -> None:
     assert not (here / "out").exists()
 
 
+@pytest.mark.slow
 def test_an_interrupt_leaves_nothing_half_written(here, monkeypatch) -> None:
     push_file(here / "ends.csv", 5)
 

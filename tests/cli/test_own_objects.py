@@ -60,7 +60,7 @@ def tee(request, tmp_path_factory):
     call("check", own)
     call("portrait", own, "--cycles", "200")
     call("fit", data)
-    call("identify", data, "--fix", "hitch_scale=1", "--starts", "1", "--folds", "0")
+    call("identify", data, "--starts", "1", "--folds", "0")
     reports["compare the truth"] = call("compare", own, "--data", data, "--runs", "19")
     call("compare", found, "--data", data, "--runs", "19")
     call("replay", found, "--data", data)
@@ -116,6 +116,7 @@ def test_a_tees_lock_in_is_watched_and_a_reset_is_found(tee) -> None:
     assert len(strategy.actions) == len(actions)
 
 
+@pytest.mark.slow
 def test_data_whose_object_nobody_tells_are_refused_with_what_to_do(here, capsys) -> None:
     assert run(["init", "box.toml", "--rectangle-mm", "120,60"]) == 0
     assert run(["simulate", "box.toml", "--cycles", "4", "--out", "data"]) == 0
@@ -154,6 +155,7 @@ def test_what_init_cannot_use_is_one_clear_line(here, capsys, monkeypatch, argum
     assert not (here / "box.toml").exists()
 
 
+@pytest.mark.slow
 def test_init_asks_back_and_writes_over_nothing(here, capsys, monkeypatch) -> None:
     from click.testing import CliRunner
 
@@ -182,6 +184,7 @@ def test_check_of_a_file_with_which_nothing_runs_ends_with_2_and_says_why(here, 
     assert (here / "out" / "check_box.png").is_file()
 
 
+@pytest.mark.slow
 def test_probe_of_a_function_a_program_and_data(here, capsys, monkeypatch) -> None:
     (here / "alike.py").write_text("def push(theta):\n    return 0.04, -0.07, 1.3\n")
     monkeypatch.syspath_prepend(str(here))
@@ -196,6 +199,7 @@ def test_probe_of_a_function_a_program_and_data(here, capsys, monkeypatch) -> No
     assert run(["probe", "--python", "gone:push"]) == 2
 
 
+@pytest.mark.slow
 def test_own_tables_are_read_by_fit_and_audit_and_told_on_stderr(here, capsys) -> None:
     rows = [f"{n};{(n * 27.3) % 360.0:.2f}".replace(".", ",") for n in range(30)]
     (here / "log.csv").write_text("\n".join(["Nr;Winkel vorher [°]", *rows]) + "\n")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cyclemap.cli import main
-from cyclemap.cli.command_replay import replay_command
+from cyclemap.cli.commands import replay_command
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
 
 OFF_MM = (1.0, 3.0)
@@ -38,6 +38,7 @@ def data(tmp_path_factory):
     return home
 
 
+@pytest.mark.slow
 def test_json_tells_every_push_its_groups_and_the_files_left_out(data, tmp_path, capsys) -> None:
     arguments = ["replay", "isotropic", "--data", str(data), "--out", str(tmp_path / "pictures"), "--json", "-"]
     assert main.run(arguments) == 0
@@ -58,6 +59,7 @@ def test_json_tells_every_push_its_groups_and_the_files_left_out(data, tmp_path,
     assert written["replay_isotropic.json"].decode() == shown.out
 
 
+@pytest.mark.slow
 def test_people_get_a_table_by_object_whole_even_in_a_narrow_terminal(data, tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.setenv("COLUMNS", "60")
     assert main.run(["replay", "isotropic", "--data", str(data), "--out", str(tmp_path), "--format", "svg"]) == 0
@@ -68,6 +70,7 @@ def test_people_get_a_table_by_object_whole_even_in_a_narrow_terminal(data, tmp_
     assert "…" not in shown
 
 
+@pytest.mark.slow
 def test_the_rods_friction_changes_the_replay(data, tmp_path, capsys) -> None:
     errors = []
     for friction in ("0.25", "0"):

@@ -9,6 +9,8 @@ import pytest
 from cyclemap.cli import main
 from cyclemap.resets import read_protocol, read_schedule
 
+pytestmark = pytest.mark.slow
+
 FEW = ("--axes-percent", "5", "--offsets-percent", "20", "--pushes", "200", "--cycles", "30")
 
 
@@ -76,23 +78,3 @@ def test_people_are_told_three_lines_and_the_rows(tmp_path, capsys, monkeypatch)
     for part in ("What to do:", "What it leaves:", "What it costs:", "Nothing that was considered meets all demands"):
         assert shown.out.count(part) == 1
     assert "The least mean drag considered is" in shown.out and "as it is" in shown.out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--allow-tv", "0"], "--allow-tv"),
-        (["--within", "0"], "--within"),
-        (["--with", "wings"], "--with"),
-        (["--cycles", "1000000000"], "--cycles"),
-        (["--likely", "no-such-wood"], "unknown material 'no-such-wood'"),
-        (["--axes-percent", "100"], "--axes-percent"),
-        (["--robust"], "--robust"),
-    ],
-)
-def test_bad_use_is_one_line_and_exit_code_2(tmp_path, capsys, monkeypatch, arguments, said) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert main.run(["reset", "plywood", *arguments]) == 2
-    shown = capsys.readouterr()
-    assert said in shown.err and "Traceback" not in shown.err
-    assert not (tmp_path / "out").exists()

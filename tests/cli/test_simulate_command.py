@@ -42,6 +42,7 @@ def test_json_tells_what_was_written_and_found_and_nothing_else(tmp_path, capsys
     assert math.radians(first["theta0_deg_last"]) == pytest.approx(last, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_people_are_told_how_many_where_how_large_and_what_to_do_next(tmp_path, capsys) -> None:
     assert simulate(tmp_path, "--scans") == 0
     lines = capsys.readouterr().out.splitlines()
@@ -95,24 +96,6 @@ def test_the_scatter_is_the_options_else_the_settings_else_the_packages(tmp_path
     assert read_toml(tmp_path / "collection.toml")["simulation"]["noise_turn_rad"] == pytest.approx(sigma)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--wear-to", "plywod"], "did you mean 'plywood'"),
-        (["--noise-deg", "-1"], "-1.0 is not in the range"),
-        (["--pose-noise-mm", "nan"], "noise of the position must be a finite number"),
-        (["--speed-mm-s", "0"], "0.0 is not in the range"),
-        (["--start-deg", "inf"], "start must be a finite number"),
-        (["--format", "csv"], "'csv' is not one of"),
-    ],
-)
-def test_bad_use_exits_2_with_one_line_and_writes_nothing(tmp_path, capsys, options, message) -> None:
-    assert simulate(tmp_path / "made", *options) == 2
-    shown = capsys.readouterr()
-    assert shown.out == "" and len(shown.err.splitlines()) == 1 and message in shown.err
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_folder_begun_with_other_arguments_exits_2_and_says_what_differs(tmp_path, capsys) -> None:
     assert simulate(tmp_path) == 0
     before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
@@ -128,11 +111,12 @@ def test_a_folder_that_cannot_be_made_exits_1_with_its_name(tmp_path, capsys) ->
     assert f"{tmp_path}/file/made cannot be used (Not a directory)" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_full_disk_exits_1_leaves_nothing_half_written_and_can_be_gone_on_with(tmp_path, capsys) -> None:
     """A limit on the size of files stands for the full disk: the notes fit, the first push does not."""
     folder = tmp_path / "made"
     script = f"""
-        from cyclemap.cli.command_simulate import simulate_command
+        from cyclemap.cli.commands import simulate_command
         from cyclemap.cli.main import cli, main
         cli.add_command(simulate_command)
         main(["simulate", "plywood", "--cycles", "3", "--out", {str(folder)!r}])

@@ -89,6 +89,7 @@ def test_cycle_tells_people_each_action_and_its_share(protocol, capsys) -> None:
     assert len(json.loads(Path("made/cycles_plywood.json").read_text())["cycles"]) == 2
 
 
+@pytest.mark.slow
 def test_a_portrait_tells_the_distribution_of_its_mixture(protocol, capsys) -> None:
     """Against the strategy's own maps and law, made here."""
     report = report_of(capsys, ["portrait", *PLYWOOD, protocol(RANDOM), "--cycles", "300", "--set", "noise_deg=6"])
@@ -107,6 +108,7 @@ def test_a_portrait_tells_the_distribution_of_its_mixture(protocol, capsys) -> N
     assert climbed == pytest.approx(report["rotation_number"]["value"])
 
 
+@pytest.mark.slow
 def test_the_portraits_picture_and_words_say_how_uniform_it_is(protocol, capsys) -> None:
     arguments = ["portrait", "plywood", "--protocol", protocol(IN_TURN), "--cycles", "60", "--set", "noise_deg=30"]
     assert run([*arguments, "--format", "svg"]) == 0
@@ -122,6 +124,7 @@ def test_the_portraits_picture_and_words_say_how_uniform_it_is(protocol, capsys)
     assert report["strategy"]["order"] == "in turn"
 
 
+@pytest.mark.slow
 def test_a_portrait_takes_measured_directions_beside_a_strategy(protocol, capsys) -> None:
     rows = "".join(f"{(37.0 * n) % 360.0}\n" for n in range(80))
     path = protocol(RANDOM)
@@ -140,6 +143,7 @@ DETERMINISTIC = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "strategy"), DETERMINISTIC, ids=lambda part: part[0] if isinstance(part, list) else ""
 )
@@ -226,6 +230,7 @@ def test_the_staircase_is_that_of_the_mechanics_with_the_same_seed(protocol, cap
     assert Path("out/staircase_plywood.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_the_staircase_stands_beside_measured_ones(protocol, capsys) -> None:
     path = protocol(RANDOM)
     rng = np.random.default_rng(1)

@@ -65,6 +65,7 @@ def sweep(*arguments: str) -> None:
         sweep_command.invoke(context)
 
 
+@pytest.mark.slow
 def test_a_plane_is_stored_drawn_exported_and_told(here, capsys, fake) -> None:
     sweep("plywood", *PLANE, "--export", "csv")
     shown = capsys.readouterr()
@@ -80,6 +81,7 @@ def test_a_plane_is_stored_drawn_exported_and_told(here, capsys, fake) -> None:
     assert fake.found == list(range(10))
 
 
+@pytest.mark.slow
 def test_json_tells_every_point_and_nothing_else(here, capsys, fake) -> None:
     sweep("plywood", *PLANE, "--json", "-")
     shown = capsys.readouterr()
@@ -94,6 +96,7 @@ def test_json_tells_every_point_and_nothing_else(here, capsys, fake) -> None:
     assert (last["rotation"], last["fixed_point_theta_deg"], last["refusal"]) == (None, [], "no such loop")
 
 
+@pytest.mark.slow
 def test_the_same_command_again_computes_nothing(fake, capsys) -> None:
     sweep("plywood", *RING)
     told = capsys.readouterr().out
@@ -138,6 +141,7 @@ def test_a_sample_over_materials_goes_by_its_seed(here, capsys, fake) -> None:
         sweep(*arguments, "--seed", "4")
 
 
+@pytest.mark.slow
 def test_a_real_sweep_of_noise_and_netcdf(here, capsys) -> None:
     """Isotropic friction: whatever the noise, the map turns by 8.002 degrees a cycle."""
     xarray = pytest.importorskip("xarray")

@@ -37,6 +37,7 @@ def data_file(folder: Path, angles=LOCKED) -> Path:
     return file
 
 
+@pytest.mark.slow
 def test_one_look_writes_picture_and_json_and_tells_people(here, capsys) -> None:
     assert run(["watch", str(data_file(here)), "--out", "pictures"]) == 0
     shown = capsys.readouterr()
@@ -47,6 +48,7 @@ def test_one_look_writes_picture_and_json_and_tells_people(here, capsys) -> None
     assert (here / "pictures" / "watch_my_run.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_json_tells_alarm_direction_coverage_and_advice_and_nothing_else(here, capsys) -> None:
     assert run(["watch", str(data_file(here)), "--alarm-rate", "0.1", "--json", "-"]) == 0
     shown = capsys.readouterr()
@@ -67,6 +69,7 @@ def test_json_tells_alarm_direction_coverage_and_advice_and_nothing_else(here, c
     assert json.loads((here / "out" / "watch_my_run.json").read_text()) == report
 
 
+@pytest.mark.slow
 def test_the_measured_staircase_is_told_at_push_16(here, capsys, measured_data) -> None:
     lines = (measured_data / "plywood_rect1_theta0_2000.csv").read_text().splitlines()[:120]
     file = here / "plywood.csv"
@@ -119,6 +122,7 @@ def grown(monkeypatch, steps) -> None:
     monkeypatch.setattr(module.time, "sleep", wait)
 
 
+@pytest.mark.slow
 def test_following_prints_a_line_of_json_for_each_push_and_keeps_the_last_report(here, capsys, monkeypatch) -> None:
     file = data_file(here, LOCKED[:10])
 
@@ -141,6 +145,7 @@ def test_following_prints_a_line_of_json_for_each_push_and_keeps_the_last_report
     assert kept["pushes"] == len(LOCKED)
 
 
+@pytest.mark.slow
 def test_following_tells_people_what_changes_and_a_file_that_begins_anew(here, capsys, monkeypatch) -> None:
     file = data_file(here)
     grown(monkeypatch, [lambda: None, lambda: file.write_text("theta0_deg\n" + rows([10, 100, 190, 280]))])
@@ -181,6 +186,7 @@ def test_a_table_of_ones_own_is_watched_like_ours_and_followed(here, capsys, mon
     assert lines[-1]["alarm"] == ours["alarm"]
 
 
+@pytest.mark.slow
 def test_a_bad_row_while_following_ends_the_watch_with_its_line_and_keeps_the_report(here, capsys, monkeypatch) -> None:
     file = data_file(here)
 
@@ -203,6 +209,7 @@ def folder_of_pushes(folder: Path, count: int) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_a_followed_folder_that_vanishes_is_waited_for_and_its_report_kept(here, capsys, monkeypatch) -> None:
     folder = folder_of_pushes(here / "fol", 3)
     grown(monkeypatch, [lambda: shutil.rmtree(folder), lambda: None])
@@ -213,6 +220,7 @@ def test_a_followed_folder_that_vanishes_is_waited_for_and_its_report_kept(here,
     assert (here / "out" / "watch_fol.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("failure", "code"),
     [(DataFileError("x"), 2), (OSError(5, "disk"), 1), (BrokenPipeError(), None), (ZeroDivisionError(), None)],
@@ -232,6 +240,7 @@ def test_however_following_ends_picture_and_json_are_written(here, monkeypatch, 
     assert sorted(path.name for path in (here / "out").iterdir()) == ["watch_fol.json", "watch_fol.png"]
 
 
+@pytest.mark.slow
 def test_a_folder_among_the_pushes_is_passed_over_and_a_link_to_nothing_named(here, capsys) -> None:
     folder = folder_of_pushes(here / "fol", 3)
     (folder / "d.json").mkdir()
@@ -242,6 +251,7 @@ def test_a_folder_among_the_pushes_is_passed_over_and_a_link_to_nothing_named(he
     assert "gone.json: a link to a file that is not there" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_real_interrupt_ends_with_130_and_leaves_the_report(here) -> None:
     file = data_file(here, LOCKED[:5])
     command = [sys.executable, "-m", "cyclemap", "watch", str(file), "--follow", "--every", "0.05", "--json", "-"]
@@ -272,6 +282,7 @@ push_mm = 150
 """
 
 
+@pytest.mark.slow
 def test_a_protocol_tells_which_action_to_take_next(here, capsys) -> None:
     """The landing is that of `cyclemap cycle` from the last direction recorded with the same push."""
     (here / "mix.toml").write_text(MIXTURE)

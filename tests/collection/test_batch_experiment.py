@@ -35,6 +35,7 @@ def test_quasi_static_batches_end_at_the_stable_point_of_the_grids_map():
         assert row[count - 1] > math.radians(1.0) and np.all(row[count:] <= math.radians(1.0))
 
 
+@pytest.mark.slow
 def test_dynamic_batches_begun_on_both_sides_of_the_stable_point_close_in_on_it():
     """Inertia's -0.15 degrees a cycle shift it by that over 1 - 0.89: to 60.05 degrees."""
     run = run_batches(DynamicLoop(CollectionLoop.mit()), np.radians([58.5, 61.5]), cycles=5)

@@ -23,6 +23,7 @@ def compared(isotropic: bool):
     return compare_dynamics(DynamicLoop(isotropic_twin(loop) if isotropic else loop), THETA)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("isotropic", [False, True])
 def test_at_20_mm_a_second_inertia_changes_a_cycle_by_less_than_a_fifth_of_a_degree(isotropic):
     found = compared(isotropic)
@@ -79,6 +80,7 @@ PRESSED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESSED)
 def test_both_routes_stand_on_points_that_carry_the_patchs_pressure(name):
     """The quasi-static cycle on them is the patch's about as nearly as the even grid's is the even patch's, 0.25°."""

@@ -141,6 +141,7 @@ def differenced(loop, theta, parameter):
     return (8.0 * (at(step) - at(-step)) - (at(2.0 * step) - at(-2.0 * step))) / (12.0 * step)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LOOPS)
 def test_all_sensitivities_of_all_six_outputs_are_the_differences(name):
     loop, theta, ended = LOOPS[name]

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import SETTING_KEYS
+from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.mechanics import Ellipse, PatchFootprint, Slider, corner_footprint, grid_footprint
 
@@ -47,7 +47,7 @@ def test_every_setting_reaches_its_place_in_si_units_and_no_other(key):
 
 def test_no_setting_is_left_untested():
     others = {"shape", "object_name", "vertices_mm", "semi_x_mm", "semi_y_mm", "way_points_mm", "footprint"}
-    assert set(PLACES) | others == set(SETTING_KEYS)
+    assert set(PLACES) | others | {NOISE_KEY} == set(SETTINGS)
 
 
 def test_outlines_come_by_name_by_vertices_or_by_semi_axes_and_keep_the_ring():

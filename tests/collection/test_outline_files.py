@@ -112,6 +112,7 @@ def test_the_underside_of_a_mesh_is_its_foot_print(tmp_path) -> None:
     assert read_outline(tmp_path / "table.stl", underside=True).outline.area == pytest.approx(1.6e-3, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_curves_are_simplified_within_the_tolerance_and_no_more(tmp_path) -> None:
     path = tmp_path / "disc.svg"
     path.write_text(

@@ -41,6 +41,7 @@ def test_statistics_do_not_smooth_a_jump() -> None:
     assert turns.max_slope == 1.5
 
 
+@pytest.mark.slow
 def test_portrait_of_a_locked_map(loop_of) -> None:
     found = portrait(loop_of(CircleMap.arnold(0.0, 0.5)), cycles=50)
     assert [(float(orbit.points[0]), orbit.stable) for orbit in found.fixed_points] == [
@@ -70,6 +71,7 @@ def test_of_two_stable_points_the_more_visited_comes_first(loop_of) -> None:
     assert found.cycle.theta == places[0]
 
 
+@pytest.mark.slow
 def test_same_seed_same_staircase_and_it_starts_where_told(loop_of) -> None:
     loop = loop_of(CircleMap.arnold(0.1, 0.5))
     paths = [portrait(loop, cycles=30, start=2.0, seed=seed).staircase.theta for seed in (3, 3, 4)]
@@ -104,6 +106,7 @@ def test_turn_curve_ends_at_the_jump_on_both_sides() -> None:
     ]
 
 
+@pytest.mark.slow
 def test_cobweb_corners_lie_in_turn_on_the_diagonal_and_on_the_graph(loop_of) -> None:
     circle_map = CircleMap.arnold(0.0, 0.5)
     web = cobweb(portrait(loop_of(circle_map), cycles=10))
@@ -116,12 +119,14 @@ def test_cobweb_corners_lie_in_turn_on_the_diagonal_and_on_the_graph(loop_of) ->
         assert abs(path[-1, 0]) < 1e-3
 
 
+@pytest.mark.slow
 def test_cobweb_of_a_map_that_hops_to_and_fro_stays_short(loop_of) -> None:
     flip = CircleMap(lambda theta: theta - 1.999 * np.sin(theta))
     web = cobweb(portrait(loop_of(flip), cycles=10))
     assert all(len(path) < 100 for path in web.paths)
 
 
+@pytest.mark.slow
 def test_density_of_the_curves_is_a_density(loop_of) -> None:
     curves = portrait_curves(portrait(loop_of(CircleMap.arnold(0.05, 0.5)), cycles=10))
     assert np.trapezoid(curves.density, curves.density_theta) == pytest.approx(1.0, abs=1e-6)

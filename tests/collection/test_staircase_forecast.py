@@ -17,6 +17,7 @@ def test_residences_that_a_float_can_hold_are_told_alike_by_their_logarithm(loop
     assert found.log10_residences[0] == pytest.approx(math.log10(zone.residence_cycles), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_long_residences_grow_as_one_over_the_noise_squared(loop_of) -> None:
     """Freidlin and Wentzell: σ² ln T tends to a constant of the map, however long T."""
     stuck = loop_of(CircleMap.arnold(0.1, 0.9))
@@ -26,6 +27,7 @@ def test_long_residences_grow_as_one_over_the_noise_squared(loop_of) -> None:
     assert narrow.log10_residences[0] / wide.log10_residences[0] == pytest.approx(4.0, rel=0.03)
 
 
+@pytest.mark.slow
 def test_zones_that_make_whole_turns_have_the_residence_of_those_that_make_none(loop_of) -> None:
     """A whole turn more a cycle moves no direction: residences depend on the map of the circle alone."""
     still, turning = (
@@ -43,6 +45,7 @@ def test_the_steps_of_a_run_past_a_ghost_are_whole_turns_of_the_predicted_length
     assert abs(found.comparison.net_steps - found.comparison.expected_steps) < 4 * found.comparison.net_error
 
 
+@pytest.mark.slow
 def test_plywood_of_the_paper_climbs_in_whole_turns_but_hardly_ever(real_loop) -> None:
     found = staircase_forecast(real_loop, cycles=200)
     assert math.degrees(found.prediction.step) == pytest.approx(360.0)

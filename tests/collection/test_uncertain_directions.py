@@ -43,6 +43,7 @@ def inside(found: DirectionUncertainty, theta: np.ndarray) -> float:
     return float(np.mean(np.mod(theta - one.lower, 2.0 * math.pi) <= one.upper - one.lower))
 
 
+@pytest.mark.slow
 def test_the_first_order_interval_holds_the_directions_of_further_draws() -> None:
     """Truth by Newton's method on the cycle itself, for 800 draws that the interval has not seen."""
     plywood = load_material("plywood")
@@ -58,6 +59,7 @@ def test_the_first_order_interval_holds_the_directions_of_further_draws() -> Non
     assert 0.93 <= inside(found, theta.ravel()) <= 0.97
 
 
+@pytest.mark.slow
 def test_near_the_saddle_node_samples_are_run_and_tell_how_many_lock_in() -> None:
     """Truth by the certified fixed points of each draw's own map."""
     plywood = load_material("plywood")
@@ -72,6 +74,7 @@ def test_near_the_saddle_node_samples_are_run_and_tell_how_many_lock_in() -> Non
     assert 0.93 <= inside(found, np.array(locked)) <= 0.97
 
 
+@pytest.mark.slow
 def test_both_ways_agree_where_errors_are_small_and_where_the_ellipse_is_nearly_a_circle(monkeypatch) -> None:
     round_floor = Material("round", EllipseFriction(0.2501, 0.25, 0.04, 0.01, 0.3))
     for material in (load_material("plywood"), round_floor):
@@ -87,6 +90,7 @@ def test_both_ways_agree_where_errors_are_small_and_where_the_ellipse_is_nearly_
         assert (one.lower, one.upper) == pytest.approx((other.lower, other.upper), abs=0.06 * width)
 
 
+@pytest.mark.slow
 def test_a_turned_surface_has_its_intervals_turned() -> None:
     base = drawn(load_material("plywood"), 0.5, 40, 4)
     turned = replace(base, friction=base.friction.turned(1.0))

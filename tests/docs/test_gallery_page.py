@@ -46,6 +46,7 @@ def built(folder: Path) -> tuple[str, str]:
     return (out / "index.html").read_text(encoding="utf-8"), done.stderr
 
 
+@pytest.mark.slow
 def test_pictures_and_tables_are_shown_with_source_caption_and_anchor(sources):
     Image.new("RGB", (4, 4)).save(sources / "gallery" / "first-look.png")
     Image.new("RGB", (4, 4)).save(sources / "gallery" / "moving.gif")
@@ -66,12 +67,14 @@ def test_pictures_and_tables_are_shown_with_source_caption_and_anchor(sources):
     assert "Figure 1. Made by cyclemap figures first-look." in told(page)
 
 
+@pytest.mark.slow
 def test_an_empty_gallery_says_how_to_make_it(sources):
     page, words = built(sources)
     assert words == ""
     assert told(page).count("cyclemap figures all --out docs/gallery") == 2
 
 
+@pytest.mark.slow
 def test_a_file_that_is_listed_and_not_there_is_a_warning(sources):
     listed(sources, {**PICTURE, "file": "first-look.png", "measured": None})
     assert "names first-look.png, which is not there" in built(sources)[1]

@@ -2,11 +2,10 @@
 
 import json
 import re
+import runpy
 from pathlib import Path
 
 from cyclemap.cli.main import cli
-from cyclemap.cli.settings import NOISE_KEY
-from cyclemap.collection.settings import SETTING_KEYS
 from cyclemap.figures.catalogue import entries
 from cyclemap.mechanics import material_names
 from cyclemap.resets.protocol.protocol_file import ACTION_KEYS, STRATEGY_KEYS
@@ -21,8 +20,10 @@ def words(name: str) -> str:
     return (DOCS / name).read_text(encoding="utf-8")
 
 
-def test_every_key_of_a_protocol_is_in_the_guide_and_nothing_else_is() -> None:
-    assert first_column("## The keys") == {*SETTING_KEYS, NOISE_KEY}
+def test_the_readme_tells_every_setting_as_the_guide_does() -> None:
+    """The table of the guide is made from the settings themselves; the README's is the same to the letter."""
+    readme = (DOCS.parent / "README.md").read_text(encoding="utf-8")
+    assert runpy.run_path(str(DOCS / "_extensions" / "settings_table.py"))["markdown"]() in readme
 
 
 def test_every_key_of_a_strategy_is_in_the_guide_and_nothing_else_is() -> None:

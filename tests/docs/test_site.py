@@ -17,6 +17,8 @@ import pytest
 import cyclemap as cm
 from cyclemap.cli.main import cli
 
+pytestmark = pytest.mark.slow
+
 DOCS = Path(__file__).parents[2] / "docs"
 # What a page loads by itself; `a` only leads somewhere.
 LOADS = {"img": "src", "script": "src", "link": "href", "source": "src", "iframe": "src"}

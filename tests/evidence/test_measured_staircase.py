@@ -17,6 +17,7 @@ def made(cycles: int = 4_000) -> Theta0Pairs:
     return Theta0Pairs(path[:-1], path[1:], path)
 
 
+@pytest.mark.slow
 def test_the_law_behind_made_data_is_found_again() -> None:
     found, truth = measured_staircase(made()), predict_staircase(MAP, NOISE)
     assert found.fitted.sigma == pytest.approx(NOISE.sigma, rel=0.05)
@@ -32,6 +33,7 @@ def test_the_pace_of_a_turn_is_that_of_the_whole_path() -> None:
     assert measured_staircase(pairs).cycles_a_turn == pytest.approx(4_000 / climbed)
 
 
+@pytest.mark.slow
 def test_measured_plywood_climbs_in_whole_turns_as_its_fitted_map_predicts(measured_data: Path) -> None:
     found = measured_staircase(read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv"))
     assert np.rad2deg(found.prediction.step) == pytest.approx(360.0)

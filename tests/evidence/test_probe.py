@@ -29,6 +29,7 @@ def pushes(ratio: float, phi: float, offset: float = 0.0) -> np.ndarray:
     return np.column_stack([made.push_displacement, made.push_turn])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(RUNS))
 def test_three_per_cent_are_found_and_held_and_nothing_else_is(seed) -> None:
     """72 pushes, 0.3 mm and 0.3 degrees of noise."""
@@ -44,6 +45,7 @@ def test_three_per_cent_are_found_and_held_and_nothing_else_is(seed) -> None:
     assert "No sign" in probe_sentences(none)[0]
 
 
+@pytest.mark.slow
 def test_the_ellipse_and_its_lock_in_are_those_of_the_surface_that_was_pushed_on() -> None:
     plywood = CollectionLoop.mit("plywood", accuracy=1e-6)
 

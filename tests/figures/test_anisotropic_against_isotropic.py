@@ -3,6 +3,7 @@
 from functools import cache
 
 import numpy as np
+import pytest
 
 from cyclemap.collection import BatchExperiment
 from cyclemap.figures.anisotropic_against_isotropic import FIGURE
@@ -14,6 +15,7 @@ def small() -> BatchExperiment:
     return FIGURE.compute(MeasuredFolder(), batches=3, cycles=5)
 
 
+@pytest.mark.slow
 def test_anisotropic_batches_draw_together_and_isotropic_ones_keep_their_distance() -> None:
     """A third of a turn apart at first, the batches near the stable point close in: their distance falls."""
     unit = np.exp(1j * small().anisotropic.theta)
@@ -24,6 +26,7 @@ def test_anisotropic_batches_draw_together_and_isotropic_ones_keep_their_distanc
     assert isotropic.max() < 1e-4
 
 
+@pytest.mark.slow
 def test_in_the_objects_frame_isotropic_paths_are_one_and_anisotropic_ones_spread() -> None:
     assert small().isotropic.spread < 5e-6
     assert small().anisotropic.spread > 0.01

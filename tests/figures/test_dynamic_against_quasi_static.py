@@ -16,6 +16,7 @@ def small() -> InertiaStudy:
     return FIGURE.compute(MeasuredFolder(), orientations=3, speeds=(0.01, 0.02, 0.04), fewer=1)
 
 
+@pytest.mark.slow
 def test_the_difference_falls_with_the_speed_squared_on_both_laws() -> None:
     assert small().differences.shape == (2, 3)
     assert small().orders == pytest.approx((2.0, 2.0), abs=0.05)
@@ -24,6 +25,7 @@ def test_the_difference_falls_with_the_speed_squared_on_both_laws() -> None:
     assert small().orders == pytest.approx(slopes.mean(axis=1), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_caption_tells_the_largest_differences_of_the_result() -> None:
     caption = FIGURE.caption(small())
     for comparison in (small().material, small().isotropic):

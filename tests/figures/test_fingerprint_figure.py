@@ -46,6 +46,7 @@ def test_the_ring_of_the_neutral_loop_lies_further_out_than_the_nominal_one(resu
     assert result.ring == pytest.approx(0.0213, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_the_picture_has_three_panels_and_a_caption_with_its_numbers(result) -> None:
     drawn = FIGURE.draw(result)
     assert_drawn(drawn, 3)

@@ -89,6 +89,7 @@ def test_the_noisy_push_is_not_chosen_and_both_panels_are_drawn(recorded) -> Non
     assert_drawn(figure, 2)
 
 
+@pytest.mark.slow
 def test_the_legends_lie_below_the_lower_bound_of_the_ratio(result, recorded) -> None:
     legends = 0
     for found in (result, compute(recorded)):
@@ -120,6 +121,7 @@ def test_without_data_the_caption_says_so_and_the_picture_shows_what_there_is(re
     assert_drawn(figure, 1)
 
 
+@pytest.mark.slow
 def test_the_recorded_push_of_the_data_slides_near_a_fifth_and_sticks_below(measured_data) -> None:
     """hex on abs at 50 mm/s, pushed at 20 degrees: the coefficient is that of the whole estimator on this file."""
     found = compute(MeasuredFolder(measured_data))

@@ -106,6 +106,7 @@ def test_the_object_turns_about_the_star(result) -> None:
     assert np.allclose((vx - spin * y, vy + spin * x), 0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_scans_give_back_the_ellipse_that_made_them(scanned) -> None:
     found = compute(scanned)
     assert isinstance(found.scans, ScanForces) and found.fitted is not None
@@ -119,6 +120,7 @@ def test_scans_give_back_the_ellipse_that_made_them(scanned) -> None:
     assert_drawn(figure, 3)
 
 
+@pytest.mark.slow
 def test_without_scans_the_caption_alone_says_so(result, tmp_path) -> None:
     weight = CollectionLoop.mit("plywood").model.weight
     assert measured_scans(MeasuredFolder(tmp_path), "plywood", weight) is None

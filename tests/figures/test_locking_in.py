@@ -59,6 +59,7 @@ def test_the_rod_pushes_straight_and_as_far_as_the_mechanics_says(result) -> Non
     assert math.atan2(way[1], way[0]) == pytest.approx(result.theta[0] - math.pi / 2, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_gif_opens_moves_and_lasts_as_long_as_its_frames(result) -> None:
     frames = list(ANIMATION.frames(result))
     assert len(frames) == len(result.moments)

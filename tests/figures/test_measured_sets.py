@@ -66,6 +66,7 @@ def test_damaged_files_are_counted_and_the_rest_is_kept(recorded, tmp_path) -> N
     assert found.unreadable == 1 and found.pushes.count == RECORDED_ABS - 1
 
 
+@pytest.mark.slow
 def test_friction_scans_are_found_with_their_forces(recorded) -> None:
     scans = measured_scans(recorded, "plywood")
     assert len(scans) == SCANS and np.isfinite(scans["force_along"]).all()

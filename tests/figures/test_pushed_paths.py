@@ -18,6 +18,7 @@ from cyclemap.figures.pushed_paths import (
 )
 
 
+@pytest.mark.slow
 def test_four_surfaces_in_the_papers_order_with_as_many_pushes_as_asked() -> None:
     found = small_paths()
     assert [paths.surface for paths in found] == ["plywood", "abs", "delrin", "pu"]
@@ -63,6 +64,7 @@ def test_isotropic_friction_gives_a_single_path_in_the_objects_frame(monkeypatch
     assert np.ptp(paths.robot_frame[:, -1], axis=0).min() > 0.05
 
 
+@pytest.mark.slow
 def test_recorded_pushes_are_read_back_as_the_paths_that_were_recorded(tmp_path_factory) -> None:
     measured = recorded_folder(tmp_path_factory)
     paths = recorded_paths(measured, "plywood", 5)
@@ -77,6 +79,7 @@ def test_recorded_pushes_are_read_back_as_the_paths_that_were_recorded(tmp_path_
     assert [one.recorded for one in surfaces] == [True, False, False, False]
 
 
+@pytest.mark.slow
 def test_pushes_of_another_kind_in_the_folder_are_left_out(tmp_path, tmp_path_factory) -> None:
     shutil.copytree(recorded_folder(tmp_path_factory).path, tmp_path / "mixed")
     home = tmp_path / "mixed" / "plywood" / "rect1" / "normal"

@@ -61,6 +61,7 @@ def test_the_stated_error_holds_on_a_cycle_of_its_own(result) -> None:
     assert abs(loop.cycle(stable).theta_next - stable) < max(3 * result.error, math.radians(0.05))
 
 
+@pytest.mark.slow
 def test_it_is_drawn_and_its_caption_tells_the_fold(result) -> None:
     assert_drawn(FIGURE.draw(result), 6)
     caption = FIGURE.caption(result)

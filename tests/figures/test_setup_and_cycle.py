@@ -69,5 +69,6 @@ def test_the_caption_tells_the_numbers_of_design_and_of_the_cycles(result) -> No
         assert words in told
 
 
+@pytest.mark.slow
 def test_the_picture_has_two_full_panels_with_units_and_clear_words(result) -> None:
     assert_drawn(draw(result), 2)

@@ -39,6 +39,7 @@ def test_isotropic_friction_has_one_turn_for_all_orientations() -> None:
     assert np.degrees(flat.push_at(np.linspace(0.0, 6.0, 20))) == pytest.approx(74.52037, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_without_data_the_caption_alone_says_so(result) -> None:
     assert result.recorded is None and result.cycles == ()
     told, figure = FIGURE.caption(result), draw(result)
@@ -52,6 +53,7 @@ def test_without_data_the_caption_alone_says_so(result) -> None:
     assert_drawn(figure, 2)
 
 
+@pytest.mark.slow
 def test_recorded_pushes_lie_on_the_curve_of_the_law_that_made_them(tmp_path_factory) -> None:
     """Made on Table I with the exact patch: off the 8 x 8 points by the grid's quarter of a degree."""
     found = compute(recorded_folder(tmp_path_factory), NODES)
@@ -65,6 +67,7 @@ def test_recorded_pushes_lie_on_the_curve_of_the_law_that_made_them(tmp_path_fac
     assert_drawn(figure, 2)
 
 
+@pytest.mark.slow
 def test_the_measured_cycles_are_carried_by_plywood_measured_and_not_by_table_i(measured_data) -> None:
     found = compute(MeasuredFolder(measured_data), NODES)
     assert len(found.cycles) == 3 and found.recorded is None

@@ -70,6 +70,7 @@ def test_offsets_turn_the_cycle_by_its_kick_and_are_as_large_across_as_along() -
     assert np.std(across) == pytest.approx(np.std(kick / size), rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_percent_of_friction_explains_the_scatter_of_theta0_on_every_material() -> None:
     found = [sampled_run(material, SMALL).jitter for material in STANDS_FOR.values()]
     assert [one.size for one in found] == [SMALL.pushes] * 4
@@ -85,6 +86,7 @@ def test_wear_leads_from_the_fresh_map_to_the_worn_one(worn) -> None:
         assert np.max(np.abs(worn.map.at(cycle)(theta) - direct)) < np.deg2rad(allowed)
 
 
+@pytest.mark.slow
 def test_densities_are_laws_and_the_worn_one_is_the_mean_of_its_states(worn, pu) -> None:
     for run in (worn, pu):
         density = run.density(CIRCLE)

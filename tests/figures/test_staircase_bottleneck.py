@@ -42,6 +42,7 @@ def test_the_passage_law_fits_the_predicted_directions_at_the_bottleneck(result)
     assert np.trapezoid(one.density, np.linspace(0.0, 2 * np.pi, 721)) == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_without_data_the_caption_says_so_and_the_picture_shows_what_there_is(result) -> None:
     assert result.measured is None
     figure = FIGURE.draw(result)
@@ -50,6 +51,7 @@ def test_without_data_the_caption_says_so_and_the_picture_shows_what_there_is(re
     assert NO_DATA in FIGURE.caption(result)
 
 
+@pytest.mark.slow
 def test_the_measured_staircase_has_a_bottleneck_near_95_degrees_and_its_steps_shorten(result, measured_data) -> None:
     found = measured_bottleneck(measured_data / THETA0_FILE)
     assert math.degrees(found.passage.theta) == pytest.approx(95.0, abs=5.0)

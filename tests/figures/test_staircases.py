@@ -59,6 +59,7 @@ def test_the_range_of_runs_holds_most_of_each_drawn_run(result) -> None:
         assert one.turns.size == RUNS and one.lower.size == LONG.pushes
 
 
+@pytest.mark.slow
 def test_the_plywood_panel_shows_measured_and_predicted_together(measured) -> None:
     figure = draw(measured)
     names = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]

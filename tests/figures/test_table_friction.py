@@ -59,6 +59,7 @@ def test_the_caption_tells_the_papers_ellipse_and_the_range_of_the_others(result
     assert told.endswith(f"Recorded friction scans on plywood, abs, delrin and pu: {NO_DATA}.")
 
 
+@pytest.mark.slow
 def test_recorded_friction_scans_give_back_the_ellipse_they_were_made_with(tmp_path_factory) -> None:
     found = compute(recorded_folder(tmp_path_factory))
     scanned = [row for row in found.rows if row.source == f"{SCANS} recorded scans"]

@@ -36,6 +36,7 @@ def test_pu_has_no_sharp_peak_and_the_paper_none(result) -> None:
     assert pu.density.max() < 3 * UNIFORM and pu.density.min() > 0.1 * UNIFORM
 
 
+@pytest.mark.slow
 def test_the_caption_tells_peaks_and_shares(result) -> None:
     told = caption(result)
     for one in result.materials[:3]:
@@ -55,6 +56,7 @@ def test_the_papers_peaks_are_marked_where_they_are(result) -> None:
     assert figure.axes[3].texts[0].get_text() == "paper: no stable direction"
 
 
+@pytest.mark.slow
 def test_without_data_it_says_so(result) -> None:
     note = f"Recorded θ0 on plywood, abs, delrin and pu: {NO_DATA}."
     assert caption(result).endswith(note)

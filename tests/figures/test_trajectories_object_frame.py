@@ -68,6 +68,7 @@ def test_every_path_lies_within_its_panel(result) -> None:
         assert left < x.min() and x.max() < right and bottom < y.min() and y.max() < top
 
 
+@pytest.mark.slow
 def test_without_data_the_caption_and_the_panels_say_so(result) -> None:
     assert f"Recorded pushes on plywood, abs, delrin and pu: {NO_DATA}." in FIGURE.caption(result)
     figure = draw(result)
@@ -75,6 +76,7 @@ def test_without_data_the_caption_and_the_panels_say_so(result) -> None:
     assert_drawn(figure, 5)
 
 
+@pytest.mark.slow
 def test_recorded_pushes_take_the_place_of_simulated_ones(tmp_path_factory) -> None:
     found = compute(recorded_folder(tmp_path_factory), CYCLES, DRAWN)
     told, figure = FIGURE.caption(found), draw(found)

@@ -66,6 +66,7 @@ def test_every_path_starts_the_rings_distance_from_the_target(result) -> None:
         assert np.hypot(*paths.robot_frame[:, 0].T) == pytest.approx(0.015 * scale, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_picture_has_four_full_panels_with_and_without_recorded_pushes(result, tmp_path_factory) -> None:
     assert_drawn(draw(result), 5)
     found = compute(recorded_folder(tmp_path_factory), CYCLES, DRAWN)
@@ -75,5 +76,6 @@ def test_the_picture_has_four_full_panels_with_and_without_recorded_pushes(resul
     assert_drawn(figure, 5)
 
 
+@pytest.mark.slow
 def test_on_plywood_the_pushes_start_where_the_robots_did(measured_data) -> None:
     assert_starts_where_the_robot_did(FIGURE, compute(MeasuredFolder(measured_data), CYCLES, DRAWN))

@@ -50,6 +50,7 @@ def test_simulated_turns_are_named_so_and_axes_have_units(result) -> None:
     assert_no_words_overlap(figure)
 
 
+@pytest.mark.slow
 def test_of_measured_plywood_only_whole_cycles_are_at_hand_and_it_says_so(measured_data) -> None:
     found = compute(MeasuredFolder(measured_data), SMALL, RUNS)
     cycle = found.panels[-1]

@@ -63,6 +63,7 @@ def test_without_recorded_pushes_it_says_so_and_shows_the_simulated(result) -> N
         assert "simulated" in words and "measured" not in words
 
 
+@pytest.mark.slow
 def test_every_axis_has_a_label_with_its_unit_and_no_words_overlap(result, recorded) -> None:
     for found in (result, recorded):
         figure = FIGURE.draw(found)
@@ -70,6 +71,7 @@ def test_every_axis_has_a_label_with_its_unit_and_no_words_overlap(result, recor
         assert_no_words_overlap(figure)
 
 
+@pytest.mark.slow
 def test_recorded_pushes_are_drawn_and_their_law_is_told(recorded) -> None:
     abs_panel = recorded.materials[1]
     assert abs_panel.measured.pushes.count == RECORDED_ABS

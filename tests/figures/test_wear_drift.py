@@ -12,6 +12,8 @@ from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.wear_drift import AGES, FIGURE, MATERIAL, compute
 from cyclemap.maps import WrappedNormal, fixed_points, transfer_operator
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def result():

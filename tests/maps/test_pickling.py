@@ -74,6 +74,7 @@ VALUES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", VALUES)
 def test_results_pickle_too(name):
     given = VALUES[name]()

@@ -170,6 +170,7 @@ def raw_samples(outline, radius, count):
     return np.concatenate(places), np.concatenate(weights)
 
 
+@pytest.mark.slow
 def test_curves_are_exact_closed_and_complete():
     """Against samples of all untrimmed pieces: those that no side overlaps make up the same length."""
     several_loops = 0
@@ -184,6 +185,7 @@ def test_curves_are_exact_closed_and_complete():
     assert several_loops > 10
 
 
+@pytest.mark.slow
 def test_the_area_inside_is_that_of_the_rounded_outline():
     """By Green's theorem around all loops, against points thrown at random: pockets go around the other way."""
     for outline, radius, rng in generic_cases(seed=2, count=60):
@@ -198,6 +200,7 @@ def test_the_area_inside_is_that_of_the_rounded_outline():
         assert abs(share * box - area) < 5.0 * box * math.sqrt(share * (1.0 - share) / len(thrown)) + 1e-3 * box
 
 
+@pytest.mark.slow
 def test_coincidences_within_rounding_leave_neither_gaps_nor_crashes():
     for outline, radius, _ in degenerate_cases(seed=3, count=600):
         check_points_and_junctions(outline, contact_curve(outline, radius), 2e-12)
@@ -255,6 +258,7 @@ def test_straight_continuations_and_slight_turns():
             assert junctions is None or set(curve.junctions) == junctions
 
 
+@pytest.mark.slow
 def test_sizes_do_not_matter():
     """From rods of a billionth of the outline to walls a million times as wide, and a thousand sizes off the origin."""
     for outline, _, _ in generic_cases(seed=4, count=40):
@@ -291,6 +295,7 @@ def marched(outline, radius, start, toward):
     return travel
 
 
+@pytest.mark.slow
 def test_first_touches_are_where_a_marching_rod_stops():
     touched = wedged = 0
     for outline, radius, rng in generic_cases(seed=5, count=60):

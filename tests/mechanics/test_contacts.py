@@ -162,6 +162,7 @@ def gap_to_disc(sides):
     return abs(smooth.turn - cornered.turn)
 
 
+@pytest.mark.slow
 def test_polygons_of_many_sides_tend_to_the_disc():
     coarse, fine = gap_to_disc(24), gap_to_disc(192)
     assert coarse < 0.1
@@ -243,6 +244,7 @@ def tripod(reach):
     return PointFootprint(tuple(map(tuple, reach * np.stack([np.cos(angles), np.sin(angles)], axis=-1))), (1, 1, 1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reach", [0.02, 0.01, 0.001, 1e-4])
 def test_a_tripod_narrower_than_the_rod_turns_about_its_feet(reach):
     """The narrower it stands, the nearer the push comes to turning the side along the rod: a quarter turn."""

@@ -280,6 +280,7 @@ def outputs_of(cycle):
     return np.array((cycle.push_turn, *cycle.push_displacement, cycle.drag_turn, cycle.drag_length, cycle.theta_next))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LOOPS)
 def test_a_cycles_derivatives_by_all_parameters_are_its_differences(name):
     loop, theta = LOOPS[name], 0.7

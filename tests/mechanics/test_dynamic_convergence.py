@@ -43,6 +43,7 @@ def halvings(name: str, first: float, factor: float, count: int, friction: Ellip
     return np.diff([dynamic(friction, **{"tolerance": 1e-8, name: value}) for value in values], axis=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [PLYWOOD, STRONG], ids=["plywood", "strong"])
 @pytest.mark.parametrize(
     ("name", "first", "factor", "order"),
@@ -57,6 +58,7 @@ def test_errors_fall_with_softness_and_regularisation_and_with_speed_squared(nam
     np.testing.assert_allclose(orders, order, atol=slack)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [PLYWOOD, STRONG], ids=["plywood", "strong"])
 def test_the_error_stays_within_fifty_times_the_tolerance(friction):
     exact = dynamic(friction, tolerance=1e-10)
@@ -80,6 +82,7 @@ def test_extrapolated_to_no_speed_it_is_the_quasi_static_model(friction, theta):
     assert np.abs(slow - still).max() > 3e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MIT_SHAPE_NAMES)
 def test_every_shape_on_strong_friction_comes_within_inertia_of_the_quasi_static_model(name):
     """Axis ratio, offset and push drawn: at 20 mm/s a push differs by less than 0.3 degrees, its drag by 1."""

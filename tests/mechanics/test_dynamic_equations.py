@@ -93,6 +93,7 @@ def dense_outline(outline) -> np.ndarray:
     return np.concatenate([a + share * (b - a) for a, b in pairwise(corners)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OUTLINES)
 def test_no_place_of_the_outline_is_nearer(name):
     outline = OUTLINES[name]

@@ -97,6 +97,7 @@ def test_library_runs_tells_its_sources_and_is_all_that_is_left(checkout) -> Non
     assert files_of(checkout) - before == {library_path(engine).relative_to(checkout)}
 
 
+@pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("name", ["driver.c", "generate.py"])
 def test_changed_source_is_refused_until_it_is_built(checkout, name) -> None:
@@ -154,6 +155,7 @@ def test_build_without_a_compiler_says_what_was_tried_and_what_to_do(checkout, t
     assert not library_path(checkout / ENGINE).exists()
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_build_that_fails_leaves_the_library_and_tells_the_place(checkout) -> None:
     """What the compiler says of a mistake is passed on, and so is a mistake in the equations."""
@@ -172,6 +174,7 @@ def test_build_that_fails_leaves_the_library_and_tells_the_place(checkout) -> No
     assert len(list(engine.glob("_engine*"))) == 1
 
 
+@pytest.mark.slow
 def test_compiler_is_asked_for_only_where_none_works(checkout, tmp_path) -> None:
     """The hooks ask for a package that brings a compiler, at one version, where the path holds none."""
     for kind in ("wheel", "editable"):
@@ -181,6 +184,7 @@ def test_compiler_is_asked_for_only_where_none_works(checkout, tmp_path) -> None
             assert called(checkout, asked, CC="/none/cc").stdout == "\n"
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_wheel_holds_the_library_for_one_platform_and_every_python_3(checkout, tmp_path) -> None:
     """The wheel has the library and no C, is tagged so, and building it leaves the checkout as it was."""
@@ -197,6 +201,7 @@ def test_wheel_holds_the_library_for_one_platform_and_every_python_3(checkout, t
     assert not [name for name in names if name.endswith(".c") or name.startswith("building")]
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_source_distribution_holds_what_a_build_needs_and_no_library(checkout, tmp_path) -> None:
     """C files and backend are in it, a library built before is not."""

@@ -10,6 +10,7 @@ from cyclemap.mechanics.contact_curve import contact_curve
 from cyclemap.mechanics.first_touch import first_touch, first_touches, overlaps
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rect1", "tri3", "hex", "ellip1", "ellip3", "butter"])
 def test_a_touch_lies_behind_a_rod_that_went_on_inside(name: str) -> None:
     outline = dataset_sliders()[name].outline

@@ -112,6 +112,7 @@ def relative_errors(footprint, place, seed):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OUTLINES)
 def test_dissipation_wrench_and_hessian_of_each_part_match_quadrature_wherever_the_centre_lies(name):
     """To 1e-10 on plates down to a tenth as thick as long; the thinner, the less is left."""
@@ -267,6 +268,7 @@ def test_outlines_without_corners_frames_or_thickness_are_refused_what_they_cann
             PatchFootprint(outline)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OUTLINES)
 def test_a_lean_puts_the_centre_of_pressure_under_the_centre_of_mass_and_as_far_as_the_load_stays_on(name):
     outline = OUTLINES[name]

@@ -22,6 +22,8 @@ from cyclemap.mechanics import (
     load_material,
 )
 
+pytestmark = pytest.mark.slow
+
 FINE = 2e-4
 SEEDS = tuple(range(24))
 

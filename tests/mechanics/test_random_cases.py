@@ -28,6 +28,7 @@ def run_and_check(case, balanced):
     return push.ended
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", range(SHARES))
 def test_every_one_of_two_thousand_random_cases_finishes_with_its_residuals_below_1e_9(share):
     outcomes = Counter()
@@ -43,6 +44,7 @@ def test_every_one_of_two_thousand_random_cases_finishes_with_its_residuals_belo
     assert outcomes["refused"] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", EXTREMES)
 def test_extremes_end_in_a_result_or_in_an_error_of_our_own(kind):
     outcomes = Counter()

@@ -107,6 +107,7 @@ def brute_force_push(law, theta_0, distance, pusher_friction, points, fraction):
     return solve_ivp(rate, (0.0, distance), (0.0, 0.0, theta_0), rtol=1e-7, atol=1e-9, method="RK45").y[:, -1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "theta_0", "distance", "pusher_friction"),
     [

@@ -80,6 +80,7 @@ def hasty():
     sys.setswitchinterval(interval)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shared", [True, False], ids=["the same loops", "loops of their own"])
 @pytest.mark.parametrize("inner", ["1", "3"], ids=["one thread a call", "three threads a call"])
 def test_eight_threads_come_to_the_same_bits_as_one_after_the_other(hasty, alone, shared, inner, monkeypatch):
@@ -134,6 +135,7 @@ def test_loops_models_and_results_come_back_from_pickles(alone):
         assert cycle.push.trajectory.contact_force.tobytes() == loop.cycle(0.3).push.trajectory.contact_force.tobytes()
 
 
+@pytest.mark.slow
 def test_spawned_workers_come_to_the_same_bits(alone):
     with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
         assert list(pool.map(everything, mixture())) == alone
@@ -156,6 +158,7 @@ def images(circle_map):
     return np.concatenate([np.ravel(column) for column in found]).tobytes()
 
 
+@pytest.mark.slow
 def test_loops_models_and_maps_come_to_the_same_bits_on_dask_workers(alone):
     """Loops and models go out with what they have computed; maps go out, come back, and are computed over there."""
     loops = mixture()
@@ -199,6 +202,7 @@ def test_a_fork_of_a_process_whose_threads_ran_cycles_has_threads_of_its_own():
             process.kill()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threads", ["1", "2"])
 def test_a_call_that_would_take_minutes_ends_when_interrupted(threads):
     """A million cycles take minutes; a second later the process tells that it stopped, and runs cycles again."""

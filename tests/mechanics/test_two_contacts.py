@@ -111,6 +111,7 @@ def test_one_contact_on_an_ellipsoid_is_the_closed_form():
             assert np.allclose(modes[name].twist, factor * along, rtol=1e-7, atol=1e-7 * abs(factor))
 
 
+@pytest.mark.slow
 def test_forces_of_every_mode_balance_friction_and_those_kept_touch():
     rng, names = np.random.default_rng(3), set()
     for case in range(60):
@@ -130,6 +131,7 @@ def test_forces_of_every_mode_balance_friction_and_those_kept_touch():
     assert names == {"stick", "slide+", "slide-", "turn+", "turn-", "wedged", "pivot"}
 
 
+@pytest.mark.slow
 def test_one_mode_holds_unless_the_notch_locks_itself():
     """A notch no wider than both friction cones holds any force: then the wedge holds, whatever else does."""
     rng, several = np.random.default_rng(4), 0
@@ -144,6 +146,7 @@ def test_one_mode_holds_unless_the_notch_locks_itself():
     assert several > 8
 
 
+@pytest.mark.slow
 def test_without_friction_a_wedged_rod_is_a_ring():
     rng, turned = np.random.default_rng(5), 0
     for _ in range(40):
@@ -169,6 +172,7 @@ def test_a_symmetric_notch_pushed_along_its_axis_translates():
     assert np.allclose([n for n, _ in turn.forces], normal, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_thin_rods_tend_to_a_point():
     """The difference of the end poses falls with the radius."""
     law, push = PLYWOOD, (3, 0.476, 2.6, 0.84, 0.1)
@@ -178,6 +182,7 @@ def test_thin_rods_tend_to_a_point():
     assert 1e-6 < coarse < 0.05 and fine < 0.2 * coarse
 
 
+@pytest.mark.slow
 def test_a_mirrored_push_ends_mirrored():
     one = recomputed((NOTCH, ISOTROPIC, 0.002, 0.05, 2, 0.65, -0.4, -0.583, 0.1), 1e-9)
     two = recomputed((NOTCH, ISOTROPIC, 0.002, 0.05, 3, 0.35, 0.4, 0.583, 0.1), 1e-9)
@@ -189,6 +194,7 @@ def test_a_mirrored_push_ends_mirrored():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", PUSHES)
 def test_whole_pushes_are_recomputed(case):
     push, pose, modes = case

@@ -153,6 +153,7 @@ def test_the_search_looks_only_at_settings_that_exist():
             assert simulator.finer(settings) != settings
 
 
+@pytest.mark.slow
 def test_the_search_starts_with_the_chosen_settings_and_only_gets_better():
     trials = list(search(ENGINE, four_corners(), 0.02, seed=1))
     assert trials[0].settings == ENGINE.chosen[CORNERS]

@@ -34,6 +34,7 @@ def test_turning_the_surface_turns_the_maps() -> None:
     assert found.turn[1] == pytest.approx(np.roll(found.turn[0], 1, axis=-1), abs=2e-4)
 
 
+@pytest.mark.slow
 def test_the_spline_between_samples_comes_nearer_with_more_of_them() -> None:
     """By more than four times, second order, from 36 to 72 samples of a map with kinks; measured at 720 cycles."""
     fine = sample_turns(LOOP, ACTIONS[:1], [LOOP.material], 720).turn

@@ -47,6 +47,7 @@ def test_part_of_the_circle_is_named(tmp_path) -> None:
     assert np.degrees(found.covered[0]) == pytest.approx([theta.min(), theta.max()])
 
 
+@pytest.mark.slow
 def test_what_the_reset_took_back_is_told_where_poses_tell_it(tmp_path) -> None:
     """Pushes of 60 ± 5 degrees and resets that take back nine tenths of each: exactly, by construction."""
     turn = 60.0 + np.random.default_rng(4).normal(0.0, 5.0, 80)

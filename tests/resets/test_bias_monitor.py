@@ -48,6 +48,7 @@ UNBIASED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", sorted(UNBIASED))
 def test_unbiased_collections_raise_alarms_no_more_often_than_promised(kind) -> None:
     """20 collections at a rate of one fifth: 4 at most on average, 3 standard deviations above allowed."""
@@ -66,6 +67,7 @@ def test_unbiased_collections_raise_alarms_no_more_often_than_promised(kind) -> 
     assert alarms <= 4 + 6
 
 
+@pytest.mark.slow
 def test_uniform_slow_walks_do_not_alarm_at_the_default_rate() -> None:
     """Steady turns of 3 +- 1.1 and of 120 +- 5 degrees a push, 30 collections each: they come round to everything."""
     alarms = [
@@ -105,6 +107,7 @@ def test_the_monitor_joins_both_kinds_of_evidence_and_halves_the_rate_between_th
     assert apart(report.alarm.directions[0], 1.0) < math.radians(25.0)
 
 
+@pytest.mark.slow
 def test_locked_collections_are_told_within_60_pushes_with_their_direction() -> None:
     """A stable point with multiplier 0.9 and 1.1 degrees of noise, from twenty uniform starts."""
     locked = CircleMap.arnold(0.02, 0.25)

@@ -108,6 +108,7 @@ def test_simulated_orientations_follow_the_law(order) -> None:
     assert np.all(np.abs(counts.mean(axis=0) - exact) < 4.5 * error + 2e-4)
 
 
+@pytest.mark.slow
 def test_after_n_pushes_is_what_simulated_collections_from_the_worst_start_show() -> None:
     strategy, pushes = PAIR, 6
     law = orientation_law(TURNS, strategy, 0.2, pushes)

@@ -91,6 +91,7 @@ ACTIONS = st.builds(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(ACTIONS, min_size=1, max_size=4), st.sampled_from(["random", "in turn"]))
 def test_any_strategy_comes_back_exactly_through_toml(tmp_path, actions, order) -> None:

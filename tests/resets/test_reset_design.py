@@ -23,6 +23,8 @@ from cyclemap.resets import (
 )
 from cyclemap.resets.design.reset_search import push_set, scored, searched
 
+pytestmark = pytest.mark.slow
+
 LOOP = cm.CollectionLoop.mit()
 SIGMA = math.radians(1.1)
 COIN = ResetStrategy.pushes(LOOP.push, (1, 2))

@@ -21,6 +21,7 @@ def table(path, plan, **options) -> bytes:
     return path.with_suffix(".csv").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_dask_cluster_finds_the_same_as_one_process(tmp_path, executor) -> None:
     here = table(tmp_path / "here.sqlite", fake_plan(rows=30, refused_above=0.28), workers=1)
     there = table(tmp_path / "there.sqlite", fake_plan(rows=30, refused_above=0.28), executor=executor, workers=2)
@@ -28,6 +29,7 @@ def test_a_dask_cluster_finds_the_same_as_one_process(tmp_path, executor) -> Non
     assert there.count(b"\n") == 121
 
 
+@pytest.mark.slow
 def test_a_dask_cluster_finds_real_portraits(tmp_path, executor) -> None:
     plan = SweepPlan.grid("isotropic", {"hitch_x_mm": (-11.0, -9.0)}, numbers=PortraitNumbers(tolerance=1e-2))
     there = table(tmp_path / "there.sqlite", plan, executor=executor, workers=2)

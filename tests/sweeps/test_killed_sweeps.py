@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
 from fake_numbers import fake_plan, logged
 
 from cyclemap.sweeps import load_sweep, run_sweep, sweep_status, write_csv
@@ -60,6 +61,7 @@ def rows_of(path) -> list:
     return found
 
 
+@pytest.mark.slow
 def test_killed_three_times_it_is_complete_and_the_same_to_the_byte(tmp_path) -> None:
     path, moments = tmp_path / "killed.sqlite", random.Random(7)
     for attempt, workers in enumerate((2, 1, 1)):
@@ -89,6 +91,7 @@ def test_killed_three_times_it_is_complete_and_the_same_to_the_byte(tmp_path) ->
     assert path.with_suffix(".csv").read_bytes() == undisturbed.with_suffix(".csv").read_bytes()
 
 
+@pytest.mark.slow
 def test_ctrl_c_awaits_the_points_at_work_and_a_second_one_does_not(tmp_path) -> None:
     """Points of ten minutes: only the second interrupt can have ended them."""
     path, log = tmp_path / "slow.sqlite", tmp_path / "log"

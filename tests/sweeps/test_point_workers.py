@@ -9,6 +9,7 @@ from cyclemap.sweeps.point_workers import own_executor
 VARIABLES = ("OPENBLAS_NUM_THREADS", "CYCLEMAP_THREADS")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("said", [{}, {"CYCLEMAP_THREADS": "3"}, {"OPENBLAS_NUM_THREADS": "2"}])
 def test_workers_have_one_thread_each_where_nothing_else_is_said(monkeypatch, said) -> None:
     for name in VARIABLES:

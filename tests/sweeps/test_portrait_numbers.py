@@ -17,6 +17,7 @@ def point():
     return plan.point(0)
 
 
+@pytest.mark.slow
 def test_every_number_is_the_portraits_to_the_last_bit(point) -> None:
     found = PortraitNumbers(("all",), TOLERANCE, rotation_tolerance=0.0)(point)
     loop = CollectionLoop.from_settings({"mu_a": 0.26, "hitch_x_mm": -11.0}, CollectionLoop.mit(material="plywood"))
@@ -124,6 +125,7 @@ def test_a_coarser_map_is_taken_only_where_it_settles_what_is_asked() -> None:
     assert coarse == 5
 
 
+@pytest.mark.slow
 def test_by_default_rotation_and_law_are_told_finely_enough_for_a_phase_diagram() -> None:
     """Away from the tongue 0/1, where nothing is exact: within 1e-4 turns a cycle, and the law is certain."""
     plan = SweepPlan.grid("plywood", {"hitch_x_mm": (-5.0,)}, {"hitch_y_mm": 5.0}, PortraitNumbers(("all",)))

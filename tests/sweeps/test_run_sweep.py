@@ -63,6 +63,7 @@ def test_the_numbers_are_those_of_the_points(tmp_path) -> None:
         ]
 
 
+@pytest.mark.slow
 def test_two_processes_find_the_same_as_one(tmp_path, alone) -> None:
     assert swept_csv(tmp_path / "two.sqlite", fake_plan(rows=12), workers=2) == alone
 
@@ -108,6 +109,7 @@ def test_a_bug_at_a_point_ends_the_sweep_by_name_and_keeps_the_others(tmp_path) 
     assert 7 in logged(log) and 0 not in logged(log)
 
 
+@pytest.mark.slow
 def test_a_worker_that_dies_ends_the_sweep_with_advice(tmp_path) -> None:
     path = tmp_path / "sweep.sqlite"
     with pytest.raises(CycleMapError, match=r"a worker ended abruptly .* run the same sweep again"):
@@ -182,6 +184,7 @@ def peak_memory(path, count) -> int:
         tracemalloc.stop()
 
 
+@pytest.mark.slow
 def test_memory_is_flat_over_a_sweep_of_any_length(tmp_path) -> None:
     """Six thousand points more take less than 50 bytes each: fewer than a point, an outcome or a future has."""
     peak_memory(tmp_path / "warm.sqlite", 100)

@@ -60,6 +60,7 @@ def test_a_selection_of_one_key_is_drawn_as_lines(swept) -> None:
     assert curves.rotation_at.size == 4
 
 
+@pytest.mark.slow
 def test_a_sample_over_two_keys_is_scattered_and_over_one_is_a_line(swept, tmp_path) -> None:
     ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
     curves = sweep_curves(swept(SweepPlan.sample("plywood", ranges, 32, numbers=FakeNumbers(refused_above=0.25))))

@@ -178,6 +178,7 @@ except StoreWriteError as error:
 """
 
 
+@pytest.mark.slow
 def test_a_full_disk_stops_the_sweep_keeps_what_is_stored_and_lets_it_go_on(path, tmp_path) -> None:
     """A limit on the size of files stands for the disk: SQLite meets a refused write in both cases."""
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
@@ -206,6 +207,7 @@ def test_a_store_that_was_cut_is_refused_and_not_a_point_shorter(path, cut) -> N
         sweep_status(path)
 
 
+@pytest.mark.slow
 def test_a_flipped_byte_is_refused_or_changes_nothing(path, tmp_path) -> None:
     """Wherever it falls: in SQLite's structure, the description, a row, or in room that is not used."""
     full_store(path)
@@ -225,29 +227,30 @@ def test_a_flipped_byte_is_refused_or_changes_nothing(path, tmp_path) -> None:
     assert min(outcomes.values()) > 20
 
 
+@pytest.mark.slow
 def test_sweeps_that_begin_together_share_one_healthy_store(path) -> None:
+    """Four processes open a store that is not there at the same moment, three times over."""
     script = """
-        import sys, time
+        import sys
         from pathlib import Path
         from fake_numbers import fake_plan
         from cyclemap.sweeps.sweep_store import SweepStore
         plan = fake_plan()
         print(flush=True)
-        sys.stdin.readline()
-        with SweepStore(Path(sys.argv[1]), plan) as store:
-            print(store.status().points)
+        for line in sys.stdin:
+            with SweepStore(Path(line.strip()), plan) as store:
+                print(store.status().points, flush=True)
     """
+    command = [sys.executable, "-c", "\n".join(line[8:] for line in script.splitlines())]
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    together = [subprocess.Popen(command, env=environment, **pipes) for _ in range(4)]
+    for process in together:
+        process.stdout.readline()
     for round_ in range(3):
-        store = path.with_name(f"{round_}.sqlite")
-        command = [sys.executable, "-c", "\n".join(line[8:] for line in script.splitlines()), str(store)]
-        environment = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
-        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-        together = [subprocess.Popen(command, env=environment, **pipes) for _ in range(4)]
         for process in together:
-            process.stdout.readline()
-        for process in together:
-            process.stdin.write("\n")
+            process.stdin.write(f"{path.with_name(f'{round_}.sqlite')}\n")
             process.stdin.flush()
-        for process in together:
-            told, fault = process.communicate(timeout=120)
-            assert (fault, told) == ("", f"{len(fake_plan())}\n")
+        assert [process.stdout.readline() for process in together] == [f"{len(fake_plan())}\n"] * 4
+    for process in together:
+        assert process.communicate(timeout=120) == ("", "")

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from cyclemap.collection.settings import SETTING_KEYS
+from cyclemap.collection.setting_table import SETTINGS
 from cyclemap.errors import InvalidInput
 from cyclemap.sweeps import Grid, Sample, SweepAxis, SweepRange
-from cyclemap.sweeps.swept_keys import SWEPT_KEYS, parse_over
+from cyclemap.sweeps.swept_keys import SWEPT, parse_over
 
 
 def test_every_setting_noise_and_material_can_be_swept() -> None:
-    assert set(SWEPT_KEYS) == {*SETTING_KEYS, "noise_deg", "material"}
+    assert set(SWEPT) == {*SETTINGS, "material"}
 
 
 def test_three_parts_are_evenly_spaced_values_with_both_ends() -> None:

@@ -1,6 +1,7 @@
 """An ellipsoid with axes fixed in the world: the equation of motion, its quadrature and rate; it is not Möbius."""
 
 import numpy as np
+import pytest
 import sympy as sp
 from scipy.integrate import solve_ivp
 
@@ -10,6 +11,7 @@ from theory.turned_surface import spelled_out
 W, GAMMA, THETA, PSI = theory.PULL, theory.PULL_ANGLE, theory.LEVER_ANGLE, theory.HEADING
 
 
+@pytest.mark.slow
 def test_the_spin_of_least_dissipation_is_the_one_in_terms_of_the_pull():
     pull = {sp.cos(theory.TOWARDS): W * sp.cos(GAMMA) / theory.P, sp.sin(theory.TOWARDS): W * sp.sin(GAMMA) / theory.Q}
     found = theory.spin_of_least_dissipation()

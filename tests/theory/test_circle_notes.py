@@ -17,6 +17,7 @@ def note(name):
     return (REPOSITORY / "docs" / "theory" / f"{name}.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NOTES)
 def test_the_notes_example_gives_what_it_says(name):
     blocks = re.findall(r"^```python\n(.*?)^```", note(name), flags=re.MULTILINE | re.DOTALL)

@@ -41,6 +41,7 @@ EDGE_WRENCH = sp.lambdify((*_PLACE, theory.NU, theory.SMU), list(theory.sliding_
 FAMILY = sp.lambdify((*_PLACE, theory.U_X, theory.U_Y, theory.OMEGA), list(theory.sticking_family(theory.OMEGA)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RESIDUALS)
 def test_every_residual_of_the_contact_modes_is_exactly_zero(name):
     assert vanishes(RESIDUALS[name]())

@@ -48,6 +48,7 @@ def test_the_moebius_map_is_the_half_angle_solution():
     assert sp.simplify(((1 - sp.tanh(x / 2)) / (1 + sp.tanh(x / 2))).rewrite(sp.exp) - sp.exp(-x)) == 0
 
 
+@pytest.mark.slow
 def test_legs_add_and_turned_legs_multiply_their_matrices():
     legs = theory.leg_of_the_lever(B).subs(Z, theory.leg_of_the_lever(A))
     assert sp.simplify(legs - theory.leg_of_the_lever(theory.strength_of_two(A, B))) == 0

@@ -1,6 +1,7 @@
 """A Möbius cycle: rotation number, lock-in, multiplier and square-root law in symbols, and by the code's own route."""
 
 import numpy as np
+import pytest
 import sympy as sp
 
 from cyclemap.maps import CircleMap, fixed_points, rotation_number, slow_passages
@@ -79,6 +80,7 @@ def test_near_the_edge_a_turn_is_the_passage_through_the_bottleneck():
     assert sp.simplify(cycles_squared * theory.square_root_law() - 1) == 0
 
 
+@pytest.mark.slow
 def test_the_code_finds_the_closed_forms():
     rho, multiplier = (sp.lambdify((A, OMEGA), f()) for f in (theory.rotation_number, theory.stable_multiplier))
     locked = turning = 0

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 import sympy as sp
 
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Slider, corner_footprint, grid_footprint
@@ -10,6 +11,7 @@ from cyclemap.mechanics.outline import area_quadrature
 from theory import no_exact_ellipsoid as theory
 
 
+@pytest.mark.slow
 def test_the_fourth_order_of_every_footprint_is_positive_and_of_every_ellipsoid_negative():
     assert theory.mean_over_directions(4) == theory.DISTANCE**4 / 64
     assert theory.ellipsoid_coefficient(4) == -(theory.SPIN_RADIUS**4) / 8

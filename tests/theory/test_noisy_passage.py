@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 import sympy as sp
 from scipy.integrate import quad
 
@@ -47,6 +48,7 @@ def test_the_well_takes_kramers_time():
     assert 1.6 < (ratios[0] - 1.0) / (ratios[1] - 1.0) < 2.6
 
 
+@pytest.mark.slow
 def test_the_codes_mean_passage_times_exceed_the_integral_by_a_bounded_time_only():
     """The sine map's whole turn, gap in the noise's own unit (aD²)^(1/3): below, at and above tangency."""
     value = sp.lambdify((U, EPS, A, D), theory.integrand())

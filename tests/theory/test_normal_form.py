@@ -29,6 +29,7 @@ def made_prediction(turn: float, offset: float, ellipticity: float, gradient, ps
     return Prediction(Fingerprint(response, nothing, 0.0, 0.0), Anisotropy(offset, psi, ellipticity, phi))
 
 
+@pytest.mark.slow
 def test_turning_the_surface_turns_the_offset_once_and_the_ellipticity_twice() -> None:
     turned = {theory.PHI: theory.PHI + theory.ALPHA}
     offset, ellipticity, shape = theory.offset_vector(), theory.ellipticity_vector(), theory.shape_logarithm()
@@ -62,6 +63,7 @@ def test_second_order_has_harmonics_0_2_then_1_3_then_0_4_with_ten_numbers() -> 
     assert sum(sum(part.values()) for part in content) == 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_response_is_equivariant_and_holds_one_harmonic(order) -> None:
     """R(θ + α) T(α) = R(θ) for every α, and R'' = -order² R."""
@@ -120,6 +122,7 @@ def test_the_offset_alone_has_its_fixed_points_in_closed_form() -> None:
         assert found[stable].multiplier == pytest.approx(float(multiplier.subs(numbers)), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_saddle_node_curve_solves_both_equations_and_is_the_lock_in_that_the_code_finds() -> None:
     s, chi = sp.symbols("s chi", real=True)
     x, y = theory.lock_in_curve()

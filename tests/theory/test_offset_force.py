@@ -25,6 +25,7 @@ FOOTPRINTS = {
 TWISTS = np.random.default_rng(0).normal(size=(40, 3)) * (1.0, 1.0, 20.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RESIDUALS)
 def test_every_residual_of_the_offset_force_is_exactly_zero(name):
     assert vanishes(RESIDUALS[name]())

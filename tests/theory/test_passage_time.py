@@ -75,6 +75,7 @@ def test_the_soluble_map_is_the_bottleneck_to_leading_order_and_its_count_expand
     assert sp.simplify(count - sp.pi / small * (1 + small**2 / 3)) == 0
 
 
+@pytest.mark.slow
 def test_the_interpolating_flow_of_the_soluble_map_is_its_exact_one_to_fourth_order():
     """Its flow is known: (arctan √(aε)/√(aε)) (ε + a x²). Here x counts as η, ε as η², a move as η²."""
     move = (theory.soluble_map() - X).together()

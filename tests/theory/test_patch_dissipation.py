@@ -77,6 +77,7 @@ def random_twist(corners, rng):
     return np.array((omega * centre[1], -omega * centre[0], omega))
 
 
+@pytest.mark.slow
 def test_the_codes_patch_is_the_closed_form_to_rounding():
     rng, compared = np.random.default_rng(1), 0
     for corners in random_polygons(4, seed=2):
@@ -105,6 +106,7 @@ def quadrature(corners, twist, law):
     return 2.0 * dblquad(speed, 0.0, 1.0, 0.0, lambda a: 1.0 - a, epsabs=1e-9, epsrel=1e-9)[0]
 
 
+@pytest.mark.slow
 def test_adaptive_quadrature_over_the_patch_gives_the_closed_form():
     rng, inside = np.random.default_rng(3), 0
     for corners in list(random_polygons(12, seed=4))[::4][:3]:

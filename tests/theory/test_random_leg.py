@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pytest
 import sympy as sp
 
 from cyclemap.collection import CollectionLoop
@@ -18,6 +19,7 @@ def test_the_turn_does_not_know_the_orientation():
     assert not turn.has(theory.START, theory.DIRECTION)
 
 
+@pytest.mark.slow
 def test_the_memory_is_the_stated_residue():
     a, z = theory.STRENGTH, theory.POINT
     for order in range(1, 5):

@@ -16,6 +16,7 @@ RESIDUALS = residuals(theory)
 SPIN = (0.0, 0.0, 3.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RESIDUALS)
 def test_every_residual_of_the_torques_is_exactly_zero(name):
     assert vanishes(RESIDUALS[name]())
@@ -65,6 +66,7 @@ def test_the_codes_regular_polygons_have_the_derived_torque(count):
     assert abs(found / derived - 1.0) < 1e-13
 
 
+@pytest.mark.slow
 def test_regular_polygons_approach_the_disc_with_the_second_order_of_the_series():
     x, disc = sp.Symbol("x", positive=True), theory.disc_torque()
     assert sp.expand(theory.polygon_series() - disc * (1 - x**2 / 3)) == 0

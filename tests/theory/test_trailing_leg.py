@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 import sympy as sp
 
 from cyclemap.maps import CircleMap
@@ -29,6 +30,7 @@ def test_the_multiplier_is_the_slope_at_the_trailing_heading():
     assert sp.simplify((m - (1 - strength()) / (1 + strength())).rewrite(sp.exp)) == 0
 
 
+@pytest.mark.slow
 def test_the_slope_is_the_derivative_of_the_closed_form():
     assert sp.simplify(sp.diff(heading_after(), HEADING) - theory.slope(theory.multiplier())) == 0
 

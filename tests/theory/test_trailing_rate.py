@@ -73,6 +73,7 @@ def test_the_torque_vanishes_where_the_lever_lies_along_the_force():
     assert sp.expand(theory.ring_torque().subs(along, simultaneous=True)) == 0
 
 
+@pytest.mark.slow
 def test_the_second_derivative_of_a_point_is_the_stated_quadratic():
     second = sp.diff(theory.dissipation_of_a_point(), theory.SPIN, 2).subs({theory.SPIN: 0, theory.TURN: 0})
     u = theory.direction()

@@ -58,6 +58,7 @@ def test_legend_names_each_look_once_and_axes_their_units(doubling) -> None:
     png(doubling)
 
 
+@pytest.mark.slow
 def test_border_collisions_are_marked_and_whole_turns_leave_no_upright_line() -> None:
     axes = panel()
     draw_orbit_branches(axes, orbit_branches(kinked, (-2.0, 0.5)), bifurcations(kinked, (-2.0, 0.5)), "shift (rad)")
@@ -68,6 +69,7 @@ def test_border_collisions_are_marked_and_whole_turns_leave_no_upright_line() ->
     png(axes)
 
 
+@pytest.mark.slow
 def test_every_point_of_a_longer_orbit_is_drawn_and_marked() -> None:
     def family(omega):
         return CircleMap.arnold(omega, 0.9)

@@ -65,6 +65,7 @@ def test_many_sets_are_drawn_measured_over_predicted(found) -> None:
     assert "°" in panels[0].get_title(loc="left")
 
 
+@pytest.mark.slow
 def test_titles_and_legends_do_not_cover_each_other(found) -> None:
     figure = compare_page("sine", found, turn_curve(SINE))
     figure.canvas.draw()
@@ -77,6 +78,7 @@ def test_titles_and_legends_do_not_cover_each_other(found) -> None:
     assert checked == 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("parts", ["cycles", "pushes", "unordered"])
 def test_what_is_missing_is_left_out(found, parts) -> None:
     unordered = replace(found.data, path=None)

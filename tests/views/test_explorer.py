@@ -30,6 +30,7 @@ SIGMA = math.radians(1.1)
 # -- answers ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_what_is_drawn_while_a_slider_moves_is_near_what_is_drawn_when_it_rests() -> None:
     loop = cm.CollectionLoop.mit(material="plywood")
     quick, full = (answer(loop, SIGMA, 0.3, 200) for answer in (coarse, exact))
@@ -39,6 +40,7 @@ def test_what_is_drawn_while_a_slider_moves_is_near_what_is_drawn_when_it_rests(
     assert quick["orbit"] == full["orbit"][:2]
 
 
+@pytest.mark.slow
 def test_the_exact_answer_is_the_portrait() -> None:
     loop = cm.CollectionLoop.mit(material="plywood")
     answer, points = exact(loop, SIGMA, 0.0, 300), cm.fixed_points(loop.circle_map())
@@ -251,12 +253,14 @@ def running():
         process.kill()
 
 
+@pytest.mark.slow
 def test_interrupt_ends_it_well(running) -> None:
     running.send_signal(signal.SIGINT)
     told, fault = running.communicate(timeout=30)
     assert (running.returncode, told.strip(), fault) == (0, "ended", "")
 
 
+@pytest.mark.slow
 def test_page_in_a_real_browser(running, open_page) -> None:
     """A slider moved: the fixed points are the mechanics' own, frames advance, nothing is asked outside, no error."""
     page, troubles, asked = open_page()

@@ -61,6 +61,7 @@ def test_the_prediction_is_drawn_with_its_error_its_directions_and_the_full_map(
     png(axes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("prediction", "panels", "title"),
     [

@@ -11,6 +11,8 @@ from cyclemap.views import fit_sentences as sentences
 from cyclemap.views.fit_page import fit_page
 from cyclemap.views.style import render
 
+pytestmark = pytest.mark.slow
+
 TURN = 2 * np.pi
 
 

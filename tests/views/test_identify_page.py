@@ -68,6 +68,7 @@ def curves(found) -> IdentifiedCurves:
     return identified_curves(found, scans())
 
 
+@pytest.mark.slow
 def test_there_is_a_panel_for_each_sort_of_data(found, curves) -> None:
     page = identify_page("A title", found, curves, ["One sentence.", "Another."])
     titles = [axes.get_title(loc="left") for axes in page.axes]

@@ -111,6 +111,7 @@ def test_spectrum_of_one_eigenvalue_has_no_gap(operator) -> None:
 # -- metastable sets ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_shaded_arcs_have_the_sets_lengths_and_probabilities(count) -> None:
     law, sets = transfer_operator(WELLS, NOISE), metastable_sets(WELLS, NOISE, count)
@@ -143,6 +144,7 @@ def test_names_of_the_sets_tell_weight_staying_and_residence() -> None:
     assert "0.9993" in written(axes)[0] + written(axes)[1]
 
 
+@pytest.mark.slow
 def test_names_of_the_sets_do_not_cover_each_other_or_the_curve(operator) -> None:
     sets = metastable_sets(operator.map, NOISE, 3)
     axes = panel(6.4, 4.2)

@@ -71,6 +71,7 @@ def bars(collection) -> list[tuple[float, float]]:
     return [(float(path.vertices[:, 0].min()), float(path.vertices[:, 0].max())) for path in collection.get_paths()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("circle_map", [CircleMap.arnold(0.1, 0.9), WELLS, CircleMap.arnold(0.3, 2.5)])
 def test_bands_cover_the_basins_share_of_the_circle(circle_map) -> None:
     found = basins(circle_map, max_period=2, left_over=1e-3)

@@ -31,6 +31,7 @@ def line_with(axes, x, y):
     ]
 
 
+@pytest.mark.slow
 def test_every_panel_names_its_quantities_with_units(drawn) -> None:
     page = drawn("locked").page
     labels = {axes.get_title(loc="left").split()[0]: (axes.get_xlabel(), axes.get_ylabel()) for axes in page.axes}
@@ -44,6 +45,7 @@ def test_every_panel_names_its_quantities_with_units(drawn) -> None:
     }
 
 
+@pytest.mark.slow
 def test_titles_stand_where_matplotlib_would_put_them(drawn) -> None:
     """Their height is said, which saves a measuring of all tick labels; found by that measuring it is the same."""
     page = drawn("locked", True).page
@@ -58,6 +60,7 @@ def test_titles_stand_where_matplotlib_would_put_them(drawn) -> None:
     assert len(said) == 6 and said == found
 
 
+@pytest.mark.slow
 def test_turn_panel_draws_the_map_in_degrees_and_marks_its_fixed_points(drawn) -> None:
     result = drawn("locked")
     axes = axes_titled(result.page, "Turn")
@@ -72,6 +75,7 @@ def test_turn_panel_draws_the_map_in_degrees_and_marks_its_fixed_points(drawn) -
     assert {place: face == style.PREDICTED for place, face in faces.items()} == expected
 
 
+@pytest.mark.slow
 def test_jump_is_a_gap_with_a_dotted_connector(drawn) -> None:
     result = drawn("jumping")
     axes = axes_titled(result.page, "Turn")
@@ -83,6 +87,7 @@ def test_jump_is_a_gap_with_a_dotted_connector(drawn) -> None:
         assert np.abs(np.diff(line.get_ydata())).max() < 1.0
 
 
+@pytest.mark.slow
 def test_density_panel_draws_probability_per_degree(drawn) -> None:
     result = drawn("rotating", True)
     axes = axes_titled(result.page, "Directions")
@@ -92,6 +97,7 @@ def test_density_panel_draws_probability_per_degree(drawn) -> None:
     assert np.sum(measured.values * np.diff(measured.edges)) == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_staircase_panel_draws_both_runs(drawn) -> None:
     result = drawn("rotating", True)
     axes = axes_titled(result.page, "Staircase")
@@ -110,6 +116,7 @@ def test_cycle_is_drawn_to_scale_in_millimetres(drawn) -> None:
         assert len(line_with(axes, *(1000 * stroke.rod).T)) >= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "data"), CASES)
 def test_words_stay_on_the_page_and_do_not_overlap(drawn, kind, data) -> None:
     page = drawn(kind, data).page
@@ -141,6 +148,7 @@ def test_predicted_and_measured_differ_in_a_grey_print() -> None:
     assert lightness(style.PREDICTED_FILL) - lightness(style.MEASURED) > 0.15
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("picture_format", "start"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")])
 def test_each_format_is_what_it_says_and_comes_out_the_same_twice(drawn, picture_format, start) -> None:
     page = drawn("locked").page

@@ -38,6 +38,7 @@ def made(kinds):
     return ReplayedPushes(pandas.DataFrame(rows), tuple(replays), ())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kinds", [["hex"], ["hex", "rect1", "hex", "ellip1", "tri1", "rect1"]])
 def test_every_push_is_drawn_once_in_each_upper_panel(kinds) -> None:
     page = replay_page(made(kinds), "abs")
@@ -54,6 +55,7 @@ def test_every_push_is_drawn_once_in_each_upper_panel(kinds) -> None:
     assert render(page).startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_a_course_shows_the_object_before_and_after_where_it_was() -> None:
     replayed = made(["rect1"])
     (replay,) = replayed.replays

@@ -11,6 +11,8 @@ import cyclemap as cm
 from cyclemap.cli.main import cli
 from cyclemap.views.report.report_page import RING_STEPS
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def theta0_file(tmp_path_factory):

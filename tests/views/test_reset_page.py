@@ -13,6 +13,8 @@ from cyclemap.views.reset_page import draw_pushes, reset_page
 from cyclemap.views.reset_sentences import design_sentences, recipe
 from cyclemap.views.style import new_figure, render
 
+pytestmark = pytest.mark.slow
+
 SIDES = tuple(CycleAction(push=SidePush(side)) for side in (1, 2, 3))
 SLANTED = CycleAction(push=SidePush(3, 0.3, math.radians(10.0)))
 

@@ -10,6 +10,8 @@ from matplotlib.collections import LineCollection, QuadMesh
 from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, rotation_numbers, rotation_plane, tongues
 from cyclemap.views.rotation_panels import draw_rotation_numbers, draw_rotation_plane, draw_tongues, ratio_name
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def plane():

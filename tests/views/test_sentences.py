@@ -18,6 +18,7 @@ def both(orientation_deg: float) -> str:
     return f"orientation {orientation_deg:.1f}°, pushed towards {orientation_deg - 90.0:.1f}°".replace("-", "−")
 
 
+@pytest.mark.slow
 def test_headline_names_every_stable_direction_or_none(drawn) -> None:
     assert sentences.headline(drawn("rotating").portrait) == "plywood locks into no direction"
     # Arnold: θ + 0.02π - 0.2 sin θ is fixed where sin θ = 0.1π.
@@ -40,6 +41,7 @@ def test_what_noise_carries_off_within_the_run_is_not_locked(drawn) -> None:
     assert sentences.headline(unknown) == f"plywood rests at {both(18.3)}"
 
 
+@pytest.mark.slow
 def test_near_the_saddle_node_the_ring_at_9_8_mm_rests_and_does_not_lock() -> None:
     """The fixed points, 160.9° among them, are still there, and noise carries θ0 off in 45 cycles."""
     base = CollectionLoop.mit("plywood")
@@ -51,9 +53,10 @@ def test_near_the_saddle_node_the_ring_at_9_8_mm_rests_and_does_not_lock() -> No
     assert not fixed_points(gone.circle_map(tolerance=1e-5))
 
 
+@pytest.mark.slow
 def test_a_portrait_of_a_surface_that_wears_does_not_say_that_it_locks() -> None:
     """plywood-measured: one stable point when fresh, 17.5 turns measured and some 16 made as it wears."""
-    found = portrait(CollectionLoop.mit("plywood-measured"), tolerance=1e-5)
+    found = portrait(CollectionLoop.mit("plywood-measured"), tolerance=1e-4)
     assert found.drifting is not None and found.worn is not None
     said = sentences.headline(found)
     assert said.startswith("plywood-measured rests at orientation ") and "when fresh, near 9" in said
@@ -77,12 +80,14 @@ def test_speed_of_locking_follows_from_the_multiplier(drawn) -> None:
     assert said == f"Stable at 18.3°, multiplier {multiplier:.3f}: {fast}"
 
 
+@pytest.mark.slow
 def test_without_fixed_points_the_pace_is_told(drawn) -> None:
     # 2πΩ = 7.2 and K = 5.7 degrees: the turn runs from their difference to their sum.
     said = sentences.lock_sentence(drawn("rotating").portrait)
     assert said.startswith("Without noise a cycle turns the object by 1.5° to 12.9°; a full turn takes ")
 
 
+@pytest.mark.slow
 def test_attracting_jump_is_told(drawn) -> None:
     assert sentences.lock_sentence(drawn("jumping").portrait) == "Orbits gather about the jump at 114.6°."
 

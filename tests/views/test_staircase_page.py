@@ -33,6 +33,7 @@ def measured() -> MeasuredStaircase:
     return measured_staircase(Theta0Pairs(path[:-1], path[1:], path))
 
 
+@pytest.mark.slow
 def test_a_page_shows_the_whole_run_and_every_dwell(forecast) -> None:
     found = forecast(*GHOST)
     paths, steps, lengths = staircase_page(found).axes
@@ -51,6 +52,7 @@ def test_with_data_the_paths_are_the_measured_the_predicted_and_the_fitted(forec
     assert "(°)" in paths.get_ylabel()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [GHOST, WELL, TURNING])
 def test_every_kind_of_staircase_can_be_rendered(forecast, law) -> None:
     assert render(staircase_page(forecast(*law))).startswith(b"\x89PNG")

@@ -53,6 +53,7 @@ def panels(figure):
     return [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
 
 
+@pytest.mark.slow
 def test_a_plane_is_coloured_outlined_and_crossed_out(swept) -> None:
     over = {"mu_a": (0.2, 0.25, 0.3), "hitch_x_mm": (-12.0, -8.0, -4.0)}
     figure = page_of(swept(SweepPlan.grid("plywood", over, numbers=NUMBERS)))
@@ -110,6 +111,7 @@ def test_a_sweep_that_is_not_done_says_so(swept) -> None:
     assert re.match(r"4 of 11 points over mu_a", sweep_sentences(part)[0])
 
 
+@pytest.mark.slow
 def test_a_sweep_of_refusals_alone_can_still_be_drawn(tmp_path) -> None:
     plan = SweepPlan.grid("plywood", {"fraction": (1.5, 2.0), "push_mm": (100.0, 150.0)}, numbers=NUMBERS)
     run_sweep(plan, tmp_path / "sweep.sqlite", workers=1)

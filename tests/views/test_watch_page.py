@@ -72,11 +72,13 @@ def test_without_an_alarm_none_is_marked(even) -> None:
     assert "no sign of locking in" in page.texts[0].get_text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theta", [[0.3], [6.2831, -0.1, 0.1]])
 def test_few_pushes_make_a_page_too(theta) -> None:
     assert render(watch_page(*course_of(theta), "x.csv")).startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pushes", [1, 2, 3, 40, 200])
 def test_every_push_lies_whole_within_the_edges_and_few_are_drawn_larger(pushes) -> None:
     path, evidence, _, _ = watch_page(*course_of(np.linspace(0.1, 6.0, pushes)), "x.csv").axes

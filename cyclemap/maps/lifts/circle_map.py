@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, non_negative_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
+from cyclemap.inline_svg import inline_svg, map_strokes
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts import textbook_maps
 from cyclemap.maps.lifts.branched_lift import lift_from_branches, listed_branches
@@ -122,6 +123,11 @@ class CircleMap:
 
     def __repr__(self) -> str:
         return f"CircleMap(degree={self.degree}, samples={self.samples}, breaks={self.breaks.size})"
+
+    def _repr_html_(self) -> str:
+        theta = np.linspace(0.0, TWO_PI, 361)
+        caption = f"{self!r}: turn of a cycle (rad) over θ from 0 to 2π"
+        return inline_svg(map_strokes(theta, self.turn(theta), self.breaks), caption)
 
     # -- values --------------------------------------------------------------------------------------------
 

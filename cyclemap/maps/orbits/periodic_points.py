@@ -11,6 +11,7 @@ import numpy.typing as npt
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
 from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
+from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps.lifts.circle_map import SNAP, CircleMap
 from cyclemap.maps.orbits.diagonal import DiagonalScan, JumpCrossing, diagonal_scan, displacement, nearest_on_circle
 from cyclemap.maps.orbits.scan import roots_between
@@ -320,6 +321,13 @@ class Orbit:
     stable: bool
     kind: str
     error_bound: float = float("inf")
+
+    def _repr_html_(self) -> str:
+        around = np.linspace(0.0, TWO_PI, 91)
+        circle, points = (np.column_stack([np.cos(theta), np.sin(theta)]) for theta in (around, self.points))
+        marks = Stroke(points, BLUE, DISC if self.stable else CIRCLE, 4.0)
+        caption = f"{self.kind} orbit, {self.winding}/{self.period} turns a cycle, multiplier {self.multiplier:.4g}"
+        return inline_svg([Stroke(circle, GREY), marks], caption, equal=True)
 
 
 def fixed_points(circle_map: CircleMap) -> list[Orbit]:

@@ -223,7 +223,7 @@ def predict_drift(
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
-    >>> round(predict_drift(worn, WrappedNormal(0.1), 100).turns, 9)
+    >>> round(predict_drift(worn, WrappedNormal(1.0), 100, points=2).turns, 9)
     20.0
     """
     if not isinstance(drifting, DriftingMap):

@@ -9,7 +9,7 @@ from pathlib import Path
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection.collection_file import PREDICTED, STRATEGY, collection_tables, read_settings
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.settings import Settings
+from cyclemap.collection.setting_table import Settings
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, located, toml_text, with_checksum
 from cyclemap.mechanics import SidePush

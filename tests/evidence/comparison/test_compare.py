@@ -47,6 +47,7 @@ def test_the_predicted_histogram_and_zone_are_the_measured_ones(truth) -> None:
     assert truth.staircase.turns.measured == pytest.approx(np.ptp(sine_pairs(300, seed=3).path[[0, -1]]) / (2 * np.pi))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "noise"),
     [
@@ -62,6 +63,7 @@ def test_a_wrong_law_is_refused(quick, wrong, noise) -> None:
     assert (found.cycle.p_value.value <= 0.02) == (wrong is not SINE)
 
 
+@pytest.mark.slow
 def test_wear_is_in_the_null_and_the_cycles_keep_their_numbers(quick) -> None:
     path = sample_staircase(WORN, NOISE, 400, 0.0, seed=3).theta
     right = compare(WORN, pairs_of(path), noise=NOISE, first=100, runs=49)
@@ -96,6 +98,7 @@ def test_a_fit_to_the_very_data_is_told_and_fitted_again(kind) -> None:
     assert again.noise.sigma == pytest.approx(predicted.noise.sigma)
 
 
+@pytest.mark.slow
 def test_the_refitted_null_is_used_where_the_fit_is_of_these_data(quick) -> None:
     pairs = sine_pairs(120)
     own, other = (compare(harmonic_map(some, 1), pairs, runs=19) for some in (pairs, sine_pairs(120, seed=7)))

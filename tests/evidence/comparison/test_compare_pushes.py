@@ -121,6 +121,7 @@ def test_a_length_that_the_data_do_not_tell_must_be_said(loop, tmp_path) -> None
     assert push_agreement(data.pushes[0]).quantities[0].rmse < 1e-9
 
 
+@pytest.mark.slow
 def test_measured_50_mm_pushes_are_predicted_50_mm_long(measured_data) -> None:
     """Of one plate on one floor; at 150 mm the same pushes are 24° and 26 mm off."""
     loop, file = CollectionLoop.mit("plywood"), measured_data / "mit_push_endpoints_v10.csv"

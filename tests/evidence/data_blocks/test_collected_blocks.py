@@ -21,6 +21,8 @@ from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
 from cyclemap.evidence.simulation.simulated_collection import simulate_collection
 from cyclemap.mechanics import EllipseFriction, FoundWith, Material, PlatePressure, load_material
 
+pytestmark = pytest.mark.slow
+
 LOOP = CollectionLoop.mit("isotropic")
 ELLIPSE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
 SHARES = ("corner_share", "inner_share", "rim_share")

@@ -27,6 +27,7 @@ def made_block(share: np.ndarray | None = None) -> CyclePairBlock:
     return CyclePairBlock("cycles", MIT, THETA, turns, np.arange(12), share)
 
 
+@pytest.mark.slow
 def test_cycles_made_by_the_mechanics_leave_no_residual_and_true_derivatives() -> None:
     block = made_block()
     residual, jacobian = block.residuals(TRUTH.values())
@@ -39,6 +40,7 @@ def test_cycles_made_by_the_mechanics_leave_no_residual_and_true_derivatives() -
         assert jacobian[:, column] == pytest.approx(expected, abs=0.02 * np.abs(expected).max()), name
 
 
+@pytest.mark.slow
 def test_wear_blends_the_turns_of_the_fresh_and_the_worn_surface() -> None:
     """At share 0 the prediction is that of the fresh ellipse, at 1 of the worn one, between them on a straight line."""
     fresh = made_block().residuals(TRUTH.values())[0]

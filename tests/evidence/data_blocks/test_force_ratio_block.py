@@ -106,6 +106,7 @@ def test_noise_does_not_bias_the_friction_as_it_does_the_median_ratio(collection
     assert sum(one.lower < collection[2] < one.upper for one in found) >= 6
 
 
+@pytest.mark.slow
 def test_intervals_cover_in_90_to_99_percent_of_runs_where_the_friction_varies_from_push_to_push() -> None:
     """Four noisy pushes a run, sliding either way in several pieces, the friction of each its own by 5 %."""
     held, rng = [], np.random.default_rng(1)
@@ -170,6 +171,7 @@ def test_what_cannot_be_used_is_refused() -> None:
         pusher_friction_from_forces([made_record()], SQUARE, rod_radius=0.0)
 
 
+@pytest.mark.slow
 def test_the_measured_files_of_the_hexagon_agree_on_a_friction_near_a_fifth(measured_data) -> None:
     """The forces of the rect1 files are unusable, and are not taken for friction."""
     folder = measured_data / "mit_files"

@@ -95,6 +95,7 @@ def test_the_place_of_contact_is_where_the_force_enters_the_outline() -> None:
     assert missing.contact_pieces(SQUARE).tolist() == [-1, -1]
 
 
+@pytest.mark.slow
 def test_intervals_of_95_percent_cover_in_90_to_99_percent_where_the_pairs_of_a_contact_share_their_errors() -> None:
     groups, held = np.repeat(np.arange(15), 4), []
     for seed in range(RUNS):

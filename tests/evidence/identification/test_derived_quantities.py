@@ -36,6 +36,7 @@ def test_values_are_those_of_the_ellipse() -> None:
     assert all(one.lower <= one.value <= one.upper and one.known for one in told.values())
 
 
+@pytest.mark.slow
 def test_small_errors_agree_with_the_delta_method() -> None:
     """The log of the axis ratio moves along the ellipticity's own direction, the rest by the chain rule."""
     found = identified(LAW, 0.05)
@@ -52,6 +53,7 @@ def test_small_errors_agree_with_the_delta_method() -> None:
     assert width == pytest.approx(t * error, rel=0.1)
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     """30 seeded sets, 95 %: fewer than 25 held of one quantity would be a chance of 1 in 300."""
     mean = math.sqrt(0.28 * 0.22)

@@ -102,6 +102,7 @@ def covers(degrees, shared: float) -> np.ndarray:
     return np.mean(held, axis=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "shared"), [(18, 0.0), (12, 0.7)])
 def test_intervals_of_95_percent_cover_in_90_to_99_percent_of_noisy_scan_sets(count: int, shared: float) -> None:
     shares = covers(np.arange(0, 360, 360 // count), shared)

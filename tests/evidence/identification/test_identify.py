@@ -54,6 +54,7 @@ def holds_truth(problem: JointProblem, fit: Fit) -> np.ndarray:
     return np.asarray(np.abs(fit.vector - SPACE.vector(TRUTH)) < half * errors.standard_error)
 
 
+@pytest.mark.slow
 def test_intervals_of_95_percent_cover_in_90_to_99_percent_of_runs() -> None:
     covered = []
     for seed in range(RUNS):
@@ -63,6 +64,7 @@ def test_intervals_of_95_percent_cover_in_90_to_99_percent_of_runs() -> None:
     assert shares.shape == (7,) and np.all((shares >= 0.9) & (shares <= 0.99))
 
 
+@pytest.mark.slow
 def test_grouped_errors_cover_where_turn_and_shift_share_nine_tenths_and_single_rows_would_not() -> None:
     grouped, single = [], []
     for seed in range(RUNS):

@@ -53,6 +53,7 @@ def truth() -> dict[str, float]:
     return {**FLOOR, **own, **shifts}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wild", [0, 2])
 def test_friction_pressure_and_frames_of_two_plates_come_back_together(wild: int) -> None:
     """Within four of their own errors, also where two pushes in thirty go wrong; the isotropic errors are worse."""
@@ -73,6 +74,7 @@ def test_friction_pressure_and_frames_of_two_plates_come_back_together(wild: int
     assert "believed beforehand" in material.provenance and "isotropic" in material.misfit
 
 
+@pytest.mark.slow
 def test_a_plates_derivatives_are_those_of_differences() -> None:
     block = collection(5)[0]
     values = truth() | {"inner_share[tri3]": 0.1}

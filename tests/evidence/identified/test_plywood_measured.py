@@ -13,6 +13,8 @@ from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
 from cyclemap.maps import DriftingMap, LocalNoise, WrappedNormal, sample_staircases
 from cyclemap.mechanics import load_material
 
+pytestmark = pytest.mark.slow
+
 PUSHES, BLOCK, RUNS = 2000, 125, 200
 
 

@@ -71,6 +71,7 @@ def test_a_whole_turn_added_to_both_angles_changes_nothing() -> None:
     assert np.allclose(other.map(GRID), one.map(GRID), atol=1e-10)
 
 
+@pytest.mark.slow
 def test_wear_without_noise_is_found_exactly_with_its_degree() -> None:
     theta, theta_next, cycle = worn_pairs(0, 0.0)
     fitted = fit_map(theta, theta_next, cycle=cycle)
@@ -84,6 +85,7 @@ def test_wear_without_noise_is_found_exactly_with_its_degree() -> None:
     assert np.allclose(drifting.at(200).turn(GRID), worn_turn(GRID, 500.0), atol=1e-10)
 
 
+@pytest.mark.slow
 def test_wear_and_its_degree_are_recovered_under_noise_and_the_bands_cover() -> None:
     runs, degrees, covered = 50, [], []
     for seed in range(runs):
@@ -99,6 +101,7 @@ def test_wear_and_its_degree_are_recovered_under_noise_and_the_bands_cover() -> 
     assert np.mean(covered) == pytest.approx(0.95, abs=0.03)
 
 
+@pytest.mark.slow
 def test_a_map_that_does_not_wear_is_found_to_have_degree_nought() -> None:
     chosen = []
     for seed in range(20):
@@ -109,6 +112,7 @@ def test_a_map_that_does_not_wear_is_found_to_have_degree_nought() -> None:
     assert chosen.count((1, 0)) >= 18
 
 
+@pytest.mark.slow
 def test_worn_paths_are_those_of_the_drifting_map() -> None:
     """Two samplers, two streams of noise: mean climbs agree within their standard errors."""
     theta, theta_next, cycle = worn_pairs(1, 0.03)
@@ -160,6 +164,7 @@ def plywood(folder: Path) -> tuple[FittedMap, np.ndarray]:
     return fit_map(pairs.theta, pairs.theta_next, cycle=cycle, noise_harmonics=None), pairs.path
 
 
+@pytest.mark.slow
 def test_the_plywood_turn_is_known_to_a_degree_and_better_with_wear(measured_data: Path) -> None:
     fitted, path = plywood(measured_data)
     pairs = read_theta0_pairs(measured_data / STAIRCASE)
@@ -173,6 +178,7 @@ def test_the_plywood_turn_is_known_to_a_degree_and_better_with_wear(measured_dat
     assert np.all(fitted.wear.whole.noise(np.deg2rad([20.0, 200.0])) > 3 * fitted.wear.whole.noise(np.deg2rad(95.0)))
 
 
+@pytest.mark.slow
 def test_the_plywood_bottleneck_lies_near_95_degrees_and_opens(measured_data: Path) -> None:
     fitted, _ = plywood(measured_data)
     theta = np.deg2rad(np.arange(0.0, 360.0, 0.1))
@@ -183,6 +189,7 @@ def test_the_plywood_bottleneck_lies_near_95_degrees_and_opens(measured_data: Pa
     assert np.all((least > -0.5) & (least < 1.0))
 
 
+@pytest.mark.slow
 def test_the_worn_plywood_map_predicts_the_turns_and_the_peak_of_pushes_500_to_2000(measured_data: Path) -> None:
     fitted, path = plywood(measured_data)
     assert fitted.wear is not None

@@ -38,6 +38,7 @@ def test_the_scatter_is_the_noise() -> None:
     assert harmonic_map(noisy(0.02)).sigma == pytest.approx(0.02, rel=0.02)
 
 
+@pytest.mark.slow
 def test_the_error_falls_with_the_root_of_the_number_of_pairs() -> None:
     counts = np.array([500, 2_000, 8_000, 32_000])
     errors = [np.mean([worst(harmonic_map(noisy(0.05, n, seed))) for seed in range(8)]) for n in counts]

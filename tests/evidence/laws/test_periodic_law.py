@@ -42,6 +42,7 @@ def test_without_noise_the_law_its_order_and_its_slope_are_found_exactly() -> No
     assert np.allclose(law.slope(GRID), (truth(GRID + step) - truth(GRID - step)) / (2 * step), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_chosen_order_is_the_true_one_in_nine_of_ten_runs() -> None:
     chosen = np.array([fit_periodic_law(*made(seed), seed=seed).harmonics for seed in range(50)])
     assert np.sum(chosen == 3) >= 45
@@ -93,6 +94,7 @@ def test_bands_cover_the_truth_and_new_values_as_often_as_they_say() -> None:
     assert np.mean(ahead) / runs == pytest.approx(0.95, abs=0.01)
 
 
+@pytest.mark.slow
 def test_with_correlated_residuals_only_the_covariance_made_for_them_covers() -> None:
     """Autoregressive scatter (0.7) over angles that move slowly: plain bands are far too narrow."""
     runs, plain, right = 200, 0, 0
@@ -140,6 +142,7 @@ def predicted_errors(theta: np.ndarray, variance: np.ndarray) -> list[float]:
     return [float(np.mean(np.sum(grid @ one * grid, axis=1))) for one in (weighted, plain)]
 
 
+@pytest.mark.slow
 def test_weighing_by_the_scatter_makes_the_law_as_sure_as_theory_says_and_its_bands_cover() -> None:
     covered, errors, theory, runs = 0.0, [], [], 200
     for seed in range(runs):

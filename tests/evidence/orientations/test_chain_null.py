@@ -44,6 +44,7 @@ def slope_refit(path):
     return CircleMap.arnold(shift / (2 * np.pi), strength), WrappedNormal(float(scatter))
 
 
+@pytest.mark.slow
 def test_under_the_chain_the_level_holds(operator, paths) -> None:
     found = [
         chain_p_values(path, MAP, NOISE, FAST, runs=RUNS, seed=k, operator=operator) for k, path in enumerate(paths)
@@ -55,6 +56,7 @@ def test_under_the_chain_the_level_holds(operator, paths) -> None:
         assert np.mean(values <= 0.5) == pytest.approx(0.5, abs=4 * 0.5 / np.sqrt(PATHS))
 
 
+@pytest.mark.slow
 def test_under_the_chain_the_level_of_the_wasserstein_distance_holds(paths) -> None:
     values = [
         chain_p_value(path, MAP, NOISE, "wasserstein", runs=19, seed=k).value for k, path in enumerate(paths[:200])
@@ -89,6 +91,7 @@ def test_a_rotated_map_and_a_wrong_noise_are_rejected(name) -> None:
     assert chain_p_value(path, truth, WrappedNormal(0.15), name, runs=99).value == 0.01
 
 
+@pytest.mark.slow
 def test_fitted_parameters_make_p_too_large_unless_they_are_fitted_again() -> None:
     model = CircleMap.arnold(0.03, 0.4), WrappedNormal(0.6)
     starts = np.random.default_rng(31).uniform(0.0, 6.0, 70)

@@ -135,6 +135,7 @@ def test_watsons_tail_is_its_series() -> None:
     assert watson_tail(watson_critical_value(0.05)) == pytest.approx(0.05, abs=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [8, 20, 100])
 @pytest.mark.parametrize("level", [0.1, 0.05, 0.01])
 def test_stephens_correction_holds_the_level_for_small_samples(size, level) -> None:
@@ -161,6 +162,7 @@ def test_p_values_are_uniform_for_independent_samples() -> None:
 
 
 # Kuiper's and the total variation take few values: ties make their p-values larger.
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "least"), [("wasserstein", 0.06), ("total_variation", 0.02), ("kuiper", 0.02), ("watson", 0.06)]
 )

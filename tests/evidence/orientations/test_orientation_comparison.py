@@ -48,6 +48,7 @@ def test_the_nearest_mode_is_found_round_the_circle() -> None:
     assert angle_between(np.array([6.2]), np.array([0.1]))[0] == pytest.approx(0.1 + TURN - 6.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turns", [0.0, 0.02, 0.05])
 def test_the_effective_count_is_what_the_mean_of_the_least_known_mode_scatters_by(turns) -> None:
     """A random walk on the circle that turns: its modes are e^(imθ), of mean square 1."""
@@ -77,6 +78,7 @@ def test_a_path_of_the_model_itself_agrees_in_everything() -> None:
     assert not found.refitted
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [UniformNoise(0.5), VonMises(20.0), WrappedCauchy(0.9)])
 def test_every_noise_will_do(noise) -> None:
     model = CircleMap.arnold(0.05, 0.5), noise
@@ -104,6 +106,7 @@ def test_bad_input_is_refused() -> None:
         compare_orientations([0.0], *model)
 
 
+@pytest.mark.slow
 def test_the_measured_plywood_is_not_one_stationary_chain(measured_data: Path) -> None:
     """The map fitted to all 2000 pushes as if nothing wore: its peak lies 4° below the measured one, and Kuiper's and
     Watson's statistics are far beyond the chain's; the predicted little peak at 21° was not measured."""

@@ -174,6 +174,7 @@ def raw_tables(path: Path) -> dict[str, np.ndarray]:
         return {name: file[name][()] for name in file}
 
 
+@pytest.mark.slow
 def test_all_measured_files_load_and_agree_with_a_reading_by_homogeneous_matrices(measured_data: Path) -> None:
     loaded = load_pushes(measured_data / "mit_files")
     assert loaded.unreadable == () and loaded.scans.empty
@@ -192,6 +193,7 @@ def test_all_measured_files_load_and_agree_with_a_reading_by_homogeneous_matrice
         assert f"_v={1000 * row.speed:.0f}_i={row.side:.3f}_s={row.fraction:.3f}_t={row.angle:.3f}." in row.path
 
 
+@pytest.mark.slow
 def test_measured_force_ratios_stay_near_the_friction_of_the_rod_where_the_sensor_worked(measured_data: Path) -> None:
     table = load_pushes(measured_data / "mit_files").table
     known = table[table["object"].isin(["hex", "ellip1", "ellip3"])]["force_ratio"].dropna()
@@ -202,6 +204,7 @@ def test_measured_force_ratios_stay_near_the_friction_of_the_rod_where_the_senso
     assert table[table["object"] == "rect1"]["force_ratio"].isna().all()
 
 
+@pytest.mark.slow
 def test_damaged_copies_of_measured_files_are_left_out_and_nothing_else_changes(measured_data: Path, tmp_path) -> None:
     sources = sorted((measured_data / "mit_files").glob("*shape=hex*"))
     for source in sources:

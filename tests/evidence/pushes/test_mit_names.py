@@ -80,6 +80,7 @@ def same(facts: object, others: object) -> bool:
     return repr(facts) == repr(others)
 
 
+@pytest.mark.slow
 @settings(deadline=None, derandomize=True)
 @given(TEXTS, TEXTS, NUMBERS, NUMBERS, st.integers(0, 40).map(float), NUMBERS, SIGNED, REPETITIONS)
 def test_any_facts_of_a_push_come_back_from_its_name_to_the_last_bit(
@@ -97,6 +98,7 @@ def test_any_facts_of_a_push_come_back_from_its_name_to_the_last_bit(
     assert push_name(push_facts(name)) == name
 
 
+@pytest.mark.slow
 @settings(deadline=None, derandomize=True)
 @given(TEXTS, st.integers(0, 359), NUMBERS, REPETITIONS)
 def test_any_facts_of_a_scan_come_back_from_its_name(surface, degrees, speed, repetition) -> None:

@@ -88,6 +88,7 @@ def test_measured_plywood_gives_the_pairs_of_its_staircase_in_order(measured_dat
     assert table["dtheta"].isna().all()
 
 
+@pytest.mark.slow
 def test_the_tree_of_measured_data_loads_whole_and_names_the_table_that_holds_no_pushes(measured_data: Path) -> None:
     loaded = load_pushes(measured_data)
     assert [entry.path.name for entry in loaded.unreadable] == ["mit_rect1_wrench_twist_v10.csv"]
@@ -107,6 +108,7 @@ def test_measured_drag_backs_turn_the_object_as_their_own_column_says(measured_d
     assert len(said) == 217 and found == pytest.approx(np.array(said), abs=2e-3)
 
 
+@pytest.mark.slow
 def test_damage_at_random_is_reported_or_loads_finite_poses(tmp_path) -> None:
     whole = f"rep,{POSES}\n" + "".join(f"{number},0.1,0.2,{number / 7:.4f},0.3,0.4,1.5\n" for number in range(8))
     outcome = {True: 0, False: 0}

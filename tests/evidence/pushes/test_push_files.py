@@ -226,6 +226,7 @@ def open_files() -> int:
     return len(list(Path("/proc/self/fd").iterdir())) if Path("/proc/self/fd").is_dir() else 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("suffix", "options"), [("h5", {}), ("h5", {"compression": "gzip"}), ("json", {})], ids=["plain", "packed", "json"]
 )

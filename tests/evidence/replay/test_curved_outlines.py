@@ -21,6 +21,7 @@ def cut_ellipse():
     return Polygon(Ellipse(SEMI_X, SEMI_Y).points(SIDES)[:-1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.0, 0.25, 1.0])
 @pytest.mark.parametrize("offset", [-0.02, 0.004, 0.03])
 def test_a_cut_ellipse_moves_as_the_ellipse_does(friction, offset) -> None:
@@ -79,6 +80,7 @@ def test_the_butterflys_inertia_is_that_of_its_plate() -> None:
     assert slider.inertia == pytest.approx(moment * slider.mass / slider.outline.area, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_push_into_the_middle_of_the_waist_goes_straight() -> None:
     """The waist is concave: by symmetry the rod sticks there, and the butterfly does not turn."""
     model = model_of(butter_slider(), accuracy=1e-5)

@@ -10,6 +10,8 @@ import cyclemap as cm
 from cyclemap.evidence.replay.replay_table import replay_pushes
 from cyclemap.mechanics import Pusher
 
+pytestmark = pytest.mark.slow
+
 COUNTS = {("abs", "butter"): 40, ("abs", "ellip1"): 13, ("abs", "ellip3"): 10, ("abs", "hex"): 14, ("abs", "rect1"): 13}
 # Bounds on the mean error at the end: mm, degrees. Measured: 5.0 and 3.7, 2.2 and 4.3, 4.9 and 8.6, 2.5 and 3.7,
 # 2.6 and 2.3.

@@ -86,6 +86,7 @@ def test_files_lie_where_the_dataset_has_them_under_its_names(tmp_path) -> None:
     assert pushes.unreadable == () and pushes.table["speed"].tolist() == [0.05, 0.05]
 
 
+@pytest.mark.slow
 def test_cycles_scatter_about_the_map_as_asked(tmp_path) -> None:
     """θ_{n+1} - F(θ_n) is normal noise: mean, deviation and correlation within three standard errors."""
     sigma, cycles = 0.02, 60
@@ -112,6 +113,7 @@ def test_scatter_may_depend_on_the_orientation_and_on_the_cycle_before() -> None
     assert [few.kick(cycle, 0.3) for cycle in range(3)] == [plan.kick(cycle, 0.3) for cycle in range(3)]
 
 
+@pytest.mark.slow
 def test_noise_of_the_instruments_does_not_touch_the_path(tmp_path) -> None:
     """One seed, one path: with and without errors of measurement; another seed, another path."""
     folders = {name: tmp_path / name for name in ("noisy", "clean", "other")}
@@ -147,6 +149,7 @@ class BrokenOffError(Exception):
     """What stops a run in these tests."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("calls", range(1, 2 * CYCLES, 3))
 def test_a_run_stopped_between_any_two_files_ends_like_an_undisturbed_one(
     tmp_path, monkeypatch, undisturbed, calls
@@ -176,6 +179,7 @@ def test_a_run_stopped_between_any_two_files_ends_like_an_undisturbed_one(
     assert contents(tmp_path) == undisturbed
 
 
+@pytest.mark.slow
 def test_a_killed_process_leaves_whole_files_only_and_can_be_gone_on_with(tmp_path) -> None:
     """SIGKILL in the middle of the fourth file, between writing and renaming it."""
     folder, whole = tmp_path / "killed", tmp_path / "whole"
@@ -312,6 +316,7 @@ def altered(path: Path) -> None:
     path.write_bytes(content)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", [emptied, altered, Path.unlink])
 @pytest.mark.parametrize("pattern", [TRUTH_FILE, "motion_*rep=0003.h5", "record_*deg=90*rep=000.h5"])
 def test_what_was_damaged_since_is_made_again_to_the_bit(tmp_path, pattern, damage) -> None:

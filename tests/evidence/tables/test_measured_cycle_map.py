@@ -14,6 +14,8 @@ from cyclemap.evidence.theta0.covered_arcs import is_covered
 from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.theta0.theta0_statistics import turn_bins
 
+pytestmark = pytest.mark.slow
+
 GRID = np.linspace(0.0, TURN, 90)
 
 
@@ -51,6 +53,7 @@ def test_the_made_path_turns_and_crowds_as_its_map_foretells(made) -> None:
     assert forecast.pace.inside > 0.75
 
 
+@pytest.mark.slow
 def test_without_wear_early_and_late_are_one_map() -> None:
     found = measured_cycle_map(worn_pairs(400), wear=False, runs=5)
     assert not found.wears
@@ -68,6 +71,7 @@ def test_pairs_in_no_order_have_a_map_and_no_forecast() -> None:
     assert found.early.slowest.theta == pytest.approx(np.pi, abs=0.1)
 
 
+@pytest.mark.slow
 def test_cycles_left_out_of_the_fit_are_told_in_turns() -> None:
     """A jump by a third of a turn in the middle: its cycle is no pair, and its height is accounted for."""
     pairs = worn_pairs(400)
@@ -80,6 +84,7 @@ def test_cycles_left_out_of_the_fit_are_told_in_turns() -> None:
     assert found.forecast.left_out_turns == pytest.approx(1 / 3 + own, abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [25, 60, 99])
 def test_no_wear_is_told_of_short_runs(count) -> None:
     """The map of these cycles wears by 0.6° in 100 cycles: fewer say nothing of it."""
@@ -96,6 +101,7 @@ def steady_pairs(low: float, high: float, seed: int, least: float = 0.02, count:
     return Theta0Pairs(theta, theta + turn)
 
 
+@pytest.mark.slow
 def test_nothing_is_told_of_orientations_that_were_not_measured() -> None:
     """90° of the circle: every place told lies there, whatever the fitted series does elsewhere."""
     low, high = np.radians([230.0, 320.0])
@@ -108,6 +114,7 @@ def test_nothing_is_told_of_orientations_that_were_not_measured() -> None:
         assert (found.late.fixed_points, found.late.undecided) == ((), ())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("harmonics", "reach"), [(None, 0.8), (1, 0.8), (None, 1.3)])
 def test_the_interval_of_the_least_turn_holds_the_true_turn(harmonics, reach) -> None:
     """95 % of the time, whether the order was given or chosen."""
@@ -119,6 +126,7 @@ def test_the_interval_of_the_least_turn_holds_the_true_turn(harmonics, reach) ->
     assert np.mean(held) >= 0.9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("least", "kinds"), [(-0.05, "fixed"), (0.0, "undecided"), (0.05, "passage")])
 def test_fixed_points_bottlenecks_and_what_cannot_be_told_apart(least, kinds) -> None:
     """Scatter of 0.02 rad and 120 pairs tell a least turn of 0.05 rad, either way, and not one of 0."""
@@ -159,6 +167,7 @@ def plywood(folder: Path) -> MeasuredCycleMap:
     return measured_cycle_map(read_theta0_pairs(folder / "plywood_rect1_theta0_2000.csv"), runs=100)
 
 
+@pytest.mark.slow
 def test_the_plywood_law_is_fitted_to_within_its_noise(measured_data) -> None:
     """Residuals in units of the fitted scatter have size 1, and their medians over 5° bins stay within one of it."""
     found = plywood(measured_data)
@@ -222,6 +231,7 @@ def test_the_plywood_bottleneck_near_95_degrees_opens_tenfold(measured_data) -> 
     assert np.rad2deg(found.quietest[1]) < 0.5 < 2.0 < np.rad2deg(found.loudest[1])
 
 
+@pytest.mark.slow
 def test_how_the_plywood_wears_does_not_depend_on_how_the_folds_are_dealt(measured_data) -> None:
     """With the folds of seed 2 the one-standard-error rule takes degree 1, which foretells 19.5 turns, not 16.4."""
     pairs = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv")
@@ -230,6 +240,7 @@ def test_how_the_plywood_wears_does_not_depend_on_how_the_folds_are_dealt(measur
     assert other.degree == plywood(measured_data).fitted.wear.degree == 2
 
 
+@pytest.mark.slow
 def test_a_quarter_of_the_plywood_data_tells_of_that_quarter_alone(measured_data) -> None:
     """The cycles that begin at 60 to 150°: what is told lies there, and no fixed point is claimed at the ghost."""
     pairs = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv")

@@ -44,6 +44,7 @@ def test_jitter_about_the_mark_makes_no_turn() -> None:
     assert full_turns(path, level=1.0).size == 2
 
 
+@pytest.mark.slow
 def test_turns_of_the_maps_own_paths_lie_in_their_ranges_as_often_as_they_should() -> None:
     """Two worn paths, of more than ten turns each: their 95 % ranges cover about 95 %."""
     pairs = worn_pairs(900)

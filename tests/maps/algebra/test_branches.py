@@ -146,6 +146,7 @@ def test_preimages_under_a_blaschke_product_are_the_roots_of_its_polynomial(seed
         np.testing.assert_allclose(found, np.sort(np.mod(np.angle(roots), TWO_PI)), rtol=0, atol=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 def test_preimages_of_folded_maps_are_as_many_as_the_crossings_on_a_fine_grid(seed):
     made = folded(seed, degree=seed % 4 - 1) if seed < 11 else zigzag()

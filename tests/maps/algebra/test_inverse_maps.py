@@ -10,6 +10,7 @@ from cyclemap.maps import CircleMap, compose, inverse
 TWO_PI = 2 * np.pi
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(25))
 def test_the_inverse_undoes_and_is_undone_to_rounding(seed):
     f = rising_map(seed)

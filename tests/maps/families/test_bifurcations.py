@@ -41,6 +41,7 @@ def test_saddle_nodes_of_the_moebius_family_are_at_sine_equal_to_a():
         assert one.parameter.holds(sign * np.arcsin(0.6) / np.pi)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("K", [2.1, 2.8])
 def test_a_folded_fixed_point_doubles_where_K_cosine_is_two(K):
     found = period_doublings(arnold(K), (0.0, 0.5))
@@ -49,6 +50,7 @@ def test_a_folded_fixed_point_doubles_where_K_cosine_is_two(K):
     assert abs(np.cos(found[0].theta) - 2.0 / K) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("p", "q", "K"), [(1, 2, 0.9), (2, 5, 0.95)])
 def test_saddle_nodes_of_period_q_are_the_edges_of_the_tongue(p, q, K):
     locked = tongue(arnold(K), (p, q), (0.0, 1.0))
@@ -59,6 +61,7 @@ def test_saddle_nodes_of_period_q_are_the_edges_of_the_tongue(p, q, K):
         assert abs(one.parameter - edge) <= one.parameter.error_bound + edge.error_bound
 
 
+@pytest.mark.slow
 def test_a_branch_born_and_gone_inside_the_range_is_found():
     """Ω(p) dips below K/2π only between two values of p; nothing exists at either end of the range."""
 
@@ -103,6 +106,7 @@ def tent(p):
     return CircleMap(lift, None, breaks=[0.0, np.pi])
 
 
+@pytest.mark.slow
 def test_a_tent_loses_its_fixed_points_in_two_folding_border_collisions():
     found = border_collisions(tent, (-2.0, 1.0))
     assert len(found) == 2
@@ -113,6 +117,7 @@ def test_a_tent_loses_its_fixed_points_in_two_folding_border_collisions():
     assert saddle_nodes(tent, (-2.0, 1.0)) == []
 
 
+@pytest.mark.slow
 def test_border_collisions_of_period_two_are_the_edges_of_a_kinked_tongue():
     locked = tongue(lambda p: tent(TWO_PI * p), (1, 2), (0.0, 1.0))
     found = border_collisions(lambda p: tent(TWO_PI * p), (locked.left - 0.02, locked.right + 0.02), 2, 1, resolution=6)

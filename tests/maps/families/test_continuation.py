@@ -38,6 +38,7 @@ def broken_line(p, drift=0.0):
     return CircleMap(lift, None, breaks=drift * p + KNOTS[:-1])
 
 
+@pytest.mark.slow
 def test_the_fixed_points_of_the_sine_family_form_one_loop_given_in_closed_form():
     for K, kinds in (
         (0.9, ["saddle-node"] * 2),
@@ -97,6 +98,7 @@ def test_a_doubled_orbit_ends_where_it_merges_with_the_orbit_of_half_its_period(
     assert 0.0 < np.min(branch.parameter) - np.hypot(2.0, 0.1 * np.pi) < 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drift", [0.0, 0.7])
 def test_a_broken_line_has_its_border_collisions_at_its_corners_moving_or_not(drift):
     branch = follow_orbit(lambda p: broken_line(p, drift), 0.2 + 0.1 * drift, (-1.0, 2.0), at=0.1)

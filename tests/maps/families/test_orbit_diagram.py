@@ -29,6 +29,7 @@ def test_the_period_doubles_where_the_multiplier_passes_minus_one():
     assert periods(orbit_diagram(of_strength, values, transient=2000).theta) == [1, 2]
 
 
+@pytest.mark.slow
 def test_an_attractor_is_followed_until_its_saddle_node_from_either_side():
     """Two wells, of which a tilt fills the shallow one first: it is seen only by a path that comes from within it."""
 
@@ -65,6 +66,7 @@ def test_a_rotation_has_none_and_a_doubling_map_has_ln_2():
     assert np.isneginf(at_rest.value[1]) and at_rest.error[1] == 0.0
 
 
+@pytest.mark.slow
 def test_chaos_agrees_with_the_long_orbit_within_the_errors():
     found = lyapunov_exponents(CircleMap.arnold, 0.1, np.array([4.0, 5.0, 6.0]), cycles=20_000)
     for K, value, error in zip((4.0, 5.0, 6.0), found.value, found.error, strict=True):

@@ -62,6 +62,7 @@ def test_the_zero_tongue_of_the_sine_family_is_omega_at_most_K_over_two_pi_folde
     assert found.folded == (K > 1)
 
 
+@pytest.mark.slow
 def test_known_digits_of_the_sine_family():
     assert tongue(arnold(1.0), (1, 2), WIDE).left.holds(0.46301722338218515819112389)
     assert tongue(arnold(0.9), (1, 2), WIDE).left.holds(0.46966533712136485155447001)
@@ -73,6 +74,7 @@ def test_known_digits_of_the_sine_family():
 SOME = [(1, 4), (2, 5), (3, 8), (5, 13), (4, 21), (13, 34), (11, 40), (19, 40)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("p", "q"), SOME)
 def test_edges_agree_with_the_extended_system_in_45_digits(p, q):
     for K in ("0.9", "1"):
@@ -85,6 +87,7 @@ def test_edges_agree_with_the_extended_system_in_45_digits(p, q):
             assert edge.error_bound < 1e-14
 
 
+@pytest.mark.slow
 def test_a_tongue_below_rounding_has_width_zero_with_a_bound():
     found = tongue(arnold(0.3), (13, 40), WIDE)
     assert found.width == 0.0
@@ -94,6 +97,7 @@ def test_a_tongue_below_rounding_has_width_zero_with_a_bound():
     assert rotation_number(CircleMap.arnold(found.right + 1e-9, 0.3)).lower >= 13 / 40 - 1e-15
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("a", [0.3, 0.9])
 def test_the_moebius_family_locks_at_zero_only(a):
     family = lambda omega: CircleMap.moebius(a, omega)  # noqa: E731
@@ -120,6 +124,7 @@ def contraction(factor):
     return family
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("factor", "ratios"),
     [(0.3, [(0, 1), (1, 2), (2, 5)]), (0.9, [(0, 1), (1, 2), (1, 3), (5, 8), (7, 40)])],
@@ -191,6 +196,7 @@ def bumped(place, width, height, slopes=True):
     return lambda omega: CircleMap(lambda x: x + TWO_PI * omega + bump(x), slope if slopes else None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("width", "height", "slopes"),
     [
@@ -251,6 +257,7 @@ def test_a_kink_that_is_no_break_costs_no_more_than_the_bound():
 # -- theorems --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_turning_the_circle_round_maps_the_tongue_p_q_to_its_mirror_image():
     checked = 0
     for p, q in ((1, 3), (2, 5), (3, 7), (1, 11)):
@@ -261,6 +268,7 @@ def test_turning_the_circle_round_maps_the_tongue_p_q_to_its_mirror_image():
     assert checked == 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("q", [1, 2, 3])
 def test_tongues_open_like_K_to_the_q(q):
     strengths = np.array([0.05, 0.1, 0.2])
@@ -269,6 +277,7 @@ def test_tongues_open_like_K_to_the_q(q):
     assert np.all(np.abs(orders - q) < 0.05)
 
 
+@pytest.mark.slow
 def test_monotone_tongues_are_disjoint_and_ordered_and_lock():
     ratios = sorted({Fraction(p, q) for q in range(1, 8) for p in range(q + 1) if gcd(p, q) == 1})
     found = [tongue(arnold(0.9), ratio, WIDE) for ratio in ratios]
@@ -303,6 +312,7 @@ def test_the_orbit_of_an_edge_touches_the_diagonal_there():
         assert abs(slope - 1.0) < 1e-5
 
 
+@pytest.mark.slow
 def test_boundaries_over_a_second_parameter_are_the_single_tongues():
     strengths = np.linspace(0.3, 1.2, 7)
     curves = tongues(CircleMap.arnold, [0, (1, 2), (1, 3)], strengths, WIDE)
@@ -316,6 +326,7 @@ def test_boundaries_over_a_second_parameter_are_the_single_tongues():
     assert np.all(np.diff(curves.width, axis=1) > 0)
 
 
+@pytest.mark.slow
 def test_a_sampled_family_has_nearly_the_edges_of_the_family_it_samples():
     x = np.linspace(0, TWO_PI, 400, endpoint=False)
 

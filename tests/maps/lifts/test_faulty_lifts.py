@@ -55,6 +55,7 @@ def test_a_missing_break_is_named_where_there_are_only_differences(lift, places)
     assert np.min(np.max(away, axis=0)) < 1e-4
 
 
+@pytest.mark.slow
 def test_a_hidden_jump_is_named_where_the_derivative_is_given():
     for ask in (fixed_points, rotation_interval, lambda one: periodic_orbits(one, 2)):
         with pytest.raises(
@@ -79,6 +80,7 @@ def test_with_its_derivative_a_hidden_kink_or_cliff_costs_nothing():
     np.testing.assert_allclose([point.points[0] for point in fixed_points(steep)], [1.0, 1 + np.pi], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_lift_rough_everywhere_is_refused_with_a_place():
     for ask in (fixed_points, rotation_number, lambda one: periodic_orbits(one, 3)):
         with pytest.raises(ConvergenceError, match=ROUGH):

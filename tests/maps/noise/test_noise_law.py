@@ -101,6 +101,7 @@ def test_slopes_are_the_derivatives_of_the_densities_and_are_odd(law):
         np.testing.assert_allclose(slope(-x), -slope(x), rtol=1e-13, atol=1e-17)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", UNIFORM, ids=repr)
 def test_uniform_noise_overlaps_itself_exactly(law):
     """Lengths of overlaps counted on a fine grid of the line; rates by differences; coefficients by integration."""
@@ -133,6 +134,7 @@ def test_uniform_noise_has_no_density_slope_and_no_summable_coefficients():
             refused(0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kappa", "x", "exceedance", "rate"),
     [

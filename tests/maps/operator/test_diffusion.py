@@ -24,6 +24,7 @@ def sampled_diffusion(circle_map, noise, chains=20_000, cycles=240):
     return growth.mean(), growth.std() / np.sqrt(chains)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [WrappedNormal(0.4), WrappedNormal(2.0), VonMises(0.5), VonMises(50.0)], ids=repr)
 @pytest.mark.parametrize("turns", [0.0, 0.3])
 def test_a_rotation_diffuses_by_its_noise_alone(noise, turns):
@@ -31,6 +32,7 @@ def test_a_rotation_diffuses_by_its_noise_alone(noise, turns):
     assert abs(found - 0.5 * noise.variance) <= found.error_bound < 1e-11
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [WrappedNormal(0.5), VonMises(2.0)], ids=repr)
 @pytest.mark.parametrize("strength", [0.9, 3.0])
 def test_monte_carlo_spreads_as_fast(noise, strength):
@@ -42,6 +44,7 @@ def test_monte_carlo_spreads_as_fast(noise, strength):
     assert found.error_bound < 1e-10
 
 
+@pytest.mark.slow
 def test_jumps_of_the_map_diffuse_too():
     circle_map = CircleMap(lambda x: x + np.where(np.mod(x, TWO_PI) < 3.0, 1.0, -0.8), np.ones_like, [0.0, 3.0])
     for noise in (WrappedNormal(0.4), VonMises(3.0)):
@@ -51,6 +54,7 @@ def test_jumps_of_the_map_diffuse_too():
         assert found.error_bound < 1e-10
 
 
+@pytest.mark.slow
 def test_normal_kicks_have_two_routes():
     """Narrow von Mises noise of variance s² diffuses like normal noise of that variance, up to its fourth moment."""
     circle_map, gaps = CircleMap.arnold(0.2, 0.7), []

@@ -27,6 +27,7 @@ def test_known_exponents_under_noise():
     assert abs(solvable + 0.0285247244779752248) < 1e-14
 
 
+@pytest.mark.slow
 def test_without_noise_a_stable_point_gives_its_multiplier_and_a_rotation_zero():
     sine = CircleMap.arnold(0.1, 0.9)
     assert abs(lyapunov_exponent(sine) - np.log(fixed_points(sine)[0].multiplier)) < 1e-13
@@ -107,6 +108,7 @@ def test_quasi_periodic_orbits_have_exponent_zero_within_the_bound():
         assert found.error_bound < 1e-9
 
 
+@pytest.mark.slow
 def test_a_chaotic_orbit_has_a_statistical_bound():
     """The Blaschke product e^{i} z(z - a)/(1 - az) keeps uniform measure: its exponent is ∫ ln F' dθ/2π."""
     a = 0.4
@@ -162,6 +164,7 @@ def test_a_repelling_orbit_is_not_taken_for_the_attractor():
     assert lyapunov_exponent(sine, start=0.3, transient=10_000) == pytest.approx(found, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_several_attractors_are_said():
     """Two stable points with slopes 0.2 and 0.6: each from its own side."""
     two = CircleMap(
@@ -173,6 +176,7 @@ def test_several_attractors_are_said():
     assert abs(lyapunov_exponent(two, start=3.0) - np.log(0.6)) < 1e-12
 
 
+@pytest.mark.slow
 def test_the_error_of_differences_is_in_the_bound():
     """The sine map without its derivative; and a constant, whose exponent is -∞."""
     constant = lyapunov_exponent(CircleMap(lambda x: 0 * x + 1.0, degree=0))

@@ -61,6 +61,7 @@ def test_chances_of_leaving_every_arc_are_sums_over_the_flow():
     assert judged == 81
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [2, 3, 4, 5])
 def test_the_cuts_are_the_best_of_all(count):
     """Against every choice of cuts on 10 cells, for random irreversible chains."""
@@ -72,6 +73,7 @@ def test_the_cuts_are_the_best_of_all(count):
         assert total_leaving(flow, found) == pytest.approx(least, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "sigma"), [(2, 0.3), (2, 0.1), (3, 0.2)])
 def test_equal_wells_are_cut_at_their_unstable_points_into_equal_sets(count, sigma):
     found = metastable_sets(wells(count), WrappedNormal(sigma))
@@ -107,6 +109,7 @@ def test_unlike_wells_of_an_irreversible_chain():
     np.testing.assert_allclose(found.residence_cycles, 1 / found.leaving)
 
 
+@pytest.mark.slow
 def test_no_cuts_nearby_or_far_are_better():
     """Moving the cuts at random, a little or anywhere, never lowers the chances of leaving."""
     noise, rng = WrappedNormal(0.3), np.random.default_rng(4)
@@ -122,6 +125,7 @@ def test_no_cuts_nearby_or_far_are_better():
                 assert np.sum(moves[~np.eye(count, dtype=bool)]) >= best * (1 - 1e-10)
 
 
+@pytest.mark.slow
 def test_staying_never_exceeds_the_limit_and_weights_only_the_optimum():
     """Σ staying <= sum of the reversibilised chain's eigenvalues: reversible chains, drifting ones and rotations."""
     judged = 0
@@ -158,6 +162,7 @@ def test_rotations_single_wells_and_folds_have_none():
         assert found.transitions.tolist() == [[1.0]]
 
 
+@pytest.mark.slow
 def test_turning_the_circle_turns_the_sets():
     base, shift = wells(2, 0.1, 0.05), 1.234
     turned = CircleMap(lambda x: base(x - shift) + shift, lambda x: base.derivative(x - shift))

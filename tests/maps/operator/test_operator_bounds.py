@@ -47,6 +47,7 @@ def assert_tight(found, truth, bound):
     return error > 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", NOISES, ids=repr)
 @pytest.mark.parametrize("name", MAPS)
 def test_bounds_of_truncated_operators_hold_and_are_tight(name, noise):

@@ -87,6 +87,7 @@ def test_responses_are_the_derivatives_of_whole_computations(case):
     assert response.second_modulus == -response.spectral_gap
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [0, 1, 2, 5, 6, 7, 8])
 def test_the_exponents_response_is_the_derivative_of_the_exponent(case):
     family, response = CASES[case]
@@ -95,6 +96,7 @@ def test_the_exponents_response_is_the_derivative_of_the_exponent(case):
     assert found.error_bound < 1e-11
 
 
+@pytest.mark.slow
 def test_moebius_with_cauchy_noise_has_closed_derivatives():
     """z* = rB(z*) moves by dz* = B/(1 - rB') with r, and the mean of e^{inθ} by n z*^{n-1} dz*."""
     a, omega, r, z = 0.5, 0.3, 0.9, 0.2550616828143848456 - 0.2049307699033403712j

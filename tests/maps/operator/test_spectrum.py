@@ -71,6 +71,7 @@ def test_a_nilpotent_operator_admits_that_its_values_are_not_to_be_trusted():
 NOISES = [UniformNoise(0.3), WrappedNormal(0.3), WrappedCauchy(0.6)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", NOISES)
 @pytest.mark.parametrize("degree", [2, 3, 4])
 def test_the_gap_of_a_multiplication_is_one_within_bounds_that_say_something(degree, noise):
@@ -130,6 +131,7 @@ def test_eigenvalues_under_uniform_noise_are_the_coefficients_of_a_rotation_with
     assert np.all(np.abs(np.abs(found.values[1:]) - moduli) <= found.error_bounds[1:] + 1e-12)
 
 
+@pytest.mark.slow
 def test_gap_and_response_under_uniform_noise_have_bounds_that_hold_against_fourier_modes():
     """Fourier modes, whose coefficients fall as 1/m, come near the panels' gap as their number grows."""
     sine, noise = CircleMap.arnold(0.3, 0.5), UniformNoise(1.0)

@@ -85,6 +85,7 @@ def test_a_rotation_has_uniform_law_and_the_noises_own_spectrum():
     assert abs(law.spectral_gap - (1 - np.exp(-0.045))) < 1e-13
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sigma", [0.5, 0.1, 0.03])
 @pytest.mark.parametrize("circle_map", [STICKY, CircleMap.arnold(0.3, 3.0), jumping_map()], ids=repr)
 def test_the_law_is_a_density_that_one_cycle_leaves_unchanged(circle_map, sigma):
@@ -111,6 +112,7 @@ def test_the_law_turns_with_the_map():
     assert abs(one.tv_from_uniform - other.tv_from_uniform) < 1e-11
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("noise", "chains"), [(WrappedNormal(0.15), 100_000), (VonMises(3.0), 10_000)], ids=repr)
 def test_ten_million_steps_of_monte_carlo_agree_on_a_map_with_jumps_and_folds(noise, chains):
     """Moments and mean winding of many chains of 100 cycles, after 60 to settle, within five standard errors."""

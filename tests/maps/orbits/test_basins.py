@@ -60,6 +60,7 @@ def reached(circle_map, found, theta, cycles=600):
     return np.array(away)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MAPS)
 def test_forward_iteration_of_a_grid_agrees_with_the_arcs_and_the_error_bound(name):
     found = basins(MAPS[name], max_arcs=2000)
@@ -75,6 +76,7 @@ def test_forward_iteration_of_a_grid_agrees_with_the_arcs_and_the_error_bound(na
         assert abs(np.mean(tends) - basin.measure) <= basin.measure.error_bound + sampling + basin.arcs.shape[0] * 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MAPS)
 def test_arcs_are_sorted_disjoint_and_add_up(name):
     found = basins(MAPS[name], max_arcs=2000)
@@ -89,6 +91,7 @@ def test_arcs_are_sorted_disjoint_and_add_up(name):
     assert abs(np.sum(rows[:, 1] - rows[:, 0]) / TWO_PI - total) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MAPS)
 def test_the_map_carries_the_immediate_basin_into_itself_in_the_order_of_the_orbit(name):
     checked = 0

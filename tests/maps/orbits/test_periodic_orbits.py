@@ -111,6 +111,7 @@ def test_beside_a_tongue_edge_there_are_two_orbits_or_none(period, omega, streng
     assert counts == {0, 2}
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(st.floats(0.0, 6.28), st.floats(0.05, 0.95), st.floats(0.3, 2.9))
 def test_conjugation_by_a_rotation_moves_the_orbits_and_nothing_else(angle, omega, strength):
@@ -236,6 +237,7 @@ def test_a_period_two_orbit_of_a_map_with_kinks_carries_one_sided_multipliers():
         np.testing.assert_allclose(image, orbit.points + TWO_PI * orbit.winding, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_bad_requests_are_refused():
     sine = CircleMap.arnold(0.1, 0.5)
     for bad in (0, -1, 1.5, True):

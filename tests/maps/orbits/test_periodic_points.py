@@ -154,6 +154,7 @@ def with_double_roots(rng):
     return doubles, curvature, singles.size, lambda x: scale * g(x), lambda x: scale * slope(x)
 
 
+@pytest.mark.slow
 def test_double_roots_of_hundreds_of_random_maps_are_one_none_or_two_as_they_must_be():
     rng, checked = np.random.default_rng(7), 0
     shifts = [s * e for e in (1e-14, 1e-13, 4e-12, 1e-9, 1e-6) for s in (1, -1)]
@@ -179,6 +180,7 @@ EDGES = [(2, 0.46966533712136485155447001, 0.9, 2), (2, 0.4630172233821851581911
 EDGES += [(3, 0.33666500673073392496899187, 1.0, 3), (3, 0.3672244987508916119875371, 1.0, 3)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "edge", "strength", "points"), EDGES)
 def test_all_points_of_an_orbit_are_judged_alike_at_every_distance_from_a_tongue_edge(n, edge, strength, points):
     seen = []

@@ -21,6 +21,7 @@ STICKY = CircleMap.arnold(0.1, 0.9)
 STABLE, UNSTABLE = (float(p.points[0]) for p in fixed_points(STICKY))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lifted", [True, False])
 def test_a_reset_leaves_with_its_exceedance_whatever_its_size(lifted):
     """A map that sends the arc to 0.1: T = 1/P(ξ > 0.9 or ξ < -1.1), known by log_ndtr, up to 10^175,911."""
@@ -33,6 +34,7 @@ def test_a_reset_leaves_with_its_exceedance_whatever_its_size(lifted):
         assert found.error_bound < 1e-13 * (1000 + exact)
 
 
+@pytest.mark.slow
 def test_both_methods_agree_where_the_time_is_still_a_float(monkeypatch):
     """At 1e98 and at 1e38 cycles, on the line and on the circle, from the bottom and from high up."""
     judged = 0
@@ -49,6 +51,7 @@ def test_both_methods_agree_where_the_time_is_still_a_float(monkeypatch):
     assert judged == 3
 
 
+@pytest.mark.slow
 def test_the_logarithm_grows_as_large_deviations_say():
     """σ² ln T tends to the barrier: from 1e98 to 10^391 cycles its slope in 1/σ² stays."""
     sigmas = np.array([0.05, 0.04, 0.032, 0.025])
@@ -59,6 +62,7 @@ def test_the_logarithm_grows_as_large_deviations_say():
     assert max(value.error_bound for value in logs) < 1e-9
 
 
+@pytest.mark.slow
 def test_a_wide_noise_and_one_of_a_milliradian_lie_on_the_same_line():
     """ln T = V/σ² - n ln σ + c + O(σ²): what is left after V, n = 1 and c is of second order in σ."""
     sigmas = np.array([0.004, 0.002, 0.001])
@@ -72,6 +76,7 @@ def test_a_wide_noise_and_one_of_a_milliradian_lie_on_the_same_line():
     assert abs(barrier - again) < 2 * np.log(2) * sigmas[1] ** 2
 
 
+@pytest.mark.slow
 def test_two_wells_that_are_both_endless_are_refused():
     two = CircleMap(lambda x: x - 0.25 * np.sin(2 * x), lambda x: 1 - 0.5 * np.cos(2 * x))
     with pytest.raises(ConvergenceError, match="two parts"):
@@ -85,6 +90,7 @@ def test_other_laws_are_refused_only_where_they_must_be():
         log10_passage_time(STICKY, VonMises(1_500.0), STABLE, (-1.5, UNSTABLE), lifted=True)
 
 
+@pytest.mark.slow
 def test_progress_rises_and_may_end_the_work():
     seen = []
     stuck = CircleMap.arnold(0.1, 0.9)
@@ -98,6 +104,7 @@ def test_progress_rises_and_may_end_the_work():
         log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True, progress=stop)
 
 
+@pytest.mark.slow
 def test_uniform_noise_tells_its_progress_too():
     seen = []
     narrow = UniformNoise(1e-3)

@@ -34,6 +34,7 @@ def altered(noise, change):
     return type(noise)(next(iter(vars(noise).values())) + change)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("noise", "lifted"),
     [(WrappedNormal(0.3), False), (WrappedCauchy(0.9), False), (WrappedCauchy(0.9), True), (VonMises(20.0), False)],

@@ -116,6 +116,7 @@ def test_monte_carlo_agrees():
     assert abs(found - lives.mean()) < 4 * lives.std() / np.sqrt(lives.size)
 
 
+@pytest.mark.slow
 def test_a_map_with_a_jump_inside_the_arc():
     down = CircleMap.from_samples([0, 2, 2, 4, 6], [0.7, 2.3, 1.6, 3.8, 6.5], [0.8] * 5)
     noise = WrappedNormal(0.3)
@@ -199,6 +200,7 @@ def test_hitting_probabilities_add_to_one_and_are_symmetric():
         assert known == answer and known.error_bound == 0
 
 
+@pytest.mark.slow
 def test_hitting_probability_against_monte_carlo():
     noise, rng, paths = WrappedNormal(0.4), np.random.default_rng(10), 100_000
     a, b = (2.2, 3.0), (5.0, 6.0)
@@ -212,6 +214,7 @@ def test_hitting_probability_against_monte_carlo():
     assert abs(found - won / paths) < 4 * np.sqrt(found * (1 - found) / paths)
 
 
+@pytest.mark.slow
 def test_tiny_hitting_probabilities_keep_their_digits():
     """Reaching the far well before slipping home: the two chances have a ratio of 1e-14 and sum to 1."""
     noise, a, b = WrappedNormal(0.08), (1.2, 1.5), (1.9, 2.0)
@@ -238,6 +241,7 @@ def test_both_ends_of_an_arc_belong_to_it():
     assert checked == 16
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [WrappedNormal(0.3), WrappedNormal(0.1), UniformNoise(0.4)])
 def test_chances_next_to_one_and_their_complements_add_up_to_one_within_their_bounds(noise):
     near, far = (-0.3, 0.3), (3.0, 3.2)

@@ -56,6 +56,7 @@ def test_a_plain_mean_is_far_worse():
     assert abs(plain - TWO_PI * turns) > 1e6 * abs(birkhoff_average(circle_map) - TWO_PI * turns)
 
 
+@pytest.mark.slow
 def test_chaotic_orbits_have_a_bound_of_a_plain_means_size():
     """x → 3x (mod 2π): cos has mean 0 and variance 1/2; the bound is of the order of the sampling error."""
     tripling = CircleMap(lambda x: 3 * x, degree=3)

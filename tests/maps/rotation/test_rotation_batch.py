@@ -34,6 +34,7 @@ def test_a_hundred_thousand_moebius_maps_hold_the_closed_form():
     assert np.mean(locked[inside]) > 0.95
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [3e-2, 3e-4])
 def test_sine_maps_agree_with_long_single_runs_and_meet_the_tolerance(tolerance):
     rng = np.random.default_rng(1)

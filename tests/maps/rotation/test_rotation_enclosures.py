@@ -58,6 +58,7 @@ def random_moebius(rng):
     return a, rng.choice([omega, omega, omega, float(near) + rng.choice([-1, 1]) * 10 ** rng.uniform(-14, -2)])
 
 
+@pytest.mark.slow
 def test_moebius_maps_hold_the_closed_form():
     rng = np.random.default_rng(1)
     drawn = [random_moebius(rng) for _ in range(MOEBIUS)]
@@ -97,6 +98,7 @@ def random_sine(rng):
     return rng.choice([*omegas, rng.uniform(-1000, 1000)]), strength
 
 
+@pytest.mark.slow
 def test_sine_maps_agree_with_a_longer_independent_enclosure():
     rng = np.random.default_rng(2)
     drawn = np.array([random_sine(rng) for _ in range(SINE)])
@@ -109,6 +111,7 @@ def test_sine_maps_agree_with_a_longer_independent_enclosure():
     assert sum(one.locked is not None for one in found) > 500
 
 
+@pytest.mark.slow
 def test_sine_maps_hold_the_weighted_birkhoff_average():
     """Where its own two windows agree to 1e-11 it is the truth to that."""
     rng = np.random.default_rng(3)
@@ -130,6 +133,7 @@ def test_sine_maps_hold_the_weighted_birkhoff_average():
     assert sure.size > 150
 
 
+@pytest.mark.slow
 def test_many_at_once_hold_the_same_truths():
     rng = np.random.default_rng(9)
     moebius = np.array([random_moebius(rng) for _ in range(AT_ONCE)])
@@ -179,6 +183,7 @@ def random_contraction(rng):
     return slope, shift, ((float(ratio), np.inf) if past else (-np.inf, float(ratio)))
 
 
+@pytest.mark.slow
 def test_contractions_hold_their_plateau_of_the_devils_staircase():
     rng = np.random.default_rng(4)
     drawn = [random_contraction(rng) for _ in range(CONTRACTIONS)]
@@ -238,6 +243,7 @@ def random_conjugate(rng):
     return piecewise_linear(nodes, values, max_error=1e-13), rho
 
 
+@pytest.mark.slow
 def test_conjugates_of_rotations_keep_the_rotation_number():
     rng = np.random.default_rng(5)
     drawn = [random_conjugate(rng) for _ in range(CONJUGATES)]
@@ -278,6 +284,7 @@ def random_tent(rng):
     return made, tent_interval(slope, shift, period)
 
 
+@pytest.mark.slow
 def test_folded_tents_hold_their_exact_rotation_interval():
     rng = np.random.default_rng(6)
     drawn = [random_tent(rng) for _ in range(FOLDED)]
@@ -297,6 +304,7 @@ def test_folded_tents_hold_their_exact_rotation_interval():
 # -- max_error ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_max_error_covers_every_map_that_near():
     """[lower, upper] of F with max_error e holds ρ(F + c) for all |c| ≤ e, and is hardly wider than they spread."""
     rng = np.random.default_rng(7)

@@ -55,6 +55,7 @@ def test_known_rotation_numbers_to_fourteen_digits(circle_map, truth):
     assert abs(found.estimate - truth) <= found.estimate.error_bound < 1e-14
 
 
+@pytest.mark.slow
 def test_the_enclosure_holds_for_four_hundred_random_moebius_maps():
     rng = np.random.default_rng(20)
     held = locked = 0
@@ -111,6 +112,7 @@ def test_at_a_tongue_edge_the_bounds_still_hold():
     assert found.upper < 1e-4
 
 
+@pytest.mark.slow
 def test_the_proof_of_locking_holds_in_extended_precision_and_its_orbit_lies_between():
     """F^q - id - 2πp, evaluated anew, is negative at ``below`` and positive at ``above``."""
     rng = np.random.default_rng(8)
@@ -208,6 +210,7 @@ def test_rigid_rotations():
         assert abs(found.value - turns) < 1e-13
 
 
+@pytest.mark.slow
 def test_conjugation_and_whole_turns_leave_it_unchanged():
     sine = CircleMap.arnold(0.37, 0.8)
     plain = rotation_number(sine)

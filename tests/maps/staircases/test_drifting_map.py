@@ -88,6 +88,7 @@ def test_a_schedule_that_jumps_is_followed_exactly():
     np.testing.assert_allclose(jump, values, rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_family_that_maps_cannot_follow_says_how_far_off_they_are():
     rng = np.random.default_rng(1)
     with pytest.raises(ConvergenceError, match="4096 maps still leave"):

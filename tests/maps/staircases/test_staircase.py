@@ -137,6 +137,7 @@ def visits_counted(path, zone):
     return np.array(lengths), above
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("omega", "K", "sigma"), [(0.15, 0.9, 0.3), (0.1, 0.9, 0.6), (0.03, 0.9, 0.8)])
 def test_visits_of_the_stationary_path_have_the_predicted_number_mean_spread_and_ends(omega, K, sigma):
     """Two routes: integral equations on the arc, and 150,000 cycles counted one by one."""

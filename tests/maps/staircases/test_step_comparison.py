@@ -11,6 +11,8 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps, predict_staircase, sample_staircases
 from cyclemap.maps.staircases.step_comparison import kaplan_meier_mean
 
+pytestmark = pytest.mark.slow
+
 TWO_PI = 2 * np.pi
 RUNS = 200
 

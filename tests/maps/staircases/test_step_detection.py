@@ -117,6 +117,7 @@ def test_zones_turn_mirror_and_run_backwards_with_the_path():
     assert np.array_equal(back.start, (last - found.end)[::-1])
 
 
+@pytest.mark.slow
 def test_a_ghosts_steps_are_a_turn_high_and_its_visits_as_long_as_predicted():
     summary = predict_staircase(GHOST, GHOST_NOISE)
     path = sample_staircase(GHOST, GHOST_NOISE, 40_000, seed=6).theta

@@ -84,6 +84,7 @@ def test_a_map_that_is_constant_on_two_arcs_has_a_law_of_two_boxes():
 # -- other routes --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("h", [0.5, 0.126])
 def test_a_smooth_map_agrees_with_three_hundred_fourier_modes(h):
     omega, K, m = 0.3, 0.5, np.arange(-300, 301)
@@ -101,6 +102,7 @@ def test_a_smooth_map_agrees_with_three_hundred_fourier_modes(h):
     assert basis.residual(law) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("circle_map", "h"), [(FOLDED, 0.5), (JUMPING, 0.3), (contraction(), 0.6)])
 def test_monte_carlo_agrees_for_folds_and_jumps(circle_map, h):
     noise, rng, count = UniformNoise(h), np.random.default_rng(4), 60_000
@@ -116,6 +118,7 @@ def test_monte_carlo_agrees_for_folds_and_jumps(circle_map, h):
     assert abs(basis.mass @ law - 1) < 1e-9
 
 
+@pytest.mark.slow
 def test_trapped_laws_and_their_bound_shrink_with_more_panels():
     """A law trapped in an arc: smooth, nowhere analytic; its error against many panels stays below the residual's."""
     circle_map, noise, x = CircleMap.arnold(0.1, 0.9), UniformNoise(0.126), np.linspace(0, TWO_PI, 500)
@@ -142,6 +145,7 @@ def test_a_residual_tells_a_wrong_law():
 # -- derivatives ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("family", "h", "panels", "tolerance"),
     [
@@ -169,6 +173,7 @@ def test_the_laws_derivatives_in_map_and_noise_are_those_of_its_moments(family, 
     assert abs(basis.mass @ by_map) < 1e-7 and abs(basis.mass @ by_noise) < 1e-7
 
 
+@pytest.mark.slow
 def test_a_moving_break_moves_the_law():
     """F's formula counts from its break: d(break) moves the break by 1 and F itself by -1/2."""
     h = 2.5
@@ -232,6 +237,7 @@ def test_singular_points_are_the_images_of_breaks_and_extrema():
     assert law_singularities(CircleMap.rigid(0.4), monotone_cells(CircleMap.rigid(0.4), 1, 0.0, 64), h).theta.size == 0
 
 
+@pytest.mark.slow
 def test_two_arcs_that_the_noise_does_not_connect_still_give_an_operator():
     bistable = CircleMap(lambda x: x - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
     basis = uniform_discretisation(bistable, UniformNoise(0.2), max_panels=32)

@@ -66,6 +66,7 @@ def test_a_walk_leaves_a_longer_arc_after_the_time_of_its_delay_equation(length)
     assert checked == 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("circle_map", "h", "start", "ends"),
     [
@@ -110,6 +111,7 @@ def test_a_long_passage_agrees_with_a_chain_of_cells():
     assert found > 20_000 and found.error_bound < 1e-7 * found
 
 
+@pytest.mark.slow
 def test_the_time_is_infinite_exactly_where_the_noise_is_too_small():
     for h in (0.1, BARRIER - 1e-4):
         found = uniform_passage_time(STICKY, UniformNoise(h), 0.77, (0.0, 1.6))
@@ -131,6 +133,7 @@ def test_a_passage_beyond_double_precision_is_refused():
 # -- hitting probabilities -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("circle_map", "h", "start", "a", "b"),
     [
@@ -179,6 +182,7 @@ def test_narrow_walks_are_wide_walks_seen_from_afar():
     assert seen and all(0.0 <= share <= 1.0 for share in seen)
 
 
+@pytest.mark.slow
 def test_paths_that_a_trap_swallows_count_for_neither_arc():
     arcs, noise = ((3.4, 3.6), (-0.5, 0.0)), UniformNoise(0.15)
     chances = [uniform_hitting_probability(STICKY, noise, 2.4, *pair, max_panels=40) for pair in (arcs, arcs[::-1])]
@@ -188,6 +192,7 @@ def test_paths_that_a_trap_swallows_count_for_neither_arc():
     assert 0.2 < sum(chances) < 0.35
 
 
+@pytest.mark.slow
 def test_more_panels_tighten_the_bound_and_stay_within_it():
     def chance(panels):
         return uniform_hitting_probability(STICKY, UniformNoise(0.7), 2.6, (1.5, 2.0), (-0.2, 0.1), max_panels=panels)
