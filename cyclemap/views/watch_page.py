@@ -111,11 +111,11 @@ def draw_worth(axes: Axes, effective: Sequence[float]) -> None:
     axes.set_ylim(bottom=0.0)
     axes.set_title("What the pushes are worth")
     axes.legend(loc="upper left")
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
 
 
 def _push_axis(axes: Axes, pushes: int) -> None:
     axes.set_xlabel("push")
     axes.set_xlim(-0.5, max(pushes, 2) - 0.5)
-    axes.xaxis.set_major_locator(MaxNLocator(8, integer=True))
+    axes.xaxis.set_major_locator(MaxNLocator(8, integer=True, min_n_ticks=1))
     legend_above(axes)
