@@ -173,8 +173,9 @@ def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
     shades = axes.pcolormesh(
         radius, scale, np.abs(turn), cmap="YlGnBu", vmin=-4, vmax=45, shading="gouraud", rasterized=True
     )
-    bar = axes.get_figure(root=True).colorbar(shades, ax=axes, fraction=0.05, pad=0.03)
-    bar.set_label("size of the mean turn of a cycle (°)")
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    bar = figure.colorbar(shades, ax=axes, fraction=0.05, pad=0.03, label="size of the mean turn of a cycle (°)")
     bar.ax.set_ylim(0.0, np.abs(turn).max())
     lines = axes.contour(radius, scale, turn, levels=LEVELS, colors=INK, linewidths=0.7)
     axes.clabel(lines, fmt=lambda value: f"{value:+.0f}°", fontsize=7.5, inline_spacing=3)

@@ -115,7 +115,8 @@ def caption(result: RobotFramePaths) -> str:
     return (
         "Paths of the object's centre in equal pushes, in the robot's frame about the reset's target (cross); a darker "
         "shade is a larger turn. Thick arcs are where those pushes end whose orientation before the push occurs at "
-        f"least twice as often as if all were alike (in bins of 10°): {marked}. Of {pairs} pairs of paths from orientations "
+        f"least twice as often as if all were alike (in bins of 10°): {marked}. "
+        f"Of {pairs} pairs of paths from orientations "
         f"{np.degrees(APART):.0f}° or more apart, {here} cross here and {there} in the object's frame: seen from the "
         f"floor the pushes are told apart. {material_sentence(result.surfaces)}"
     )

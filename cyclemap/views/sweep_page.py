@@ -57,9 +57,9 @@ def _draw_object(axes: Axes, sweep: Sweep) -> None:
     outline = MM * slider.outline.points(120)
     axes.plot(*outline.T, color=INK, linewidth=1.6, clip_on=False, zorder=5)
     if slider.name in MIT_SHAPE_NAMES:
-        star = {"marker": "*", "markersize": 11, "markerfacecolor": UNSTABLE, "markeredgecolor": INK, "zorder": 6}
-        axes.plot(*(MM * np.array(MIT_HITCH)), linestyle="none", **star)
-        name_tag(axes, *(MM * np.array(MIT_HITCH)), "MIT's ring", xytext=(0, -11), textcoords="offset points")
+        x, y = MM * MIT_HITCH[0], MM * MIT_HITCH[1]
+        axes.plot(x, y, "*", markersize=11, markerfacecolor=UNSTABLE, markeredgecolor=INK, zorder=6)
+        name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
     window = np.array([axes.get_xlim(), axes.get_ylim()]).T
     low, high = np.minimum(window[0], outline.min(axis=0) - 3.0), np.maximum(window[1], outline.max(axis=0) + 3.0)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")

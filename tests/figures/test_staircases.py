@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from drawn_figures import assert_no_words_overlap
+from drawn_words import assert_words_apart
 from small_collections import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_folder
 
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
@@ -66,7 +66,7 @@ def test_the_plywood_panel_shows_measured_and_predicted_together(measured) -> No
     lines = {line.get_label(): line.get_ydata() for line in figure.axes[0].lines}
     assert lines["measured"].size == lines["predicted"].size == 2000
     assert lines["measured"] == pytest.approx(np.degrees(measured.materials[0].recorded.path))
-    assert_no_words_overlap(figure)
+    assert_words_apart(figure)
 
 
 def test_measured_plywood_climbs_18_turns_in_steps_of_360_as_the_caption_says(measured) -> None:

@@ -58,9 +58,7 @@ def test_a_climb_of_turns_is_marked_in_whole_turns(forecast) -> None:
     axes = staircase_page(forecast(*GHOST)).axes[0]
     axes.figure.canvas.draw()
     assert axes.get_ylabel() == "θ0, unwrapped (turns)"
-    ticks = {
-        label.get_text(): float(place) for label, place in zip(axes.get_yticklabels(), axes.get_yticks(), strict=True)
-    }
+    ticks = {label.get_text(): float(label.get_position()[1]) for label in axes.get_yticklabels()}
     assert len(ticks) > 2
     assert all(place == 360.0 * int(words.replace("−", "-")) for words, place in ticks.items())
 
