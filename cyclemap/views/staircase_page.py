@@ -66,7 +66,8 @@ def _draw_found(steps: Axes, lengths: Axes, forecast: StaircaseForecast, measure
         draw_step_lengths(lengths, measured.steps, measured.comparison)
     whose = "predicted" if measured is None else "measured"
     steps.set_title(f"Dwells, {whose}")
-    lengths.set_title("Lengths")
+    # Above the legend, whose words may be long.
+    lengths.set_title("Lengths", pad=22.0)
 
 
 def _write_words(figure: Figure, forecast: StaircaseForecast, measured: MeasuredStaircase | None) -> None:
