@@ -10,6 +10,8 @@ import click
 
 from cyclemap.cli.number_types import MOST_CYCLES, Whole
 
+_QUIET = "cyclemap.quiet"
+
 
 @dataclass(frozen=True)
 class LoopOptions:
@@ -109,6 +111,22 @@ def result_options(files: str) -> list[Callable[[Any], Any]]:
         click.option("--format", "picture_format", show_default=True, help="Format of the picture.", **formats),
         click.option("--json", "json_target", metavar="FILE", help=only),
     ]
+
+
+def quiet_option() -> click.Option:
+    """The option of every command that leaves its words and its progress unsaid; see `is_quiet`."""
+
+    def keep(context: click.Context, _: click.Parameter, value: bool) -> None:
+        context.meta[_QUIET] = value
+
+    told = "Say nothing but errors, warnings and --json."
+    return click.Option(["--quiet"], is_flag=True, expose_value=False, callback=keep, help=told)
+
+
+def is_quiet() -> bool:
+    """Whether the command that runs was given --quiet."""
+    context = click.get_current_context(silent=True)
+    return context is not None and bool(context.meta.get(_QUIET))
 
 
 def decorated(command: Callable[..., None], decorators: list[Callable[[Any], Any]]) -> Callable[..., None]:
