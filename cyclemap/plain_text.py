@@ -7,6 +7,10 @@ import unicodedata
 # Python's own `float` and `int` take underscores and the digits of every script, too.
 _NUMBER = re.compile(r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf(?:inity)?)", re.ASCII | re.IGNORECASE)
 _WHOLE = re.compile(r"[+-]?\d+", re.ASCII)
+# A hyphen that stands for a minus: before a number that nothing precedes, or between two terms.
+_HYPHEN_MINUS = re.compile(r"(?<![\w°.)\]])-(?=\.?\d)|(?<= )-(?= )")
+_POWER = re.compile(r"10\^(\d+)")
+_RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 # Control and format characters, separators of lines and paragraphs, halves of pairs: nothing of them can be seen.
 _UNSEEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
 
@@ -20,6 +24,15 @@ def printable(text: str) -> str:
     if text.isascii() and text.isprintable():
         return text
     return "".join(sign if _is_seen(sign) else sign.encode("unicode_escape").decode() for sign in text)
+
+
+def typeset(text: str) -> str:
+    """Return `text` as print has it: minus signs for the hyphens of numbers and terms, raised powers of ten.
+
+    >>> typeset("-1.5 to -1, f(x) - x, 10^12 at 3-4, run-2")
+    '−1.5 to −1, f(x) − x, 10¹² at 3-4, run-2'
+    """
+    return _POWER.sub(lambda found: f"10{found[1].translate(_RAISED)}", _HYPHEN_MINUS.sub("−", text))
 
 
 def _is_seen(sign: str) -> bool:

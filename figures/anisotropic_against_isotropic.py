@@ -23,8 +23,8 @@ def draw(experiment: BatchExperiment) -> Figure:
     """Draw the paths in the robot's frame above, in the object's frame below."""
     with picture_style():
         figure = new_figure(7.5, 7.5)
-        panels = figure.subplots(2, 2, gridspec_kw={"wspace": 0.3, "hspace": 0.34})
-        figure.subplots_adjust(left=0.1, right=0.98, bottom=0.08, top=0.95)
+        panels = figure.subplots(2, 2, gridspec_kw={"wspace": 0.3, "hspace": 0.42})
+        figure.subplots_adjust(left=0.1, right=0.98, bottom=0.075, top=0.925)
         for column, (run, name) in enumerate(named_runs(experiment)):
             draw_robot_frame(panels[0, column], run, f"{name}, robot's frame")
             draw_object_frame(panels[1, column], run, f"{name}, object's frame")

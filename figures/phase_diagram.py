@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
+from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
@@ -156,9 +157,9 @@ def first_order(loop: CollectionLoop, nodes: int = 9, count: int = 201) -> First
 def draw(result: PhaseDiagram) -> Figure:
     """The plane, shaded by the mean turn, with its boundary; and the mean turn along four of its rows."""
     with picture_style():
-        figure = new_figure(10.0, 4.9)
+        figure = new_figure(11.4, 4.9)
         grid = GridSpec(
-            1, 2, figure, width_ratios=(1.5, 1.0), left=0.07, right=0.985, bottom=0.125, top=0.86, wspace=0.2
+            1, 2, figure, width_ratios=(1.75, 1.0), left=0.07, right=0.985, bottom=0.125, top=0.86, wspace=0.22
         )
         _draw_plane(figure.add_subplot(grid[0]), result)
         _draw_rows(figure.add_subplot(grid[1]), result)
@@ -169,7 +170,13 @@ def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
     plane = result.plane
     radius, scale, turn = MM * plane.first_values, plane.second_values, 360 * plane.value.T
     axes.grid(visible=False)
-    axes.pcolormesh(radius, scale, np.abs(turn), cmap="YlGnBu", vmin=-4, vmax=45, shading="gouraud", rasterized=True)
+    shades = axes.pcolormesh(
+        radius, scale, np.abs(turn), cmap="YlGnBu", vmin=-4, vmax=45, shading="gouraud", rasterized=True
+    )
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    bar = figure.colorbar(shades, ax=axes, fraction=0.05, pad=0.03, label="size of the mean turn of a cycle (°)")
+    bar.ax.set_ylim(0.0, np.abs(turn).max())
     lines = axes.contour(radius, scale, turn, levels=LEVELS, colors=INK, linewidths=0.7)
     axes.clabel(lines, fmt=lambda value: f"{value:+.0f}°", fontsize=7.5, inline_spacing=3)
     _draw_tongue(axes, result)
@@ -183,12 +190,27 @@ def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
         "zorder": 6,
     }
     axes.plot(MM * result.mit, 1.0, "*", label="MIT ring, plywood", **look)
-    axes.text(21.5, 1.12, "locked\none stable direction", ha="center", va="center", color=PREDICTED)
+    axes.text(20.5, 1.12, "locked\none stable direction", ha="center", va="center", color=PREDICTED)
     axes.set(xlabel="distance of the ring from the centre (mm)", ylabel="anisotropy over that of Table I (1)")
     axes.set_xlim(MM * RADII[0], MM * RADII[1])
     axes.set_ylim(*SCALES)
+    _draw_object(axes, result.mit)
     axes.set_title("Mean turn of a cycle", pad=24)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
+
+
+def _draw_object(axes: Axes, radius: float) -> None:
+    """In a corner of the tongue, the object to scale with MIT's ring and the line on which it is moved."""
+    outline = MM * CollectionLoop.mit("plywood").slider.outline.points(4)
+    inset = axes.inset_axes((0.72, 0.62, 0.27, 0.36))
+    inset.add_patch(Polygon(outline, facecolor="#f4f4f4", edgecolor=QUIET))
+    way = np.array([-1.0, 1.0]) / math.sqrt(2.0)
+    inset.plot(*np.outer([MM * RADII[0], MM * RADII[1]], way).T, color=PREDICTED, linewidth=1.0)
+    inset.plot(0.0, 0.0, "+", color=INK, markersize=6)
+    inset.plot(*(MM * radius * way), "*", markerfacecolor=UNSTABLE, markeredgecolor=INK, markersize=9)
+    inset.text(0.0, -22.0, "object, and\nthe ring's way", fontsize=7.5, ha="center", va="center")
+    inset.set(xlim=(-48, 48), ylim=(-48, 48), aspect="equal")
+    inset.axis("off")
 
 
 def _draw_tongue(axes: Axes, result: PhaseDiagram) -> None:

@@ -174,9 +174,9 @@ def _start_arrow(axes: Axes, loop: CollectionLoop, cycle: Cycle, scene: CycleSce
     tail = tip - _ARROW * way
     arrow = {"arrowstyle": "-|>", "color": FORCE, "linewidth": 2.2, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=arrow, zorder=8)
-    words = f"θ₀{_RAISED[number]} = {math.degrees(cycle.theta):.0f}°"
+    words = f"push {_INDEX[number]}, from\nθ₀{_RAISED[number]} = {math.degrees(cycle.theta):.0f}°"
     (x, y), lean = (tail - 4.0 * way).tolist(), "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center"
-    axes.text(x, y, words, color=FORCE, fontsize=10, ha=lean, va="center", zorder=8)
+    axes.text(x, y, words, color=FORCE, fontsize=9, ha=lean, va="center", zorder=8)
 
 
 def caption(result: SetupAndCycles) -> str:
@@ -188,8 +188,8 @@ def caption(result: SetupAndCycles) -> str:
         f"{MM * loop.push.distance:.0f} mm at side {loop.push.side}, {MM * abs(result.contact[0]):.0f} mm from its "
         f"middle, and dragged back by a ring {MM * math.hypot(*loop.slider.hitch):.0f} mm from its centre; the size "
         "of the ring is not published, that drawn is free. Right: path of the centre in two cycles that follow each "
-        f"other, solid in the push, dashed in the drag, computed on {loop.material.name}. The pushes (arrows) are "
-        "alike in the object's frame before the push. "
+        f"other, solid in the push, dashed in the drag, computed on {loop.material.name}. Arrows are the "
+        "directions of the pushes, alike in the object's frame; beside them, the orientation before the push. "
         f"From θ0 = {told[0]:.0f}° the push turns the object by {told[1]:.1f}°, the drag by "
         f"{told[2]:.1f}°, so that the next push starts at {told[3]:.1f}°: the ring is back at its target, the centre "
         "is not where it was."

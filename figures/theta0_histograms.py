@@ -115,7 +115,7 @@ def _mark_published(axes: Axes, one: MaterialDirections) -> None:
     """The paper's peaks as dashed lines with their names at the top, where nothing else is drawn."""
     label, top = "paper's peak", axes.get_ylim()[1]
     for place, word in zip(_published(one), PEAK_WORDS[one.run.surface], strict=True):
-        axes.axvline(place, color=INK, linewidth=1.1, linestyle="--", label=label, zorder=2)
+        axes.axvline(place, ymax=0.9, color=INK, linewidth=1.1, linestyle="--", label=label, zorder=2)
         name_tag(axes, place, 0.94 * top, f"{place:.0f}° {word}")
         label = "_"
     if not PEAK_WORDS[one.run.surface]:

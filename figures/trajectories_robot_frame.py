@@ -91,7 +91,7 @@ def draw(result: RobotFramePaths) -> Figure:
             axes.set(xlim=(-window, window), ylim=(-window, window), title=panel_title(paths))
             axes.set(xlabel="x (mm)", ylabel="y (mm)")
         shade_bar(figure, (0.9, 0.28, 0.018, 0.44), shades)
-        figure.text(0.9, 0.2, "thick arcs:\ncrowded\ndirections", color=FORCE, fontsize=8, va="top")
+        figure.text(0.9, 0.2, "thick arcs:\nwhere pushes\nfrom crowded\nθ0 end", color=FORCE, fontsize=8, va="top")
     return figure
 
 
@@ -114,8 +114,9 @@ def caption(result: RobotFramePaths) -> str:
     here, there, pairs = (sum(column) for column in zip(*result.crossed, strict=True))
     return (
         "Paths of the object's centre in equal pushes, in the robot's frame about the reset's target (cross); a darker "
-        "shade is a larger turn. Thick arcs mark orientations before the push that occur at least twice as "
-        f"often as if all were alike (in bins of 10°): {marked}. Of {pairs} pairs of paths from orientations "
+        "shade is a larger turn. Thick arcs are where those pushes end whose orientation before the push occurs at "
+        f"least twice as often as if all were alike (in bins of 10°): {marked}. "
+        f"Of {pairs} pairs of paths from orientations "
         f"{np.degrees(APART):.0f}° or more apart, {here} cross here and {there} in the object's frame: seen from the "
         f"floor the pushes are told apart. {material_sentence(result.surfaces)}"
     )

@@ -94,8 +94,9 @@ def draw(result: TurnsOverTheta0) -> Figure:
 
 
 def _draw_material(axes: Axes, one: MaterialTurns) -> None:
-    shown = np.degrees(np.concatenate([one.curves.ravel(), np.quantile(one.law.value, [0.005, 0.995])]))
+    shown = np.degrees(np.concatenate([one.curves.ravel(), one.law.value]))
     draw_law(axes, one.law)
+    band_low, band_high = axes.get_ylim()
     if one.measured is not None:
         theta = np.degrees(np.mod(one.run.pushes.theta, 2 * np.pi))
         dots = np.degrees(one.run.pushes.dtheta)
@@ -104,7 +105,7 @@ def _draw_material(axes: Axes, one: MaterialTurns) -> None:
     for curve, name, dash in zip(one.curves, names, ("--", ":"), strict=False):
         axes.plot(np.degrees(CIRCLE), np.degrees(curve), color=INK, linewidth=1.3, linestyle=dash, label=name, zorder=5)
     margin = 0.08 * float(np.ptp(shown)) + 0.5
-    axes.set_ylim(float(np.min(shown)) - margin, float(np.max(shown)) + margin)
+    axes.set_ylim(min(float(np.min(shown)) - margin, band_low), max(float(np.max(shown)) + margin, band_high))
     if one.measured is None:
         as_simulated(axes)
     legend_above(axes, columns=2)

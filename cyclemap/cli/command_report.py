@@ -124,5 +124,7 @@ def _how_sure(found: Portrait) -> Section:
 
     material = found.loop.material
     told = [sentences.push_line(found), sentences.parameters_line(found), sentences.accuracy_line(found)]
-    told += [line] if (line := sentences.material_line(material)) else []
+    told += filter(
+        None, [sentences.uncertainty_sentence(material.name, found.uncertainty), sentences.material_line(material)]
+    )
     return Section("How sure", tuple(told))

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NoReturn
 
 import click
+from click.shell_completion import shell_complete
 
 from cyclemap.cli.command_audit import audit_command
 from cyclemap.cli.command_check import check_command
@@ -38,6 +39,7 @@ from cyclemap.cli.commands import (
     staircase_command,
 )
 from cyclemap.cli.complaints import one_line, told_warnings
+from cyclemap.cli.options import quiet_option
 from cyclemap.errors import CycleMapError, InvalidInput
 
 # Pictures go to files: no screen that the user's own drawing wants, be it there or not.
@@ -47,10 +49,21 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # New objects between two looks for garbage: Python's own 700 are meant for less than a drawing makes.
 _ALLOCATIONS = 10_000
+# By this variable a shell asks which words may follow, or for the script that makes it ask.
+_COMPLETE = "_CYCLEMAP_COMPLETE"
 DONE, FAILED, BAD_USE, INTERRUPTED, NO_READER = 0, 1, 2, 130, 141
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+class _Commands(click.Group):
+    """The commands, each listed with its whole first sentence."""
+
+    def format_commands(self, context: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands into the help."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, one.get_short_help_str(limit=1000)) for name, one in self.commands.items()])
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="cyclemap")
 def cli() -> None:
     """What a robot that pushes an object and drags it back will record, predicted from friction."""
@@ -63,6 +76,7 @@ for _command in (
     *(simulate_command, fit_command, identify_command, compare_command, replay_command, watch_command),
     *(reset_command, report_command, sweep_command, doctor_command),
 ):
+    _command.params.append(quiet_option())
     cli.add_command(_command)
 
 
@@ -79,6 +93,8 @@ def run(arguments: Sequence[str]) -> int:
     """Run the command line and return the exit code; every failure is one line on stderr."""
     if sys.stderr is None:
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
+    if asked := os.environ.get(_COMPLETE):
+        return shell_complete(cli, {}, "cyclemap", _COMPLETE, asked)
     if sys.stdout is None:
         return _complain("standard output is closed; send it to a file, or to /dev/null", FAILED)
     try:

@@ -15,6 +15,8 @@ import click
 from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import plain_number, plain_whole
 
+_QUIET = "cyclemap.quiet"
+
 
 @dataclass(frozen=True)
 class LoopOptions:
@@ -125,6 +127,22 @@ def result_options(files: str) -> Callable[[Callable[..., None]], Callable[..., 
             click.option("--json", "json_target", metavar="FILE", help=only),
         ],
     )
+
+
+def quiet_option() -> click.Option:
+    """The option of every command that leaves its words and its progress unsaid; see `is_quiet`."""
+
+    def keep(context: click.Context, _: click.Parameter, value: bool) -> None:
+        context.meta[_QUIET] = value
+
+    told = "Say nothing but errors, warnings and --json."
+    return click.Option(["--quiet"], is_flag=True, expose_value=False, callback=keep, help=told)
+
+
+def is_quiet() -> bool:
+    """Whether the command that runs was given --quiet."""
+    context = click.get_current_context(silent=True)
+    return context is not None and bool(context.meta.get(_QUIET))
 
 
 def decorated(command: Callable[..., None], decorators: list[Callable[[Any], Any]]) -> Callable[..., None]:

@@ -14,6 +14,7 @@ import click
 
 from cyclemap.cli.complaints import warnings_so_far
 from cyclemap.cli.json_report import Json, json_text
+from cyclemap.cli.options import is_quiet
 from cyclemap.plain_text import printable
 from cyclemap.whole_files import file_stem as file_stem
 from cyclemap.whole_files import write_whole
@@ -63,11 +64,15 @@ def publish(report: Json, figure: Figure, stem: Path, picture_format: str, json_
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
     """A function to report the fraction done to; work that takes long shows on stderr that it goes on.
 
-    A terminal gets a bar once it takes over two seconds, anything else a line every five seconds.
+    A terminal gets a bar with the time left once it takes over two seconds, anything else a line every five seconds;
+    nothing is shown with --quiet.
     """
     from rich.console import Console
     from rich.progress import Progress
 
+    if is_quiet():
+        yield lambda fraction: None
+        return
     bar = Progress(console=Console(stderr=True), transient=True)
     task, ended, begun = bar.add_task(printable(label), total=None), threading.Event(), time.monotonic()
 
@@ -80,8 +85,10 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
                 bar.start()
             return
         while not ended.wait(LINE_SECONDS):
-            done = f"{100.0 * bar.tasks[0].completed:.0f} % done, " if bar.tasks[0].total else ""
-            click.echo(f"{printable(label)}: {done}{time.monotonic() - begun:.0f} s", err=True)
+            share, spent = bar.tasks[0].completed if bar.tasks[0].total else 0.0, time.monotonic() - begun
+            done = f"{100.0 * share:.0f} % done, " if share else ""
+            left = f", about {spent * (1.0 - share) / share:.0f} s left" if 0.0 < share < 1.0 else ""
+            click.echo(f"{printable(label)}: {done}{spent:.0f} s{left}", err=True)
 
     shown = threading.Thread(target=show, daemon=True)
     shown.start()

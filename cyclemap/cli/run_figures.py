@@ -12,6 +12,7 @@ from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.errors import CycleMapError, DataFileError
 from cyclemap.figures.catalogue import Entry, entries, load_exhibit
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.plain_text import typeset
 from cyclemap.text_files import read_json
 from cyclemap.whole_files import only_writer, write_whole
 
@@ -120,7 +121,7 @@ def _make(entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str) 
     write_whole(path, content)
     names = {"name": exhibit.name, "title": exhibit.title, "source": exhibit.source}
     found = ", ".join(data.there) or None
-    line: Json = {**names, "caption": exhibit.caption(result), "file": path.name, "measured": found}
+    line: Json = {**names, "caption": typeset(exhibit.caption(result)), "file": path.name, "measured": found}
     return Made(line, bool(data.asked), header, rows)
 
 

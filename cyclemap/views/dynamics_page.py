@@ -1,6 +1,7 @@
 """Dynamic beside quasi-static cycles on a landscape page: the turns of both, and how far they differ over θ0."""
 
 import math
+from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,6 +15,7 @@ from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET, new_figure, picture_style
 
 PAGE_INCHES = (13.333, 7.5)
+LINE_LETTERS = 175
 THETA0 = "θ0 (°)"
 # Name, colour, marker of each turn that is compared.
 _TURNS = (
@@ -36,8 +38,8 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
         name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
         title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
         figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
-        figure.text(0.015, 0.905, difference_sentence(material), fontsize=10, va="center")
-        figure.text(0.015, 0.87, difference_sentence(isotropic), fontsize=10, va="center")
+        told = [fill(difference_sentence(one), LINE_LETTERS) for one in (material, isotropic)]
+        figure.text(0.015, 0.925, "\n".join(told), fontsize=10, va="top", linespacing=1.35)
         foot = "solid, filled: the material; dashed, open: isotropic friction of the same mean coefficient"
         figure.text(0.015, 0.02, f"{foot}; both models stand on the same support points", fontsize=8, color=QUIET)
     return figure

@@ -16,11 +16,13 @@ from cyclemap.views.experiment_sentences import (
     method_line,
     spread_sentence,
 )
-from cyclemap.views.panel_parts import legend_above
+from cyclemap.views.panel_parts import legend_above, unwrapped_axis
 from cyclemap.views.style import FORCE, PREDICTED, QUIET, new_figure, picture_style
 
 PAGE_INCHES = (13.333, 7.5)
 MM = 1e3
+# Points between a panel and its title: a row of a legend.
+TITLE_PAD = 20.0
 _MARKERS = "os^vDP*X"
 
 
@@ -52,13 +54,13 @@ def named_runs(experiment: BatchExperiment) -> tuple[tuple[BatchRun, str], ...]:
 def draw_robot_frame(axes: Axes, run: BatchRun, title: str) -> None:
     """Paths of the centre in the robot's frame, whose origin is the reset's target."""
     _draw_paths(axes, run.path, "x (mm)", "y (mm)")
-    axes.set_title(title)
+    axes.set_title(title, pad=TITLE_PAD)
 
 
 def draw_object_frame(axes: Axes, run: BatchRun, title: str) -> None:
     """Paths of the centre in the object's frame before each push."""
     _draw_paths(axes, run.object_path, "x in the object's frame (mm)", "y in the object's frame (mm)")
-    axes.set_title(title)
+    axes.set_title(title, pad=TITLE_PAD)
 
 
 def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
@@ -71,11 +73,12 @@ def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
             np.degrees(theta), color=str(shade), linewidth=1.3, marker=_MARKERS[number % len(_MARKERS)], markersize=3.5,
             markevery=(number * max(cycles // 30, 1), max(cycles // 8, 1)), label=start, clip_on=False,
         )  # fmt: skip
-    axes.set(xlabel="cycle", ylabel="θ0, unwrapped (°)", xlim=(0, cycles))
-    axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
+    axes.set(xlabel="cycle", xlim=(0, cycles))
+    axes.xaxis.set_major_locator(MaxNLocator(6, integer=True, min_n_ticks=1))
     span = float(np.ptp(np.degrees(run.theta)))
     if span > 300.0:
         axes.yaxis.set_major_locator(MultipleLocator(60.0 * max(1, round(span / 420.0))))
+    unwrapped_axis(axes, "θ0, unwrapped")
     axes.set_title(title, pad=8.0 + 13.0 * math.ceil(len(run.theta) / 3))
     legend_above(axes, columns=3)
 
@@ -85,7 +88,9 @@ def _draw_paths(axes: Axes, paths: Array, x_label: str, y_label: str) -> None:
     for path in paths.reshape(-1, *paths.shape[2:]):
         axes.plot(*(MM * path).T, color=PREDICTED, linewidth=0.5, alpha=0.45, zorder=2)
     for path in paths[:, -1]:
-        axes.plot(*(MM * path).T, color=FORCE, linewidth=1.8, zorder=3)
-        axes.plot(*(MM * path[0]), "o", color=FORCE, markersize=4.0, zorder=4)
+        axes.plot(*(MM * path).T, "o-", markevery=[0], color=FORCE, linewidth=1.8, markersize=4.0, zorder=3)
+    axes.lines[0].set_label("pushes")
+    axes.lines[-1].set_label("last of a batch")
+    legend_above(axes)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel=x_label, ylabel=y_label)

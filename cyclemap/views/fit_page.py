@@ -65,7 +65,8 @@ def _map_row(found: MeasuredCycleMap | None) -> list[Panel]:
     if forecast is not None:
         panels.append(("Directions", lambda axes: draw_directions(axes, forecast)))
         panels.append(("Staircase", lambda axes: draw_worn_staircase(axes, forecast)))
-        panels.append(("Turns", lambda axes: draw_pace(axes, forecast.pace)))
+        if forecast.pace.measured.size:
+            panels.append(("Turns", lambda axes: draw_pace(axes, forecast.pace)))
     return panels
 
 

@@ -39,7 +39,7 @@ def draw_law(axes: Axes, law: MotionLaw) -> None:
         band = _where_measured(law.law.band(CIRCLE), law.theta)
         _draw_band(axes, band, scale, PREDICTED_FILL, "95 % of pushes")
         _draw_mean(axes, band, scale, PREDICTED, "law, 95 % band of its mean", "-")
-        _keep_to(axes, [scale * band.lower, scale * band.upper, _bulk(scale * law.value)])
+        _keep_to(axes, _bulk(scale * law.value), [scale * band.lower, scale * band.upper])
     degree_axis(axes, THETA0)
     axes.set_ylabel(LABELS[law.quantity])
     _small_legend(axes)
@@ -50,7 +50,7 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     turns = np.degrees(found.pairs.turn)
     _draw_dots(axes, found.pairs.theta, turns)
-    edges = [_bulk(turns)]
+    edges = []
     for state, fill, line, dash in _states(found):
         band = _where_measured(_map_band(found, state), found.pairs.theta)
         name = f"push {state.cycle:.0f}" if found.wears else "fitted map"
@@ -58,7 +58,7 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
         _draw_mean(axes, band, SCALES["dtheta"], line, name, dash)
         _draw_fixed_points(axes, state)
         edges += [np.degrees(band.lower), np.degrees(band.upper)]
-    _keep_to(axes, edges)
+    _keep_to(axes, _bulk(turns), edges)
     degree_axis(axes, THETA0)
     axes.set_ylabel("turn of one cycle (°)")
     _small_legend(axes)
@@ -70,10 +70,11 @@ def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
     look: dict[str, Any] = {"facecolor": MEASURED, "edgecolor": MEASURED_EDGE, "linewidth": 0.6, "alpha": 0.65}
     axes.stairs(histogram.measured, edges, fill=True, label="measured", zorder=2, **look)
     axes.stairs(histogram.predicted, edges, color=PREDICTED, linewidth=1.8, label="law with scatter", zorder=4)
-    axes.stairs(histogram.law_alone, edges, color=INK, linewidth=0.9, linestyle="--", label="law alone", zorder=3)
-    # A law alone piles up where it is flat: such columns may run out of the panel.
-    top = max(float(np.max(histogram.measured)), float(np.max(histogram.predicted)))
-    axes.set(xlabel="turn of the push, Δθ (°)", ylabel="pushes", ylim=(0.0, 1.5 * top))
+    # A law alone piles up where it is flat: columns that run out of the panel are told by their height.
+    top, alone = float(max(np.max(histogram.measured), np.max(histogram.predicted))), float(np.max(histogram.law_alone))
+    told = f"law alone, up to {alone:.0f}" if alone > 1.5 * top else "law alone"
+    axes.stairs(histogram.law_alone, edges, color=INK, linewidth=0.9, linestyle="--", label=told, zorder=3)
+    axes.set(xlabel="turn of the push, Δθ (°)", ylabel="pushes", ylim=(0.0, 1.08 * min(max(top, alone), 1.5 * top)))
     _small_legend(axes)
 
 
@@ -100,10 +101,6 @@ def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
 
 def draw_pace(axes: Axes, pace: TurnPace) -> None:
     """Pushes that each full turn took, and the range that the fitted map gives it."""
-    if not pace.measured.size:
-        say(axes, "no full turn was measured")
-        axes.set(xlabel="cycle in which the turn began", ylabel="pushes a full turn", xticks=[], yticks=[])
-        return
     # A range without an end, or a turn that most paths never finish, runs out of the panel.
     finite = [pushes[np.isfinite(pushes)] for pushes in (pace.measured, pace.lower, pace.predicted, pace.upper)]
     top = 1.4 * float(np.max(np.concatenate(finite)))
@@ -116,7 +113,7 @@ def draw_pace(axes: Axes, pace: TurnPace) -> None:
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(ScalarFormatter())
     axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
     axes.set(xlabel="cycle in which the turn began", ylabel="pushes a full turn")
     _small_legend(axes)
 
@@ -168,11 +165,12 @@ def _bulk(value: Array) -> Array:
     return np.asarray(np.quantile(value, [0.005, 0.995]))
 
 
-def _keep_to(axes: Axes, shown: list[Array]) -> None:
-    values = np.concatenate(shown)
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    margin = 0.06 * (high - low) or 1.0
-    axes.set_ylim(low - margin, high + margin)
+def _keep_to(axes: Axes, dots: Array, bands: list[Array]) -> None:
+    """Show the dots, and bands as far as they leave these no less than a third of the panel."""
+    low, high = float(np.min(dots)), float(np.max(dots))
+    reach, values = high - low or 1.0, np.concatenate(bands)
+    low, high = max(low - reach, min(low, float(np.nanmin(values)))), min(high + reach, max(high, np.nanmax(values)))
+    axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
 
 
 def _small_legend(axes: Axes) -> None:

@@ -4,7 +4,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MultipleLocator
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, MultipleLocator
 
 from cyclemap.maps import Orbit
 from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE
@@ -49,6 +49,22 @@ def whole_turn_ticks(axes: Axes) -> None:
     """Make the y axis of `axes` one circle in degrees."""
     axes.set_ylim(0.0, 360.0)
     axes.yaxis.set_major_locator(MultipleLocator(45.0))
+
+
+def unwrapped_axis(axes: Axes, name: str, least_span_deg: float = 0.0) -> None:
+    """Name the y axis of an angle that is drawn unwrapped, in degrees; from two turns on its ticks are whole turns.
+
+    To be called last: the window stays what it is then, or grows to `least_span_deg`, so that what is flat looks so.
+    """
+    low, high = axes.get_ylim()
+    slack = max(0.0, least_span_deg - (high - low)) / 2
+    axes.set_ylim(low - slack, high + slack)
+    climbs = high - low >= 720.0
+    if climbs:
+        whole = MaxNLocator(7, integer=True, steps=[1, 2, 5, 10]).tick_values(low / 360.0, high / 360.0)
+        axes.yaxis.set_major_locator(FixedLocator([360.0 * turn for turn in whole if low <= 360.0 * turn <= high]))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda degrees, _: f"{degrees / 360.0:.0f}".replace("-", "−")))
+    axes.set_ylabel(f"{name} ({'turns' if climbs else '°'})")
 
 
 def stability(orbit: Orbit) -> str:

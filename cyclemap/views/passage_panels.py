@@ -23,7 +23,7 @@ def draw_survival(axes: Axes, probabilities: Array, law: QuasiStationaryDistribu
         axes.plot(cycles, chances, color=INK, linewidth=1.2, linestyle="--", label=label, zorder=4)
     axes.set(xlabel="cycles", ylabel="probability of being still inside", yscale="log")
     axes.set_xlim(0, max(probabilities.size - 1, 1))
-    axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
+    axes.xaxis.set_major_locator(MaxNLocator(6, integer=True, min_n_ticks=1))
     if shown.all() and probabilities[-1] > 0.1:
         _write_plain(axes)
     legend_above(axes, columns=2)

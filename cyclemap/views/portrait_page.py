@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from textwrap import fill
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -36,6 +36,10 @@ PAGE_INCHES = (13.333, 7.5)
 LINE_LETTERS = 175
 # The top of its panel, where titles stand anyway; said, it spares Matplotlib the measuring of every tick label.
 _TITLE_PLACE = 1.0
+# A legend of four entries stands beside the longest title.
+_NARROW: dict[str, Any] = {"handlelength": 1.2, "handletextpad": 0.4, "columnspacing": 0.8, "fontsize": 7.5}
+# So many letters of a headline fill the page at full size.
+_HEADLINE_LETTERS = 84
 
 
 def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None = None) -> Figure:
@@ -102,12 +106,14 @@ def _draw_cycle_panels(push: Axes, drag: Axes, portrait: Portrait, curves: Portr
 
 def _legend_above(axes: Axes) -> None:
     """A legend of one row on the title's line, where it can cover nothing."""
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, **_NARROW)
 
 
 def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None) -> None:
     known = uncertainty_sentence(portrait.loop.material.name, portrait.uncertainty)
-    figure.text(0.015, 0.955, headline(portrait), fontsize=18, fontweight="bold", va="center")
+    said = headline(portrait)
+    size = 18.0 * min(1.0, _HEADLINE_LETTERS / len(said))
+    figure.text(0.015, 0.955, said, fontsize=size, fontweight="bold", va="center")
     told = f"{lock_sentence(portrait)} {noise_sentence(portrait)} {staircase_sentence(portrait)} {known}"
     figure.text(0.015, 0.928, fill(told, LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
     inferred = (

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator, MultipleLocator
+from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import Array
 from cyclemap.collection.portrait_curves import PortraitCurves
+from cyclemap.views.panel_parts import unwrapped_axis
 from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, degree_axis
 
 if TYPE_CHECKING:
@@ -49,17 +50,7 @@ def draw_staircase(axes: Axes, predicted: Array, measured: Array | None) -> None
     if measured is not None:
         axes.plot(np.degrees(measured), color=MEASURED, linewidth=2.2, label="measured", zorder=2)
     axes.plot(np.degrees(predicted), color=PREDICTED, linewidth=1.2, label="predicted", zorder=3)
-    axes.set(xlabel="cycle", ylabel="θ0, unwrapped (°)")
+    axes.set_xlabel("cycle")
     axes.set_xlim(0, max(len(predicted), 0 if measured is None else len(measured)) - 1)
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
-    _scale_staircase(axes)
-
-
-def _scale_staircase(axes: Axes) -> None:
-    """Show a flat staircase as flat, and mark whole turns where it climbs several."""
-    low, high = axes.get_ylim()
-    slack = max(0.0, LEAST_SPAN_DEG - (high - low)) / 2
-    axes.set_ylim(low - slack, high + slack)
-    turns = (high - low) / 360.0
-    if turns >= 2:
-        axes.yaxis.set_major_locator(MultipleLocator(360.0 * max(1, round(turns / 7))))
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
+    unwrapped_axis(axes, "θ0, unwrapped", LEAST_SPAN_DEG)

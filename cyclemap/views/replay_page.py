@@ -66,7 +66,7 @@ def _draw_errors(axes: Axes, replayed: ReplayedPushes, turn: bool) -> None:
         axes.hlines(error.mean(), place - 0.36, place + 0.36, color=PREDICTED, linewidth=2.5, zorder=4)
     axes.set_xticks(range(len(kinds)), kinds, rotation=30 if len(kinds) > 3 else 0)
     axes.set(xlim=(-0.6, len(kinds) - 0.4), ylabel="turn error (°)" if turn else "error (mm)")
-    axes.set_ylim(bottom=0.0)
+    axes.set_ylim(0.0, 1.08 * max(factor * float(replayed.table[column].abs().max()), 1e-12))
     axes.set_title("Turn, off at the end" if turn else "Place, off at the end")
 
 

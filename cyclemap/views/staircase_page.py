@@ -41,10 +41,18 @@ def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | No
 
 
 def _draw_paths(axes: Axes, forecast: StaircaseForecast, measured: MeasuredStaircase | None) -> None:
-    draw_staircase(axes, forecast.run.theta, None if measured is None else measured.path)
     if measured is not None:
         fitted = np.degrees(measured.run.theta)
-        axes.plot(fitted, color=INK, linewidth=1.0, linestyle="--", label="map fitted to the data", zorder=4)
+        axes.plot(
+            fitted,
+            color=INK,
+            linewidth=1.0,
+            linestyle="--",
+            label="map fitted to all data alike, without wear",
+            zorder=4,
+        )
+    draw_staircase(axes, forecast.run.theta, None if measured is None else measured.path)
+    if measured is not None:
         axes.legend(loc="upper left")
     axes.set_title("One run" if measured is None else "One run each")
 
@@ -58,7 +66,8 @@ def _draw_found(steps: Axes, lengths: Axes, forecast: StaircaseForecast, measure
         draw_step_lengths(lengths, measured.steps, measured.comparison)
     whose = "predicted" if measured is None else "measured"
     steps.set_title(f"Dwells, {whose}")
-    lengths.set_title("Lengths")
+    # Above the legend, whose words may be long.
+    lengths.set_title("Lengths", pad=22.0)
 
 
 def _write_words(figure: Figure, forecast: StaircaseForecast, measured: MeasuredStaircase | None) -> None:

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import Array
 from cyclemap.maps import DriftSummary, StepComparison, Steps
-from cyclemap.views.panel_parts import legend_above, name_beside_path, say
+from cyclemap.views.panel_parts import legend_above, name_beside_path, say, unwrapped_axis
 from cyclemap.views.sentences import angle, number
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, UNSTABLE
 
@@ -32,9 +32,10 @@ def draw_steps(axes: Axes, path: Array, steps: Steps) -> None:
     axes.plot(cycles, np.degrees(path - 2 * np.pi * winding * cycles), color=MEASURED, linewidth=1.2, label="path")
     _draw_dwells(axes, steps)
     turning = f" less {360 * winding}° a cycle" if winding else ""
-    axes.set(xlabel="cycle", ylabel=f"θ, unwrapped{turning} (°)", xlim=(0, max(path.size - 1, 1)))
-    axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
+    axes.set(xlabel="cycle", xlim=(0, max(path.size - 1, 1)))
+    axes.xaxis.set_major_locator(MaxNLocator(6, integer=True, min_n_ticks=1))
     axes.margins(y=0.08)
+    unwrapped_axis(axes, f"θ, unwrapped{turning}")
     legend_above(axes)
 
 
@@ -69,7 +70,7 @@ def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | Non
         _draw_means(axes, comparison)
     axes.set(xlabel="dwell", ylabel="length (cycles)", xlim=(0.5, max(steps.lengths.size, 1) + 0.5))
     axes.set_ylim(bottom=0.0)
-    axes.xaxis.set_major_locator(MaxNLocator(8, integer=True))
+    axes.xaxis.set_major_locator(MaxNLocator(8, integer=True, min_n_ticks=1))
     legend_above(axes, columns=4)
 
 

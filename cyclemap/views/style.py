@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from cyclemap.errors import InvalidInput
-from cyclemap.plain_text import printable
+from cyclemap.plain_text import printable, typeset
 
 INK = "#222222"
 QUIET = "#666666"
@@ -88,7 +88,7 @@ def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes
         raise InvalidInput(f"picture format {picture_format!r} is unknown; use one of {', '.join(PICTURE_FORMATS)}")
     for text in figure.findobj(Text):
         # A dollar sign in a name begins no formula; one that is escaped already stays so.
-        text.set_text(re.sub(r"(?<!\\)\$", r"\$", printable(text.get_text())))
+        text.set_text(re.sub(r"(?<!\\)\$", r"\$", typeset(printable(text.get_text()))))
     buffer = BytesIO()
     with picture_style():
         figure.savefig(buffer, format=picture_format, dpi=dpi, **_SAVED[picture_format])

@@ -4,15 +4,20 @@ from collections.abc import Callable
 from functools import partial
 from textwrap import fill
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
 from cyclemap.arrays import Array
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.settings import apply_settings
+from cyclemap.mechanics import MIT_HITCH, MIT_SHAPE_NAMES
 from cyclemap.sweeps.quantities import Quantity
 from cyclemap.sweeps.sweep_curves import SweptCurves, SweptLines, SweptPlane
 from cyclemap.sweeps.sweep_results import Sweep
-from cyclemap.views.style import QUIET, new_figure, picture_style
+from cyclemap.views.panel_parts import name_tag
+from cyclemap.views.style import INK, QUIET, UNSTABLE, new_figure, picture_style
 from cyclemap.views.sweep_panels import draw_fixed_points, draw_swept_line, draw_swept_plane, draw_swept_scatter
 from cyclemap.views.sweep_sentences import settings_line, sweep_headline, sweep_sentences
 
@@ -21,6 +26,8 @@ LINE_LETTERS = 175
 MOST_PANELS = 2
 # Points between a panel and its title: a row of a legend.
 TITLE_PAD = 24.0
+RING_KEYS = ("hitch_x_mm", "hitch_y_mm")
+MM = 1000.0
 Panel = tuple[str, Callable[[Axes], None]]
 
 
@@ -33,12 +40,29 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
         for place, (title, draw) in enumerate(panels):
             axes = figure.add_subplot(grid[0, place])
             draw(axes)
+            if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
+                _draw_object(axes, sweep)
             axes.set_title(title, pad=TITLE_PAD)
         figure.text(0.015, 0.955, sweep_headline(sweep), fontsize=18, fontweight="bold", va="center")
         told = fill(" ".join(sweep_sentences(sweep)), LINE_LETTERS)
         figure.text(0.015, 0.915, told, fontsize=10, va="top", linespacing=1.35)
         figure.text(0.015, 0.025, settings_line(sweep), fontsize=8, color=QUIET)
     return figure
+
+
+def _draw_object(axes: Axes, sweep: Sweep) -> None:
+    """Round a plane of the ring's places, the object that the ring is set in, and MIT's ring where it is MIT's."""
+    settings = sweep.description["plan"]["settings"]
+    slider = apply_settings(CollectionLoop.mit(material="isotropic"), settings).slider
+    outline = MM * slider.outline.points(120)
+    axes.plot(*outline.T, color=INK, linewidth=1.6, clip_on=False, zorder=5)
+    if slider.name in MIT_SHAPE_NAMES:
+        x, y = MM * MIT_HITCH[0], MM * MIT_HITCH[1]
+        axes.plot(x, y, "*", markersize=11, markerfacecolor=UNSTABLE, markeredgecolor=INK, zorder=6)
+        name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
+    window = np.array([axes.get_xlim(), axes.get_ylim()]).T
+    low, high = np.minimum(window[0], outline.min(axis=0) - 3.0), np.maximum(window[1], outline.max(axis=0) + 3.0)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
 
 
 def _panels(curves: SweptCurves) -> list[Panel]:

@@ -23,6 +23,23 @@ from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE
 
 REFUSED: dict[str, Any] = {"facecolor": "#f4f4f4", "edgecolor": QUIET, "hatch": "xxx", "linewidth": 0.0}
 _UNITS = {"_deg": "°", "_mm": "mm", "_kg": "kg"}
+_KEY_WORDS = {
+    "mu_a": "friction μa",
+    "mu_b": "friction μb",
+    "m0": "offset m0",
+    "n0": "offset n0",
+    "phi_deg": "direction φ of friction",
+    "pusher_mu": "friction of the rod",
+    "pusher_radius_mm": "radius of the rod",
+    "fraction": "place on the side",
+    "angle_deg": "angle of the push",
+    "push_mm": "length of the push",
+    "object_name": "object",
+    "hitch_x_mm": "ring x",
+    "hitch_y_mm": "ring y",
+    "pin_friction_mm": "friction radius of the pin",
+    "noise_deg": "noise of a cycle",
+}
 _SHORT_UNITS = {"degree": "°", "turns/cycle": "turns a cycle"}
 _MOST_COUNTS = 8
 _LONGEST_NAME = 22
@@ -30,16 +47,29 @@ _LONGEST_NAME = 22
 _FINE_PLANE = 40
 
 
+def key_words(key: str) -> str:
+    """A swept key in words, without its unit.
+
+    >>> key_words("hitch_x_mm"), key_words("rim_share")
+    ('ring x', 'rim share')
+    """
+    ending = next(filter(key.endswith, _UNITS), "")
+    return _KEY_WORDS.get(key, key.removesuffix(ending).replace("_", " "))
+
+
+def key_unit(key: str) -> str:
+    """The unit of a swept key; empty where it has none."""
+    return next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
+
+
 def key_label(key: str) -> str:
     """A swept key as the label of an axis.
 
     >>> key_label("hitch_x_mm"), key_label("mu_a")
-    ('hitch x (mm)', 'mu_a')
+    ('ring x (mm)', 'friction μa')
     """
-    for ending, unit in _UNITS.items():
-        if key.endswith(ending):
-            return f"{key.removesuffix(ending).replace('_', ' ')} ({unit})"
-    return key
+    unit = key_unit(key)
+    return f"{key_words(key)} ({unit})" if unit else key_words(key)
 
 
 def quantity_label(quantity: Quantity) -> str:
@@ -222,9 +252,11 @@ def _short(value: object) -> str:
 def axis_words(axis: SweepAxis) -> str:
     """An axis in words: its key, ends and number of values.
 
-    >>> axis_words(SweepAxis("mu_a", (0.2, 0.25, 0.3)))
-    'mu_a 0.2 to 0.3 (3 values)'
+    >>> axis_words(SweepAxis("hitch_x_mm", (-12.0, -8.0, -4.0)))
+    'ring x -12 to -4 mm (3 values)'
     """
+    name, unit = key_words(axis.key), key_unit(axis.key)
+    unit = unit if unit in ("", "°") else f" {unit}"
     if axis.is_number and len(axis.values) > 1:
-        return f"{axis.key} {_short(axis.values[0])} to {_short(axis.values[-1])} ({len(axis.values)} values)"
-    return f"{axis.key} {', '.join(_short(value) for value in axis.values)}"
+        return f"{name} {_short(axis.values[0])} to {_short(axis.values[-1])}{unit} ({len(axis.values)} values)"
+    return f"{name} {', '.join(_short(value) for value in axis.values)}{unit}"

@@ -7,7 +7,7 @@ import numpy as np
 
 from cyclemap.sweeps.sweep_results import Sweep
 from cyclemap.sweeps.swept_keys import MATERIAL_KEY
-from cyclemap.views.sweep_panels import axis_words
+from cyclemap.views.sweep_panels import axis_words, key_words
 
 _MOST_REASONS = 3
 _LONGEST_REASON = 160
@@ -17,8 +17,10 @@ def sweep_headline(sweep: Sweep) -> str:
     """What was swept, in a line, and what was selected of it."""
     names = "" if MATERIAL_KEY in sweep.keys else f"{', '.join(sweep.description['plan']['material'])}: "
     kept = [axis.key for axis in sweep.axes] or list(sweep.keys)
-    fixed = [f"{key} = {_value(sweep.swept[key][0])}" for key in sweep.keys if key not in kept and len(sweep)]
-    return f"{names}{' × '.join(kept)}{' at ' if fixed else ''}{', '.join(fixed)}"
+    fixed = [
+        f"{key_words(key)} = {_value(sweep.swept[key][0])}" for key in sweep.keys if key not in kept and len(sweep)
+    ]
+    return f"{names}{' × '.join(map(key_words, kept))}{' at ' if fixed else ''}{', '.join(fixed)}"
 
 
 def sweep_sentences(sweep: Sweep) -> list[str]:
@@ -56,7 +58,9 @@ def _swept(sweep: Sweep) -> str:
         return ", ".join(axis_words(axis) for axis in sweep.axes)
     sample = sweep.description["plan"]["points"]
     ranges = (
-        f"{key} {ends['low']:g} to {ends['high']:g}" if isinstance(ends, dict) else f"{key} {', '.join(map(str, ends))}"
+        f"{key_words(key)} {ends['low']:g} to {ends['high']:g}"
+        if isinstance(ends, dict)
+        else f"{key_words(key)} {', '.join(map(str, ends))}"
         for key, ends in sample.get("ranges", {}).items()
     )
     return f"{', '.join(ranges)} ({sample.get('sequence')} sample, seed {sample.get('seed')})"

@@ -99,10 +99,10 @@ def draw_worth(axes: Axes, effective: Sequence[float]) -> None:
     axes.set(xlabel="pushes recorded", ylabel="worth, in pushes spread evenly", xlim=(0, pushes), ylim=(0.0, None))
     axes.set_title("What the pushes are worth")
     axes.legend(loc="upper left")
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
 
 
 def _push_axis(axes: Axes, pushes: int) -> None:
     axes.set(xlabel="push", xlim=(-0.5, max(pushes, 2) - 0.5))
-    axes.xaxis.set_major_locator(MaxNLocator(8, integer=True))
+    axes.xaxis.set_major_locator(MaxNLocator(8, integer=True, min_n_ticks=1))
     legend_above(axes)

@@ -93,7 +93,7 @@ def test_without_a_terminal_long_work_says_a_line_now_and_then(monkeypatch, caps
         report(0.5)
         wait_until(lambda: "50 %" in told()[-1])
     assert re.fullmatch(r"cycle \\x1b map: \d+ s", lines[0])
-    assert re.fullmatch(r"cycle \\x1b map: 50 % done, \d+ s", lines[-1])
+    assert re.fullmatch(r"cycle \\x1b map: 50 % done, \d+ s, about \d+ s left", lines[-1])
 
 
 def test_short_work_says_nothing(capsys) -> None:

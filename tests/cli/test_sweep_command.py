@@ -70,7 +70,7 @@ def test_a_plane_is_stored_drawn_exported_and_told(here, capsys, fake) -> None:
     sweep("plywood", *PLANE, "--export", "csv")
     shown = capsys.readouterr()
     assert shown.err == ""
-    for part in ("plywood: hitch_x_mm × mu_a", "10 points over", "1 refused", "file: out/sweep_plywood.sqlite"):
+    for part in ("plywood: ring x × friction μa", "10 points over", "1 refused", "file: out/sweep_plywood.sqlite"):
         assert part in shown.out
     names = ["sweep_plywood.csv", "sweep_plywood.png", "sweep_plywood.sqlite"]
     assert sorted(path.name for path in (here / "out").iterdir()) == names

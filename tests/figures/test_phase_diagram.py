@@ -86,4 +86,4 @@ def test_the_mit_ring_locks_on_plywood_and_from_the_scale_that_the_caption_tells
 
 
 def test_it_is_drawn(result) -> None:
-    assert_drawn(FIGURE.draw(result), 2)
+    assert_drawn(FIGURE.draw(result), 3)

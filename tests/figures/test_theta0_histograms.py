@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from drawn_figures import assert_no_words_overlap
+from drawn_words import assert_words_apart
 from small_collections import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_folder
 
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
@@ -79,5 +79,5 @@ def test_a_recorded_set_gives_its_theta0(tmp_path_factory) -> None:
     assert found.materials[1].theta0.size == RECORDED_ABS
     figure = draw(found)
     assert labels(figure) == [("θ0, orientation before the push (°)", "probability per degree")] * 4
-    assert_no_words_overlap(figure)
+    assert_words_apart(figure)
     assert "measured" in [text.get_text() for text in figure.axes[1].get_legend().get_texts()]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from drawn_figures import assert_no_words_overlap
+from drawn_words import assert_words_apart
 from small_collections import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_folder
 
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
@@ -47,7 +47,7 @@ def test_simulated_turns_are_named_so_and_axes_have_units(result) -> None:
     assert labels(figure) == [("turn of the push, Δθ (°)", "pushes")] * 4
     for axes in figure.axes:
         assert axes.get_legend().get_texts()[0].get_text() == "simulated"
-    assert_no_words_overlap(figure)
+    assert_words_apart(figure)
 
 
 @pytest.mark.slow
@@ -61,7 +61,7 @@ def test_of_measured_plywood_only_whole_cycles_are_at_hand_and_it_says_so(measur
     assert told.endswith(f"Recorded pushes on plywood, abs, delrin and pu: {NO_DATA}.")
     figure = draw(found)
     assert figure.axes[-1].get_xlabel() == "turn of the whole cycle, push and drag (°)"
-    assert_no_words_overlap(figure)
+    assert_words_apart(figure)
 
 
 def test_recorded_pushes_take_the_place_of_simulated_ones(tmp_path_factory) -> None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from drawn_figures import assert_no_words_overlap
+from drawn_words import assert_words_apart
 from small_collections import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_folder
 
 from cyclemap.collection import CollectionLoop
@@ -68,7 +68,7 @@ def test_every_axis_has_a_label_with_its_unit_and_no_words_overlap(result, recor
     for found in (result, recorded):
         figure = FIGURE.draw(found)
         assert labels(figure) == [("θ0, orientation before the push (°)", "turn of the push, Δθ (°)")] * 4
-        assert_no_words_overlap(figure)
+        assert_words_apart(figure)
 
 
 @pytest.mark.slow

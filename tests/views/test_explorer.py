@@ -48,6 +48,10 @@ def test_the_exact_answer_is_the_portrait() -> None:
         round(math.degrees(orbit.points[0]), 6) for orbit in points
     ]
     assert len(answer["fixed_points"]) == 2
+    known = cm.portrait(loop, sigma=SIGMA, cycles=10).uncertainty.directions
+    assert answer["may_lie"] == [[round(math.degrees(end), 2) for end in (one.lower, one.upper)] for one in known]
+    stable = next(one["theta_deg"] for one in answer["fixed_points"] if one["stable"])
+    assert any(low <= stable <= high for low, high in answer["may_lie"])
     for now, after, course in zip(answer["orbit"], answer["orbit"][1:], answer["courses"], strict=False):
         cycle = loop.cycle(math.radians(now))
         assert after == pytest.approx(math.degrees(cycle.theta_next), abs=1e-3)

@@ -1,5 +1,6 @@
 """The report: one file, the same bytes each time, its numbers the command's, alive without a network."""
 
+import html
 import json
 import math
 import re
@@ -9,6 +10,7 @@ from click.testing import CliRunner
 
 import cyclemap as cm
 from cyclemap.cli.main import cli
+from cyclemap.views import sentences
 from cyclemap.views.report.report_page import RING_STEPS
 
 pytestmark = pytest.mark.slow
@@ -59,6 +61,9 @@ def test_numbers_are_those_of_the_mechanics_and_words_those_of_the_comparison(re
     ]
     assert {len(one) for one in shown} == {0, 2}, "the fixed points end in a saddle-node as the ring moves in"
     assert "Recorded against predicted" in text
+    known = cm.portrait(loop, cycles=10).uncertainty
+    assert sentences.uncertainty_sentence("plywood", known) in html.unescape(text)
+    assert len(data["answer"]["may_lie"]) == len(known.directions) == 1
     assert "SHA-256" in text
 
 

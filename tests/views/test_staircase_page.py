@@ -46,10 +46,28 @@ def test_a_page_shows_the_whole_run_and_every_dwell(forecast) -> None:
 
 def test_with_data_the_paths_are_the_measured_the_predicted_and_the_fitted(forecast, measured) -> None:
     paths = staircase_page(forecast(*GHOST), measured).axes[0]
-    assert [line.get_label() for line in paths.lines] == ["measured", "predicted", "map fitted to the data"]
-    assert np.allclose(paths.lines[0].get_ydata(), np.degrees(measured.path))
-    assert np.allclose(paths.lines[2].get_ydata(), np.degrees(measured.run.theta))
-    assert "(°)" in paths.get_ylabel()
+    names = ["map fitted to all data alike, without wear", "measured", "predicted"]
+    assert [line.get_label() for line in paths.lines] == names
+    assert np.allclose(paths.lines[1].get_ydata(), np.degrees(measured.path))
+    assert np.allclose(paths.lines[0].get_ydata(), np.degrees(measured.run.theta))
+    low, high = paths.get_ylim()
+    assert all(low < line.get_ydata().min() and line.get_ydata().max() < high for line in paths.lines)
+
+
+def test_a_climb_of_turns_is_marked_in_whole_turns(forecast) -> None:
+    """Ticks stand at whole turns of the drawn degrees and say the number of turns."""
+    axes = staircase_page(forecast(*GHOST)).axes[0]
+    axes.figure.canvas.draw()
+    assert axes.get_ylabel() == "θ0, unwrapped (turns)"
+    ticks = {label.get_text(): float(label.get_position()[1]) for label in axes.get_yticklabels()}
+    assert len(ticks) > 2
+    assert all(place == 360.0 * int(words.replace("−", "-")) for words, place in ticks.items())
+
+
+def test_counts_have_whole_ticks_even_where_there_is_one(forecast) -> None:
+    """A single dwell stands over the tick 1, not between fractions of dwells."""
+    lengths = staircase_page(forecast(*WELL)).axes[2]
+    assert all(float(tick).is_integer() for tick in lengths.get_xticks())
 
 
 @pytest.mark.slow

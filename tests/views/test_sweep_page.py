@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from cyclemap.mechanics import MIT_HITCH
 from cyclemap.sweeps import PointOutcome, PortraitNumbers, SweepPlan, SweepStore, load_sweep, run_sweep, sweep_curves
 from cyclemap.views.style import render
 from cyclemap.views.sweep_page import sweep_page
@@ -58,15 +59,15 @@ def test_a_plane_is_coloured_outlined_and_crossed_out(swept) -> None:
     over = {"mu_a": (0.2, 0.25, 0.3), "hitch_x_mm": (-12.0, -8.0, -4.0)}
     figure = page_of(swept(SweepPlan.grid("plywood", over, numbers=NUMBERS)))
     rotation, stable = panels(figure)
-    assert (rotation.get_xlabel(), rotation.get_ylabel()) == ("mu_a", "hitch x (mm)")
+    assert (rotation.get_xlabel(), rotation.get_ylabel()) == ("friction μa", "ring x (mm)")
     assert rotation.get_title(loc="left") == "Rotation number"
     shades = stable.collections[0].get_array()
     assert np.ma.filled(shades, -1.0).ravel().tolist() == [1, 1, 0, 1, 0, 0, 1, 0, -1]
     told = [[text.get_text() for text in axes.get_legend().get_texts()] for axes in (rotation, stable)]
     assert told == [["refused"], ["refused"]]
-    assert "9 points over mu_a 0.2 to 0.3 (3 values)" in words(figure)
+    assert "9 points over friction μa 0.2 to 0.3 (3 values)" in words(figure)
     assert "4 lock (4 at 0/1)" in words(figure) and "1 refused; it so: no such loop." in words(figure)
-    assert "plywood: mu_a × hitch_x_mm" in words(figure)
+    assert "plywood: friction μa × ring x" in words(figure)
 
 
 def test_shades_of_counts_differ_in_lightness(swept) -> None:
@@ -108,7 +109,7 @@ def test_a_sample_is_dots_and_any_quantity_can_be_drawn(swept) -> None:
 def test_a_sweep_that_is_not_done_says_so(swept) -> None:
     sweep = swept(SweepPlan.grid("plywood", {"mu_a": np.linspace(0.2, 0.3, 11).tolist()}, numbers=NUMBERS))
     part = sweep.where(sweep.number < 4)
-    assert re.match(r"4 of 11 points over mu_a", sweep_sentences(part)[0])
+    assert re.match(r"4 of 11 points over friction μa", sweep_sentences(part)[0])
 
 
 @pytest.mark.slow
@@ -121,7 +122,21 @@ def test_a_sweep_of_refusals_alone_can_still_be_drawn(tmp_path) -> None:
     assert "2 refused" in words(page_of(sweep.select(push_mm=100.0)))
 
 
+def test_a_plane_of_rings_shows_the_object_and_mits_ring(swept) -> None:
+    """The outline drawn is that of the object, all of it within the panel, and the star is MIT's ring, in mm."""
+    over = {"hitch_x_mm": (-12.0, -8.0, -4.0), "hitch_y_mm": (-12.0, 0.0, 12.0)}
+    axes = panels(page_of(swept(SweepPlan.grid("plywood", over, numbers=NUMBERS))))[0]
+    outline, star = axes.lines[-2:]
+    assert np.ptp(outline.get_xydata(), axis=0) == pytest.approx([90.0, 90.0])
+    assert all(axes.viewLim.contains(*corner) for corner in outline.get_xydata())
+    assert star.get_xydata()[0] == pytest.approx(1000.0 * np.array(MIT_HITCH))
+
+
 def test_cells_meet_half_way_and_keys_have_their_units() -> None:
     assert cell_edges(np.array([0.0, 1.0, 3.0])).tolist() == [-0.5, 0.5, 2.0, 4.0]
     assert cell_edges(np.array([3.0])).tolist() == [2.5, 3.5]
-    assert [key_label(key) for key in ("phi_deg", "mass_kg", "side")] == ["phi (°)", "mass (kg)", "side"]
+    assert [key_label(key) for key in ("phi_deg", "mass_kg", "side")] == [
+        "direction φ of friction (°)",
+        "mass (kg)",
+        "side",
+    ]

@@ -39,6 +39,7 @@ def coarse(loop: CollectionLoop, sigma: float | None, start: float, cycles: int)
     path = sample_staircase(circle_map, noise, cycles, start, 0).theta
     return {
         "exact": False,
+        "may_lie": [],
         "said": [f"stable near {', '.join(stable)}" if stable else "no stable direction"],
         "density": _listed(cell_density(circle_map, noise), 4),
         **_drawn(loop, circle_map, points, path, start, COARSE_CYCLES),
@@ -55,7 +56,7 @@ def exact(
 def of_portrait(found: Portrait, start: float, progress: Progress | None = None) -> dict[str, object]:
     """The answer of a portrait; where noise does not settle the distribution, its density is None."""
     theta = 2 * np.pi * np.arange(CELLS) / CELLS
-    certain = found.operator.is_certain
+    certain, known = found.operator.is_certain, found.uncertainty
     said = []
     for sentence in _SENTENCES:
         said.append(sentence(found))
@@ -63,6 +64,9 @@ def of_portrait(found: Portrait, start: float, progress: Progress | None = None)
             progress(1.0)
     return {
         "exact": True,
+        "may_lie": []
+        if known is None
+        else [_listed(np.degrees([one.lower, one.upper]), 2) for one in known.directions],
         "said": [*said, f"{sentences.accuracy_line(found).capitalize()}."],
         "density": _listed(2 * np.pi * found.operator.density(theta), 4) if certain else None,
         **_drawn(found.loop, found.map, found.fixed_points, found.staircase.theta, start, EXACT_CYCLES),

@@ -110,7 +110,7 @@ export class Panels {
     const { every, turns } = answer.staircase;
     const same = before && before.staircase.every === every;
     this.staircase.setData([turns.map((_, i) => i * every), turns.map((_, i) => (same ? before.staircase.turns[i] ?? null : null)), turns]);
-    this.turn.caption.textContent = `Turn of one cycle; filled points attract, hollow ones repel${kept}${laid}`;
+    this.turn.caption.textContent = `Turn of one cycle; filled points attract, hollow ones repel${answer.may_lie.length ? "; shaded: where they may lie" : ""}${kept}${laid}`;
     this.staircase.caption.textContent = `Staircase: θ0 over the pushes, with noise${kept}${measured && measured.staircase ? laid : ""}`;
     this.fit();
     this.at(Math.min(this.moment.cycle, answer.courses.length - 1), this.moment.part);
@@ -158,7 +158,16 @@ export class Panels {
   }
 
   overTurn(u) {
-    const { ctx } = u;
+    const { ctx, bbox } = u;
+    ctx.globalAlpha = 0.15;
+    ctx.fillStyle = colour("now");
+    for (const [low, high] of this.answer ? this.answer.may_lie : []) {
+      for (const back of high > 360 ? [0, 360] : [0]) {
+        const [from, to] = [low - back, high - back].map((x) => u.valToPos(Math.min(Math.max(x, 0), 360), "x", true));
+        ctx.fillRect(from, bbox.top, to - from, bbox.height);
+      }
+    }
+    ctx.globalAlpha = 1;
     if (this.measured) {
       const { theta, turn } = this.measured;
       ctx.globalAlpha = 0.45;
