@@ -137,6 +137,8 @@ def _log_chance(chain: KilledChain, first: int, out: Array) -> Array | None:
         log_h = _log_leaving(moves, out)
     else:
         wider = chain.with_noise(WrappedNormal(2.0 * chain.noise.variance**0.5))
+        if wider.theta.size >= chain.theta.size:  # as coarse as the map allows, and still too fine
+            return None
         at = int(np.argmin(np.abs(wider.theta - chain.theta[first])))
         coarse = _log_chance(wider, at, _log_departures(wider))
         if coarse is None:
