@@ -257,7 +257,7 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
     >>> loops = [CollectionLoop.mit(material) for material in ("plywood", "delrin")]
     >>> np.degrees(run_cycles(loops, [0.0, 1.0, 2.0]).push_turn).round(2)
     array([[73.65, 73.93, 70.46],
-           [71.82, 74.22, 71.53]])
+           [79.15, 80.12, 78.44]])
     """
     for number, loop in enumerate(loops):
         if not isinstance(loop, CollectionLoop):

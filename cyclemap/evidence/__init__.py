@@ -44,7 +44,7 @@ watson_statistic, watson_p_value, watson_critical_value : Watson's test
 Making
 ------
 simulate_collection, SimulatedCollection, RecordingNoise : a collection's files, as a robot would record them
-probe, probe_pushes, command_push, Probe : what a function, program or log says of pushes from all around
+probe, probe_pushes, command_push, simulated_push, Probe : what a function, program or log says of pushes
 """
 
 from typing import TYPE_CHECKING
@@ -59,12 +59,6 @@ if TYPE_CHECKING:
     from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
     from cyclemap.evidence.data_blocks.force_ratio_block import PusherFriction, pusher_friction_from_forces
     from cyclemap.evidence.data_blocks.friction_scan_block import friction_ellipse_from_scans, friction_scan_block
-    from cyclemap.evidence.data_blocks.measured_strokes import (
-        MeasuredDrag,
-        MeasuredPush,
-        read_measured_drags,
-        read_measured_pushes,
-    )
     from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
     from cyclemap.evidence.data_blocks.wrench_twist_block import WrenchTwists, read_wrench_twists, wrench_twist_block
     from cyclemap.evidence.identification.data_block import DataBlock, FunctionBlock
@@ -99,6 +93,12 @@ if TYPE_CHECKING:
     from cyclemap.evidence.published.published_comparison import comparison_table, published_comparison
     from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes, simulated_push
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
+    from cyclemap.evidence.pushes.measured_strokes import (
+        MeasuredDrag,
+        MeasuredPush,
+        read_measured_drags,
+        read_measured_pushes,
+    )
     from cyclemap.evidence.pushes.push_files import read_push_file
     from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
     from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, load_pushes

@@ -17,7 +17,7 @@ Materials
 ---------
 Material, load_material, material_names, material_toml : a surface, read and written
 Wear, CycleNoise : how it changes, and how cycles on it scatter
-FoundWith, PlatePressure, MaterialPosterior : what was identified along with it, and how surely
+FoundWith, PlatePressure, FrameShift, MaterialPosterior : what was identified along with it, and how surely
 
 Motion
 ------

@@ -53,8 +53,9 @@ def first_touches(
             coordinates.append(np.clip(coordinate, piece.low, piece.high))
             owners.append(index)
     crossed, enters = np.array(travels), np.array(entering)
-    # Inside, the last crossing behind the start was an entry: that one counts, else the first entry ahead.
-    behind = np.where(crossed < -_OVERLAP, crossed, -np.inf)
+    # Inside, the last crossing behind the start was an entry: that one counts, else the first entry ahead. A rod that
+    # touches and moves away has left.
+    behind = np.where(crossed < np.where(enters, -_OVERLAP, _OVERLAP), crossed, -np.inf)
     last, column = np.argmax(behind, axis=0), np.arange(count)
     inside = np.isfinite(behind[last, column]) & enters[last, column]
     ahead = np.where(enters & (crossed >= -_OVERLAP), crossed, np.inf)

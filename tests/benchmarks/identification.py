@@ -12,9 +12,9 @@ import math
 
 import numpy as np
 
-from cyclemap.evidence.data_blocks.measured_strokes import MeasuredPush
 from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock, push_end_block, surface_model
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
 from cyclemap.mechanics import Pose, Slider, WorldPush
 from tests.benchmarks.timing import Row, seconds, show
 

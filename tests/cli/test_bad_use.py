@@ -58,7 +58,7 @@ BAD_USES = [
     (["reset", "plywood", "--robust"], "--robust"),
     (["simulate", "plywood", "--out", "made", "--wear-to", "plywod"], "did you mean 'plywood'"),
     (["simulate", "plywood", "--out", "made", "--noise-deg", "-1"], "-1.0 is not in the range"),
-    (["simulate", "plywood", "--out", "made", "--pose-noise-mm", "nan"], "noise of the position must be a finite"),
+    (["simulate", "plywood", "--out", "made", "--pose-noise-mm", "nan"], "--pose-noise-mm': nan is in no range"),
     (["simulate", "plywood", "--out", "made", "--speed-mm-s", "0"], "0.0 is not in the range"),
     (["simulate", "plywood", "--out", "made", "--start-deg", "inf"], "start must be a finite number"),
     (["simulate", "plywood", "--out", "made", "--format", "csv"], "'csv' is not one of"),

@@ -68,5 +68,5 @@ def test_the_page_shows_both_laws_and_says_how_far_they_differ() -> None:
     assert [axes.get_xlabel() for axes in page.axes] == ["θ0 (°)"] * 3
     # Three turns and two components of the displacement, each on two laws, and the line at zero.
     assert [len(axes.lines) for axes in page.axes] == [4, 7, 5]
-    words = [text.get_text() for text in page.texts]
+    words = " ".join(" ".join(text.get_text().split()) for text in page.texts)
     assert all(difference_sentence(comparison) in words for comparison in comparisons)

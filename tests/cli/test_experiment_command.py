@@ -121,6 +121,6 @@ def test_the_page_has_both_frames_and_the_course_of_both_laws() -> None:
         for law in ("Anisotropic", "Isotropic")
         for panel in ("robot's frame", "object's frame", "θ0 over the cycles")
     ]
-    # 40 thin paths, and of each of 2 batches the last one thick with its start marked.
-    assert [len(axes.lines) for axes in page.axes] == [44, 44, 2] * 2
+    # 40 thin paths, and of each of 2 batches the last one thick with its start marked on it.
+    assert [len(axes.lines) for axes in page.axes] == [42, 42, 2] * 2
     assert any("All 2 batches end at 61.4°" in text.get_text() for text in page.texts)

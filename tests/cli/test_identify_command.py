@@ -11,9 +11,9 @@ import pytest
 
 from cyclemap.cli.main import run
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.measured_strokes import MeasuredPush
 from cyclemap.evidence.data_blocks.stroke_block import predicted_push_ends, surface_model
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
 from cyclemap.mechanics import EllipseFriction, Pose, Slider, load_material
 
 LAW = EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6)
@@ -117,7 +117,7 @@ def test_fixed_and_started_values_are_taken(here, capsys) -> None:
     ("arguments", "words"),
     [
         (["absent.csv"], "there is nothing there"),
-        (["notes.txt"], "notes.txt: 1 lines; a header and rows are wanted"),
+        (["notes.txt"], "notes.txt: a file of another kind (.txt)"),
         (["ends.csv", "--free", "offset_z"], "unknown parameter 'offset_z': did you mean"),
         (["ends.csv", "--free", "friction_scale"], "no block of data depends on friction_scale"),
         (["ends.csv", "--fix", "rim_share"], "--fix 'rim_share' is not of the form name=number"),

@@ -35,7 +35,7 @@ def test_interpolated_pushes_are_those_of_the_mechanics_within_the_stated_error(
 
 
 def test_a_finer_cycle_map_brings_finer_pushes(pu) -> None:
-    finer = surface_state(CollectionLoop.mit("pu"), tolerance=1e-4)
+    finer = surface_state(CollectionLoop.mit("pu"), tolerance=1e-5)
     assert finer.theta.size > pu.states[0].theta.size
     assert np.all(finer.motion_error < 0.2 * pu.motion_error)
 

@@ -33,7 +33,7 @@ def test_each_highest_peak_lies_within_17_degrees_of_the_papers_high_one(result)
 def test_pu_has_no_sharp_peak_and_the_paper_none(result) -> None:
     pu = result.materials[3]
     assert pu.run.published.directions == () and PEAK_WORDS["pu"] == ()
-    assert pu.density.max() < 3 * UNIFORM and pu.density.min() > 0.1 * UNIFORM
+    assert pu.density.max() < 3.5 * UNIFORM and pu.density.min() > 0.1 * UNIFORM
 
 
 @pytest.mark.slow

@@ -34,3 +34,18 @@ def test_a_touch_lies_behind_a_rod_that_went_on_inside(name: str) -> None:
             assert back == pytest.approx(-1e-3, abs=1e-10)
             met += 1
     assert met > 30
+
+
+@pytest.mark.parametrize("name", ["rect1", "hex", "ellip3"])
+def test_a_rod_that_touches_meets_the_object_at_once_or_has_left_it(name: str) -> None:
+    """Half a nanometre off or in, as rounding leaves it: inwards the touch is here, outwards there is none."""
+    outline, radius = dataset_sliders()[name].outline, 0.00475
+    pieces = contact_curve(outline, radius).pieces
+    start, direction = np.array([2.0 * outline.extent, 0.003]), math.pi
+    touch = first_touch(pieces, radius, start, direction)
+    assert touch is not None
+    for off in (-5e-10, 0.0, 5e-10):
+        place = start - np.array([touch[0] - off, 0.0])
+        met = first_touch(pieces, radius, place, direction)
+        assert met is not None and met[0] == pytest.approx(0.0, abs=1e-9)
+        assert first_touch(pieces, radius, place, 0.0) is None

@@ -44,7 +44,10 @@ def read_back(material: Material, folder) -> Material:
 
 
 def assert_same(found: Material, given: Material) -> None:
-    assert replace(found, friction=given.friction, wear=given.wear, found_with=given.found_with) == given
+    alike = {name: getattr(given, name) for name in ("friction", "wear", "found_with", "frames")}
+    assert replace(found, **alike) == given
+    shifts = [(one.plate, one.x, one.y) for one in given.frames]
+    assert [(one.plate, pytest.approx(one.x), pytest.approx(one.y)) for one in found.frames] == shifts
     laws = [(found.friction, given.friction)]
     if given.wear is not None:
         assert found.wear is not None and found.wear.cycles == given.wear.cycles

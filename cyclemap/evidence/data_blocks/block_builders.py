@@ -19,17 +19,17 @@ from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock, block
 from cyclemap.evidence.data_blocks.data_recognition import DRAG_BACKS, PUSH_ENDS, DataFile
 from cyclemap.evidence.data_blocks.force_ratio_block import force_ratio_block, sliding_forces
 from cyclemap.evidence.data_blocks.friction_scan_block import friction_scan_block
-from cyclemap.evidence.data_blocks.measured_strokes import MeasuredPush, read_measured_drags, read_measured_pushes
-from cyclemap.evidence.data_blocks.row_selection import CsvSelection
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
 from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, drag_turn_block, push_end_block
 from cyclemap.evidence.data_blocks.wrench_twist_block import read_wrench_twists, wrench_twist_block
 from cyclemap.evidence.identification.data_block import DataBlock, PlateBlock
 from cyclemap.evidence.identification.shared_progress import Progress, part_of
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
+from cyclemap.evidence.pushes.measured_strokes import MeasuredPush, read_measured_drags, read_measured_pushes
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord
 from cyclemap.evidence.pushes.push_table import PushTable
+from cyclemap.evidence.pushes.row_selection import CsvSelection
 from cyclemap.evidence.tables.push_sets import PushSet, push_sets
 from cyclemap.mechanics import Pose
 from cyclemap.text_files import read_csv_table

@@ -27,10 +27,10 @@ from cyclemap.evidence.data_blocks.data_recognition import (
     UnusedFile,
     recognise,
 )
-from cyclemap.evidence.data_blocks.row_selection import RowSelection, pushes_of, select_csv, select_pushes, told
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
 from cyclemap.evidence.identification.data_block import DataBlock
 from cyclemap.evidence.identification.shared_progress import Progress, part_of
+from cyclemap.evidence.pushes.row_selection import RowSelection, pushes_of, select_csv, select_pushes, told
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
 from cyclemap.whole_files import file_stem
 

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.measured_strokes import MeasuredDrag, MeasuredPush
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, kept_rows
 from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import (
@@ -21,6 +20,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     possible_names,
     share_names,
 )
+from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
 from cyclemap.mechanics import PatchFootprint, Pose, QuasiStaticModel, Slider
 from cyclemap.mechanics.cycle_batch import derivative_units
 from cyclemap.mechanics.engine.strokes import PARAMETERS, Strokes

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cyclemap.errors import CycleMapError, InvalidInput
-from cyclemap.evidence.data_blocks.measured_strokes import LARGEST_TIP_ERROR, PUSH_END_COLUMNS, tip_error
-from cyclemap.evidence.data_blocks.row_selection import RowSelection, row_facts, select_pushes
+from cyclemap.evidence.pushes.measured_strokes import LARGEST_TIP_ERROR, PUSH_END_COLUMNS, tip_error
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
+from cyclemap.evidence.pushes.row_selection import RowSelection, row_facts, select_pushes
 from cyclemap.evidence.replay.replay_push import Replay, replay_push
 from cyclemap.evidence.replay.shapes import dataset_sliders
 from cyclemap.mechanics import (

@@ -225,7 +225,7 @@ def _count_p_value(exits: int, exposure: float, mean: float | None, spread: floa
     """P(at least so many exits) = P(that many visits take less than the exposure), with gamma-distributed sums."""
     if mean is None or spread is None or not spread > 0.0 or not np.isfinite(mean) or exposure <= 0.0:
         return None
-    shape, scale = (mean / spread) ** 2, spread**2 / mean
+    shape, scale = (mean / spread) ** 2, spread * (spread / mean)
     as_many = float(gammainc(shape * exits, exposure / scale)) if exits else 1.0
     more = float(gammainc(shape * (exits + 1), exposure / scale))
     middle = 0.5 * (as_many + more)

@@ -8,13 +8,6 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.measured_strokes import (
-    MeasuredDrag,
-    MeasuredPush,
-    mean_errors,
-    read_measured_drags,
-    read_measured_pushes,
-)
 from cyclemap.evidence.data_blocks.stroke_block import (
     drag_turn_block,
     predicted_push_ends,
@@ -23,6 +16,13 @@ from cyclemap.evidence.data_blocks.stroke_block import (
 )
 from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.pushes.measured_strokes import (
+    MeasuredDrag,
+    MeasuredPush,
+    mean_errors,
+    read_measured_drags,
+    read_measured_pushes,
+)
 from cyclemap.mechanics import Pose, Slider, WorldPush
 
 RECT1 = Slider.mit("rect1")

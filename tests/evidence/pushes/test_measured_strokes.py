@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.data_blocks.measured_strokes import (
+from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredPush,
     mean_errors,
     read_measured_drags,
