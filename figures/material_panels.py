@@ -37,13 +37,12 @@ def material_grid(names: Iterable[str], columns: int = 2) -> tuple[Figure, dict[
     return figure, panels
 
 
-def draw_materials(materials: Sequence[One], draw_one: Callable[[Axes, One], None], note: str) -> Figure:
-    """A panel each for what was found on materials (``.run.surface`` names them), and a note at the foot."""
+def draw_materials(materials: Sequence[One], draw_one: Callable[[Axes, One], None]) -> Figure:
+    """A panel each for what was found on materials (``.run.surface`` names them)."""
     with picture_style():
         figure, panels = material_grid(one.run.surface for one in materials)
         for axes, one in zip(panels.values(), materials, strict=True):
             draw_one(axes, one)
-        foot_note(figure, note)
     return figure
 
 
@@ -58,8 +57,3 @@ def as_simulated(axes: Axes) -> None:
         elif isinstance(artist, Patch):
             artist.set(facecolor=SIMULATED_FILL, edgecolor=QUIET)
     legend_above(axes, 2)
-
-
-def foot_note(figure: Figure, words: str) -> None:
-    """A line at the foot of the figure."""
-    figure.text(0.012, 0.012, words, fontsize=8, color=QUIET, va="bottom")

@@ -123,7 +123,7 @@ def climb_of(path: Array, level: float) -> Climb:
 
 def draw(result: Staircases) -> Figure:
     """Draw a panel a material; measured and predicted together where there is a measured path."""
-    return draw_materials(result.materials, _draw_material, _absence(result))
+    return draw_materials(result.materials, _draw_material)
 
 
 def _draw_material(axes: Axes, one: MaterialStaircase) -> None:

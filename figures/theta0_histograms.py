@@ -92,7 +92,7 @@ def _material(measured: MeasuredFolder, surface: str, run: SampledRun) -> Materi
 
 def draw(result: DirectionHistograms) -> Figure:
     """Draw a panel a material."""
-    return draw_materials(result.materials, _draw_material, _absence(result))
+    return draw_materials(result.materials, _draw_material)
 
 
 def _draw_material(axes: Axes, one: MaterialDirections) -> None:

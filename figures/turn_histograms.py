@@ -15,7 +15,7 @@ from cyclemap.views.panel_parts import say
 from cyclemap.views.style import picture_style
 
 from .exhibit import PaperFigure
-from .material_panels import as_simulated, foot_note, material_grid
+from .material_panels import as_simulated, material_grid
 from .measured_folder import MeasuredFolder
 from .measured_sets import measured_run, measured_theta0, not_found
 from .simulated_collections import PAPER, STANDS_FOR, Sampling, fitted_laws, sampled_run
@@ -95,7 +95,6 @@ def draw(result: TurnHistograms) -> Figure:
         figure, places = material_grid([panel.name for panel in result.panels], 2 if len(result.panels) <= 4 else 3)
         for axes, panel in zip(places.values(), result.panels, strict=True):
             _draw_panel(axes, panel)
-        foot_note(figure, _absence(result))
     return figure
 
 

@@ -90,7 +90,7 @@ def _material(found: MeasuredRun | None, run: SampledRun) -> MaterialTurns:
 
 def draw(result: TurnsOverTheta0) -> Figure:
     """Draw a panel a material."""
-    return draw_materials(result.materials, _draw_material, _absence(result))
+    return draw_materials(result.materials, _draw_material)
 
 
 def _draw_material(axes: Axes, one: MaterialTurns) -> None:

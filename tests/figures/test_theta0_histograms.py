@@ -57,10 +57,10 @@ def test_the_papers_peaks_are_marked_where_they_are(result) -> None:
 
 
 @pytest.mark.slow
-def test_without_data_it_says_so(result) -> None:
+def test_without_data_the_caption_says_so(result) -> None:
     note = f"Recorded θ0 on plywood, abs, delrin and pu: {NO_DATA}."
     assert caption(result).endswith(note)
-    assert draw(result).texts[0].get_text() == note
+    assert draw(result).texts == []
 
 
 def test_measured_plywood_lingers_where_the_paper_saw_it(measured_data) -> None:
