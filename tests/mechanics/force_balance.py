@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import minimize
 
 from cyclemap.mechanics import Ellipse, EllipseFriction, LimitSurface, PatchFootprint
 from cyclemap.mechanics.engine.strokes import KINDS
@@ -157,12 +158,33 @@ def _twist_of(footprint, law, wrench, theta, guess):
         return best
     resting.sort(key=lambda found: found[0])
     best = min(best, (resting[0][2], resting[0][0]), key=lambda found: found[1])
+    if best[1] > 1e-11:
+        # Where a point with most of the load all but rests, no step of Newton's finds its slip; the convex body does.
+        starts = [best[0], *(twist for _, _, twist, _ in resting[:4])]
+        best = min(best, _touching(surface, scale, wrench, theta, starts), key=lambda found: found[1])
     for _, _, twist, slip in resting[:4]:
         for speed in 10.0 ** np.arange(-1.0, -9.0, -1.0):
             if best[1] > 1e-11:
                 start = twist + speed * np.array((*slip, 0.0))
                 best = min(best, _newton(surface, scale, wrench, theta, start), key=lambda found: found[1])
     return best
+
+
+def _touching(surface, scale, wrench, theta, starts):
+    """Twist that tells a wrench from the ground's best, and how far the wrench is from the surface in its direction.
+
+    The ground's wrenches are a convex body with the dissipation for a support function: a wrench is on its surface
+    where power less dissipation is zero at most, over all twists of one size, and zero at one.
+    """
+
+    def lost(vector):
+        twist = vector / np.linalg.norm(vector) * scale
+        return float(twist @ (surface.wrench(twist, theta) - wrench))
+
+    exact = {"xatol": 1e-14, "fatol": 1e-17, "maxiter": 4000}
+    tried = [minimize(lost, start / scale, method="Nelder-Mead", options=exact) for start in starts]
+    found = min(tried, key=lambda one: one.fun)
+    return found.x / np.linalg.norm(found.x) * scale, abs(float(found.fun))
 
 
 def _slip_of(law, traction, theta):
