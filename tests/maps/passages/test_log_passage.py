@@ -110,3 +110,12 @@ def test_uniform_noise_tells_its_progress_too():
     narrow = UniformNoise(1e-3)
     time = mean_passage_time(CircleMap.arnold(0.16, 1.0), narrow, 1.5, (1.4, 1.7), progress=seen.append)
     assert time.error_bound < 1e-6 and seen and seen == sorted(seen) and seen[-1] <= 1.0
+
+
+def test_a_chain_that_wider_noise_makes_no_coarser_is_eliminated(monkeypatch):
+    """Its nodes are the map's own however wide the noise: the answer is that of the sweeps, by the other way."""
+    stuck, noise, arc = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.028), (-3.0, 2.37)
+    swept = log10_passage_time(stuck, noise, 0.77, arc, lifted=True)
+    monkeypatch.setattr("cyclemap.maps.passages.log_passage._FEW", 60)
+    eliminated = log10_passage_time(stuck, noise, 0.77, arc, lifted=True)
+    assert abs(eliminated - swept) <= eliminated.error_bound + swept.error_bound < 1e-6
