@@ -144,7 +144,7 @@ def caption(result: Staircases) -> str:
         "which wears over the run and was inferred from the very path that is drawn beside it where it was found: that "
         "agreement is a fit, not a test. The other materials are inferred from the paper's tables and words.",
         *[_sentence(one) for one in result.materials],
-        _absence(result),
+        not_found("θ0", [one.run.surface for one in result.materials if one.recorded is None]),
     ]
     return " ".join(filter(None, told))
 
@@ -186,11 +186,6 @@ def _paces(climb: Climb) -> str:
     if climb.turn_pushes.size < 2:
         return ""
     return f", the first whole one in {climb.turn_pushes[0]} pushes and the last in {climb.turn_pushes[-1]}"
-
-
-def _absence(result: Staircases) -> str:
-    names = [one.run.surface for one in result.materials if one.recorded is None]
-    return not_found("θ0", names)
 
 
 FIGURE = PaperFigure(

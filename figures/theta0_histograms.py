@@ -136,7 +136,7 @@ def caption(result: DirectionHistograms) -> str:
         f"whose density is the mean over {len(result.materials[0].run.states)} states of its wear. Dashed: the "
         "peaks that the paper names. Maxima above half the uniform density count as peaks.",
         *[_sentence(one) for one in result.materials],
-        _absence(result),
+        not_found("θ0", [one.run.surface for one in result.materials if one.theta0 is None]),
     ]
     return " ".join(filter(None, told))
 
@@ -159,10 +159,6 @@ def _sentence(one: MaterialDirections) -> str:
         f"{told}, {recorded:.0%} of the {one.theta0.size} recorded ones, whose highest bin is {low:.0f}° to "
         f"{high:.0f}°; the two histograms are {one.apart:.2f} apart in total variation."
     )
-
-
-def _absence(result: DirectionHistograms) -> str:
-    return not_found("θ0", [one.run.surface for one in result.materials if one.theta0 is None])
 
 
 FIGURE = PaperFigure(

@@ -117,7 +117,7 @@ def caption(result: TurnHistograms) -> str:
         "Histogram of the turn of each push, and the one that the fitted law predicts from the same θ0, with its "
         "scatter and, as the paper drew it, alone. Simulated plywood is plywood-measured, which wears.",
         *[_sentence(panel) for panel in result.panels],
-        _absence(result),
+        not_found("pushes", result.absent),
     ]
     return " ".join(filter(None, told))
 
@@ -137,10 +137,6 @@ def _sentence(panel: TurnPanel) -> str:
         f"{found.total_variation:.2f} off in total variation, {chance} the {found.chance_total_variation:.2f} that "
         f"chance makes in 19 of 20 sets, and without its scatter {found.law_alone_total_variation:.2f}."
     )
-
-
-def _absence(result: TurnHistograms) -> str:
-    return not_found("pushes", result.absent)
 
 
 FIGURE = PaperFigure(

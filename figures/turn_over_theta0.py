@@ -123,7 +123,7 @@ def caption(result: TurnsOverTheta0) -> str:
         "Where no push starts, a law only guesses: around the circle it misses the mechanics by up to "
         f"{listed(_miss(one) for one in result.materials)}.",
         _recorded(result),
-        _absence(result),
+        not_found("pushes", [one.run.surface for one in result.materials if one.measured is None]),
     ]
     return " ".join(filter(None, told))
 
@@ -151,10 +151,6 @@ def _recorded(result: TurnsOverTheta0) -> str:
         if one.measured is not None and one.law.law is not None
     ]
     return f"Recorded pushes are drawn, and their law, on {listed(told)}." if told else ""
-
-
-def _absence(result: TurnsOverTheta0) -> str:
-    return not_found("pushes", [one.run.surface for one in result.materials if one.measured is None])
 
 
 FIGURE = PaperFigure(

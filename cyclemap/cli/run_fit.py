@@ -1,6 +1,7 @@
 """`cyclemap fit`: laws fitted to measured pushes, in tables and sentences, as JSON, and as a picture of each set."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,7 +9,7 @@ from cyclemap.cli.fit_report import fit_report, law_table, set_report, statistic
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.errors import CycleMapError, InvalidInput
-from cyclemap.evidence import PushTable, load_pushes
+from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
 from cyclemap.evidence.tables.push_sets import PushSet, push_sets
 from cyclemap.evidence.tables.set_fit import SetFit, fit_set
 from cyclemap.plain_text import plain_number
@@ -87,13 +88,14 @@ def _check_readable(data: Path, pushes: PushTable) -> None:
     if len(pushes.table):
         return
     if pushes.unreadable:
-        reasons = "; ".join(f"{file.path}: {file.reason}" for file in pushes.unreadable[:MOST_NAMED])
-        raise CycleMapError(f"{data}: no push could be read: {reasons}{_more(len(pushes.unreadable))}")
+        raise CycleMapError(f"{data}: no push could be read: {reasons_of(pushes.unreadable)}")
     raise InvalidInput(f"{data}: holds {len(pushes.scans)} friction scans and no push; give pushes to fit")
 
 
-def _more(count: int) -> str:
-    return f"; and {count - MOST_NAMED} files more" if count > MOST_NAMED else ""
+def reasons_of(left_out: Sequence[UnreadableFile]) -> str:
+    """Why files were left out, the first of them by name, the others counted."""
+    told = "; ".join(f"{file.path}: {file.reason}" for file in left_out[:MOST_NAMED])
+    return told + (f"; and {len(left_out) - MOST_NAMED} more" if len(left_out) > MOST_NAMED else "")
 
 
 def _fit_all(sets: tuple[PushSet, ...], request: FitRequest) -> list[SetFit]:

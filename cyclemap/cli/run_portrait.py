@@ -30,7 +30,12 @@ def run_portrait(options: LoopOptions, request: RunRequest, json_target: str | N
     """Compute the portrait, draw it, and print it for people or as JSON."""
     chosen = chosen_collection(options).simplified()
     loop, sigma = chosen.loop, chosen.sigma
-    pairs = None if request.data is None else _measured_pairs(request.data)
+    pairs = None
+    if request.data is not None:
+        # Measured data, and all that belongs to it, are loaded only where there are some.
+        from cyclemap.evidence import read_theta0_pairs
+
+        pairs = read_theta0_pairs(request.data)
     if chosen.strategy is None:
         _run_loop(loop, sigma, request, pairs, json_target)
         return
@@ -68,13 +73,6 @@ def _compute(loop: CollectionLoop, sigma: float | None, request: RunRequest, pai
             seed=request.seed,
             progress=report,
         )
-
-
-def _measured_pairs(path: Path) -> Theta0Pairs:
-    # Measured data, and all that belongs to it, are loaded only where there are some.
-    from cyclemap.evidence import read_theta0_pairs
-
-    return read_theta0_pairs(path)
 
 
 def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:

@@ -10,7 +10,7 @@ from rich.table import Table
 from cyclemap.cli.json_report import Json
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
-from cyclemap.cli.run_fit import selected_values
+from cyclemap.cli.run_fit import reasons_of, selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.errors import CycleMapError
@@ -23,8 +23,6 @@ from cyclemap.whole_files import write_whole
 if TYPE_CHECKING:
     import pandas
 
-# Files left out are told by name up to this many, and counted beyond.
-MOST_NAMED = 10
 COLUMNS = (
     "surface", "object", "pushes", "error (mm)", "median", "isotropic", "motion (mm)", "share",
     "turn error (°)", "median", "isotropic",
@@ -64,7 +62,7 @@ def run_replay(options: LoopOptions, request: ReplayRequest, json_target: str | 
             progress=report,
         )
     if not replayed.replays:
-        raise CycleMapError(f"{request.data}: no push could be replayed: {_reasons(replayed)}")
+        raise CycleMapError(f"{request.data}: no push could be replayed: {reasons_of(replayed.not_replayed)}")
     report_json = replay_report(replayed, material.name, pusher.friction)
     stem = f"replay_{file_stem(material.name)}"
     write_json(request.out / f"{stem}.json", report_json)
@@ -72,12 +70,6 @@ def run_replay(options: LoopOptions, request: ReplayRequest, json_target: str | 
     write_whole(picture, render(replay_page(replayed, material.name), request.picture_format))
     if not publish_json(report_json, json_target):
         _print_for_people(replayed, picture)
-
-
-def _reasons(replayed: ReplayedPushes) -> str:
-    left_out = replayed.not_replayed
-    told = "; ".join(f"{file.path}: {file.reason}" for file in left_out[:MOST_NAMED])
-    return told + (f"; and {len(left_out) - MOST_NAMED} files more" if len(left_out) > MOST_NAMED else "")
 
 
 def _print_for_people(replayed: ReplayedPushes, picture: Path) -> None:
@@ -90,7 +82,7 @@ def _print_for_people(replayed: ReplayedPushes, picture: Path) -> None:
         table.add_row(*_cells(row))
     console.print_table(table)
     if replayed.not_replayed:
-        console.print(f"not replayed: {_reasons(replayed)}")
+        console.print(f"not replayed: {reasons_of(replayed.not_replayed)}")
     console.print(f"picture: {picture}")
 
 

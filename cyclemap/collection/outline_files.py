@@ -195,14 +195,11 @@ def _dxf_outline(path: Path) -> tuple[Array, float | None]:
             made = drawing_paths.make_path(entity)
         except (TypeError, ValueError):
             continue
-        pieces.append(np.array([[point.x, point.y] for point in made.flattening(1e-4 * _size(made))]))
+        ends = np.array([[point.x, point.y] for point in made.control_vertices()])
+        finest = 1e-4 * max(float(np.ptp(ends, axis=0).max()), 1e-9)
+        pieces.append(np.array([[point.x, point.y] for point in made.flattening(finest)]))
     unit = _DXF_UNITS.get(drawing.header.get("$INSUNITS", 0))
     return _largest(path, _closed(pieces)), None if unit is None else UNITS[unit]
-
-
-def _size(path: Any) -> float:
-    ends = np.array([[point.x, point.y] for point in path.control_vertices()])
-    return max(float(np.ptp(ends, axis=0).max()), 1e-9)
 
 
 def _closed(pieces: Sequence[Array]) -> list[Array]:

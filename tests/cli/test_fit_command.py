@@ -139,7 +139,7 @@ def test_a_folder_of_which_nothing_can_be_read_is_exit_1_with_the_first_reasons_
     assert len(shown.err.splitlines()) == 1
     assert "no push could be read: bad00.json" in shown.err
     assert shown.err.count(".json:") == 10
-    assert "and 3 files more" in shown.err
+    assert "and 3 more" in shown.err
 
 
 @pytest.mark.parametrize(

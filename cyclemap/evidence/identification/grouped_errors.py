@@ -73,13 +73,15 @@ def grouped_variance(jacobian: Array, errors: Array, inverse: Array, groups: Lab
     return scores.T @ scores, _grouped_freedom(np.array(own), np.array(pull), inverse)
 
 
-def with_known_variance(estimated: Array, freedom: Array, *known: Array) -> tuple[Array, Array]:
-    """Covariance (k, k) and freedom (k,) where variances that are known come on top of one estimated with a freedom.
+def with_known_variance(estimated: Array, freedom: Array, known: Array) -> tuple[Array, Array]:
+    """Covariance (k, k) and freedom (k,) where a known covariance comes on top of one estimated with a freedom.
+
+    Satterthwaite's (1946): the known part has no end of freedom, so freedom = that of the estimate / (its share)^2.
 
     >>> with_known_variance(np.array([[1.0]]), np.array([3.0]), np.array([[1.0]]))
     (array([[2.]]), array([12.]))
     """
-    total = estimated + np.sum(known, axis=0)
+    total = estimated + known
     share = np.diag(estimated) / np.maximum(np.diag(total), 1e-300)
     return total, _degrees(freedom, share**2)
 

@@ -112,7 +112,7 @@ def _variance(
     told, errors = jacobian[~belief], (law.weight(scaled**2) * scaled / information)[~belief]
     covariance, freedom = grouped_variance(told, errors, inverse, problem.groups[~belief])
     believed = jacobian[belief] @ inverse
-    return *with_known_variance(covariance, freedom, believed.T @ believed, by_weights), True
+    return *with_known_variance(covariance + by_weights, freedom, believed.T @ believed), True
 
 
 def _correlation(covariance: Array, error: Array) -> Array:
