@@ -94,6 +94,11 @@ class QuasiStaticModel:
         """Unit of the friction coefficients of the normalised motion: their geometric mean."""
         return math.sqrt(self.friction.mu_a) * math.sqrt(self.friction.mu_b)
 
+    @property
+    def isotropic(self) -> "QuasiStaticModel":
+        """The same slider and rod where nothing is known of the surface: one friction all around, even pressure."""
+        return replace(self, friction=EllipseFriction.isotropic(self.scale), footprint=None)
+
     @cached_property
     def curve(self) -> ContactCurve:
         """The contact curve, in units of `unit`."""

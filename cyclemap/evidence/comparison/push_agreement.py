@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.evidence.comparison.collection_data import PushSet
 from cyclemap.evidence.laws.linear_fit import fit_linear
-from cyclemap.mechanics import EllipseFriction
 
 QUANTITIES = ("dtheta", "dx", "dy")
 # Below so many pushes the error of a bias is not told.
@@ -102,9 +100,8 @@ def push_agreement(pushes: PushSet) -> PushAgreement:
     Raises UnsupportedContact where the mechanics cannot follow a push.
     """
     loop, starts = pushes.loop, list(zip(pushes.theta.tolist(), pushes.push, strict=True))
-    even = EllipseFriction.isotropic(math.sqrt(loop.material.friction.mu_a * loop.material.friction.mu_b))
     found = []
-    for model in (loop.model, replace(loop.model, friction=even, footprint=None)):
+    for model in (loop.model, loop.model.isotropic):
         runs = [model.push(loop.start_pose(theta), push) for theta, push in starts]
         found.append(np.array([[run.turn, *run.displacement] for run in runs]))
     predicted, isotropic = found

@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from cyclemap.arrays import shorter_way
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Pose
@@ -123,18 +121,3 @@ def _push(table: CsvTable, row: CsvRow, contact: int) -> MeasuredPush:
 def _drag(table: CsvTable, row: CsvRow, contact: int) -> MeasuredDrag:
     x1, y1, theta1, x2, y2, theta2 = (table.number(row, column) for column in _DRAG_COLUMNS)
     return MeasuredDrag(Pose(x1, y1, theta1), Pose(x2, y2, theta1 + float(shorter_way(theta2 - theta1))), contact)
-
-
-def mean_errors(residuals: np.ndarray) -> dict[str, float]:
-    """Mean and median place error (mm) and turn error (deg) of residuals (n, 3): x (m), y (m), angle (rad).
-
-    >>> mean_errors(np.array([[3e-3, 4e-3, 0.0]]))["place_mean_mm"]
-    5.0
-    """
-    place, turn = 1e3 * np.hypot(residuals[:, 0], residuals[:, 1]), np.degrees(np.abs(residuals[:, 2]))
-    return {
-        "place_mean_mm": float(place.mean()),
-        "place_median_mm": float(np.median(place)),
-        "turn_mean_deg": float(turn.mean()),
-        "turn_median_deg": float(np.median(turn)),
-    }

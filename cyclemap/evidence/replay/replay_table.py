@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -208,9 +208,8 @@ class _Runner:
             if name in self._plates:
                 footprint = PatchFootprint(slider.outline, **self._plates[name].shares, centre=slider.centre_of_mass)
             model = QuasiStaticModel(slider, law, self._pusher, footprint, accuracy=ACCURACY)
-            plain = replace(model, friction=EllipseFriction.isotropic(math.sqrt(law.mu_a * law.mu_b)), footprint=None)
             is_plain = footprint is None and law.mu_a == law.mu_b and law.m0 == law.n0 == 0.0
-            self._models[name] = (model, model if is_plain else plain)
+            self._models[name] = (model, model if is_plain else model.isotropic)
         return self._models[name]
 
 

@@ -3,13 +3,11 @@
 import math
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredPush,
-    mean_errors,
     read_measured_drags,
     read_measured_pushes,
 )
@@ -61,10 +59,3 @@ def test_what_cannot_be_read_is_named_with_its_line(tmp_path: Path) -> None:
         read_measured_pushes(written(tmp_path, ROWS[2], still))
     with pytest.raises(InvalidInput, match="moves nothing"):
         MeasuredPush(Pose(), Pose(), (0.1, 0.0), (0.1, 0.0))
-
-
-def test_errors_are_distances_and_absolute_turns() -> None:
-    found = mean_errors(np.array([[3e-3, 4e-3, math.radians(-2.0)], [0.0, 1e-3, 0.0]]))
-    assert found == pytest.approx(
-        {"place_mean_mm": 3.0, "place_median_mm": 3.0, "turn_mean_deg": 1.0, "turn_median_deg": 1.0}
-    )
