@@ -157,6 +157,7 @@ def _quantity(found: QuantityAgreement, scale: float) -> Json:
     return {
         **{name: number(scale * getattr(found, name)) for name in lengths},
         "bias_error": None if found.bias_error is None else number(scale * found.bias_error),
+        "model_error": number(scale * found.model_error),
         "rmse_percent": number(found.percent),
         "measured_std_percent": number(found.std_percent),
     }
@@ -172,6 +173,7 @@ def _cycle(found: CycleAgreement) -> Json:
         "predicted_turn_deg": degrees(found.predicted_turn),
         "bias_deg": degrees(found.bias),
         "bias_error_deg": degrees(found.bias_error),
+        "model_error_deg": degrees(found.model_error),
         "scatter_deg": degrees(found.scatter),
         "lag_correlation": number(found.lag_correlation),
         "map_test": _p_value(found.p_value),

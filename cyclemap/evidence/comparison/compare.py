@@ -22,7 +22,7 @@ from cyclemap.evidence.comparison.push_agreement import (
     QuantityAgreement,
     mean_distances,
     pooled_quantities,
-    push_agreement,
+    push_agreements,
 )
 from cyclemap.evidence.comparison.staircase_agreement import StaircaseAgreement, staircase_agreement
 from cyclemap.evidence.comparison.verdicts import Verdict, all_verdicts
@@ -128,8 +128,10 @@ def compare(
 
     P-values come from simulated collections, as long as the measured one and from the same start, under the predicted
     map and noise: autocorrelation and wear are in them. Where the prediction was fitted to these very pairs - told by
-    fitting them again - every simulated collection is fitted again too. The noise of successive cycles is taken as
-    independent: where ``cycle.lag_correlation`` is far from 0 it is not, and the p-values are too small.
+    fitting them again - every simulated collection is fitted again too. Where a loop's material has a posterior, each
+    simulated collection is of one of its samples, and errors of means hold what the parameters leave open. The noise of
+    successive cycles is taken as independent: where ``cycle.lag_correlation`` is far from 0 it is not, and the p-values
+    are too small.
 
     Raises InvalidInput for a prediction or data that cannot be used, DataFileError for a bad file, ConvergenceError
     where the loop's cycle map cannot be computed.
@@ -150,18 +152,10 @@ def compare(
     wanted = max(last, collection.path_first + (0 if collection.path is None else collection.path.size))
     given = prediction if loop is None else collection.loop
     chosen = as_prediction(given, noise, wanted, tolerance=tolerance, progress=lambda done: report(0.1 + 0.3 * done))
-    pushes = _pushes(collection, lambda done: report(0.4 + 0.3 * done))
+    pushes = push_agreements(collection.pushes, lambda done: report(0.4 + 0.3 * done))
     rest = _cycles_asked(chosen, collection, count, seed, lambda done: report(0.7 + 0.3 * done))
     report(1.0)
     return replace(rest, pushes=pushes)
-
-
-def _pushes(data: CollectionData, report: Progress) -> tuple[PushAgreement, ...]:
-    found = []
-    for done, pushes in enumerate(data.pushes, 1):
-        found.append(push_agreement(pushes))
-        report(done / len(data.pushes))
-    return tuple(sorted(found, key=lambda one: -one.count))
 
 
 def _cycles_asked(prediction: Prediction, data: CollectionData, runs: int, seed: int, report: Progress) -> Comparison:
@@ -184,14 +178,14 @@ def _of_path(
     report: Progress,
 ) -> Comparison:
     assert data.pairs is not None
-    (runs, seed), model = drawn, prediction.model(data.path_first)
+    (runs, seed), model, uncertain = drawn, prediction.model(data.path_first), prediction.null(data.path_first)
     ensemble = simulated_ensemble(model, float(path[0]), path.size, ENSEMBLE, seed + 2)
     statistics = {**collection_statistics(), "map": map_misfit}
     tested = collection_p_values(
-        path, model, statistics, runs=runs, seed=seed, refit=refit,
+        path, uncertain, statistics, runs=runs, seed=seed, refit=refit,
         ensemble=None if refit else ensemble, progress=lambda done: report(0.5 * done),
     )  # fmt: skip
-    null = model.paths(float(path[0]), path.size, min(runs, MOST_DETAILED), seed)
+    null = uncertain.paths(float(path[0]), path.size, min(runs, MOST_DETAILED), seed)
     summary, uncertified = _summary(prediction, data.path_first + path.size // 2)
     fixed = None if prediction.is_drifting else summary
     stairs = staircase_agreement(path, null, fixed, lambda done: report(0.5 + 0.4 * done))

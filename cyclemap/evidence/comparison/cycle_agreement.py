@@ -25,7 +25,9 @@ class CycleAgreement:
 
     agreement : root mean squares over pairs, and over the medians of 5 degree bins, each bin counting once.
     bins : the measured medians. measured_turn, predicted_turn : means over the pairs. bias : predicted less measured.
-    bias_error : its standard error, correlation of successive cycles allowed for; None below three pairs.
+    bias_error : its standard error, correlation of successive cycles allowed for, and ``model_error`` with it; None
+        below three pairs. model_error : of the predicted mean alone, by how well the material's parameters are known; 0
+        where it has no posterior.
     scatter : of the measured turns about the map with six harmonics that fits these very pairs best, what no smooth
         map of θ0 alone can do much better than; None where the pairs do not fix it.
     noise : standard deviation of the predicted noise of one cycle.
@@ -40,6 +42,7 @@ class CycleAgreement:
     predicted_turn: float
     bias: float
     bias_error: float | None
+    model_error: float
     scatter: float | None
     noise: float
     lag_correlation: float | None
@@ -59,13 +62,15 @@ def cycle_agreement(
     off = pairs.turn - predicted
     medians = turn_bins(Theta0Pairs(pairs.theta, pairs.theta + off))
     over_bins = float(np.sqrt(np.mean(medians.median**2))) if medians.median.size else np.nan
+    model_error = prediction.mean_turn_error(pairs.theta, cycle)
     return CycleAgreement(
         agreement=MapAgreement(off.size, float(np.sqrt(np.mean(off**2))), medians.median.size, over_bins),
         bins=turn_bins(pairs),
         measured_turn=float(np.mean(pairs.turn)),
         predicted_turn=float(np.mean(predicted)),
         bias=float(-np.mean(off)),
-        bias_error=mean_error(off),
+        bias_error=mean_error(off, model_error),
+        model_error=model_error,
         scatter=None if best is None else best.sigma,
         noise=float(np.sqrt(prediction.noise.variance)),
         lag_correlation=None if best is None else best.lag_correlation,

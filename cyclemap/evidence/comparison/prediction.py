@@ -11,6 +11,7 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.collection import CollectionLoop, drifting_map
+from cyclemap.collection.found_with import sampled_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import FittedMap
@@ -26,6 +27,9 @@ PREDICTIONS = "a CollectionLoop, a CircleMap or DriftingMap with noise, a Fitted
 REFIT_KNOTS = 10
 # Coefficients that agree so well were fitted to the same pairs.
 SAME_FIT = 1e-9
+# Samples of a material's posterior that are used, and how good their maps are, rad: they tell a spread.
+SAMPLES = 32
+_SAMPLE_TOLERANCE, _SAMPLE_BLEND = 1e-3, 1e-2
 
 Progress = Callable[[float], None]
 Fit = Callable[[Theta0Pairs, Array], FittedMap | HarmonicMap]
@@ -38,12 +42,14 @@ class Prediction:
     map : of the cycle; cycle n of a drifting one is push n of the data, those dropped counted.
     noise : of one cycle. given : what was handed in.
     kind : "loop", "map", "drifting map", "fitted map" or "worn fitted map".
+    samples : the maps of samples of the posterior of a loop's material; () without one.
     """
 
     map: CircleMap | DriftingMap
     noise: Noise
     kind: str
     given: Any
+    samples: tuple[CircleMap | DriftingMap, ...] = ()
 
     @property
     def is_drifting(self) -> bool:
@@ -54,20 +60,49 @@ class Prediction:
         """The model of a collection that begins with push ``first``."""
         return CollectionModel(self.map, self.noise, first)
 
+    def null(self, first: int) -> CollectionModel:
+        """The same, whose simulated collections are as uncertain as the parameters are."""
+        return PosteriorModel(self.map, self.noise, first, self.samples) if self.samples else self.model(first)
+
     def map_at(self, cycle: float) -> CircleMap:
         """The map of one push."""
         return self.map if isinstance(self.map, CircleMap) else self.map.at(cycle)
 
     def turn(self, theta: Array, cycle: Array) -> Array:
         """The predicted turn (rad) of pairs that start at ``theta`` (n,) in the pushes ``cycle`` (n,)."""
-        if isinstance(self.map, CircleMap):
-            return self.map.turn(theta)
-        image = np.empty_like(theta)
-        for part in self.map.stretches(int(cycle.min()), int(cycle.max()) + 1):
-            here = (cycle >= part.first) & (cycle < part.last)
-            before, share = part.before(theta[here]), part.share[cycle[here].astype(np.int64) - part.first]
-            image[here] = before + share * (part.after(theta[here]) - before)
-        return image - theta
+        return _turn(self.map, theta, cycle)
+
+    def mean_turn_error(self, theta: Array, cycle: Array) -> float:
+        """How well the material's parameters fix the mean of ``turn``: its standard deviation over the samples, rad."""
+        if not self.samples:
+            return 0.0
+        return float(np.std([np.mean(_turn(one, theta, cycle)) for one in self.samples], ddof=1))
+
+
+@dataclass(frozen=True, eq=False)
+class PosteriorModel(CollectionModel):
+    """A model whose simulated collections come from the maps of a posterior's samples in turn, not from its own."""
+
+    samples: tuple[CircleMap | DriftingMap, ...] = ()
+
+    def paths(self, start: float, length: int, count: int, seed: int) -> Array:
+        """``count`` collections of ``length`` orientations from ``start``: (count, length), rad, unwrapped."""
+        found, used = np.empty((count, length)), self.samples[:count]
+        for number, one in enumerate(used):
+            rows = found[number :: len(used)]
+            rows[:] = CollectionModel(one, self.noise, self.first).paths(start, length, len(rows), seed + number)
+        return found
+
+
+def _turn(one: CircleMap | DriftingMap, theta: Array, cycle: Array) -> Array:
+    if isinstance(one, CircleMap):
+        return one.turn(theta)
+    image = np.empty_like(theta)
+    for part in one.stretches(int(cycle.min()), int(cycle.max()) + 1):
+        here = (cycle >= part.first) & (cycle < part.last)
+        before, share = part.before(theta[here]), part.share[cycle[here].astype(np.int64) - part.first]
+        image[here] = before + share * (part.after(theta[here]) - before)
+    return image - theta
 
 
 def as_prediction(
@@ -102,18 +137,40 @@ def as_prediction(
         return Prediction(_map_of_fit(given, last), noise or _scatter(_sigma(given)), kind, given)
     # A loop is told by what it can do, so that a loop whose map is known may stand in for it.
     if callable(getattr(given, "circle_map", None)) and callable(getattr(given, "cycle", None)):
-        chosen = _map_of_loop(given, last, tolerance, progress)
-        return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given)
+        report = progress or (lambda fraction: None)
+        chosen = _map_of_loop(given, last, tolerance, lambda done: report(0.3 * done))
+        samples = _maps_of_samples(given, last, lambda done: report(0.3 + 0.7 * done))
+        return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, samples)
     raise InvalidInput(f"the prediction is {given!r}: give {PREDICTIONS}")
 
 
-def _map_of_loop(loop: Any, last: int, tolerance: float, progress: Progress | None) -> CircleMap | DriftingMap:
+def posterior_samples(loop: Any) -> list[CollectionLoop]:
+    """The loop on up to ``SAMPLES`` surfaces of its material's posterior, evenly picked; [] without a posterior."""
+    posterior = loop.material.posterior if isinstance(loop, CollectionLoop) else None
+    if posterior is None:
+        return []
+    picked = np.linspace(0, len(posterior) - 1, min(SAMPLES, len(posterior))).round().astype(int)
+    return [sampled_loop(loop, number) for number in picked.tolist()]
+
+
+def _maps_of_samples(loop: Any, last: int, report: Progress) -> tuple[CircleMap | DriftingMap, ...]:
+    found: list[CircleMap | DriftingMap] = []
+    loops = posterior_samples(loop)
+    for done, one in enumerate(loops, 1):
+        if one.material.wear is None:
+            found.append(one.circle_map(tolerance=_SAMPLE_TOLERANCE))
+        else:
+            found.append(drifting_map(one, last + 1, _SAMPLE_BLEND))
+        report(done / len(loops))
+    return tuple(found)
+
+
+def _map_of_loop(loop: Any, last: int, tolerance: float, report: Progress) -> CircleMap | DriftingMap:
     """The loop's map; where its surface wears, the one that drifts over the pushes up to ``last``."""
     if isinstance(loop, CollectionLoop) and loop.material.wear is not None:
         # How many maps it takes is not known before; some twenty are usual.
-        report = progress or (lambda fraction: None)
         return drifting_map(loop, last + 1, progress=lambda done: report(min(1.0, done / 20.0)))
-    found = loop.circle_map(tolerance=tolerance, progress=progress)
+    found = loop.circle_map(tolerance=tolerance, progress=report)
     assert isinstance(found, CircleMap)
     return found
 

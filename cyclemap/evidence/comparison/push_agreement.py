@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,11 +11,15 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.evidence.comparison.collection_data import PushSet
+from cyclemap.evidence.comparison.prediction import posterior_samples
 from cyclemap.evidence.laws.linear_fit import fit_linear
+from cyclemap.mechanics import QuasiStaticModel, SidePush
 
 QUANTITIES = ("dtheta", "dx", "dy")
 # Below so many pushes the error of a bias is not told.
 FEWEST = 3
+# Pushes that are run on each sample of a posterior, of a set and of all sets: they tell how far the mean moves.
+_SAMPLED_PUSHES = 100
 
 # Mean size of an error of place (m) and of turn (rad).
 Distances = tuple[float, float]
@@ -28,8 +32,9 @@ class QuantityAgreement:
     measured_mean, measured_std; predicted_mean, predicted_std : of the pushes, the predictions at their own θ0.
         measured_std is also the least RMSE of any law that ignores θ0, as an isotropic one does.
     bias : mean of predicted less measured. spread : standard deviation of that difference. rmse² = bias² + spread².
-    bias_error : standard error of the bias, correlation of successive pushes allowed for (Newey & West 1987); None
-        below three pushes.
+    bias_error : standard error of the bias, correlation of successive pushes allowed for (Newey & West 1987), and
+        ``model_error`` with it; None below three pushes. model_error : of the predicted mean alone, by how well the
+        material's parameters are known; 0 where it has no posterior.
     All standard deviations are over n.
     """
 
@@ -43,6 +48,7 @@ class QuantityAgreement:
     spread: float
     rmse: float
     bias_error: float | None
+    model_error: float = 0.0
 
     @property
     def percent(self) -> float:
@@ -71,7 +77,8 @@ class PushAgreement:
 
     facts : of the set. length : of its pushes, their median, m. theta : (n,) rad.
     measured, predicted, isotropic : (n, 3), dtheta (rad), dx, dy (m), the last of isotropic friction under even
-    pressure, all else alike. quantities : dtheta, dx, dy.
+    pressure, all else alike. quantities : dtheta, dx, dy. sampled : (k, 3), means of some of the pushes on samples of
+    the material's posterior, less those predicted; None without a posterior.
     """
 
     facts: Mapping[str, Any]
@@ -81,6 +88,7 @@ class PushAgreement:
     predicted: Array
     isotropic: Array
     quantities: tuple[QuantityAgreement, ...]
+    sampled: Array | None = None
 
     @property
     def count(self) -> int:
@@ -94,30 +102,47 @@ class PushAgreement:
         return f" of {' on '.join(known)}" if known else ""
 
 
-def push_agreement(pushes: PushSet) -> PushAgreement:
-    """Set the pushes of one set beside those of their loop, each at its own θ0, as long as it was.
+def push_agreements(sets: Sequence[PushSet], report: Callable[[float], None]) -> tuple[PushAgreement, ...]:
+    """Set the pushes of each set beside those of their loop, each at its own θ0, as long as it was; the largest first.
 
     Raises UnsupportedContact where the mechanics cannot follow a push.
     """
+    found, stride = [], 1 + len(sets) // _SAMPLED_PUSHES
+    for number, pushes in enumerate(sets):
+        found.append(_push_agreement(pushes, sampled=number % stride == 0))
+        report((number + 1) / len(sets))
+    return tuple(sorted(found, key=lambda one: -one.count))
+
+
+def _push_agreement(pushes: PushSet, sampled: bool) -> PushAgreement:
     loop, starts = pushes.loop, list(zip(pushes.theta.tolist(), pushes.push, strict=True))
-    found = []
-    for model in (loop.model, loop.model.isotropic):
-        runs = [model.push(loop.start_pose(theta), push) for theta, push in starts]
-        found.append(np.array([[run.turn, *run.displacement] for run in runs]))
-    predicted, isotropic = found
+
+    def moved(model: QuasiStaticModel, some: Sequence[tuple[float, SidePush]]) -> Array:
+        runs = [model.push(loop.start_pose(theta), push) for theta, push in some]
+        return np.array([[run.turn, *run.displacement] for run in runs])
+
+    predicted, isotropic = moved(loop.model, starts), moved(loop.model.isotropic, starts)
+    stride = 1 + len(starts) // _SAMPLED_PUSHES
+    samples = posterior_samples(loop) if sampled else []
+    shifts = [np.mean(moved(one.model, starts[::stride]) - predicted[::stride], axis=0) for one in samples]
     measured = np.column_stack([pushes.dtheta, pushes.displacement])
-    pairs = zip(QUANTITIES, measured.T, predicted.T, strict=True)
-    quantities = tuple(quantity_agreement(*one) for one in pairs)
-    length = float(np.median([push.distance for push in pushes.push]))
+    kept = read_only(np.array(shifts)) if shifts else None
     return PushAgreement(
         pushes.facts,
-        length,
+        float(np.median([push.distance for push in pushes.push])),
         read_only(pushes.theta),
         read_only(measured),
         read_only(predicted),
         read_only(isotropic),
-        quantities,
+        _quantities(measured, predicted, kept),
+        kept,
     )
+
+
+def _quantities(measured: Array, predicted: Array, shifts: Array | None) -> tuple[QuantityAgreement, ...]:
+    errors = np.zeros(len(QUANTITIES)) if shifts is None else np.std(shifts, axis=0, ddof=1)
+    columns = zip(QUANTITIES, measured.T, predicted.T, errors.tolist(), strict=True)
+    return tuple(quantity_agreement(*one) for one in columns)
 
 
 def mean_distances(sets: Sequence[PushAgreement]) -> tuple[Distances, Distances]:
@@ -135,10 +160,12 @@ def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement,
     if not sets:
         return ()
     measured, predicted = (np.concatenate([getattr(one, name) for one in sets]) for name in ("measured", "predicted"))
-    return tuple(quantity_agreement(*one) for one in zip(QUANTITIES, measured.T, predicted.T, strict=True))
+    known = [(one.count, one.sampled) for one in sets if one.sampled is not None]
+    shifts = np.average([some for _, some in known], axis=0, weights=[count for count, _ in known]) if known else None
+    return _quantities(measured, predicted, shifts)
 
 
-def quantity_agreement(name: str, measured: Array, predicted: Array) -> QuantityAgreement:
+def quantity_agreement(name: str, measured: Array, predicted: Array, model_error: float = 0.0) -> QuantityAgreement:
     """Bias, spread and RMSE of ``predicted`` (n,) about ``measured`` (n,), n ≥ 1, in order of recording.
 
     >>> found = quantity_agreement("dx", np.array([1.0, 2.0, 3.0]), np.array([1.5, 2.5, 3.5]))
@@ -156,15 +183,20 @@ def quantity_agreement(name: str, measured: Array, predicted: Array) -> Quantity
         bias=float(np.mean(off)),
         spread=float(np.std(off)),
         rmse=float(np.sqrt(np.mean(off**2))),
-        bias_error=mean_error(off),
+        bias_error=mean_error(off, model_error),
+        model_error=model_error,
     )
 
 
-def mean_error(values: Array) -> float | None:
-    """Standard error of the mean of ``values`` (n,), correlated with their neighbours; None below three."""
+def mean_error(values: Array, model_error: float = 0.0) -> float | None:
+    """Standard error of the mean of ``values`` (n,), correlated with their neighbours; None below three.
+
+    model_error : what is added to it in squares.
+    """
     if values.size < FEWEST:
         return None
-    return float(np.sqrt(fit_linear(np.ones((values.size, 1)), values, correlated=True).covariance[0, 0]))
+    own = fit_linear(np.ones((values.size, 1)), values, correlated=True).covariance[0, 0]
+    return float(np.sqrt(own + model_error**2))
 
 
 def within_error(bias: float, error: float | None, count: int) -> bool | None:

@@ -62,7 +62,7 @@ def _push_verdict(found: QuantityAgreement, whose: str) -> Verdict:
     """Whether the mean agrees, and how near the law comes to the single pushes."""
     name, unit, scale = _named(found)
     means = _means(scale * found.measured_mean, scale * found.predicted_mean, unit, found.agrees)
-    error = "" if found.bias_error is None else f", error of the difference {scale * found.bias_error:.2f}{unit}"
+    error = _error(found.bias_error, found.model_error, scale, unit, ", {}")
     single = f"RMSE {scale * found.rmse:.2f}{unit}{_percent(found, found.percent)}"
     least = f"{scale * found.measured_std:.2f}{unit}{_percent(found, found.std_percent)}"
     better = "below" if found.explains else "not below"
@@ -92,6 +92,14 @@ def _named(found: QuantityAgreement) -> tuple[str, str, float]:
     return *_NAMES[found.name], float(np.degrees(1.0)) if found.name == "dtheta" else 1000.0
 
 
+def _error(found: float | None, model: float, scale: float, unit: str, around: str) -> str:
+    """The error of a difference, and how much of it is that of the material's parameters."""
+    if found is None:
+        return ""
+    of_model = f", {scale * model:.2f}{unit} of it the material's" if model > 0.0 else ""
+    return around.format(f"error of the difference {scale * found:.2f}{unit}{of_model}")
+
+
 def _percent(found: QuantityAgreement, value: float) -> str:
     """In per cent of the mean, unless that mean is nothing beside the spread."""
     return f" ({value:.1f} %)" if found.std_percent < 100.0 else ""
@@ -103,7 +111,7 @@ def _means(measured: float, predicted: float, unit: str, agrees: bool | None) ->
 
 
 def _cycle_verdicts(found: CycleAgreement) -> list[Verdict]:
-    error = "" if found.bias_error is None else f" (error of the difference {_degrees(found.bias_error, 2)})"
+    error = _error(found.bias_error, found.model_error, float(np.degrees(1.0)), "°", " ({})")
     scale = float(np.degrees(1.0))
     means = _means(scale * found.measured_turn, scale * found.predicted_turn, "°", found.agrees)
     question = Verdict("mean turn of a cycle", found.agrees, f"The mean turn of a cycle {means}{error}.")

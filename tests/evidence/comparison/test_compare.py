@@ -1,5 +1,7 @@
 """compare: every kind of prediction and data, the truth kept and a wrong law refused, fits told and fitted again."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from made_collections import NOISE, SINE, WORN, own_pushes, pairs_of, pose_row, sine_pairs, write_poses
@@ -9,8 +11,11 @@ from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence import Theta0Pairs, fit_map, harmonic_map
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.compare import compare
+from cyclemap.evidence.comparison.cycle_agreement import map_misfit
 from cyclemap.evidence.comparison.prediction import as_prediction, refit_rule
+from cyclemap.evidence.orientations.collection_null import collection_p_values, simulated_ensemble
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
+from cyclemap.mechanics import MaterialPosterior
 
 QUESTIONS = ["mean turn of a cycle", "cycle map", "histogram of directions"]
 
@@ -143,6 +148,26 @@ def test_a_loop_is_compared_with_its_pushes_and_its_cycles(quick, tmp_path, loop
     assert np.allclose(np.diff(found.data.path), np.diff(path), atol=1e-9)
     assert told == sorted(told)
     assert told[-1] == 1.0
+
+
+def test_a_truth_that_the_posterior_allows_is_refused_as_seldom_as_the_level_says() -> None:
+    """Collections of surfaces drawn from a material's posterior: with it the map is kept, without it refused."""
+    rng, quiet, loop = np.random.default_rng(4), WrappedNormal(0.05), CollectionLoop.mit("plywood")
+    mu_a, drawn = loop.material.friction.mu_a, rng.normal(1.0, 0.05, (44, 1))
+    posterior = MaterialPosterior(("mu_a",), tuple((mu_a * ratio[0],) for ratio in drawn[:32]))
+    known = replace(loop, material=replace(loop.material, posterior=posterior))
+    prediction = as_prediction(known, quiet, 200, tolerance=1e-4)
+    refused = {"known": 0, "alone": 0}
+    for number, (ratio,) in enumerate(drawn[32:].tolist()):
+        friction = replace(loop.material.friction, mu_a=mu_a * ratio)
+        truth = replace(loop, material=replace(loop.material, friction=friction)).circle_map(1e-4)
+        path = sample_staircase(truth, quiet, 200, 0.5, number).theta
+        for name, model in (("known", prediction.null(0)), ("alone", prediction.model(0))):
+            ensemble = simulated_ensemble(prediction.model(0), 0.5, path.size, 20, seed=9)
+            found = collection_p_values(path, model, {"map": map_misfit}, runs=99, ensemble=ensemble)
+            refused[name] += found["map"].value <= 0.1
+    assert refused["known"] <= 4
+    assert refused["alone"] >= 8
 
 
 def test_more_than_three_sets_are_told_as_one(quick, tmp_path, loop_of) -> None:

@@ -12,10 +12,11 @@ from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.push_agreement import (
     mean_error,
     pooled_quantities,
-    push_agreement,
+    push_agreements,
     quantity_agreement,
     within_error,
 )
+from cyclemap.mechanics import MaterialPosterior
 
 THETA = np.linspace(0.1, 6.1, 12)
 
@@ -27,7 +28,7 @@ def loop() -> CollectionLoop:
 
 def agreements(table, loop, **options):
     data = collection_data(table, loop, **options)
-    return data, [push_agreement(one) for one in data.pushes]
+    return data, push_agreements(data.pushes, lambda done: None)
 
 
 def test_a_loops_own_pushes_come_back_with_no_error(loop, tmp_path) -> None:
@@ -113,21 +114,39 @@ def test_a_material_of_no_surface_is_set_beside_one_surface_at_a_time(loop, tmp_
         collection_data(table, mine, select={"surface": "delrin"})
 
 
+def test_the_error_of_a_mean_holds_what_the_materials_posterior_leaves_open(loop, tmp_path) -> None:
+    ratios = np.linspace(0.9, 1.1, 5)
+    mu_a = loop.material.friction.mu_a
+    posterior = MaterialPosterior(("mu_a",), tuple((mu_a * ratio,) for ratio in ratios))
+    material = replace(loop.material, posterior=posterior)
+    _, (found,) = agreements(
+        write_poses(tmp_path / "own.csv", own_pushes(loop, THETA)), replace(loop, material=material)
+    )
+    means = []
+    for number in range(5):
+        own = replace(loop, material=material.sample(number))
+        runs = [own.model.push(own.start_pose(float(theta)), own.push) for theta in THETA]
+        means.append(np.mean([[run.turn, *run.displacement] for run in runs], axis=0))
+    for one, error in zip(found.quantities, np.std(means, axis=0, ddof=1), strict=True):
+        assert one.model_error == pytest.approx(error, rel=1e-3)
+        assert one.bias_error == pytest.approx(error, rel=1e-3)
+    assert pooled_quantities([found])[0].model_error == pytest.approx(found.quantities[0].model_error)
+
+
 def test_a_length_that_the_data_do_not_tell_must_be_said(loop, tmp_path) -> None:
     table = write_poses(tmp_path / "own.csv", own_pushes(loop, THETA, push_mm=""))
     with pytest.raises(InvalidInput, match="12: the data do not tell how far the rod moved: add a column push_mm"):
         collection_data(table, loop)
-    data = collection_data(table, loop, push_length=0.15)
-    assert push_agreement(data.pushes[0]).quantities[0].rmse < 1e-9
+    _, (found,) = agreements(table, loop, push_length=0.15)
+    assert found.quantities[0].rmse < 1e-9
 
 
 @pytest.mark.slow
 def test_measured_50_mm_pushes_are_predicted_50_mm_long(measured_data) -> None:
     """Of one plate on one floor; at 150 mm the same pushes are 24° and 26 mm off."""
     loop, file = CollectionLoop.mit("plywood"), measured_data / "mit_push_endpoints_v10.csv"
-    data = collection_data(file, loop, select={"object": "rect1", "side": 0.0})
+    data, found = agreements(file, loop, select={"object": "rect1", "side": 0.0})
     assert {one.facts["surface"] for one in data.pushes} == {"plywood"}
-    found = [push_agreement(one) for one in data.pushes]
     assert len(found) > 90
     assert max(abs(one.length - 0.05) for one in found) < 1e-3
     turn, dx, dy = pooled_quantities(found)
