@@ -58,9 +58,7 @@ def report_command(options: LoopOptions, data: Path | None, reset: bool, out: Pa
         rings = ring_answers(loop, sigma, start, lambda share: progress(0.4 + 0.2 * share))
         sections: list[Section] = []
         if data is not None:
-            sections.append(
-                _beside_data(found, data, sigma, chosen is not None, lambda share: progress(0.6 + 0.3 * share))
-            )
+            sections += _beside_data(found, data, sigma, chosen is not None, lambda share: progress(0.6 + 0.3 * share))
         downloads: tuple[Download, ...] = ()
         if reset:
             section, downloads = _what_to_do(found, sigma, lambda share: progress(0.9 + 0.1 * share))
@@ -91,18 +89,30 @@ def report_command(options: LoopOptions, data: Path | None, reset: bool, out: Pa
     click.echo(f"report: {place} ({len(page.encode()) / 1e3:.0f} kB)")
 
 
-def _beside_data(found: Portrait, data: Path, sigma: float, said: bool, progress: Progress) -> Section:
-    """Recorded against predicted: the verdicts of `cyclemap compare`, with their p-values."""
+def _beside_data(found: Portrait, data: Path, sigma: float, said: bool, progress: Progress) -> list[Section]:
+    """Recorded against predicted: the verdicts of `cyclemap compare`, with their p-values, and what is left over."""
     from cyclemap.evidence.comparison.compare import compare
     from cyclemap.maps import WrappedNormal
     from cyclemap.views import compare_sentences
+    from cyclemap.views.compare_page import residual_page
     from cyclemap.views.report.report_page import Section
+    from cyclemap.views.style import render
 
     compared = compare(found.loop, data, noise=WrappedNormal(sigma) if said else None, progress=progress)
     name = found.loop.material.name
     told = (compare_sentences.headline(name, compared), compare_sentences.data_sentence(compared))
     verdicts = (one.words for one in compared.verdicts)
-    return Section("Recorded against predicted", (*told, *verdicts, *compare_sentences.trust_sentences(compared)))
+    trust = compare_sentences.trust_sentences(compared)
+    page = residual_page(compared)
+    return [
+        Section("Recorded against predicted", (*told, *verdicts, *trust)),
+        Section(
+            "What explains it, and what is left",
+            tuple(compare_sentences.explanation_sentences(name, compared)),
+            b"" if page is None else render(page, "png", 80),
+            "Measured less predicted, over the orientation before the push; a line joins medians of 5 degrees",
+        ),
+    ]
 
 
 def _what_to_do(found: Portrait, sigma: float, progress: Progress) -> tuple[Section, tuple[Download, ...]]:

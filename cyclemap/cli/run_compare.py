@@ -174,6 +174,7 @@ def _cycle(found: CycleAgreement) -> Json:
         "bias_deg": degrees(found.bias),
         "bias_error_deg": degrees(found.bias_error),
         "model_error_deg": degrees(found.model_error),
+        "isotropic_rms_deg": degrees(found.isotropic_rms),
         "scatter_deg": degrees(found.scatter),
         "lag_correlation": number(found.lag_correlation),
         "map_test": _p_value(found.p_value),

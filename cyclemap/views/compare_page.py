@@ -9,7 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from numpy.typing import NDArray
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.collection.portrait_curves import TurnCurve
+from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
 from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement
@@ -24,6 +26,8 @@ PAGE_INCHES = (13.333, 7.5)
 LINE_LETTERS = 175
 # Points between a panel and its title, so that the legend has a line of its own.
 TITLE_PAD = 22.0
+# Fewer medians make no line.
+FEWEST_MEDIANS = 12
 _LABELS = {"dtheta": ("Δθ", "turn of a push (°)"), "dx": ("Δx", "Δx (mm)"), "dy": ("Δy", "Δy (mm)")}
 _DOTS: dict[str, Any] = {
     "color": MEASURED,
@@ -49,6 +53,38 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
             draw = _draw_pushes if len(found.pushes) <= MOST_SETS else _draw_sets
             draw(panels, found)
         _write_words(figure, name, found)
+    return figure
+
+
+def residual_page(found: Comparison) -> Figure | None:
+    """Draw measured less predicted over θ0, with medians of 5 degrees: of cycles, of pushes; None without either."""
+    left = [] if found.cycle is None or found.data.pairs is None else [
+        ("turn of a cycle (°)", found.data.pairs.theta, np.degrees(found.cycle.off))
+    ]  # fmt: skip
+    if found.pushes:
+        theta = np.concatenate([one.theta for one in found.pushes])
+        off = np.concatenate([one.measured - one.predicted for one in found.pushes])
+        for column, (name, (_, label)) in enumerate(_LABELS.items()):
+            left.append((label, theta, (np.degrees(1.0) if name == "dtheta" else 1000.0) * off[:, column]))
+    if not left:
+        return None
+    with picture_style():
+        columns = min(len(left), 2)
+        rows = -(-len(left) // columns)
+        figure = new_figure(5.0 + 2.0 * columns, 2.7 * rows)
+        grid = GridSpec(
+            rows, columns, figure,
+            left=0.1, right=0.98, bottom=0.2 / rows, top=1.0 - 0.05 / rows, wspace=0.2, hspace=0.35,
+        )  # fmt: skip
+        for number, (label, theta, off) in enumerate(left):
+            axes = figure.add_subplot(grid[number // columns, number % columns])
+            axes.axhline(0.0, color=QUIET, linewidth=0.9)
+            axes.plot(np.degrees(np.mod(theta, TWO_PI)), off, "o", **_DOTS)
+            bins = turn_bins(Theta0Pairs(theta, theta + off))
+            if bins.centre.size >= FEWEST_MEDIANS:
+                axes.plot(np.degrees(bins.centre), bins.median, color=PREDICTED, linewidth=1.6)
+            degree_axis(axes, "θ0, orientation before the push (°)")
+            axes.set_ylabel(label)
     return figure
 
 

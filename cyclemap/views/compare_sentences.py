@@ -3,11 +3,13 @@
 from collections.abc import Sequence
 
 from cyclemap.evidence.comparison.compare import Comparison
+from cyclemap.evidence.comparison.push_agreement import mean_distances
 from cyclemap.evidence.comparison.verdicts import Verdict
 from cyclemap.views.sentences import angle
 
 # A lag correlation beyond this makes p-values of independent noise too small.
 CORRELATED = 0.2
+ISOTROPIC = "isotropic friction under even pressure"
 
 
 def headline(name: str, found: Comparison) -> str:
@@ -23,7 +25,7 @@ def data_sentence(found: Comparison) -> str:
     """What was compared, and what was left out."""
     pushes = sum(one.count for one in found.pushes)
     cycles = 0 if found.data.pairs is None else found.data.pairs.theta.size
-    used = [f"{pushes} pushes with end poses"] * bool(pushes) + [f"{cycles} cycles"] * bool(cycles)
+    used = [f"{pushes} push{'es' * (pushes > 1)} with end poses"] * bool(pushes) + [f"{cycles} cycles"] * bool(cycles)
     out = [f"{count} ({reason})" for reason, count in found.data.left_out.items() if count]
     files = [f"{found.data.unreadable} unreadable files"] * bool(found.data.unreadable)
     left = f"; left out: {', '.join(out + files)}" if out or files else ""
@@ -61,3 +63,22 @@ def noise_words(found: Comparison) -> str:
 
 def _listed(verdicts: Sequence[Verdict], answer: bool | None) -> str:
     return ", ".join(one.question for one in verdicts if one.agrees is answer)
+
+
+def explanation_sentences(name: str, found: Comparison) -> list[str]:
+    """What the turns of the measured cycles are explained by, and which of the explanations leaves least."""
+    said = []
+    if found.pushes:
+        sides = zip((name, ISOTROPIC), mean_distances(found.pushes), strict=True)
+        by_place = sorted(sides, key=lambda side: side[1])
+        told = ", ".join(f"{1e3 * place:.1f} mm and {angle(turn)} by {one}" for one, (place, turn) in by_place)
+        said.append(f"Of {sum(one.count for one in found.pushes)} pushes there is left on average: {told}.")
+    if found.cycle is None:
+        return said
+    cycle = found.cycle
+    left = {name: cycle.agreement.rms, "one turn for all orientations": cycle.blind_rms}
+    if cycle.isotropic_rms is not None:
+        left[ISOTROPIC] = cycle.isotropic_rms
+    told = ", ".join(f"{angle(rms)} by {one}" for one, rms in sorted(left.items(), key=lambda pair: pair[1]))
+    fitted = "" if cycle.scatter is None else f"; the best smooth map, fitted to these, {angle(cycle.scatter)}"
+    return [*said, f"Of the turns of {cycle.agreement.pairs} cycles there is left as root mean square {told}{fitted}."]

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from cyclemap.resets import Alarm, BiasReport, CoverageState, CycleAction, NextAction
 from cyclemap.views.reset_sentences import action_words
-from cyclemap.views.sentences import angle
+from cyclemap.views.sentences import angle, power_of_ten
 
 
 def watch_sentences(report: BiasReport) -> tuple[str, ...]:
@@ -72,4 +72,4 @@ def _pushes(count: int) -> str:
 
 
 def _power(log10: float) -> str:
-    return f"{10.0 ** max(log10, 0.0):.3g}" if log10 < 6.0 else f"10^{log10:.0f}"
+    return f"{10.0 ** max(log10, 0.0):.3g}" if log10 < 6.0 else power_of_ten(round(log10))

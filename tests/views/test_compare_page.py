@@ -1,5 +1,6 @@
 """The comparison page draws what was measured and predicted, and its sentences carry the answers."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from cyclemap.evidence import Comparison, Theta0Pairs, compare
 from cyclemap.evidence.comparison.push_agreement import PushAgreement, quantity_agreement
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.views import compare_sentences as sentences
-from cyclemap.views.compare_page import compare_page
+from cyclemap.views.compare_page import compare_page, residual_page
 from cyclemap.views.style import render
 
 SINE, NOISE = CircleMap.arnold(0.11, 0.6), WrappedNormal(0.1)
@@ -100,6 +101,21 @@ def test_the_sentences_count_the_answers_and_name_what_was_left_out(found) -> No
     left = replace(found, data=replace(found.data, left_out={"jump": 3}, unreadable=2))
     assert sentences.data_sentence(left).endswith("; left out: 3 (jump), 2 unreadable files.")
     assert "Agree: mean turn of a push of rect1 on plywood" in sentences.summary_sentence(found)
+
+
+def test_what_is_left_is_drawn_and_the_explanation_that_leaves_least_comes_first(found) -> None:
+    cycles, *pushes = residual_page(found).axes
+    dots = cycles.lines[1].get_ydata()
+    assert np.allclose(dots, np.degrees(found.data.pairs.turn - SINE.turn(found.data.pairs.theta)))
+    assert len(pushes) == 3
+    assert np.allclose(pushes[1].lines[1].get_ydata(), 1000 * found.pushes[0].measured[:, 1] - 40.0)
+    assert residual_page(replace(found, cycle=None, pushes=())) is None
+    of_pushes, of_cycles = sentences.explanation_sentences("sine", found)
+    assert of_pushes.startswith("Of 50 pushes there is left on average: 0.0 mm and 0.0° by isotropic friction")
+    told = [float(word) for word in re.findall(r"([\d.]+)° by", of_cycles)]
+    assert told == sorted(told)
+    assert "by sine, " in of_cycles
+    assert "by one turn for all orientations; the best smooth map" in of_cycles
 
 
 def test_what_weakens_a_p_value_is_told(found) -> None:

@@ -61,6 +61,8 @@ def test_numbers_are_those_of_the_mechanics_and_words_those_of_the_comparison(re
     ]
     assert {len(one) for one in shown} == {0, 2}, "the fixed points end in a saddle-node as the ring moves in"
     assert "Recorded against predicted" in text
+    assert "cycles there is left as root mean square " in text
+    assert text.count("<figure><img") == 1
     known = cm.portrait(loop, cycles=10).uncertainty
     assert sentences.uncertainty_sentence("plywood", known) in html.unescape(text)
     assert len(data["answer"]["may_lie"]) == len(known.directions) == 1
@@ -87,7 +89,7 @@ def test_report_lives_without_a_network(report, open_page) -> None:
 def test_report_without_script_shows_the_picture(report, open_page) -> None:
     page, _, _ = open_page(offline=True, java_script_enabled=False)
     page.goto(report.as_uri())
-    assert page.locator("img").bounding_box()["width"] > 600
+    assert page.locator("noscript img").bounding_box()["width"] > 600
     page.context.close()
 
 

@@ -120,8 +120,8 @@ def test_parameters_line_holds_the_protocol(drawn) -> None:
         (9.94, "9.9"),
         (12.4, "12"),
         (99_999.0, "99999"),
-        (2e7, "10^7"),
-        (math.inf, "more than 10^12"),
+        (2e7, "10⁷"),
+        (math.inf, "more than 10¹²"),
     ],
 )
 def test_counts_are_short(value, said) -> None:

@@ -10,6 +10,7 @@ from cyclemap.collection import StaircaseForecast, staircase_forecast
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs, measured_staircase
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.views import staircase_sentences as sentences
+from cyclemap.views.sentences import power_of_ten
 from cyclemap.views.staircase_page import staircase_page
 from cyclemap.views.style import render
 
@@ -90,7 +91,10 @@ def test_a_rest_beyond_every_float_is_told_by_its_power_of_ten(forecast) -> None
     found = forecast(*WELL)
     power = math.floor(found.log10_residences[0])
     assert power > 200
-    assert f"for 10^{power} cycles; steps are 360° high, none to be expected." in sentences.forecast_sentence(found)
+    assert (
+        f"for {power_of_ten(power)} cycles; steps are 360° high, none to be expected."
+        in sentences.forecast_sentence(found)
+    )
     assert "it stays at" in sentences.run_sentence(found)
 
 

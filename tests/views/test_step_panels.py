@@ -108,7 +108,7 @@ def test_one_censored_dwell_has_no_mean_but_the_prediction_stays() -> None:
     draw_step_lengths(axes, steps, compare_steps(steps, prediction))
     assert legend_words(axes)[0] == "lasted longer than seen"
     assert not any(words.startswith("mean") for words in legend_words(axes))
-    assert legend_words(axes)[-1] == "predicted more than 10^12, beyond the panel"
+    assert legend_words(axes)[-1] == "predicted more than 10¹², beyond the panel"
     assert axes.get_ylim()[1] < 100.0
     png(axes)
 

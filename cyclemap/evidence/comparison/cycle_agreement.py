@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.errors import InvalidInput
+from cyclemap.checks import read_only
+from cyclemap.collection import CollectionLoop, isotropic_twin
+from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.evidence.comparison.prediction import Prediction
 from cyclemap.evidence.comparison.push_agreement import mean_error, within_error
 from cyclemap.evidence.laws.harmonic_map import HARMONICS
@@ -24,10 +27,12 @@ class CycleAgreement:
     """Measured cycles beside the predicted map, all angles in rad.
 
     agreement : root mean squares over pairs, and over the medians of 5 degree bins, each bin counting once.
-    bins : the measured medians. measured_turn, predicted_turn : means over the pairs. bias : predicted less measured.
-    bias_error : its standard error, correlation of successive cycles allowed for, and ``model_error`` with it; None
-        below three pairs. model_error : of the predicted mean alone, by how well the material's parameters are known; 0
-        where it has no posterior.
+    off : (n,) measured less predicted turn of each pair. bins : the measured medians.
+    measured_turn, predicted_turn : means over the pairs. bias : predicted less measured. bias_error : its standard
+        error, correlation of successive cycles allowed for, and ``model_error`` with it; None below three pairs.
+        model_error : of the predicted mean alone, by how well the material is known; 0 without a posterior.
+    isotropic_rms : root mean square that a loop on isotropic friction under even pressure, all else alike, would leave;
+        None of a prediction that is no loop. blind_rms : what one turn for all θ0 would leave.
     scatter : of the measured turns about the map with six harmonics that fits these very pairs best, what no smooth
         map of θ0 alone can do much better than; None where the pairs do not fix it.
     noise : standard deviation of the predicted noise of one cycle.
@@ -37,12 +42,15 @@ class CycleAgreement:
     """
 
     agreement: MapAgreement
+    off: Array
     bins: TurnBins
     measured_turn: float
     predicted_turn: float
     bias: float
     bias_error: float | None
     model_error: float
+    isotropic_rms: float | None
+    blind_rms: float
     scatter: float | None
     noise: float
     lag_correlation: float | None
@@ -62,20 +70,33 @@ def cycle_agreement(
     off = pairs.turn - predicted
     medians = turn_bins(Theta0Pairs(pairs.theta, pairs.theta + off))
     over_bins = float(np.sqrt(np.mean(medians.median**2))) if medians.median.size else np.nan
-    model_error = prediction.mean_turn_error(pairs.theta, cycle)
+    model_error, isotropic = prediction.mean_turn_error(pairs.theta, cycle), _isotropic_turn(prediction.given)
     return CycleAgreement(
         agreement=MapAgreement(off.size, float(np.sqrt(np.mean(off**2))), medians.median.size, over_bins),
+        off=read_only(off),
         bins=turn_bins(pairs),
         measured_turn=float(np.mean(pairs.turn)),
         predicted_turn=float(np.mean(predicted)),
         bias=float(-np.mean(off)),
         bias_error=mean_error(off, model_error),
         model_error=model_error,
+        isotropic_rms=None if isotropic is None else float(np.sqrt(np.mean((pairs.turn - isotropic) ** 2))),
+        blind_rms=float(np.std(pairs.turn)),
         scatter=None if best is None else best.sigma,
         noise=float(np.sqrt(prediction.noise.variance)),
         lag_correlation=None if best is None else best.lag_correlation,
         p_value=p_value,
     )
+
+
+def _isotropic_turn(given: Any) -> float | None:
+    """The turn of a cycle on a surface without direction, which is one for all θ0."""
+    if not isinstance(given, CollectionLoop):
+        return None
+    try:
+        return float(replace(isotropic_twin(given), footprint=None).cycle(0.0).theta_next)
+    except UnsupportedContact:
+        return None
 
 
 def map_misfit(paths: Array, ensemble: Ensemble) -> Array:

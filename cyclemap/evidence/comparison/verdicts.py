@@ -120,7 +120,8 @@ def _cycle_verdicts(found: CycleAgreement) -> list[Verdict]:
     best = (
         "" if found.scatter is None else f"; about the best smooth map of θ0 they scatter by {_degrees(found.scatter)}"
     )
-    misfit = f"{agreement.pairs} cycles lie {_degrees(agreement.rms)} RMS from the map{over_bins}{best}"
+    beside = "" if found.isotropic_rms is None else f" (isotropic friction {_degrees(found.isotropic_rms)})"
+    misfit = f"{agreement.pairs} cycles lie {_degrees(agreement.rms)} RMS from the map{beside}{over_bins}{best}"
     if found.p_value is None:
         return [question, Verdict("cycle map", None, f"{misfit}; their order is unknown, so the map is not tested.")]
     return [question, Verdict("cycle map", _kept(found.p_value), f"The map {_told(found.p_value)}: {misfit}.")]

@@ -32,10 +32,17 @@ _PACKAGES = ("cyclemap", "numpy", "scipy", "casadi")
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with its paragraphs."""
+    """A heading with its paragraphs, and a picture as PNG with what it shows, where there is one."""
 
     title: str
     paragraphs: tuple[str, ...]
+    picture: bytes = b""
+    shows: str = ""
+
+    @property
+    def image(self) -> str:
+        """The picture as an address of its own."""
+        return f"data:image/png;base64,{base64.b64encode(self.picture).decode()}"
 
 
 @dataclass(frozen=True)
