@@ -36,7 +36,7 @@ KNOTS = np.array([0.0, 125.0, 250.0, 375.0, 500.0, 750.0, 1000.0, 1250.0, 1500.0
 # ring (mm), and logarithms of the parts of the wear between the knots.
 MECHANICS, ALL = 13, 13 + KNOTS.size - 1
 STEPS = np.array([2e-4] * 12 + [1e-2] * (KNOTS.size))
-# Blocks of pushes in which medians over 2 degrees of the bottleneck are fitted, and edges of the bins of the noise.
+# Blocks of pushes in which means over 2 degrees of the bottleneck are fitted, and edges of the bins of the noise.
 STRETCHES = ((0, 125), (250, 375), (500, 625), (750, 875), (1000, 1250), (1250, 1500), (1500, 2000))
 NOISE_BINS = np.radians([0, 40, 70, 85, 95, 105, 120, 140, 170, 220, 250, 270, 290, 315, 360])
 DEG = math.radians(1.0)
@@ -136,19 +136,19 @@ def residuals(data: Staircase, unknown: np.ndarray, turns: np.ndarray) -> np.nda
     """What the fit makes small.
 
     A turn that is off by a share makes the histogram off by that share, so that errors count relative to the turn: of
-    medians over 5 degrees everywhere, over 2 degrees and over the narrowest part of the bottleneck; of single cycles
-    there. Weak priors: shares, rod, little wear, and an even pace.
+    medians over 5 degrees everywhere; of means, which set the pace, over 2 degrees and over the narrowest part of the
+    bottleneck; of single cycles there. Weak priors: shares, rod, little wear, and an even pace.
     """
     off = misses(data, unknown, turns)
     bins = [
         np.median(off[rows]) / min(1.5 * DEG, 0.1 * abs(np.median(data.turn[rows])) + 0.2 * DEG) for rows in data.bins
     ]
     fine = [
-        np.median(off[rows])
+        np.mean(off[rows])
         / (0.04 * DEG + 0.12 * abs(np.median(data.turn[rows])) + 0.25 * DEG / math.sqrt(rows.size / 2.0))
         for rows in data.bottleneck
     ]
-    narrow = [np.median(off[data.rows(n, n + 250, 88.0, 102.0)]) / (0.06 * DEG) for n in range(0, 2000, 250)]
+    narrow = [np.mean(off[data.rows(n, n + 250, 88.0, 102.0)]) / (0.06 * DEG) for n in range(0, 2000, 250)]
     single = huber(off[data.rows(0, CYCLES, 70.0, 130.0)] / (0.25 * DEG)) / math.sqrt(24.0)
     prior = [
         *(unknown[8:11] + 1.0) / 3.0,

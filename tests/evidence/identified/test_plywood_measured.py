@@ -15,7 +15,7 @@ from cyclemap.mechanics import load_material
 
 pytestmark = pytest.mark.slow
 
-PUSHES, BLOCK, RUNS = 2000, 125, 200
+PUSHES, BLOCK, RUNS = 2000, 125, 500
 
 
 @pytest.fixture(scope="module")
@@ -45,13 +45,13 @@ def test_it_says_that_it_was_inferred_and_from_what() -> None:
     assert CollectionLoop.mit(material).footprint is not None
 
 
-def test_the_map_is_within_2_3_degrees_over_bins_of_the_blocks_left_out(pairs, drifting) -> None:
+def test_the_map_is_within_2_1_degrees_over_bins_of_the_blocks_left_out(pairs, drifting) -> None:
     late = (pairs.cycle >= 500) & (pairs.cycle // BLOCK % 2 == 1)
     turn = Prediction(drifting, WrappedNormal(0.02), "loop", None).turn(pairs.theta[late], pairs.cycle[late])
     theta = pairs.theta[late]
     medians = turn_bins(Theta0Pairs(theta, theta + turn - pairs.turn[late])).median
     assert medians.size > 40
-    assert math.degrees(np.sqrt(np.mean(medians**2))) <= 2.35
+    assert math.degrees(np.sqrt(np.mean(medians**2))) <= 2.1
 
 
 def test_the_histogram_of_the_blocks_left_out_is_one_that_its_own_runs_make(pairs, runs) -> None:
@@ -64,19 +64,19 @@ def test_the_histogram_of_the_blocks_left_out_is_one_that_its_own_runs_make(pair
     made = np.array([histogram(run[left_out]) for run in runs])
     off = 0.5 * np.abs(histogram(pairs.path[left_out]) - made.mean(axis=0)).sum()
     own = 0.5 * np.abs(made - made.mean(axis=0)).sum(axis=1)
-    assert off <= min(0.10, np.quantile(own, 0.99))
+    assert off <= min(0.10, np.quantile(own, 0.95))
 
 
-def test_turns_are_those_of_its_runs_but_for_a_tenth_of_a_turn(pairs, runs) -> None:
-    """It climbs more slowly than the robot did: the measured turns are at the upper end of those of its runs."""
+def test_turns_are_those_of_nine_in_ten_of_its_runs(pairs, runs) -> None:
+    """Where a run ends, at rest, is known to 4 degrees: the model rests beside where the robot did."""
 
     def turns(path: np.ndarray, first: int) -> np.ndarray:
         last = min(first + 500, path.shape[-1] - 1)
         return (path[..., last] - path[..., first]) / (2.0 * math.pi)
 
     for first in (500, 1000, 1500):
-        low, high = np.quantile(turns(runs, first), [0.01, 0.99])
-        assert low - 0.1 <= turns(pairs.path, first) <= high + 0.1
+        low, high = np.quantile(turns(runs, first), [0.05, 0.95])
+        assert low <= turns(pairs.path, first) <= high + 4.0 / 360.0
 
 
 def test_the_drift_is_the_loops_own_map_at_every_bend_of_the_course(drifting) -> None:
