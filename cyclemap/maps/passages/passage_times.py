@@ -23,6 +23,7 @@ Tangent = Callable[[Array], Array]
 LONGEST = 1e300  # cycles: a longer passage is given as inf
 _GOOD = 1e-9  # relative error bound with which few nodes will do
 _ACCEPTED = 1e-6  # relative error bound that is accepted at all
+_BESIDE = 0.01  # share of what the map's own error makes uncertain, below which more nodes are of no use
 _STRETCH = 1.3  # bandwidth of the second solution of a response over that of the first
 _MORE = 1.4  # bandwidth of the second attempt over that of the first
 
@@ -119,7 +120,7 @@ def _certified(make: Callable[..., KilledChain], start: float, each: float, at: 
             return Estimate(np.inf, np.inf)
         value, (own, from_map) = expected.value_at(start), expected.error_bounds(start)
         own += SOLUTION * abs(value)
-        if own <= _GOOD * abs(value):
+        if own <= max(_GOOD * abs(value), min(_ACCEPTED * abs(value), _BESIDE * from_map)):
             return Estimate(value, own + from_map)
     other = make(every_sample=True, stretch=1.0).expected(each, at).value_at(start)
     own = min(own, 10.0 * abs(other - value) + ELIMINATION * abs(value))
