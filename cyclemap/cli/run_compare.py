@@ -112,6 +112,7 @@ def compare_report(material: str, found: Comparison) -> Json:
             "material": material,
             "kind": found.prediction.kind,
             "noise_deg": number(math.degrees(math.sqrt(found.prediction.noise.variance))),
+            "posterior_samples": len(found.prediction.samples),
             "refitted": found.refitted,
         },
         "data": {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -13,7 +14,7 @@ from cyclemap.arrays import Array
 from cyclemap.collection import CollectionLoop, drifting_map
 from cyclemap.collection.found_with import sampled_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.laws.fit_map import FittedMap
 from cyclemap.evidence.laws.harmonic_map import HarmonicMap, harmonic_map
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
@@ -30,6 +31,7 @@ SAME_FIT = 1e-9
 # Samples of a material's posterior that are used, and how good their maps are, rad: they tell a spread.
 SAMPLES = 32
 _SAMPLE_TOLERANCE, _SAMPLE_BLEND = 1e-3, 1e-2
+_APART = 1_000  # between the seeds of two samples
 
 Progress = Callable[[float], None]
 Fit = Callable[[Theta0Pairs, Array], FittedMap | HarmonicMap]
@@ -42,7 +44,7 @@ class Prediction:
     map : of the cycle; cycle n of a drifting one is push n of the data, those dropped counted.
     noise : of one cycle. given : what was handed in.
     kind : "loop", "map", "drifting map", "fitted map" or "worn fitted map".
-    samples : the maps of samples of the posterior of a loop's material; () without one.
+    samples : the maps of samples of the posterior of a loop's material, those that can be run; () without a posterior.
     """
 
     map: CircleMap | DriftingMap
@@ -90,7 +92,8 @@ class PosteriorModel(CollectionModel):
         found, used = np.empty((count, length)), self.samples[:count]
         for number, one in enumerate(used):
             rows = found[number :: len(used)]
-            rows[:] = CollectionModel(one, self.noise, self.first).paths(start, length, len(rows), seed + number)
+            own = seed + _APART * (number + 1)
+            rows[:] = CollectionModel(one, self.noise, self.first).paths(start, length, len(rows), own)
         return found
 
 
@@ -157,12 +160,12 @@ def _maps_of_samples(loop: Any, last: int, report: Progress) -> tuple[CircleMap 
     found: list[CircleMap | DriftingMap] = []
     loops = posterior_samples(loop)
     for done, one in enumerate(loops, 1):
-        if one.material.wear is None:
-            found.append(one.circle_map(tolerance=_SAMPLE_TOLERANCE))
-        else:
-            found.append(drifting_map(one, last + 1, _SAMPLE_BLEND))
+        # A surface at the edge of the posterior may not be able to make every cycle: the others tell the spread.
+        with suppress(UnsupportedContact, ConvergenceError):
+            worn = one.material.wear is not None
+            found.append(drifting_map(one, last + 1, _SAMPLE_BLEND) if worn else one.circle_map(_SAMPLE_TOLERANCE))
         report(done / len(loops))
-    return tuple(found)
+    return tuple(found) if len(found) > 1 else ()
 
 
 def _map_of_loop(loop: Any, last: int, tolerance: float, report: Progress) -> CircleMap | DriftingMap:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
+from cyclemap.errors import UnsupportedContact
 from cyclemap.evidence.comparison.collection_data import PushSet
 from cyclemap.evidence.comparison.prediction import posterior_samples
 from cyclemap.evidence.laws.linear_fit import fit_linear
@@ -123,10 +125,12 @@ def _push_agreement(pushes: PushSet, sampled: bool) -> PushAgreement:
 
     predicted, isotropic = moved(loop.model, starts), moved(loop.model.isotropic, starts)
     stride = 1 + len(starts) // _SAMPLED_PUSHES
-    samples = posterior_samples(loop) if sampled else []
-    shifts = [np.mean(moved(one.model, starts[::stride]) - predicted[::stride], axis=0) for one in samples]
+    shifts = []
+    for one in posterior_samples(loop) if sampled else []:
+        with suppress(UnsupportedContact):
+            shifts.append(np.mean(moved(one.model, starts[::stride]) - predicted[::stride], axis=0))
     measured = np.column_stack([pushes.dtheta, pushes.displacement])
-    kept = read_only(np.array(shifts)) if shifts else None
+    kept = read_only(np.array(shifts)) if len(shifts) > 1 else None
     return PushAgreement(
         pushes.facts,
         float(np.median([push.distance for push in pushes.push])),
@@ -161,6 +165,8 @@ def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement,
         return ()
     measured, predicted = (np.concatenate([getattr(one, name) for one in sets]) for name in ("measured", "predicted"))
     known = [(one.count, one.sampled) for one in sets if one.sampled is not None]
+    most = max((len(some) for _, some in known), default=0)
+    known = [(count, some) for count, some in known if len(some) == most]
     shifts = np.average([some for _, some in known], axis=0, weights=[count for count, _ in known]) if known else None
     return _quantities(measured, predicted, shifts)
 
