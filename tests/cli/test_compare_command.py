@@ -72,6 +72,7 @@ def test_json_tells_everything_that_was_asked_and_nothing_else(here, capsys) -> 
         "material": "plywood",
         "kind": "loop",
         "noise_deg": pytest.approx(5.7),
+        "posterior_samples": 0,
         "refitted": False,
     }
     assert report["data"] == {"cycles": 100, "left_out": {"among the first": 20}, "unreadable_files": 0}
