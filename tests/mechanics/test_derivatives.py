@@ -9,7 +9,6 @@ from force_balance import story
 from random_cases import random_case
 
 import cyclemap as cm
-from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import (
     DragBack,
     Ellipse,
@@ -27,22 +26,17 @@ from cyclemap.mechanics import (
     grid_footprint,
     load_material,
 )
-from cyclemap.mechanics.cycle_batch import (
-    CYCLE_OUTPUTS,
-    STROKE_PARAMETERS,
-    CycleSlopes,
-    drag_jacobian,
-    push_jacobian,
-    run_batch,
-    stroke_jacobians,
-)
+from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleSlopes, derivative_units, run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
+from cyclemap.mechanics.quasi_static import run_strokes
 
 PLYWOOD, RECT = load_material("plywood").friction, Slider.mit("rect1")
 LAW = ("mu_a", "mu_b", "m0", "n0", "phi")
 SHARES = ("inner_share", "rim_share", "corner_share")
 LENGTHS = ("pusher_radius", "distance", "hitch_x", "hitch_y", "pin_friction_radius")
 LEGS = ((0.05, 0.03), (-0.02, 0.06), (0.0, 0.0))
+# What a stroke from a given pose along a given path depends on.
+OF_STROKES = (*LAW, "pusher_friction", "hitch_x", "hitch_y", *SHARES, "pin_friction_radius")
 
 
 def parts(shape, *shares, lean=0.0):
@@ -85,6 +79,13 @@ def assert_differences(found, outcome_by, names):
     for column, name in enumerate(names):
         wanted = differenced(lambda amount, name=name: outcome_by(name, amount), name)
         assert np.abs(found[:, column] - wanted).max() < 1e-4 * max(1.0, np.abs(wanted).max()), name
+
+
+def stroke_jacobian(model, strokes, pose, names):
+    """d (x, y, theta) / d names, (3, k), SI units, of a stroke's end, its start and the rod's path being fixed."""
+    found = run_strokes([model.course(strokes, pose)], len(PARAMETERS)).derivatives[0, 3:6]
+    found = found * np.array((model.unit, model.unit, 1.0))[:, None]
+    return found[:, [PARAMETERS.index(name) for name in names]] * derivative_units(model, names)
 
 
 def numbers(pose):
@@ -148,7 +149,7 @@ def test_a_pushs_derivatives_are_the_differences_of_its_end(name):
     assert ended == found.ended
     assert set(modes) <= {mode for mode, _ in story(found)}
     assert name != "around a corner" or "corner" in {kind for _, kind in story(found)}
-    jacobian = push_jacobian(model, found, names)
+    jacobian = stroke_jacobian(model, model.push_strokes(pose, push), pose, names)
     assert jacobian.shape == (3, len(names))
     assert_differences(
         jacobian, lambda name, amount: numbers(changed_model(model, name, amount).push(pose, push).end), names
@@ -162,7 +163,7 @@ def test_random_pushes_have_the_derivatives_of_their_differences():
         patch = PatchFootprint(outline, 0.1, 0.1, 0.0 if isinstance(outline, Ellipse) else 0.1)
         model, pose, push = replace(case.model, footprint=patch), case.pose, case.push
         names = names_for(model)
-        jacobian = push_jacobian(model, model.push(pose, push), names)
+        jacobian = stroke_jacobian(model, model.push_strokes(pose, push), pose, names)
         outcome = lambda name, amount, m=model, c=case: numbers(changed_model(m, name, amount).push(c.pose, c.push).end)  # noqa: E731
         assert_differences(jacobian, outcome, names)
 
@@ -180,13 +181,13 @@ def test_a_drags_derivatives_are_the_differences_of_its_end(model, radius, theta
     start = Pose(0.1, 0.05, theta)
     drag = model.drag(start, LEGS, pin_friction_radius=radius)
     assert {mode for mode, _ in story(drag)} == modes
-    names = tuple(name for name in STROKE_PARAMETERS if name not in SHARES or name in names_for(model))
+    names = tuple(name for name in OF_STROKES if name not in SHARES or name in names_for(model))
 
     def outcome(name, amount):
         rubbed = radius + amount * (name == "pin_friction_radius")
         return numbers(changed_model(model, name, amount).drag(start, LEGS, pin_friction_radius=rubbed).end)
 
-    assert_differences(drag_jacobian(model, drag, names), outcome, names)
+    assert_differences(stroke_jacobian(model, model.drag_strokes(LEGS, radius), start, names), outcome, names)
 
 
 def test_without_friction_in_the_ring_its_derivative_is_the_one_sided_difference():
@@ -194,7 +195,7 @@ def test_without_friction_in_the_ring_its_derivative_is_the_one_sided_difference
         start, step = Pose(0.1, 0.05, 1.0), 1e-6
         at = [numbers(model.drag(start, LEGS, pin_friction_radius=k * step).end) for k in range(3)]
         wanted = (4.0 * at[1] - 3.0 * at[0] - at[2]) / (2.0 * step)
-        found = drag_jacobian(model, model.drag(start, LEGS), ("pin_friction_radius",))
+        found = stroke_jacobian(model, model.drag_strokes(LEGS, 0.0), start, ("pin_friction_radius",))
         assert np.abs(found[:, 0] - wanted).max() < 1e-3 * np.abs(wanted).max()
 
 
@@ -203,41 +204,22 @@ def test_a_stuck_object_follows_its_ring_and_depends_on_nothing_else():
     drag = model.drag(start, LEGS, pin_friction_radius=0.06)
     assert {mode for mode, _ in story(drag)} == {"ring_stuck"}
     c, s = math.cos(1.0), math.sin(1.0)
-    wanted = np.zeros((3, len(STROKE_PARAMETERS)))
-    hitch = STROKE_PARAMETERS.index("hitch_x")
+    wanted = np.zeros((3, len(OF_STROKES)))
+    hitch = OF_STROKES.index("hitch_x")
     wanted[:2, hitch : hitch + 2] = -np.array(((c, -s), (s, c)))
-    assert np.allclose(drag_jacobian(model, drag), wanted, atol=1e-15)
+    found = stroke_jacobian(model, model.drag_strokes(LEGS, 0.06), start, OF_STROKES)
+    assert np.allclose(found, wanted, atol=1e-15)
 
 
-def test_names_that_mean_nothing_here_are_zero_nan_or_refused():
-    model = model_of(footprint=grid_footprint(RECT.outline, 4))
-    push = model.push(Pose(), SidePush(distance=0.03))
-    by = dict(zip(STROKE_PARAMETERS, push_jacobian(model, push).T, strict=True))
-    for name, column in by.items():
+def test_what_a_stroke_does_not_depend_on_is_zero_and_shares_that_cannot_be_are_nan():
+    model, push = model_of(footprint=grid_footprint(RECT.outline, 4)), SidePush(distance=0.03)
+    found = stroke_jacobian(model, model.push_strokes(Pose(), push), Pose(), OF_STROKES)
+    for name, column in zip(OF_STROKES, found.T, strict=True):
         assert np.isnan(column).all() if name in SHARES else np.isfinite(column).all()
         assert (name in (*LAW, "pusher_friction", *SHARES)) == bool(np.any(column != 0.0))
-    ellipse = model_of("ellip2")
-    assert np.isnan(push_jacobian(ellipse, ellipse.push(Pose(), SidePush(distance=0.03)), ("corner_share",))).all()
-    rest = dict(zip(STROKE_PARAMETERS, drag_jacobian(model, model.drag(Pose(), ())).T, strict=True))
-    assert all(np.all(rest[name] == 0.0) for name in STROKE_PARAMETERS if name not in SHARES)
-    with pytest.raises(InvalidInput, match="did you mean 'mu_a'"):
-        push_jacobian(model, push, ("mu_aa",))
-    with pytest.raises(InvalidInput, match="theta"):
-        drag_jacobian(model, model.drag(Pose(), LEGS), ("theta",))
-
-
-def test_many_strokes_at_once_have_the_derivatives_of_each():
-    model = model_of("rect1", 0.1, 0.1, 0.1)
-    strokes = [model.push(Pose(theta=t), SidePush(distance=0.05)) for t in (0.0, 1.0, 2.0)]
-    strokes += [model.drag(strokes[0].end, LEGS), model.push(Pose(), WorldPush((0.2, 0.02), 3.2, 0.2))]
-    single = [drag_jacobian if hasattr(one, "length") else push_jacobian for one in strokes]
-    wanted = [jacobian(model, one) for jacobian, one in zip(single, strokes, strict=True)]
-    np.testing.assert_array_equal(stroke_jacobians(model, strokes), wanted)
-    pushed, dragged = model.cycle(0.3, SidePush(), DragBack())
-    alone = model.push(pushed.start, SidePush())
-    np.testing.assert_allclose(push_jacobian(model, pushed), push_jacobian(model, alone), rtol=1e-6, atol=1e-8)
-    back = model.drag(pushed.end, ((0.0, 0.0),))
-    np.testing.assert_allclose(drag_jacobian(model, dragged), drag_jacobian(model, back), rtol=1e-6, atol=1e-8)
+    assert np.isnan(derivative_units(model_of("ellip2"), ("corner_share",))).all()
+    rest = stroke_jacobian(model, model.drag_strokes((), 0.0), Pose(), OF_STROKES)
+    assert all(np.all(column == 0.0) for name, column in zip(OF_STROKES, rest.T, strict=True) if name not in SHARES)
 
 
 def loop_of(outline, *shares, centre=None, push=None, **changes):
