@@ -24,7 +24,7 @@ Motion
 Pose, Pusher : place and orientation; the rod
 SidePush, WorldPush, DragBack : what the rod does: push a side, push in the world, drag by the ring
 QuasiStaticModel, PushResult, DragResult, Trajectory : friction balances the rod at every instant
-DynamicModel, DynamicPush, DynamicDrag, DynamicTrajectory, EnergyBalance : with inertia and a stiff contact
+DynamicModel, DynamicPush, DynamicDrag, DynamicTrajectory : with inertia and a stiff contact
 """
 
 from typing import TYPE_CHECKING
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
         DynamicModel,
         DynamicPush,
         DynamicTrajectory,
-        EnergyBalance,
     )
     from cyclemap.mechanics.footprint import (
         Footprint,
@@ -82,7 +81,6 @@ __all__ = [
     "DynamicTrajectory",
     "Ellipse",
     "EllipseFriction",
-    "EnergyBalance",
     "Footprint",
     "FoundWith",
     "FrameShift",
