@@ -57,10 +57,8 @@ if TYPE_CHECKING:
         MaterialPosterior,
         PlatePressure,
         Wear,
-        load_material,
-        material_names,
     )
-    from cyclemap.mechanics.material_text import material_toml
+    from cyclemap.mechanics.material_text import load_material, material_names, material_toml
     from cyclemap.mechanics.outline import Ellipse, Polygon
     from cyclemap.mechanics.protocol import DragBack, Pose, Pusher, SidePush, WorldPush
     from cyclemap.mechanics.quasi_static import QuasiStaticModel
