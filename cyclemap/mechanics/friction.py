@@ -8,9 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.engine.strokes import friction_values
+from cyclemap.mechanics.engine.strokes import friction_values, pressure_tables
 from cyclemap.mechanics.footprint import Footprint
-from cyclemap.mechanics.pressure_tables import pressure_tables
 
 
 @dataclass(frozen=True)

@@ -19,12 +19,11 @@ from cyclemap.errors import (
 )
 from cyclemap.mechanics.contact_curve import ContactCurve, OutlinePiece, contact_curve, side_coordinate
 from cyclemap.mechanics.engine import strokes as engine
-from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table
+from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table, pressure_tables
 from cyclemap.mechanics.first_touch import first_touch, overlaps
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.outline import Ellipse, Outline
-from cyclemap.mechanics.pressure_tables import pressure_tables
 from cyclemap.mechanics.protocol import DragBack, Pose, Pusher, SidePush, WorldPush
 from cyclemap.mechanics.slider import Slider
 from cyclemap.mechanics.trajectory import Course, DragResult, PushResult
