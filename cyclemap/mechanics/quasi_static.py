@@ -20,7 +20,7 @@ from cyclemap.errors import (
 from cyclemap.mechanics.contact_curve import ContactCurve, OutlinePiece, contact_curve, side_coordinate
 from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table, pressure_tables
-from cyclemap.mechanics.first_touch import first_touch, overlaps
+from cyclemap.mechanics.first_touch import OVERLAP, first_touch
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.outline import Ellipse, Outline
@@ -208,7 +208,8 @@ class QuasiStaticModel:
         else:
             direction, by_fraction = push.direction, 0.0
             start = np.array(pose.to_object(*push.start)) / self.unit
-            if overlaps(self._outline, self.radius, start):
+            inside = bool(self._outline.contains(start))
+            if inside or self._outline.distance((start[0], start[1])) < self.radius - OVERLAP:
                 raise RodInsideObject(f"the rod starts inside the object, at {push.start} m: move its start outside")
             touch = first_touch(self.pieces, self.radius, start, push.direction - pose.theta)
             if touch is None:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.contact_curve import ContactCurve
+from cyclemap.mechanics.contact_curve import ContactCurve, CornerPiece, SidePiece
 from cyclemap.mechanics.engine.library import load
 from cyclemap.mechanics.footprint import INNER, Footprint, PatchFootprint, PointFootprint, side_arms
 from cyclemap.mechanics.outline import Ellipse, Polygon, area_quadrature
@@ -277,9 +277,13 @@ def piece_table(curve: ContactCurve, hitch: tuple[float, float]) -> Array:
     """
     rows = []
     for index, piece in enumerate(curve.pieces):
-        geometry = (*piece.geometry, *(0.0,) * (5 - len(piece.geometry)))
-        ends = curve.before[index], curve.after[index]
-        rows.append([KINDS.index(piece.kind), *geometry, piece.low, piece.high, *ends])
+        if isinstance(piece, SidePiece):
+            numbers = [KINDS.index("side"), *piece.start, *piece.direction, piece.normal]
+        elif isinstance(piece, CornerPiece):
+            numbers = [KINDS.index("corner"), *piece.corner, 0.0, 0.0, 0.0]
+        else:
+            numbers = [KINDS.index("ellipse"), piece.semi_x, piece.semi_y, 0.0, 0.0, 0.0]
+        rows.append([*numbers, piece.low, piece.high, curve.before[index], curve.after[index]])
     for index in [i for i, junction in enumerate(curve.junctions) if junction == "wedge"]:
         (first, second), following = curve.contacts_at_end(index), curve.after[index]
         # The friction of a point lies between the outer edges of both cones.
