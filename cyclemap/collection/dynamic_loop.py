@@ -14,7 +14,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PointFootprint
 from cyclemap.mechanics.dynamic_model import GRID, SAMPLES, DynamicDrag, DynamicModel, DynamicPush, DynamicTrajectory
-from cyclemap.mechanics.pressure_points import pressure_points
+from cyclemap.mechanics.footprint import pressure_points
 
 # What a comparison tells of both models.
 QUANTITIES = ("push_turn", "drag_turn", "theta_next", "push_displacement")

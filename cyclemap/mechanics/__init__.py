@@ -60,9 +60,17 @@ if TYPE_CHECKING:
     )
     from cyclemap.mechanics.material_text import load_material, material_names, material_toml
     from cyclemap.mechanics.outline import Ellipse, Polygon
-    from cyclemap.mechanics.protocol import DragBack, Pose, Pusher, SidePush, WorldPush
     from cyclemap.mechanics.quasi_static import QuasiStaticModel
-    from cyclemap.mechanics.slider import MIT_HITCH, MIT_SHAPE_NAMES, Slider
+    from cyclemap.mechanics.slider import (
+        MIT_HITCH,
+        MIT_SHAPE_NAMES,
+        DragBack,
+        Pose,
+        Pusher,
+        SidePush,
+        Slider,
+        WorldPush,
+    )
     from cyclemap.mechanics.trajectory import DragResult, PushResult, Trajectory
 else:
     import_on_first_use(__name__)

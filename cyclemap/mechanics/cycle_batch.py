@@ -15,8 +15,8 @@ from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.strokes import PARAMETERS, Ran, Strokes
 from cyclemap.mechanics.footprint import PatchFootprint
 from cyclemap.mechanics.outline import Ellipse
-from cyclemap.mechanics.protocol import DragBack, Pose, SidePush
 from cyclemap.mechanics.quasi_static import QuasiStaticModel, refusal
+from cyclemap.mechanics.slider import DragBack, Pose, SidePush
 
 # What a cycle gives.
 CYCLE_OUTPUTS = ("push_turn", "push_dx", "push_dy", "drag_turn", "drag_length", "theta_next")

@@ -24,8 +24,7 @@ from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint, PointFootprint, grid_footprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.outline import Ellipse, Outline
-from cyclemap.mechanics.protocol import Pose, Pusher, SidePush
-from cyclemap.mechanics.slider import GRAVITY, Slider
+from cyclemap.mechanics.slider import GRAVITY, Pose, Pusher, SidePush, Slider
 from cyclemap.mechanics.trajectory import Stroke
 
 GRID = 8

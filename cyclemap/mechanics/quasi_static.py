@@ -24,8 +24,7 @@ from cyclemap.mechanics.first_touch import OVERLAP, first_touch
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.outline import Ellipse, Outline
-from cyclemap.mechanics.protocol import DragBack, Pose, Pusher, SidePush, WorldPush
-from cyclemap.mechanics.slider import Slider
+from cyclemap.mechanics.slider import DragBack, Pose, Pusher, SidePush, Slider, WorldPush
 from cyclemap.mechanics.trajectory import Course, DragResult, PushResult
 
 # What a step may be off by, as a share of the accuracy asked of the whole motion; measured in tests/mechanics.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.engine.strokes import KINDS, MODES, Strokes, record
-from cyclemap.mechanics.protocol import Pose
+from cyclemap.mechanics.slider import Pose
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from cyclemap.mechanics import (
     grid_footprint,
     load_material,
 )
-from cyclemap.mechanics.pressure_points import pressure_points
+from cyclemap.mechanics.footprint import pressure_points
 
 SQUARE = Slider.mit("rect1").outline
 OUTLINES = {name: Slider.mit(name).outline for name in ("rect1", "rect3", "tri2", "hex", "ellip2")}
