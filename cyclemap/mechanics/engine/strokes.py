@@ -184,7 +184,7 @@ class Strokes:
     radius: float
     tolerance: float
     pieces: Array
-    goals: tuple[tuple[float, float], ...]
+    goals: tuple[tuple[float, float], ...] = ()
     start_piece: int = 0
     start_coordinate: float = 0.0
     by_fraction: float = 0.0
