@@ -180,9 +180,13 @@ class QuasiStaticModel:
         dragged = self.drag_strokes((*reset.way_points, _TARGET), reset.pin_friction_radius)
         return replace(pushed, goals=dragged.goals, pin_friction=dragged.pin_friction, with_object=True)
 
+    def ring_place(self, pose: Pose) -> tuple[float, float]:
+        """Return where the ring is in the world at a pose, m."""
+        return pose.to_world(*self.slider.hitch)
+
     def start_pose(self, theta: float) -> Pose:
         """Return the pose with the ring at the world's origin, where every cycle starts."""
-        x, y = Pose(0.0, 0.0, theta).to_world(*self.slider.hitch)
+        x, y = self.ring_place(Pose(0.0, 0.0, theta))
         return Pose(-x, -y, theta)
 
     def push_strokes(self, pose: Pose, push: SidePush | WorldPush) -> Strokes:
