@@ -13,7 +13,6 @@ from cyclemap.mechanics import (
     EllipseFriction,
     Polygon,
     Pose,
-    QuasiStaticModel,
     SidePush,
     Slider,
     load_material,
@@ -104,26 +103,3 @@ def test_a_mirror_image_moves_as_the_mirror_image(seed):
     push = SidePush(side, fraction, -case.push.angle, case.push.distance)
     found = outcome(replace(case, model=model, pose=pose, push=push))
     assert np.abs(found * (-1.0, -1.0, 1.0, -1.0) - outcome(case)).max() < 1e-8
-
-
-def lift(law, theta):
-    """The cycle map on the lift: push from the ring's target, drag back to it."""
-    return QuasiStaticModel(Slider.mit("rect1"), law, accuracy=1e-10).cycle(theta, SidePush(), DragBack())[1].end.theta
-
-
-def test_isotropic_friction_makes_the_cycle_a_rigid_rotation_to_1e_8():
-    law = EllipseFriction.isotropic(0.25)
-    turns = [lift(law, theta) - theta for theta in np.random.default_rng(1).uniform(-9, 9, 12)]
-    assert np.ptp(turns) < 1e-8
-
-
-def test_turning_the_surface_conjugates_the_cycle_map():
-    for theta, angle in np.random.default_rng(2).uniform(-3, 3, (5, 2)):
-        assert abs(lift(PLYWOOD.turned(angle), theta + angle) - lift(PLYWOOD, theta) - angle) < 1e-8
-
-
-def test_a_centred_ellipse_makes_the_cycle_map_equivariant_under_half_a_turn_and_an_offset_breaks_it():
-    centred = EllipseFriction(PLYWOOD.mu_a, PLYWOOD.mu_b, 0.0, 0.0, PLYWOOD.phi)
-    theta = np.random.default_rng(3).uniform(-3, 3, 5)
-    assert max(abs(lift(centred, t + math.pi) - lift(centred, t) - math.pi) for t in theta) < 1e-8
-    assert max(abs(lift(PLYWOOD, t + math.pi) - lift(PLYWOOD, t) - math.pi) for t in theta) > 1e-2
