@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.engine.strokes import KINDS, MODES, Strokes, record
+from cyclemap.mechanics.engine.strokes import MODES, Strokes, record
 from cyclemap.mechanics.slider import Pose
 
 
@@ -54,7 +54,7 @@ class Course:
 
     @cached_property
     def rows(self) -> Array:
-        """What the engine wrote down (n, 11); see `record`."""
+        """What the engine wrote down (n, 15); see `record`."""
         return record(self.strokes, self.pose, self.longest)
 
     def trajectory(self, of_push: bool) -> Trajectory:
@@ -62,15 +62,14 @@ class Course:
         rows = self.rows[(self.rows[:, 0] == 0.0) & (self.strokes.length > 0.0) == of_push]
         stroke, travel, theta = rows[:, 0], rows[:, 1], rows[:, 4]
         modes = rows[:, 7].astype(int)
-        point, normal = self._contacts(rows)
         bound = modes >= MODES.index("ring")
         rod, radius = rows[:, 2:4], np.where(bound, 0.0, self.strokes.radius)[:, None]
-        outward = np.column_stack([np.cos(normal + theta), np.sin(normal + theta)])
+        point, outward = (_turned(theta, rows[:, place : place + 2]) for place in (11, 13))
         along = np.column_stack([-outward[:, 1], outward[:, 0]])
         force = -rows[:, 8, None] * outward + rows[:, 9, None] * along
         # In ring and wedge the object is placed by the rod's centre; in a wedge both forces are compressions.
         held = rod - radius * outward
-        pose = np.column_stack([self.unit * (held - _turned(theta, point)), theta])
+        pose = np.column_stack([self.unit * (held - point), theta])
         touch, wedged = held.copy(), modes >= MODES.index("wedge_left")
         if wedged.any():
             touch[wedged], force[wedged] = self._wedged(rows[wedged], modes[wedged])
@@ -87,21 +86,6 @@ class Course:
             phase,
             float(max(rows[:, 10].max(), self._outside_cone(rows, modes).max())),
         )
-
-    def _contacts(self, rows: Array) -> tuple[Array, Array]:
-        """Contact points (n, 2), extents in the object's frame, and angles of the normals (n,) there."""
-        point, normal = np.zeros((len(rows), 2)), np.zeros(len(rows))
-        for number in np.unique(rows[:, 6]).astype(int):
-            chosen = rows[:, 6] == number
-            kind, g, at = KINDS[int(self.strokes.pieces[number, 0])], self.strokes.pieces[number, 1:6], rows[chosen, 5]
-            if kind == "side":
-                point[chosen], normal[chosen] = g[:2] + at[:, None] * g[2:4], g[4]
-            elif kind == "ellipse":
-                point[chosen] = np.column_stack([g[0] * np.cos(at), g[1] * np.sin(at)])
-                normal[chosen] = np.arctan2(g[0] * np.sin(at), g[1] * np.cos(at))
-            else:
-                point[chosen], normal[chosen] = g[:2], at if kind == "corner" else 0.0
-        return point, normal
 
     def _wedged(self, rows: Array, modes: NDArray[np.intp]) -> tuple[Array, Array]:
         """First contact (n, 2), extents, and sum of both forces (n, 2) of rows in wedges, world frame."""

@@ -40,15 +40,8 @@ EDGE, LEAN, LINE, POINT, CHORD, ARC = range(6)
 _FAR, _FAR_ORDER, _LEANING_FAR, _LEANING_ORDER = 8.0, 6, 3.0, 12
 _LINE_ORDER = 12
 # Columns of rows that the engine reads or writes, and its structures.
-_TASK_COLUMNS, _RESULT_COLUMNS, _OUTPUTS, _RECORD_COLUMNS, _PIECE_COLUMNS, _ROW_COLUMNS, _PARTS = (
-    4,
-    10,
-    7,
-    11,
-    10,
-    10,
-    6,
-)
+_TASK_COLUMNS, _RESULT_COLUMNS, _OUTPUTS, _RECORD_COLUMNS = 4, 10, 7, 15
+_PIECE_COLUMNS, _ROW_COLUMNS, _PARTS = 10, 10, 6
 _PRESSURE = np.dtype(
     [
         *(("load", "f8", _PARTS), ("middle", "f8", 2), ("far", "f8")),
@@ -246,10 +239,10 @@ def run(strokes: Sequence[Strokes], number: NDArray[np.intp], poses: Array, vari
 
 
 def record(strokes: Strokes, pose: tuple[float, float, float], longest: float) -> Array:
-    """Return the course of one task, rows (n, 11) as `record` of phase.c writes them, or the status as a number.
+    """Return the course of one task, rows (n, 15) as `record` of phase.c writes them, or the status as a number.
 
     Number of the stroke (0: the push), travel, the rod's place, theta, coordinate, piece, mode, compression and
-    tangential force, residual of the balance.
+    tangential force, residual of the balance; point and outward normal of the contact in the object's frame.
     """
     loops, held = _packed([strokes])
     task, room = np.array([0.0, *pose]), 512
