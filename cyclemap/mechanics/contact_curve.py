@@ -29,11 +29,12 @@ _NUDGES = (0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 5.0, -5.0, 7.0, -7.0)
 
 
 class Contact(NamedTuple):
-    """One contact in the slider's frame: its point and the angle of the outward normal."""
+    """One contact in the slider's frame: point, angle of the outward normal, and its derivative by the coordinate."""
 
     x: float
     y: float
     normal: float
+    turning: float
 
     def rod_centre(self, radius: float) -> tuple[float, float]:
         """Return where the centre of a touching rod is."""
@@ -54,11 +55,7 @@ class SidePiece:
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
         x, y = self.start
-        return Contact(x + coordinate * self.direction[0], y + coordinate * self.direction[1], self.normal), 1.0
-
-    def normal_slope(self, coordinate: float) -> float:
-        """Return the derivative of the normal's angle by the coordinate."""
-        return 0.0
+        return Contact(x + coordinate * self.direction[0], y + coordinate * self.direction[1], self.normal, 0.0), 1.0
 
 
 @dataclass(frozen=True)
@@ -71,11 +68,7 @@ class CornerPiece:
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
-        return Contact(*self.corner, coordinate), radius
-
-    def normal_slope(self, coordinate: float) -> float:
-        """Return the derivative of the normal's angle by the coordinate."""
-        return 1.0
+        return Contact(*self.corner, coordinate, 1.0), radius
 
 
 @dataclass(frozen=True)
@@ -89,15 +82,10 @@ class EllipsePiece:
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
-        c, s = math.cos(coordinate), math.sin(coordinate)
-        speed = math.hypot(self.semi_x * s, self.semi_y * c)
-        normal = math.atan2(self.semi_x * s, self.semi_y * c)
-        return Contact(self.semi_x * c, self.semi_y * s, normal), speed + radius * self.semi_x * self.semi_y / speed**2
-
-    def normal_slope(self, coordinate: float) -> float:
-        """Return the derivative of the normal's angle by the coordinate."""
-        c, s = math.cos(coordinate), math.sin(coordinate)
-        return self.semi_x * self.semi_y / ((self.semi_x * s) ** 2 + (self.semi_y * c) ** 2)
+        (a, b), c, s = (self.semi_x, self.semi_y), math.cos(coordinate), math.sin(coordinate)
+        speed = math.hypot(a * s, b * c)
+        contact = Contact(a * c, b * s, math.atan2(a * s, b * c), a * b / speed**2)
+        return contact, speed + radius * a * b / speed**2
 
 
 OutlinePiece = SidePiece | CornerPiece | EllipsePiece

@@ -27,6 +27,7 @@ from cyclemap.mechanics.outline import Ellipse, Outline
 from cyclemap.mechanics.slider import GRAVITY, Pose, Pusher, SidePush, Slider
 from cyclemap.mechanics.trajectory import Stroke
 
+Places = tuple[tuple[float, float], ...]
 GRID = 8
 # Samples of each leg, beside its start.
 SAMPLES = 30
@@ -94,9 +95,8 @@ class DynamicDrag(Stroke):
 class DynamicModel:
     """A slider with its inertia on a surface, and the rod that moves it through a stiff contact.
 
-    Newton-Euler with the mass matrix diag(m, m, I) (Ma & Rodriguez 2018, Eq. 3); I = m L^2/6 for a square. The rod
-    moves straight at a constant speed; the slider is at rest before each stroke, and after it the rod is held until no
-    speed is above 1 % of the rod's.
+    Newton-Euler with the mass matrix diag(m, m, I) (Ma & Rodriguez 2018, Eq. 3). The rod moves straight at a constant
+    speed; the slider is at rest before each stroke, and after it the rod is held until no speed is above 1 % of it.
 
     Parameters
     ----------
@@ -170,10 +170,10 @@ class DynamicModel:
         return self.speed**2 / (GRAVITY * self.points.extent)
 
     def push(self, pose: Pose, push: SidePush, samples: int = SAMPLES) -> DynamicPush:
-        """Push the slider from rest at a pose, the rod first just touching it.
+        """Push the slider from rest at a pose, the rod first just touching it; `samples` of the course are kept.
 
-        `samples` : of the course while the rod moves. Raises InvalidInput for a contact that does not exist or a
-        concave outline, ConvergenceError where the integration fails.
+        Raises InvalidInput for a contact that does not exist or a concave outline, ConvergenceError where the
+        integration fails.
         """
         radius, outline = self.pusher.radius, self.slider.outline
         pieces = contact_curve(outline, radius).pieces
@@ -188,11 +188,7 @@ class DynamicModel:
         return DynamicPush(pose, end, ended, course)
 
     def drag(
-        self,
-        pose: Pose,
-        way_points: tuple[tuple[float, float], ...],
-        samples: int = SAMPLES,
-        pin_friction_radius: float = 0.0,
+        self, pose: Pose, way_points: Places, samples: int = SAMPLES, pin_friction_radius: float = 0.0
     ) -> DynamicDrag:
         """Drag the slider by its ring, straight through way-points (m, world frame), from rest at a pose.
 
