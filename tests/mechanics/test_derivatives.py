@@ -12,6 +12,7 @@ import cyclemap as cm
 from cyclemap.mechanics import (
     DragBack,
     Ellipse,
+    EllipseFriction,
     Material,
     PatchFootprint,
     Polygon,
@@ -30,12 +31,13 @@ LENGTHS = ("pusher_radius", "distance", "hitch_x", "hitch_y", "pin_friction_radi
 LEGS = ((0.05, 0.03), (-0.02, 0.06))
 
 
-def loop_of(shape, *shares, lean=0.0, hitch=(0.005, 0.008), rod=(0.00475, 0.15), push=None, reset=None, footprint=None):
+def loop_of(shape, *shares, lean=0.0, rod=(0.00475, 0.15), push=None, reset=None, footprint=None, surface="plywood"):
     """A loop of an object whose weight rests in parts, its centre off the centroid by a share of the extent."""
-    slider = Slider.mit(shape) if isinstance(shape, str) else Slider(shape, hitch=hitch)
+    slider = Slider.mit(shape) if isinstance(shape, str) else Slider(shape, hitch=(0.005, 0.008))
     outline = slider.outline
     x, y = np.array(outline.centroid) + lean * outline.extent * np.array((0.8, -0.6))
     return cm.CollectionLoop.mit(
+        surface,
         slider=slider,
         footprint=footprint or PatchFootprint(outline, *shares, centre=(x, y)),
         pusher=Pusher(*rod),
@@ -48,6 +50,7 @@ def loop_of(shape, *shares, lean=0.0, hitch=(0.005, 0.008), rod=(0.00475, 0.15),
 SQUARE, OVAL = Slider.mit("rect1").outline, Ellipse(0.05, 0.035)
 L_SHAPE = Polygon(((0.05, 0.05), (-0.05, 0.05), (-0.05, -0.05), (0.0, -0.05), (0.0, 0.0), (0.05, 0.0)))
 ROUND = SidePush(0, 0.2, 0.1, 0.06)
+STRONG = Material("strong", EllipseFriction(0.35, 0.2, 0.05, -0.03, 0.7))
 # name: loop, orientation, modes and kinds of contact that it goes through.
 LOOPS = {
     "square": (loop_of(SQUARE, 0.2, 0.15, 0.1, reset=DragBack(((0.03, 0.05),), 0.001), push=SidePush()), 0.7, {}),
@@ -75,11 +78,32 @@ LOOPS = {
         0.5,
         {"ring_left", "ring_right", "ring_stuck"},
     ),
+    "a hexagon on strong friction": (
+        loop_of("hex", rod=(0.00475, 0.3), push=SidePush(2, 0.35, 0.3, 0.04), surface=STRONG),
+        -2.0,
+        {"distance"},
+    ),
+    "an ellipse that is left": (
+        loop_of("ellip3", rod=(0.00475, 0.1), push=SidePush(0, 0.13, 0.8, 0.15), surface=STRONG),
+        0.7,
+        {"left"},
+    ),
+    "a point rod that leaves at a corner": (
+        loop_of("rect1", rod=(0.0, 0.15), push=SidePush(0, 0.02, 0.7, 0.1), surface=STRONG),
+        0.4,
+        {"left"},
+    ),
+    "a frictionless rod": (
+        loop_of("rect2", rod=(0.00475, 0.0), push=SidePush(3, 0.4, 0.2, 0.06), surface=STRONG),
+        0.4,
+        {"slide_free"},
+    ),
     "legs of a triangle": (loop_of("tri2", 0.3, 0.1, 0.1, reset=DragBack(LEGS, 0.006)), -2.0, {"ring_left"}),
     "legs of an ellipse": (loop_of("ellip2", 0.1, 0.4, reset=DragBack(LEGS, 0.0005)), 0.5, {"ring_left", "ring_right"}),
 }
 # What has all parameters.
 SOLID = ("square", "leaning square", "triangle", "L shape", "point rod", "leaving", "around a corner")
+SOLID += ("a hexagon on strong friction", "a frictionless rod")
 
 
 def changed(loop, name, amount):
@@ -106,24 +130,26 @@ def outputs(loop, theta):
 
 
 def differenced(loop, theta, name):
-    """Richardson's central difference of a cycle's outputs."""
+    """Richardson's central difference of a cycle's outputs; one-sided where a value is zero, its least."""
     step = 2e-6 if name in LENGTHS else 2e-5
+    least = {name: getattr(loop.footprint, name, None) for name in SHARES}
+    least |= {"pin_friction_radius": loop.reset.pin_friction_radius, "pusher_radius": loop.pusher.radius}
 
     def at(amount):
         return outputs(loop, theta + amount) if name == "theta" else outputs(changed(loop, name, amount), theta)
 
+    if least.get(name) == 0.0:
+        return (4.0 * at(step) - 3.0 * at(0.0) - at(2.0 * step)) / (2.0 * step)
     return (8.0 * (at(step) - at(-step)) - (at(2.0 * step) - at(-2.0 * step))) / (12.0 * step)
 
 
 def assert_differences(loop, theta):
-    """Of all columns that are given and can be differenced; returns their names."""
+    """Of all columns that are no nan; returns their names."""
     found, checked = loop.sensitivity(theta), []
     assert found.parameters == PARAMETERS and found.outputs == CYCLE_OUTPUTS and len(PARAMETERS) == 17
-    # Of these there cannot be less.
-    least = {"pin_friction_radius": loop.reset.pin_friction_radius, "pusher_radius": loop.pusher.radius}
-    least |= {name: getattr(loop.footprint, name, 0.0) for name in SHARES}
     for name, column in zip(PARAMETERS, found.jacobian.T, strict=True):
-        if np.isnan(column).all() or least.get(name) == 0.0:
+        # Stick and slip part at zero friction: there is no derivative.
+        if np.isnan(column).all() or (name == "pusher_friction" and loop.pusher.friction == 0.0):
             continue
         wanted = differenced(loop, theta, name)
         assert np.abs(column - wanted).max() < 1e-4 * max(1.0, np.abs(wanted).max()), name
@@ -158,13 +184,6 @@ def by_name(loop, theta, row="theta_next"):
     return dict(zip(PARAMETERS, loop.sensitivity(theta).jacobian[CYCLE_OUTPUTS.index(row)].tolist(), strict=True))
 
 
-def test_without_friction_in_the_ring_its_derivative_is_the_one_sided_difference():
-    for loop in (loop_of("rect1"), loop_of("rect1", footprint=grid_footprint(SQUARE, 6))):
-        at = [outputs(replace(loop, reset=DragBack((), k * 1e-6)), 1.0)[-1] for k in range(3)]
-        wanted = (4.0 * at[1] - 3.0 * at[0] - at[2]) / 2e-6
-        assert by_name(loop, 1.0)["pin_friction_radius"] == pytest.approx(wanted, rel=1e-3)
-
-
 def test_an_object_that_its_ring_holds_turns_by_nothing_whatever_changes():
     loop = loop_of("rect1", reset=DragBack(LEGS, 0.06))
     assert set(loop.cycle(1.0).drag.trajectory.mode) == {"ring_stuck"}
@@ -182,7 +201,8 @@ def test_derivatives_in_a_batch_are_those_of_single_cycles_whatever_their_number
     loops, theta = [loop for loop, _, _ in LOOPS.values()], np.array([[0.7, 2.0]] * len(LOOPS))
     every = run_batch(loops, theta, len(PARAMETERS))
     slopes, plain = run_batch(loops, theta, 1), run_batch(loops, theta)
-    np.testing.assert_array_equal(slopes.jacobian[..., 0], every.jacobian[..., 0])
+    # By theta alone the engine runs shorter equations, whose rounding is their own.
+    np.testing.assert_allclose(slopes.jacobian[..., 0], every.jacobian[..., 0], rtol=1e-12, atol=1e-13)
     assert plain.jacobian.shape == (len(loops), 2, 6, 0)
     for number, loop in enumerate(loops):
         np.testing.assert_array_equal(every.jacobian[number, 0], loop.sensitivity(0.7).jacobian)
