@@ -1,4 +1,4 @@
-"""A rod that touches two places of a concave outline: the engine against an independent solver of all modes."""
+"""Whole pushes by the engine and by an independent solver of all modes; a rod that touches two places of an outline."""
 
 import math
 
@@ -28,8 +28,10 @@ from cyclemap.mechanics import (
     QuasiStaticModel,
     SidePush,
     Slider,
+    grid_footprint,
 )
 
+SQUARE = Slider.mit("rect1")
 PLYWOOD, ISOTROPIC = (0.2545, 0.2346, 0.0325, 0.0082, 2.6175), (0.25, 0.25, 0.0, 0.0, 0.0)
 NOTCH = ((-0.05, -0.04), (0.05, -0.04), (0.05, 0.03), (0.0, 0.005), (-0.05, 0.03))
 SKEW = ((-0.05, -0.04), (0.05, -0.04), (0.05, 0.04), (0.012, 0.005), (-0.05, 0.03))
@@ -223,3 +225,27 @@ def test_whole_pushes_are_recomputed(case):
     found = run_push(Plate(vertices, patch_friction(vertices, law), radius, mu), *push, 1e-8)
     assert np.allclose(found.pose, pose, rtol=0.0, atol=2e-6)
     assert (found.ended, found.modes, found.ambiguous) == ("distance", modes, ())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "theta", "distance", "friction"),
+    [(PLYWOOD, math.radians(150.0), 0.15, 0.15), ((0.35, 0.18, 0.05, -0.03, 0.7), -1.0, 0.08, 0.4)],
+    ids=["plywood", "strong"],
+)
+def test_a_square_on_the_papers_points_is_pushed_to_the_same_pose(law, theta, distance, friction):
+    """By the solver on the point law alone, its mean over equally loaded points."""
+    footprint, law = grid_footprint(SQUARE.outline, 8), EllipseFriction(*law)
+    x, y = np.array(footprint.positions).T
+
+    def wrench(twist, frame):
+        traction = law.traction(np.stack([twist[0] - twist[2] * y, twist[1] + twist[2] * x], axis=-1), frame)
+        return np.array((*traction.mean(axis=0), (x * traction[:, 1] - y * traction[:, 0]).mean()))
+
+    plate = Plate(SQUARE.outline.vertices, wrench, 0.00475, friction)
+    found = run_push(plate, 0, 0.7, theta, 0.0, distance, 1e-8)
+    model = QuasiStaticModel(SQUARE, law, Pusher(0.00475, friction), footprint)
+    push = model.push(Pose(theta=theta), SidePush(distance=distance))
+    assert len(found.modes) >= 2 and {kind for _, kind in story(push)} == {"side"}
+    assert tuple(mode for mode, _ in story(push)) == tuple(NAMES[mode] for mode in found.modes)
+    assert np.allclose(found.pose, end_of(push), rtol=0.0, atol=1e-7)
