@@ -13,8 +13,9 @@ from cyclemap.collection.cycle import Cycles, StrokePair
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PointFootprint
-from cyclemap.mechanics.dynamic_model import GRID, SAMPLES, DynamicDrag, DynamicModel, DynamicPush, DynamicTrajectory
+from cyclemap.mechanics.dynamic_model import GRID, SAMPLES, DynamicModel
 from cyclemap.mechanics.footprint import pressure_points
+from cyclemap.mechanics.trajectory import DynamicDrag, DynamicPush, DynamicTrajectory
 
 # What a comparison tells of both models.
 QUANTITIES = ("push_turn", "drag_turn", "theta_next", "push_displacement")

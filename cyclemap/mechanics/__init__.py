@@ -33,12 +33,7 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.mechanics.dynamic_model import (
-        DynamicDrag,
-        DynamicModel,
-        DynamicPush,
-        DynamicTrajectory,
-    )
+    from cyclemap.mechanics.dynamic_model import DynamicModel
     from cyclemap.mechanics.footprint import (
         Footprint,
         PatchFootprint,
@@ -71,7 +66,14 @@ if TYPE_CHECKING:
         Slider,
         WorldPush,
     )
-    from cyclemap.mechanics.trajectory import DragResult, PushResult, Trajectory
+    from cyclemap.mechanics.trajectory import (
+        DragResult,
+        DynamicDrag,
+        DynamicPush,
+        DynamicTrajectory,
+        PushResult,
+        Trajectory,
+    )
 else:
     import_on_first_use(__name__)
 

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from itertools import pairwise
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -25,7 +26,7 @@ from cyclemap.mechanics.footprint import Footprint, PatchFootprint, PointFootpri
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.outline import Ellipse, Outline
 from cyclemap.mechanics.slider import GRAVITY, Pose, Pusher, SidePush, Slider
-from cyclemap.mechanics.trajectory import Stroke
+from cyclemap.mechanics.trajectory import DynamicDrag, DynamicPush, DynamicTrajectory, turned
 
 Places = tuple[tuple[float, float], ...]
 GRID = 8
@@ -55,40 +56,6 @@ _MOST_STEPS = 200_000
 _SCALES = np.array([1.0, 1.0, 1.0, 100.0, 100.0, 100.0])
 # Newton's steps towards the nearest place of an ellipse; 5 reach rounding at an axis ratio of 1.5, 7 at 4.
 _NEWTON_STEPS = 8
-
-
-@dataclass(frozen=True, eq=False)
-class DynamicTrajectory:
-    """A motion sampled evenly in time while the rod moves, and once more when the object rests, in the world frame.
-
-    time : (n,) s. path : (n,) rod travel, m. pose : (n, 3) object's x, y (m) and theta (rad).
-    velocity : (n, 3) of the centre of mass, m/s, and spin, rad/s. pusher : (n, 2) rod's centre, m.
-    contact_point : (n, 2) m. contact_force : (n, 2) force of the rod on the object, N; zero where they do not touch.
-    """
-
-    time: Array
-    path: Array
-    pose: Array
-    velocity: Array
-    pusher: Array
-    contact_point: Array
-    contact_force: Array
-
-
-@dataclass(frozen=True, eq=False)
-class DynamicPush(Stroke):
-    """A push: poses before and after, and why it ended: `distance`, or `left` where the rod has lost the object."""
-
-    ended: str
-    trajectory: DynamicTrajectory
-
-
-@dataclass(frozen=True, eq=False)
-class DynamicDrag(Stroke):
-    """A drag: poses before and after, the path of the rod (m), its course."""
-
-    length: float
-    trajectory: DynamicTrajectory
 
 
 @dataclass(frozen=True)
@@ -256,11 +223,7 @@ class DynamicModel:
             wait = _WAIT * self.froude / grip
             resting.append(equations.run(now, places[-1] / length, np.zeros(2), wait, physics))
             now = resting[-1].state[-1]
-        course = self._course(moving, resting)
-        return Pose(*course.pose[-1].tolist()), course
-
-    def _course(self, moving: list[Leg], resting: list[Leg]) -> DynamicTrajectory:
-        """Legs that follow each other, in SI units; of the coming to rest only its end is kept."""
+        # Of the coming to rest only its end is kept.
         kept = [slice(0 if k == 0 else 1, None) for k in range(len(moving))] + [slice(-1, None)]
         legs = [*moving, resting[-1]]
         state, rod, force, place = (
@@ -271,22 +234,20 @@ class DynamicModel:
         moved = np.concatenate([a + leg.time[part] for a, leg, part in zip(starts, moving, kept, strict=False)])
         # The rod moves at unit speed, so that its travel is the time.
         time, path = np.append(moved, starts[-1]), np.append(moved, starts[len(moving)])
-        length, (x, y), theta = self.points.extent, self.slider.centre_of_mass, state[:, 2]
-        c, s = np.cos(theta), np.sin(theta)
-        lever = np.column_stack([c * x - s * y, s * x + c * y])
-        return DynamicTrajectory(
+        lever = turned(state[:, 2], np.array([self.slider.centre_of_mass]))
+        course = DynamicTrajectory(
             time=length / self.speed * time,
             path=length * path,
-            pose=np.column_stack([length * state[:, :2] - lever, theta]),
+            pose=np.column_stack([length * state[:, :2] - lever, state[:, 2]]),
             velocity=self.speed * state[:, 3:] / (1.0, 1.0, length),
             pusher=length * rod,
             contact_point=length * place,
             contact_force=self.slider.weight * force,
         )
+        return Pose(*course.pose[-1].tolist()), course
 
 
-@dataclass(frozen=True, eq=False)
-class Leg:
+class Leg(NamedTuple):
     """A leg as computed, in the equations' units.
 
     time : (n,) since its start. rod : (n, 2). state : (n, 6) x, y, theta of the centre of mass, their velocities.

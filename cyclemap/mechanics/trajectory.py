@@ -64,7 +64,7 @@ class Course:
         modes = rows[:, 7].astype(int)
         bound = modes >= MODES.index("ring")
         rod, radius = rows[:, 2:4], np.where(bound, 0.0, self.strokes.radius)[:, None]
-        point, outward = (_turned(theta, rows[:, place : place + 2]) for place in (11, 13))
+        point, outward = (turned(theta, rows[:, place : place + 2]) for place in (11, 13))
         along = np.column_stack([-outward[:, 1], outward[:, 0]])
         force = -rows[:, 8, None] * outward + rows[:, 9, None] * along
         # In ring and wedge the object is placed by the rod's centre; in a wedge both forces are compressions.
@@ -159,6 +159,41 @@ class DragResult(Stroke):
         return self.course.trajectory(of_push=False)
 
 
-def _turned(angle: Array, vectors: Array) -> Array:
+@dataclass(frozen=True, eq=False)
+class DynamicTrajectory:
+    """A motion sampled evenly in time while the rod moves, and once more when the object rests, in the world frame.
+
+    time : (n,) s. path : (n,) rod travel, m. pose : (n, 3) object's x, y (m) and theta (rad).
+    velocity : (n, 3) of the centre of mass, m/s, and spin, rad/s. pusher : (n, 2) rod's centre, m.
+    contact_point : (n, 2) m. contact_force : (n, 2) force of the rod on the object, N; zero where they do not touch.
+    """
+
+    time: Array
+    path: Array
+    pose: Array
+    velocity: Array
+    pusher: Array
+    contact_point: Array
+    contact_force: Array
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicPush(Stroke):
+    """A push: poses before and after, and why it ended: `distance`, or `left` where the rod has lost the object."""
+
+    ended: str
+    trajectory: DynamicTrajectory
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicDrag(Stroke):
+    """A drag: poses before and after, the path of the rod (m), its course."""
+
+    length: float
+    trajectory: DynamicTrajectory
+
+
+def turned(angle: Array, vectors: Array) -> Array:
+    """Return vectors (n, 2) or (1, 2) turned counter-clockwise by angles (n,), rad."""
     c, s = np.cos(angle), np.sin(angle)
     return np.column_stack([c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]])
