@@ -55,11 +55,7 @@ if TYPE_CHECKING:
     from cyclemap.collection.own_object import CheckedCollection, check_collection
     from cyclemap.collection.portrait import Portrait, portrait
     from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
-    from cyclemap.collection.uncertain_directions import (
-        DirectionInterval,
-        DirectionUncertainty,
-        direction_uncertainty,
-    )
+    from cyclemap.collection.uncertain_directions import DirectionInterval, DirectionUncertainty, direction_uncertainty
     from cyclemap.collection.wearing_loop import drifting_map, worn_loop
 else:
     import_on_first_use(__name__)

@@ -108,13 +108,7 @@ def _crossings(
     return found
 
 
-def _from_line(
-    piece: EllipsePiece,
-    radius: float,
-    angle: Array,
-    starts: Array,
-    toward: Array,
-) -> tuple[Array, Array]:
+def _from_line(piece: EllipsePiece, radius: float, angle: Array, starts: Array, toward: Array) -> tuple[Array, Array]:
     """How far the rod's centre at an eccentric angle is beside the line, and along it."""
     c, s = np.cos(angle), np.sin(angle)
     speed = np.hypot(piece.semi_y * c, piece.semi_x * s)

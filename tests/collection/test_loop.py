@@ -8,10 +8,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import (
-    SidePush,
-    WorldPush,
-)
+from cyclemap.mechanics import SidePush, WorldPush
 
 MIT = CollectionLoop.mit()
 

@@ -8,14 +8,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop, Cycles, run_cycles
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.mechanics import (
-    DragBack,
-    Ellipse,
-    Pusher,
-    SidePush,
-    Slider,
-    grid_footprint,
-)
+from cyclemap.mechanics import DragBack, Ellipse, Pusher, SidePush, Slider, grid_footprint
 
 THETA = np.array([-4.0, 0.5, 2.0, 7.0])
 MIT = CollectionLoop.mit(accuracy=1e-6)

@@ -212,11 +212,7 @@ def test_dissipation_wrench_and_hessian_of_each_part_match_quadrature_wherever_t
             errors = relative_errors(footprint, place, [len(part), len(place)])
             if place in ("vertex", "rim", "beside the rim") and footprint.rim_share:
                 errors.pop()
-            assert max(errors) < ALLOWED.get(name, 1e-10), (
-                part,
-                place,
-                errors,
-            )
+            assert max(errors) < ALLOWED.get(name, 1e-10), (part, place, errors)
             checked += 1
     assert checked >= 38
 

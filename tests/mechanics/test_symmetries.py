@@ -8,15 +8,7 @@ import numpy as np
 import pytest
 from random_cases import random_case, sized
 
-from cyclemap.mechanics import (
-    DragBack,
-    EllipseFriction,
-    Polygon,
-    Pose,
-    SidePush,
-    Slider,
-    load_material,
-)
+from cyclemap.mechanics import DragBack, EllipseFriction, Polygon, Pose, SidePush, Slider, load_material
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
 
