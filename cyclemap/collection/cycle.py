@@ -16,11 +16,20 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from cyclemap.mechanics import DragResult, DynamicDrag, DynamicPush, PushResult
+    from cyclemap.mechanics import DragResult, DynamicDrag, DynamicPush, DynamicTrajectory, PushResult, Trajectory
 
 
 P = TypeVar("P", bound="PushResult | DynamicPush")
 D = TypeVar("D", bound="DragResult | DynamicDrag")
+T = TypeVar("T", bound="Trajectory | DynamicTrajectory")
+
+
+@dataclass(frozen=True, eq=False)
+class CycleTrajectory(Generic[T]):
+    """The course of a cycle in the world, whose origin is the reset's target."""
+
+    push: T
+    drag: T
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number
-from cyclemap.collection.cycle import Cycles, StrokePair
+from cyclemap.collection.cycle import Cycles, CycleTrajectory, StrokePair
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PointFootprint
@@ -22,14 +22,6 @@ QUANTITIES = ("push_turn", "drag_turn", "theta_next", "push_displacement")
 
 
 @dataclass(frozen=True, eq=False)
-class DynamicCycleTrajectory:
-    """The course of a dynamic cycle in the world, whose origin is the reset's target."""
-
-    push: DynamicTrajectory
-    drag: DynamicTrajectory
-
-
-@dataclass(frozen=True, eq=False)
 class DynamicCycle(StrokePair[DynamicPush, DynamicDrag]):
     """One push and reset by the dynamic simulation, with the properties of a `Cycle`.
 
@@ -37,9 +29,9 @@ class DynamicCycle(StrokePair[DynamicPush, DynamicDrag]):
     """
 
     @property
-    def trajectory(self) -> DynamicCycleTrajectory:
+    def trajectory(self) -> CycleTrajectory[DynamicTrajectory]:
         """The course of the cycle, as sampled."""
-        return DynamicCycleTrajectory(self.push.trajectory, self.drag.trajectory)
+        return CycleTrajectory(self.push.trajectory, self.drag.trajectory)
 
 
 @dataclass(frozen=True)
