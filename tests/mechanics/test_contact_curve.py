@@ -181,21 +181,6 @@ def test_curves_are_exact_closed_and_complete():
 
 
 @pytest.mark.slow
-def test_the_area_inside_is_that_of_the_rounded_outline():
-    """By Green's theorem around all loops, against points thrown at random: pockets go around the other way."""
-    for outline, radius, rng in cases(generic, seed=2, count=60):
-        curve = contact_curve(outline, radius)
-        places = [centres(curve, index, 400) for index in range(len(curve.pieces))]
-        area = 0.5 * sum(float((p[:-1, 0] * p[1:, 1] - p[:-1, 1] * p[1:, 0]).sum()) for p in places)
-        low, high = outline.array.min(axis=0) - radius, outline.array.max(axis=0) + radius
-        thrown = rng.uniform(low, high, (20_000, 2))
-        inside = outline.contains(thrown) | (distances(outline, thrown) < radius)
-        box = float(np.prod(high - low))
-        share = inside.mean()
-        assert abs(share * box - area) < 5.0 * box * math.sqrt(share * (1.0 - share) / len(thrown)) + 1e-3 * box
-
-
-@pytest.mark.slow
 def test_coincidences_within_rounding_leave_neither_gaps_nor_crashes():
     for outline, radius, _ in cases(degenerate, seed=3, count=600):
         check_points_and_junctions(outline, contact_curve(outline, radius), 2e-12)
