@@ -217,6 +217,27 @@ def test_dissipation_wrench_and_hessian_of_each_part_match_quadrature_wherever_t
     assert checked >= 38
 
 
+@pytest.mark.parametrize("name", OUTLINES)
+def test_friction_is_linear_in_the_shares_and_in_the_lean(name):
+    outline, law = OUTLINES[name], random_friction(np.random.default_rng(2))
+    size, allowed = outline.extent, 1e-9 if name == "blade" else 1e-12
+    corners = 0.0 if isinstance(outline, Ellipse) else 0.1
+    twists = np.random.default_rng(3).normal(size=(20, 3)) * (1.0, 1.0, 2.0 / size)
+
+    def wrench(*shares, centre=None):
+        return LimitSurface(PatchFootprint(outline, *shares, centre=centre), law).wrench(twists, 0.4) / (1.0, 1.0, size)
+
+    even = wrench()
+    parts = [wrench(*shares) - even for shares in ((0.2, 0, 0), (0, 0.1, 0), (0, 0, corners))]
+    assert np.abs(wrench(0.2, 0.1, corners) - even - sum(parts)).max() < allowed
+    assert min(np.abs(part).max() for part in parts[: 3 if corners else 2]) > 1e-4
+    # With no corners to move it, the centre of pressure may go both ways by the same lean.
+    away = footprint_of(outline, (0, 0, 0), np.random.default_rng(4)).centre
+    back = tuple(2.0 * np.array(outline.centroid) - away)
+    assert np.abs(wrench(centre=away) + wrench(centre=back) - 2.0 * even).max() < allowed
+    assert np.abs(wrench(centre=away) - even).max() > 1e-6
+
+
 @pytest.mark.parametrize("name", ["square", "triangle", "concave", "ellipse"])
 def test_no_digit_is_lost_where_far_twists_are_summed_anew(name):
     """Along centres that move outwards by a ten-millionth of an extent a step, no step jumps."""
