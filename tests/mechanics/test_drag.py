@@ -10,6 +10,7 @@ from force_balance import check
 from random_cases import random_friction
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from two_contact_reference import wrench_on_points
 
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.mechanics import (
@@ -108,13 +109,6 @@ def test_way_points_and_radii_that_are_no_numbers_are_refused():
             DragBack(pin_friction_radius=bad)
         with pytest.raises(InvalidInput, match=told):
             MODEL.drag(Pose(), ((0.1, 0.0),), pin_friction_radius=bad)
-
-
-def wrench_on_points(law, points, twist, theta):
-    """Mean force and torque about the object's origin of equally loaded points, from the point law alone."""
-    x, y = points.T
-    traction = law.traction(np.stack([twist[0] - twist[2] * y, twist[1] + twist[2] * x], axis=-1), frame=theta)
-    return np.array((*traction.mean(axis=0), (x * traction[:, 1] - y * traction[:, 0]).mean()))
 
 
 def brute_force_spin(law, points, hitch, direction, theta, radius):

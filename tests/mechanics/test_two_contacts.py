@@ -1,6 +1,7 @@
 """Whole pushes by the engine and by an independent solver of all modes; a rod that touches two places of an outline."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from two_contact_reference import (
     quarter,
     run_push,
     unit,
+    wrench_on_points,
 )
 
 from cyclemap.mechanics import (
@@ -236,12 +238,7 @@ def test_whole_pushes_are_recomputed(case):
 def test_a_square_on_the_papers_points_is_pushed_to_the_same_pose(law, theta, distance, friction):
     """By the solver on the point law alone, its mean over equally loaded points."""
     footprint, law = grid_footprint(SQUARE.outline, 8), EllipseFriction(*law)
-    x, y = np.array(footprint.positions).T
-
-    def wrench(twist, frame):
-        traction = law.traction(np.stack([twist[0] - twist[2] * y, twist[1] + twist[2] * x], axis=-1), frame)
-        return np.array((*traction.mean(axis=0), (x * traction[:, 1] - y * traction[:, 0]).mean()))
-
+    wrench = partial(wrench_on_points, law, np.array(footprint.positions))
     plate = Plate(SQUARE.outline.vertices, wrench, 0.00475, friction)
     found = run_push(plate, 0, 0.7, theta, 0.0, distance, 1e-8)
     model = QuasiStaticModel(SQUARE, law, Pusher(0.00475, friction), footprint)

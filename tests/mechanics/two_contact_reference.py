@@ -31,6 +31,13 @@ def turned(angle, vector):
     return vector[0] * unit(angle) + vector[1] * quarter(unit(angle))
 
 
+def wrench_on_points(law, points, twist, theta):
+    """Mean force and torque about the object's origin of equally loaded points, from the point law alone."""
+    x, y = points.T
+    traction = law.traction(np.stack([twist[0] - twist[2] * y, twist[1] + twist[2] * x], axis=-1), frame=theta)
+    return np.array((*traction.mean(axis=0), (x * traction[:, 1] - y * traction[:, 0]).mean()))
+
+
 @dataclass(frozen=True)
 class Contact:
     """A contact's point and its outward normal's angle."""
