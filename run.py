@@ -164,7 +164,7 @@ def install(testing: bool, afresh: bool = False) -> bool:
 
 def engine_is_built() -> bool:
     """Whether the engine's library is there and made from the sources as they are."""
-    return runpy.run_path(str(ENGINE / "sources.py"))["is_built"](ENGINE)
+    return runpy.run_path(str(ENGINE / "library.py"))["is_built"](ENGINE)
 
 
 def build_engine() -> bool:

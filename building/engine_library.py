@@ -74,7 +74,7 @@ def working_compiler() -> tuple[list[str], list[str]]:
 
 def build(place: Path = ENGINE) -> None:
     """Generate and compile the engine and put it into the folder `place`, whole or not at all, else BuildError."""
-    sources = runpy.run_path(str(ENGINE / "sources.py"))
+    sources = runpy.run_path(str(ENGINE / "library.py"))
     target, version = sources["library_path"](place), sources["digest_of"](ENGINE)
     with tempfile.TemporaryDirectory(prefix="cyclemap-", ignore_cleanup_errors=True) as name:
         folder = Path(name)

@@ -25,7 +25,7 @@ def doctor_command(json_target: str | None) -> None:
     The exit code is 1 where something that should work does not.
     """
     from cyclemap.cli.output import publish_json
-    from cyclemap.mechanics.engine import library, sources
+    from cyclemap.mechanics.engine import library
 
     problems: list[str] = []
     data = _data_folder(problems)
@@ -33,7 +33,7 @@ def doctor_command(json_target: str | None) -> None:
     report: Json = {
         "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
         "machine": f"{platform.system()} {platform.machine()}",
-        "engine": str(sources.library_path(Path(library.__file__).parent)),
+        "engine": str(library.library_path(Path(library.__file__).parent)),
         "engine_version": engine,
         "self_check_error_deg": None if error is None else math.degrees(error),
         "data_folder": data,

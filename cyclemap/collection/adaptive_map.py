@@ -176,10 +176,7 @@ class _Sampler:
 
 
 def sample_circle_map(
-    sample: Sample,
-    tolerance: float,
-    progress: Callable[[float], None] | None = None,
-    sample_error: float = 0.0,
+    sample: Sample, tolerance: float, progress: Callable[[float], None] | None = None, sample_error: float = 0.0
 ) -> CircleMap:
     """Return the circle map of degree one that `sample` gives: thetas (n,), rad -> lifted values (n,), slopes (n,).
 

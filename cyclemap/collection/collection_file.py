@@ -20,8 +20,7 @@ from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.file_text import Table, check_checksum, located, toml_text
 from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics import load_material
-from cyclemap.mechanics.material import FILE_KEYS
-from cyclemap.mechanics.material_text import material_toml
+from cyclemap.mechanics.material_text import FILE_KEYS, material_toml
 from cyclemap.text_files import key_place, read_text, read_toml
 
 STRATEGY, PREDICTED, SIMULATION = "strategy", "predicted", "simulation"

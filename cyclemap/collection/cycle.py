@@ -4,54 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import Pose
 from cyclemap.mechanics.cycle_batch import CycleBatch
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-
-class PushStroke(Protocol):
-    """What a cycle reads off a push."""
-
-    @property
-    def turn(self) -> float:
-        """Turn of the object, rad."""
-
-    @property
-    def displacement(self) -> NDArray[np.float64]:
-        """Displacement of the object's origin in its initial frame, (2,), m."""
-
-    @property
-    def ended(self) -> str:
-        """Why it ended: `distance` or `left`."""
+    from cyclemap.mechanics import DragResult, DynamicDrag, DynamicPush, DynamicTrajectory, PushResult, Trajectory
 
 
-class DragStroke(Protocol):
-    """What a cycle reads off a drag."""
-
-    @property
-    def turn(self) -> float:
-        """Turn of the object, rad."""
-
-    @property
-    def length(self) -> float:
-        """Path of the ring, m."""
-
-    @property
-    def end(self) -> Pose:
-        """Where the object is left."""
+P = TypeVar("P", bound="PushResult | DynamicPush")
+D = TypeVar("D", bound="DragResult | DynamicDrag")
+T = TypeVar("T", bound="Trajectory | DynamicTrajectory")
 
 
-P = TypeVar("P", bound=PushStroke)
-D = TypeVar("D", bound=DragStroke)
+@dataclass(frozen=True, eq=False)
+class CycleTrajectory(Generic[T]):
+    """The course of a cycle in the world, whose origin is the reset's target."""
+
+    push: T
+    drag: T
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,19 +90,10 @@ class Cycles:
     @classmethod
     def gathered(cls, theta: NDArray[np.float64], runs: Sequence[StrokePair[Any, Any]]) -> Cycles:
         """Return the runs from the orientations theta (...), in its order, as arrays."""
-
-        def column(name: str, *tail: int) -> NDArray[np.float64]:
-            return np.array([getattr(run, name) for run in runs], dtype=float).reshape((*theta.shape, *tail))
-
-        return cls(
-            theta,
-            column("push_turn"),
-            column("push_displacement", 2),
-            column("drag_turn"),
-            column("drag_length"),
-            column("theta_next"),
-            np.array([run.ended == "left" for run in runs]).reshape(theta.shape),
-        )
+        shapes = {field.name: theta.shape for field in fields(cls)[1:-1]} | {"push_displacement": (*theta.shape, 2)}
+        columns = {name: np.array([getattr(run, name) for run in runs], dtype=float) for name in shapes}
+        left = np.array([run.ended == "left" for run in runs]).reshape(theta.shape)
+        return cls(theta, left=left, **{name: columns[name].reshape(shape) for name, shape in shapes.items()})
 
     def to_frame(self) -> pandas.DataFrame:
         """Return one row a cycle, in the order of theta.ravel(): theta, push_turn, ..., push_dx, push_dy (rad, m).

@@ -59,10 +59,7 @@ class CycleScene:
 
 def cycle_scene(loop: CollectionLoop, cycle: Cycle) -> CycleScene:
     """The scene of `cycle`, which `loop` ran."""
-    return CycleScene(
-        push=_stroke(loop, cycle.trajectory.push),
-        drag=_stroke(loop, cycle.trajectory.drag),
-    )
+    return CycleScene(push=_stroke(loop, cycle.trajectory.push), drag=_stroke(loop, cycle.trajectory.drag))
 
 
 def _stroke(loop: CollectionLoop, trajectory: Trajectory) -> StrokeScene:

@@ -9,23 +9,16 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number
-from cyclemap.collection.cycle import Cycles, StrokePair
+from cyclemap.collection.cycle import Cycles, CycleTrajectory, StrokePair
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PointFootprint
-from cyclemap.mechanics.dynamic_model import GRID, SAMPLES, DynamicDrag, DynamicModel, DynamicPush, DynamicTrajectory
-from cyclemap.mechanics.pressure_points import pressure_points
+from cyclemap.mechanics.dynamic_model import GRID, SAMPLES, DynamicModel
+from cyclemap.mechanics.footprint import pressure_points
+from cyclemap.mechanics.trajectory import DynamicDrag, DynamicPush, DynamicTrajectory
 
 # What a comparison tells of both models.
 QUANTITIES = ("push_turn", "drag_turn", "theta_next", "push_displacement")
-
-
-@dataclass(frozen=True, eq=False)
-class DynamicCycleTrajectory:
-    """The course of a dynamic cycle in the world, whose origin is the reset's target."""
-
-    push: DynamicTrajectory
-    drag: DynamicTrajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +29,9 @@ class DynamicCycle(StrokePair[DynamicPush, DynamicDrag]):
     """
 
     @property
-    def trajectory(self) -> DynamicCycleTrajectory:
+    def trajectory(self) -> CycleTrajectory[DynamicTrajectory]:
         """The course of the cycle, as sampled."""
-        return DynamicCycleTrajectory(self.push.trajectory, self.drag.trajectory)
+        return CycleTrajectory(self.push.trajectory, self.drag.trajectory)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
-from cyclemap.collection.cycle import Cycles, StrokePair
+from cyclemap.collection.cycle import Cycles, CycleTrajectory, StrokePair
 from cyclemap.collection.found_with import with_material
 from cyclemap.collection.settings import apply_settings
 from cyclemap.errors import DoubtfulInput, InvalidInput
@@ -43,14 +43,6 @@ _LEAST_TOLERANCE = 1e-9
 _DRAWN = 60
 
 
-@dataclass(frozen=True)
-class CycleTrajectory:
-    """The course of a cycle in the world, whose origin is the reset's target."""
-
-    push: Trajectory
-    drag: Trajectory
-
-
 @dataclass(frozen=True, eq=False)
 class Cycle(StrokePair[PushResult, DragResult]):
     """One push and reset.
@@ -68,7 +60,7 @@ class Cycle(StrokePair[PushResult, DragResult]):
         return self.loop.cycle, (self.theta,)
 
     @cached_property
-    def trajectory(self) -> CycleTrajectory:
+    def trajectory(self) -> CycleTrajectory[Trajectory]:
         """The course of the cycle, run once more with steps short enough to be drawn."""
         push, drag = self.loop.strokes(self.theta, self.push.travel / _DRAWN)
         return CycleTrajectory(push.trajectory, drag.trajectory)

@@ -13,14 +13,7 @@ from cyclemap.collection.setting_table import ALWAYS, OWN, SETTINGS, SHARES, WOR
 from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import InvalidInput
 from cyclemap.file_text import MILLIMETRES, NUMBER, Unit
-from cyclemap.mechanics import (
-    Ellipse,
-    PatchFootprint,
-    PointFootprint,
-    Polygon,
-    Slider,
-    parse_footprint,
-)
+from cyclemap.mechanics import Ellipse, PatchFootprint, PointFootprint, Polygon, Slider, parse_footprint
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 
 Table = dict[str, object]

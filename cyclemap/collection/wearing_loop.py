@@ -43,10 +43,7 @@ def drift_of(loop: CollectionLoop, cycles: int, progress: Callable[[float], None
 
 
 def drifting_map(
-    loop: CollectionLoop,
-    cycles: int,
-    tolerance: float = BLEND_TOLERANCE,
-    progress: Callable[[int], None] | None = None,
+    loop: CollectionLoop, cycles: int, tolerance: float = BLEND_TOLERANCE, progress: Callable[[int], None] | None = None
 ) -> DriftingMap:
     """Return the cycle map as the surface wears, over cycles 0 ... cycles - 1, blended within `tolerance` (rad).
 

@@ -24,7 +24,7 @@ Motion
 Pose, Pusher : place and orientation; the rod
 SidePush, WorldPush, DragBack : what the rod does: push a side, push in the world, drag by the ring
 QuasiStaticModel, PushResult, DragResult, Trajectory : friction balances the rod at every instant
-DynamicModel, DynamicPush, DynamicDrag, DynamicTrajectory, EnergyBalance : with inertia and a stiff contact
+DynamicModel, DynamicPush, DynamicDrag, DynamicTrajectory : with inertia and a stiff contact
 """
 
 from typing import TYPE_CHECKING
@@ -33,13 +33,7 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.mechanics.dynamic_model import (
-        DynamicDrag,
-        DynamicModel,
-        DynamicPush,
-        DynamicTrajectory,
-        EnergyBalance,
-    )
+    from cyclemap.mechanics.dynamic_model import DynamicModel
     from cyclemap.mechanics.footprint import (
         Footprint,
         PatchFootprint,
@@ -58,15 +52,28 @@ if TYPE_CHECKING:
         MaterialPosterior,
         PlatePressure,
         Wear,
-        load_material,
-        material_names,
     )
-    from cyclemap.mechanics.material_text import material_toml
+    from cyclemap.mechanics.material_text import load_material, material_names, material_toml
     from cyclemap.mechanics.outline import Ellipse, Polygon
-    from cyclemap.mechanics.protocol import DragBack, Pose, Pusher, SidePush, WorldPush
     from cyclemap.mechanics.quasi_static import QuasiStaticModel
-    from cyclemap.mechanics.slider import MIT_HITCH, MIT_SHAPE_NAMES, Slider
-    from cyclemap.mechanics.trajectory import DragResult, PushResult, Trajectory
+    from cyclemap.mechanics.slider import (
+        MIT_HITCH,
+        MIT_SHAPE_NAMES,
+        DragBack,
+        Pose,
+        Pusher,
+        SidePush,
+        Slider,
+        WorldPush,
+    )
+    from cyclemap.mechanics.trajectory import (
+        DragResult,
+        DynamicDrag,
+        DynamicPush,
+        DynamicTrajectory,
+        PushResult,
+        Trajectory,
+    )
 else:
     import_on_first_use(__name__)
 
@@ -82,7 +89,6 @@ __all__ = [
     "DynamicTrajectory",
     "Ellipse",
     "EllipseFriction",
-    "EnergyBalance",
     "Footprint",
     "FoundWith",
     "FrameShift",

@@ -12,11 +12,11 @@ from collections import defaultdict
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
-from typing import ClassVar, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon
 
@@ -29,11 +29,12 @@ _NUDGES = (0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0, 5.0, -5.0, 7.0, -7.0)
 
 
 class Contact(NamedTuple):
-    """One contact in the slider's frame: its point and the angle of the outward normal."""
+    """One contact in the slider's frame: point, angle of the outward normal, and its derivative by the coordinate."""
 
     x: float
     y: float
     normal: float
+    turning: float
 
     def rod_centre(self, radius: float) -> tuple[float, float]:
         """Return where the centre of a touching rod is."""
@@ -50,21 +51,11 @@ class SidePiece:
     normal: float
     low: float
     high: float
-    kind: ClassVar[str] = "side"
-
-    @property
-    def geometry(self) -> tuple[float, ...]:
-        """Numbers that place the piece, as the motion's functions take them."""
-        return (*self.start, *self.direction, self.normal)
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
         x, y = self.start
-        return Contact(x + coordinate * self.direction[0], y + coordinate * self.direction[1], self.normal), 1.0
-
-    def normal_slope(self, coordinate: float) -> float:
-        """Return the derivative of the normal's angle by the coordinate."""
-        return 0.0
+        return Contact(x + coordinate * self.direction[0], y + coordinate * self.direction[1], self.normal, 0.0), 1.0
 
 
 @dataclass(frozen=True)
@@ -74,20 +65,10 @@ class CornerPiece:
     corner: tuple[float, float]
     low: float
     high: float
-    kind: ClassVar[str] = "corner"
-
-    @property
-    def geometry(self) -> tuple[float, ...]:
-        """Numbers that place the piece, as the motion's functions take them."""
-        return self.corner
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
-        return Contact(*self.corner, coordinate), radius
-
-    def normal_slope(self, coordinate: float) -> float:
-        """Return the derivative of the normal's angle by the coordinate."""
-        return 1.0
+        return Contact(*self.corner, coordinate, 1.0), radius
 
 
 @dataclass(frozen=True)
@@ -98,24 +79,13 @@ class EllipsePiece:
     semi_y: float
     low: float = -math.inf
     high: float = math.inf
-    kind: ClassVar[str] = "ellipse"
-
-    @property
-    def geometry(self) -> tuple[float, ...]:
-        """Numbers that place the piece, as the motion's functions take them."""
-        return self.semi_x, self.semi_y
 
     def contact(self, coordinate: float, radius: float) -> tuple[Contact, float]:
         """Return the contact, and the travel of the rod's centre along its curve per unit of coordinate."""
-        c, s = math.cos(coordinate), math.sin(coordinate)
-        speed = math.hypot(self.semi_x * s, self.semi_y * c)
-        normal = math.atan2(self.semi_x * s, self.semi_y * c)
-        return Contact(self.semi_x * c, self.semi_y * s, normal), speed + radius * self.semi_x * self.semi_y / speed**2
-
-    def normal_slope(self, coordinate: float) -> float:
-        """Return the derivative of the normal's angle by the coordinate."""
-        c, s = math.cos(coordinate), math.sin(coordinate)
-        return self.semi_x * self.semi_y / ((self.semi_x * s) ** 2 + (self.semi_y * c) ** 2)
+        (a, b), c, s = (self.semi_x, self.semi_y), math.cos(coordinate), math.sin(coordinate)
+        speed = math.hypot(a * s, b * c)
+        contact = Contact(a * c, b * s, math.atan2(a * s, b * c), a * b / speed**2)
+        return contact, speed + radius * a * b / speed**2
 
 
 OutlinePiece = SidePiece | CornerPiece | EllipsePiece
@@ -274,21 +244,18 @@ def _turn(side: SidePiece, following: SidePiece) -> float:
 
 def _near(raw: list[_RawPiece], radius: float) -> list[tuple[int, int]]:
     """Pairs (a, b), a < b, of pieces whose boxes overlap."""
-    spans = np.array([_span(piece, radius) for piece in raw])
+    spans = np.zeros((len(raw), 2, 2))
+    for span, piece in zip(spans, raw, strict=True):
+        if isinstance(piece, SidePiece):
+            span[:] = [piece.contact(at, radius)[0].rod_centre(radius) for at in (piece.low, piece.high)]
+        else:
+            span[:] = np.add(piece.corner, [[-radius], [radius]])
     low, high = spans.min(axis=1), spans.max(axis=1)
     near = np.all((low[:, None] <= high[None]) & (low[None] <= high[:, None]), axis=-1)
     return [(int(a), int(b)) for a, b in zip(*np.nonzero(np.triu(near, 1)), strict=True)]
 
 
-def _span(piece: _RawPiece, radius: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    if isinstance(piece, SidePiece):
-        low, high = (piece.contact(at, radius)[0].rod_centre(radius) for at in (piece.low, piece.high))
-        return low, high
-    x, y = piece.corner
-    return (x - radius, y - radius), (x + radius, y + radius)
-
-
-def _clearance(outline: Polygon, own: list[int], places: NDArray[np.float64]) -> NDArray[np.float64]:
+def _clearance(outline: Polygon, own: list[int], places: Array) -> Array:
     """Distance of places (k, 2) from all sides but those that the piece itself belongs to."""
     edge = np.delete(np.roll(outline.array, -1, axis=0) - outline.array, own, axis=0)
     a = np.delete(outline.array, own, axis=0)

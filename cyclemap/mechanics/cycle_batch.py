@@ -1,4 +1,4 @@
-"""Whole cycles of many loops in one call of the engine, and derivatives of cycles, pushes and drags."""
+"""Whole cycles of many loops in one call of the engine, and their derivatives."""
 
 import math
 from collections.abc import Sequence
@@ -15,16 +15,12 @@ from cyclemap.mechanics.engine import strokes as engine
 from cyclemap.mechanics.engine.strokes import PARAMETERS, Ran, Strokes
 from cyclemap.mechanics.footprint import PatchFootprint
 from cyclemap.mechanics.outline import Ellipse
-from cyclemap.mechanics.protocol import DragBack, Pose, SidePush
-from cyclemap.mechanics.quasi_static import QuasiStaticModel, refusal, run_strokes
-from cyclemap.mechanics.trajectory import DragResult, PushResult
-from cyclemap.suggestions import unknown_name
+from cyclemap.mechanics.quasi_static import QuasiStaticModel, refusal
+from cyclemap.mechanics.slider import DragBack, Pose, SidePush
 
-# What a cycle gives, and what a stroke from a given pose along a given path can be differentiated by.
+# What a cycle gives.
 CYCLE_OUTPUTS = ("push_turn", "push_dx", "push_dy", "drag_turn", "drag_length", "theta_next")
-_OWN = ("theta", "pusher_radius", "fraction", "angle", "distance")
 _HITCH = PARAMETERS.index("hitch_x")
-STROKE_PARAMETERS = tuple(name for name in PARAMETERS if name not in _OWN)
 _FRICTION = ("mu_a", "mu_b", "m0", "n0")
 # Ends of pushes that are kept of one model: maps take hundreds of samples, those with jumps thousands.
 _MOST_KEPT = 20_000
@@ -69,7 +65,12 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
 
     Raises what the first cycle that fails ends with, telling which loop and orientation.
     """
-    strokes = [_told(number, loop) for number, loop in enumerate(loops)]
+    strokes = []
+    for place, loop in enumerate(loops):
+        try:
+            strokes.append(loop.model.cycle_strokes(loop.push, loop.reset))
+        except CycleMapError as error:
+            raise type(error)(f"loop {place}: {error}") from error
     number = np.repeat(np.arange(len(loops)), theta.shape[1])
     unit = np.array([loop.model.unit for loop in loops])[number]
     lever = np.array([loop.model.slider.hitch for loop in loops]).reshape(-1, 2)[number]
@@ -88,7 +89,7 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
     turned, end = ran.pushed[:, 2], ran.ended[:, 2]
     jacobian = np.zeros((theta.size, len(CYCLE_OUTPUTS), derivatives))
     if derivatives:
-        scales = np.array([_units(loop.model, PARAMETERS[:derivatives]) for loop in loops])[number]
+        scales = np.array([derivative_units(loop.model, PARAMETERS[:derivatives]) for loop in loops])[number]
         by = ran.derivatives * scales[:, None]
         by[:, [0, 1, 3, 4, 6]] *= unit[:, None, None]
         from_start = varied * scales[:, None]
@@ -119,13 +120,12 @@ class CycleSlopes:
     """
 
     def __init__(self, loop: PushAndReset) -> None:
-        model, reset = loop.model, loop.reset
+        model = loop.model
         ringless = replace(model, slider=replace(model.slider, hitch=model.slider.centre_of_mass))
         self._pushes = _kept_pushes(ringless, loop.push)
         self._lever = np.array([model.slider.hitch])
         self._unit = model.unit
-        self._drag = model.cycle_strokes(loop.push, reset)
-        self._drag = replace(self._drag, length=0.0)
+        self._drag = replace(model.cycle_strokes(loop.push, loop.reset), length=0.0)
 
     def __call__(self, theta: Array) -> tuple[Array, Array]:
         """Return both (n,) at orientations (n,), rad. Raises what the first cycle that fails ends with."""
@@ -150,9 +150,9 @@ class _KeptPushes:
         """Poses (n, 3) and derivatives (n, 3), extents and rad."""
         new = np.array([angle for angle in theta.tolist() if angle not in self._ends])
         if new.size:
-            varied = np.zeros((new.size, 3, 1))
-            varied[:, 2] = 1.0
-            poses = np.column_stack([np.zeros((new.size, 2)), new])
+            # Pushed from the origin, by orientation alone.
+            poses = np.outer(new, (0.0, 0.0, 1.0))
+            varied = np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (new.size, 3, 1))
             ran = engine.run([self._strokes], np.zeros(new.size, int), poses, varied)
             _check(ran, [self._strokes], new)
             if len(self._ends) > _MOST_KEPT:
@@ -163,9 +163,7 @@ class _KeptPushes:
         return found[:, :3], found[:, 3:]
 
 
-@lru_cache(maxsize=128)
-def _kept_pushes(model: QuasiStaticModel, push: SidePush) -> _KeptPushes:
-    return _KeptPushes(model, push)
+_kept_pushes = lru_cache(maxsize=128)(_KeptPushes)
 
 
 def _turned(theta: Array, lever: Array) -> tuple[tuple[Array, Array], Array]:
@@ -184,82 +182,18 @@ def _check(ran: Ran, strokes: Sequence[Strokes], theta: Array, number: NDArray[n
         raise type(error)(f"{which}theta = {float(theta[index])!r} rad: {error}")
 
 
-def _told(number: int, loop: PushAndReset) -> Strokes:
-    try:
-        return loop.model.cycle_strokes(loop.push, loop.reset)
-    except CycleMapError as error:
-        raise type(error)(f"loop {number}: {error}") from error
+def derivative_units(model: QuasiStaticModel, names: Sequence[str]) -> Array:
+    """Return what derivatives by the engine's parameters `names` are to be multiplied by, (k,), to be those by SI.
 
-
-def push_jacobian(model: QuasiStaticModel, push: PushResult, names: tuple[str, ...] = STROKE_PARAMETERS) -> Array:
-    """Return d (x, y, theta) / d names, (3, k), of a push's end (m, rad), its start and the rod's path being fixed.
-
-    By what belongs to the ring alone it is zero; by shares of the pressure that the footprint cannot have it is nan.
-    Mostly good to a hundred times the accuracy of the run, except on trajectories that touch a discontinuity. Raises
-    InvalidInput for an unknown name.
-
-    >>> from cyclemap.mechanics import EllipseFriction, Pose, Slider
-    >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
-    >>> push = model.push(Pose(), SidePush(distance=0.05))
-    >>> push_jacobian(model, push, ("pusher_friction", "hitch_x")).round(4)
-    array([[ 0.0188,  0.    ],
-           [ 0.0044,  0.    ],
-           [-0.3548,  0.    ]])
+    nan for shares of the pressure that the footprint cannot have.
     """
-    found: Array = stroke_jacobians(model, [push], names)[0]
-    return found
-
-
-def drag_jacobian(model: QuasiStaticModel, drag: DragResult, names: tuple[str, ...] = STROKE_PARAMETERS) -> Array:
-    """Return d (x, y, theta) / d names, (3, k), of a drag's end (m, rad), its start and its way-points being fixed.
-
-    The ring's own start moves with the hitch. By the friction of a ring that has none it is the one-sided derivative.
-    A way-point at which the ring already was counts for nothing. Otherwise as `push_jacobian`.
-    """
-    found: Array = stroke_jacobians(model, [drag], names)[0]
-    return found
-
-
-def stroke_jacobians(
-    model: QuasiStaticModel, strokes: Sequence[PushResult | DragResult], names: tuple[str, ...] = STROKE_PARAMETERS
-) -> Array:
-    """Return `push_jacobian` or `drag_jacobian` (n, 3, k) of many strokes of one model, on all cores."""
+    footprint, factors = model.pressure, []
     for name in names:
-        if name not in STROKE_PARAMETERS:
-            raise unknown_name("parameter", name, STROKE_PARAMETERS)
-    courses = []
-    for stroke in strokes:
-        # What ran was a whole cycle, or from its own pose: here the stroke alone, from where it started.
-        own = replace(stroke.course.strokes, with_object=False)
-        if isinstance(stroke, PushResult):
-            own = replace(own, goals=(), direction=own.direction + _turned_by(stroke))
-        else:
-            own = replace(own, length=0.0)
-        courses.append(model.course(own, stroke.start))
-    by = run_strokes(courses, len(PARAMETERS)).derivatives * _units(model, PARAMETERS)
-    pushed = np.array([isinstance(stroke, PushResult) for stroke in strokes])
-    outputs: Array = np.where(pushed[:, None, None], by[:, 0:3], by[:, 3:6])
-    outputs[:, :2] *= model.unit
-    return np.asarray(outputs[:, :, [PARAMETERS.index(name) for name in names]])
-
-
-def _turned_by(push: PushResult) -> float:
-    return push.start.theta if push.course.strokes.with_object else 0.0
-
-
-def derivative_units(model: QuasiStaticModel, names: tuple[str, ...]) -> Array:
-    """Return what derivatives by the engine's parameters `names` are to be multiplied by, (k,), to be those by SI."""
-    factors = ((1.0 / model.unit, _LENGTHS), (1.0 / model.scale, _FRICTION))
-    return np.array([next((factor for factor, members in factors if name in members), 1.0) for name in names])
-
-
-def _units(model: QuasiStaticModel, names: tuple[str, ...]) -> Array:
-    """The same; nan for shares that there cannot be."""
-    footprint, units = model.pressure, derivative_units(model, names)
-    for index, name in enumerate(names):
-        if name.endswith("_share"):
-            has = isinstance(footprint, PatchFootprint) and (
-                footprint.has_frame if name != "corner_share" else not isinstance(footprint.outline, Ellipse)
-            )
-            units[index] = 1.0 if has else math.nan
-    return units
+        factor = 1.0 / model.unit if name in _LENGTHS else 1.0 / model.scale if name in _FRICTION else 1.0
+        if name == "corner_share":
+            cornered = isinstance(footprint, PatchFootprint) and not isinstance(footprint.outline, Ellipse)
+            factor = 1.0 if cornered else math.nan
+        elif name.endswith("_share"):
+            factor = 1.0 if isinstance(footprint, PatchFootprint) and footprint.has_frame else math.nan
+        factors.append(factor)
+    return np.array(factors)

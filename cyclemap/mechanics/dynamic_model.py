@@ -1,24 +1,34 @@
-"""The paper's dynamic simulation of one slider on one surface with one rod: pushes it, and drags it by its ring."""
+"""The paper's dynamic simulation of one slider on one surface with one rod: pushes it, and drags it by its ring.
+
+Newton-Euler (Ma & Rodriguez 2018, Eq. 3): M q'' = F_pusher + F_friction, q = (x, y, theta) of the centre of mass.
+The equations' lengths are in extents L of the footprint, speeds in rod speeds v, forces in weights m g. Then
+M = Fr diag(1, 1, J) with the Froude number Fr = v^2 / (g L) and J = I / (m L^2): the speed enters squared, and nowhere
+else. CasADi writes them, CVODES (Hindmarsh et al. 2005) integrates them along one leg of the rod after the other.
+"""
+
+from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
+from typing import NamedTuple
 
+import casadi as ca
 import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.checks import non_negative_number, point, positive_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics.contact_curve import contact_curve, side_coordinate
-from cyclemap.mechanics.dynamic_equations import PHYSICS, Leg, LegEquations
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint, PointFootprint, grid_footprint
 from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.outline import Outline
-from cyclemap.mechanics.protocol import Pose, Pusher, SidePush
-from cyclemap.mechanics.slider import GRAVITY, Slider
-from cyclemap.mechanics.trajectory import Stroke
+from cyclemap.mechanics.outline import Ellipse, Outline
+from cyclemap.mechanics.slider import GRAVITY, Pose, Pusher, SidePush, Slider
+from cyclemap.mechanics.trajectory import DynamicDrag, DynamicPush, DynamicTrajectory, turned
 
+Places = tuple[tuple[float, float], ...]
 GRID = 8
 # Samples of each leg, beside its start.
 SAMPLES = 30
@@ -30,70 +40,30 @@ _WAIT, _MOST_WAITS = 4.0, 100
 _REST, _REST_CREEPS = 0.01, 10.0
 # A leg shorter than this (extents) is none.
 _SHORTEST = 1e-12
-
-
-@dataclass(frozen=True, eq=False)
-class DynamicTrajectory:
-    """A motion sampled evenly in time while the rod moves, and once more when the object rests, in the world frame.
-
-    time : (n,) s. path : (n,) rod travel, m. pose : (n, 3) object's x, y (m) and theta (rad).
-    velocity : (n, 3) of the centre of mass, m/s, and spin, rad/s. pusher : (n, 2) rod's centre, m.
-    contact_point : (n, 2) m. contact_force : (n, 2) force of the rod on the object, N; zero where they do not touch.
-    """
-
-    time: Array
-    path: Array
-    pose: Array
-    velocity: Array
-    pusher: Array
-    contact_point: Array
-    contact_force: Array
-
-
-@dataclass(frozen=True)
-class EnergyBalance:
-    """Where the rod's work went, J.
-
-    work : done by the rod. floor : dissipated under the object. contact : dissipated by sliding and damping between
-    rod and object. stored : left in the contact's spring and in motion at the end.
-    """
-
-    work: float
-    floor: float
-    contact: float
-    stored: float
-
-    @property
-    def residual(self) -> float:
-        """Work that is not accounted for, as a share of the work: the error of the integration."""
-        return (self.work - self.floor - self.contact - self.stored) / self.work
-
-
-@dataclass(frozen=True, eq=False)
-class DynamicPush(Stroke):
-    """A push: poses before and after, and why it ended: `distance`, or `left` where the rod has lost the object."""
-
-    ended: str
-    trajectory: DynamicTrajectory
-    energy: EnergyBalance
-
-
-@dataclass(frozen=True, eq=False)
-class DynamicDrag(Stroke):
-    """A drag: poses before and after, the path of the rod (m), its course and energies."""
-
-    length: float
-    trajectory: DynamicTrajectory
-    energy: EnergyBalance
+# How a leg lies (rod's start and velocity, duration), then what it meets; creep: the speed below which friction fades.
+LEG = ("rod_x", "rod_y", "rod_vx", "rod_vy", "duration")
+PHYSICS = (
+    *("froude", "inertia", "stiffness", "damping", "radius", "pusher_mu", "pin_radius", "creep"),
+    *("mu_a", "mu_b", "m0", "n0", "phi"),
+)
+# The absolute tolerance as a share of the relative one: speeds and lengths are of order one.
+_ABSOLUTE = 0.1
+# Newton's error as a share of a step's: CVODES' own 0.1 lets the stiff contact turn it into failed error tests.
+_NEWTON_SHARE = 1e-3
+_MOST_STEPS = 200_000
+# Units of the state. Velocities follow from positions through the stiff contact, where a step of length h gives them
+# the error of positions over h: tested as strictly as these, they would have steps shortened without end.
+_SCALES = np.array([1.0, 1.0, 1.0, 100.0, 100.0, 100.0])
+# Newton's steps towards the nearest place of an ellipse; 5 reach rounding at an axis ratio of 1.5, 7 at 4.
+_NEWTON_STEPS = 8
 
 
 @dataclass(frozen=True)
 class DynamicModel:
     """A slider with its inertia on a surface, and the rod that moves it through a stiff contact.
 
-    Newton-Euler with the mass matrix diag(m, m, I) (Ma & Rodriguez 2018, Eq. 3); I = m L^2/6 for a square. The rod
-    moves straight at a constant speed; the slider is at rest before each stroke, and after it the rod is held until no
-    speed is above 1 % of the rod's. See `dynamic_equations` for the laws of floor and contact.
+    Newton-Euler with the mass matrix diag(m, m, I) (Ma & Rodriguez 2018, Eq. 3). The rod moves straight at a constant
+    speed; the slider is at rest before each stroke, and after it the rod is held until no speed is above 1 % of it.
 
     Parameters
     ----------
@@ -155,12 +125,11 @@ class DynamicModel:
         return self.footprint or grid_footprint(self.slider.outline, GRID)
 
     @cached_property
-    def mass_matrix(self) -> Array:
-        """diag(m, m, I) about the centre of mass, (3, 3), kg and kg m^2."""
-        inertia = self.slider.inertia
-        if inertia is None:
-            inertia = self.slider.mass * float(np.trace(PatchFootprint(self.slider.outline).second_moments))
-        return np.diag([self.slider.mass, self.slider.mass, inertia])
+    def inertia(self) -> float:
+        """Moment of inertia about the centre of mass, kg m^2."""
+        if self.slider.inertia is not None:
+            return self.slider.inertia
+        return self.slider.mass * float(np.trace(PatchFootprint(self.slider.outline).second_moments))
 
     @property
     def froude(self) -> float:
@@ -168,10 +137,10 @@ class DynamicModel:
         return self.speed**2 / (GRAVITY * self.points.extent)
 
     def push(self, pose: Pose, push: SidePush, samples: int = SAMPLES) -> DynamicPush:
-        """Push the slider from rest at a pose, the rod first just touching it.
+        """Push the slider from rest at a pose, the rod first just touching it; `samples` of the course are kept.
 
-        `samples` : of the course while the rod moves. Raises InvalidInput for a contact that does not exist or a
-        concave outline, ConvergenceError where the integration fails.
+        Raises InvalidInput for a contact that does not exist or a concave outline, ConvergenceError where the
+        integration fails.
         """
         radius, outline = self.pusher.radius, self.slider.outline
         pieces = contact_curve(outline, radius).pieces
@@ -180,17 +149,13 @@ class DynamicModel:
         direction = pose.theta + contact.normal + math.pi + push.angle
         touch = np.array(pose.to_world(*contact.rod_centre(radius)))
         places = [touch, touch + push.distance * np.array((math.cos(direction), math.sin(direction)))]
-        end, course, energy = self._run(pose, self.equations(outline, samples), places)
+        end, course = self._run(pose, self.equations(outline, samples), places)
         # The last sample is at rest, the one before it when the rod stops.
         ended = "distance" if np.any(course.contact_force[-2] != 0.0) else "left"
-        return DynamicPush(pose, end, ended, course, energy)
+        return DynamicPush(pose, end, ended, course)
 
     def drag(
-        self,
-        pose: Pose,
-        way_points: tuple[tuple[float, float], ...],
-        samples: int = SAMPLES,
-        pin_friction_radius: float = 0.0,
+        self, pose: Pose, way_points: Places, samples: int = SAMPLES, pin_friction_radius: float = 0.0
     ) -> DynamicDrag:
         """Drag the slider by its ring, straight through way-points (m, world frame), from rest at a pose.
 
@@ -206,8 +171,8 @@ class DynamicModel:
         length = math.fsum(float(np.hypot(*(b - a))) for a, b in pairwise(places))
         if length <= _SHORTEST * self.points.extent:
             raise InvalidInput(f"the ring is already at {goals[-1]} m: there is nothing to drag")
-        end, course, energy = self._run(pose, self.equations(self.slider.hitch, samples), places, radius)
-        return DynamicDrag(pose, end, length, course, energy)
+        end, course = self._run(pose, self.equations(self.slider.hitch, samples), places, radius)
+        return DynamicDrag(pose, end, length, course)
 
     def equations(self, touched: Outline | tuple[float, float], samples: int = 1) -> LegEquations:
         """Return the equations of a leg of the rod on an outline, or in a ring at a place (m)."""
@@ -218,13 +183,13 @@ class DynamicModel:
         scaled = (unit * touched[0], unit * touched[1]) if isinstance(touched, tuple) else touched.scaled(unit)
         return LegEquations(self.points.scaled(unit), (unit * x, unit * y), scaled, self.tolerance, count)
 
-    def physics(self, pin_friction_radius: float = 0.0) -> Array:
-        """Return the numbers `dynamic_equations.PHYSICS`."""
+    def physics(self, pin_friction_radius: float = 0.0) -> dict[str, float]:
+        """Return what the slider meets, in the equations' units, by the names in PHYSICS."""
         length, law = self.points.extent, self.friction
         stiffness = self.stiffness * length / self.slider.weight
-        values = {
+        return {
             "froude": self.froude,
-            "inertia": self.mass_matrix[2, 2] / (self.slider.mass * length**2),
+            "inertia": self.inertia / (self.slider.mass * length**2),
             "stiffness": stiffness,
             "damping": 2.0 * self.damping * math.sqrt(stiffness * self.froude),
             "radius": self.pusher.radius / length,
@@ -233,11 +198,10 @@ class DynamicModel:
             "creep": self.regularisation,
             **{name: getattr(law, name) for name in ("mu_a", "mu_b", "m0", "n0", "phi")},
         }
-        return np.array([values[name] for name in PHYSICS])
 
     def _run(
         self, pose: Pose, equations: LegEquations, places: list[Array], pin_radius: float = 0.0
-    ) -> tuple[Pose, DynamicTrajectory, EnergyBalance]:
+    ) -> tuple[Pose, DynamicTrajectory]:
         """Move the rod through places (m) at its speed, then hold it until the slider rests."""
         length, law, physics = self.points.extent, self.friction, self.physics(pin_radius)
         centre = pose.to_world(*self.slider.centre_of_mass)
@@ -259,19 +223,7 @@ class DynamicModel:
             wait = _WAIT * self.froude / grip
             resting.append(equations.run(now, places[-1] / length, np.zeros(2), wait, physics))
             now = resting[-1].state[-1]
-        course = self._course(moving, resting)
-        work, floor, contact = self.slider.weight * length * np.sum([leg.works for leg in (*moving, *resting)], axis=0)
-        vx, vy, omega = course.velocity[-1]
-        motion = (self.mass_matrix.diagonal() @ (vx**2, vy**2, omega**2)) / 2.0
-        stored = self.slider.weight * length * resting[-1].stored[-1] + motion
-        return (
-            Pose(*course.pose[-1].tolist()),
-            course,
-            EnergyBalance(float(work), float(floor), float(contact), float(stored)),
-        )
-
-    def _course(self, moving: list[Leg], resting: list[Leg]) -> DynamicTrajectory:
-        """Legs that follow each other, in SI units; of the coming to rest only its end is kept."""
+        # Of the coming to rest only its end is kept.
         kept = [slice(0 if k == 0 else 1, None) for k in range(len(moving))] + [slice(-1, None)]
         legs = [*moving, resting[-1]]
         state, rod, force, place = (
@@ -279,18 +231,176 @@ class DynamicModel:
             for name in ("state", "rod", "force", "place")
         )
         starts = np.cumsum([0.0, *(leg.time[-1] for leg in (*moving, *resting))])
-        moved = [start + leg.time[part] for start, leg, part in zip(starts, moving, kept, strict=False)]
+        moved = np.concatenate([a + leg.time[part] for a, leg, part in zip(starts, moving, kept, strict=False)])
         # The rod moves at unit speed, so that its travel is the time.
-        time, path = np.append(np.concatenate(moved), starts[-1]), np.append(np.concatenate(moved), starts[len(moving)])
-        length, (x, y), theta = self.points.extent, self.slider.centre_of_mass, state[:, 2]
-        c, s = np.cos(theta), np.sin(theta)
-        lever = np.column_stack([c * x - s * y, s * x + c * y])
-        return DynamicTrajectory(
+        time, path = np.append(moved, starts[-1]), np.append(moved, starts[len(moving)])
+        lever = turned(state[:, 2], np.array([self.slider.centre_of_mass]))
+        course = DynamicTrajectory(
             time=length / self.speed * time,
             path=length * path,
-            pose=np.column_stack([length * state[:, :2] - lever, theta]),
+            pose=np.column_stack([length * state[:, :2] - lever, state[:, 2]]),
             velocity=self.speed * state[:, 3:] / (1.0, 1.0, length),
             pusher=length * rod,
             contact_point=length * place,
             contact_force=self.slider.weight * force,
         )
+        return Pose(*course.pose[-1].tolist()), course
+
+
+class Leg(NamedTuple):
+    """A leg as computed, in the equations' units.
+
+    time : (n,) since its start. rod : (n, 2). state : (n, 6) x, y, theta of the centre of mass, their velocities.
+    force, place : (n, 2) the rod's force on the slider, and where (world frame).
+    """
+
+    time: Array
+    rod: Array
+    state: Array
+    force: Array
+    place: Array
+
+
+@dataclass(frozen=True)
+class LegEquations:
+    """The initial value problem of one leg of the rod, everything in the equations' units.
+
+    touched : the outline that the rod pushes, or the place of the ring in which it drags. samples : of the leg, evenly
+    in time, beside its start.
+    """
+
+    footprint: PointFootprint
+    centre: tuple[float, float]
+    touched: Outline | tuple[float, float]
+    tolerance: float
+    samples: int
+
+    def run(self, start: Array, rod: Array, velocity: Array, time: float, physics: Mapping[str, float]) -> Leg:
+        """Move the rod for a time from a place at a velocity, the slider being in the state `start` (6,).
+
+        Raises ConvergenceError where the integrator gives up.
+        """
+        integrator, observed = _functions(self)
+        parameters = np.array([*rod, *velocity, time, *(physics[name] for name in PHYSICS)])
+        # Whole turns stay out, since the integrator's error is relative to what it integrates.
+        wound = 2.0 * np.pi * np.round(start[2] / (2.0 * np.pi)) * (np.arange(6) == 2)
+        try:
+            found = integrator(x0=(start - wound) / _SCALES, p=parameters)
+        except RuntimeError as cause:
+            raise ConvergenceError(
+                f"the integrator of the dynamic simulation gave up at tolerance {self.tolerance:g}: choose a looser "
+                "one, a larger regularisation or a smaller stiffness"
+            ) from cause
+        scaled = np.column_stack([(start - wound) / _SCALES, np.array(found["xf"])]) + wound[:, None]
+        share = np.linspace(0.0, 1.0, self.samples + 1)
+        seen = np.array(observed(share[None], scaled, parameters))
+        path = rod + np.outer(time * share, velocity)
+        return Leg(time * share, path, scaled.T * _SCALES, seen[:2].T, seen[2:].T)
+
+
+@lru_cache(maxsize=32)
+def _functions(leg: LegEquations) -> tuple[ca.Function, ca.Function]:
+    """The integrator over time 0 to 1, and (time, state, parameters) -> force (2), its place (2).
+
+    Both know the state in units of _SCALES.
+    """
+    time, scaled, parameters = ca.SX.sym("time"), ca.SX.sym("scaled", 6), ca.SX.sym("parameters", len(LEG + PHYSICS))
+    state, centre = _SCALES * scaled, ca.DM(leg.centre)
+    theta, omega, p = state[2], state[5], dict(zip(LEG + PHYSICS, ca.vertsplit(parameters), strict=True))
+    rod_velocity = ca.vertcat(p["rod_vx"], p["rod_vy"])
+    # What the contact sees, in the slider's axes: the rod from the centre of mass and from the place that it touches,
+    # and how fast it moves off that.
+    rod = _turned(ca.vertcat(p["rod_x"], p["rod_y"]) + rod_velocity * (p["duration"] * time) - state[:2], -theta)
+    touched = leg.touched
+    place = (ca.SX(ca.DM(touched)) if isinstance(touched, tuple) else nearest_place(touched, rod + centre)) - centre
+    lever = rod - place
+    slip = _turned(rod_velocity - state[3:5], -theta) + omega * ca.vertcat(place[1], -place[0])
+    ringed = isinstance(touched, tuple)
+    local, pin = _in_ring(lever, slip, omega, p) if ringed else (_on_outline(lever, slip, p), 0.0)
+    floor, floor_torque = _floor(leg, theta, state[3:5], omega, p)
+    force = _turned(local, theta)
+    torque = floor_torque + pin + place[0] * local[1] - place[1] * local[0]
+    rates = ca.vertcat(state[3:], ca.vertcat(floor + force, torque / p["inertia"]) / p["froude"])
+    problem = {"t": time, "x": scaled, "p": parameters, "ode": p["duration"] * rates / _SCALES}
+    options = {
+        **{"reltol": leg.tolerance, "abstol": _ABSOLUTE * leg.tolerance, "nonlin_conv_coeff": _NEWTON_SHARE},
+        **{"max_num_steps": _MOST_STEPS, "disable_internal_warnings": True, "linear_solver": "csparse"},
+    }
+    grid = np.linspace(0.0, 1.0, leg.samples + 1)[1:].tolist()
+    seen = ca.vertcat(force, state[:2] + _turned(place, theta))
+    observed = ca.Function("observed", [time, scaled, parameters], [seen])
+    return ca.integrator("leg", "cvodes", problem, 0.0, grid, options), observed
+
+
+def _on_outline(lever: ca.SX, slip: ca.SX, p: Mapping[str, ca.SX]) -> ca.SX:
+    """Force of the rod on the outline: spring and damper that never pull, Coulomb friction faded below the creep."""
+    distance = ca.sqrt(lever[0] ** 2 + lever[1] ** 2)
+    out = lever / distance
+    depth, closing = p["radius"] - distance, -slip[0] * out[0] - slip[1] * out[1]
+    sideways = -slip[0] * out[1] + slip[1] * out[0]
+    normal = ca.if_else(depth > 0.0, ca.fmax(p["stiffness"] * depth + p["damping"] * closing, 0.0), 0.0)
+    tangential = p["pusher_mu"] * normal * sideways / ca.sqrt(sideways**2 + p["creep"] ** 2)
+    return ca.vertcat(-normal * out[0] - tangential * out[1], -normal * out[1] + tangential * out[0])
+
+
+def _in_ring(stretch: ca.SX, slip: ca.SX, omega: ca.SX, p: Mapping[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
+    """Force of the rod in the ring, a spring and damper both ways, and the friction torque of the pin."""
+    force = p["stiffness"] * stretch + p["damping"] * slip
+    # The root's small addend keeps its derivative finite where there is no force.
+    size = ca.sqrt(force[0] ** 2 + force[1] ** 2 + 1e-16)
+    return force, -p["pin_radius"] * size * omega / ca.sqrt(omega**2 + p["creep"] ** 2)
+
+
+def _floor(
+    leg: LegEquations, theta: ca.SX, velocity: ca.SX, omega: ca.SX, p: Mapping[str, ca.SX]
+) -> tuple[ca.SX, ca.SX]:
+    """Force (world) and torque of the floor on the slider.
+
+    At every point the traction is the gradient of h(v) = s + m0 v_m + n0 v_n, the offset ellipse's (Ma & Rodriguez
+    2018, Eq. 2), with s = sqrt(mu_a^2 v_m^2 + mu_b^2 v_n^2 + mu_a mu_b creep^2): convex, smooth, exact far above creep.
+    """
+    moving = _turned(velocity, -p["phi"])
+    fading, force, torque = p["mu_a"] * p["mu_b"] * p["creep"] ** 2, ca.SX.zeros(2), 0.0
+    for place, weight in zip(leg.footprint.positions, leg.footprint.weights, strict=True):
+        lever = _turned(ca.DM(place) - ca.DM(leg.centre), theta - p["phi"])
+        along, across = moving[0] - omega * lever[1], moving[1] + omega * lever[0]
+        s = ca.sqrt((p["mu_a"] * along) ** 2 + (p["mu_b"] * across) ** 2 + fading)
+        traction = ca.vertcat(p["m0"] + p["mu_a"] ** 2 * along / s, p["n0"] + p["mu_b"] ** 2 * across / s)
+        force -= weight * traction
+        torque -= weight * (lever[0] * traction[1] - lever[1] * traction[0])
+    return _turned(force, p["phi"]), torque
+
+
+def nearest_place(outline: Outline, place: ca.SX) -> ca.SX:
+    """Return where a convex outline is nearest to a place (2,) outside it; all in one frame and unit.
+
+    Raises InvalidInput for a concave outline, which a rod may touch in two places at once.
+    """
+    if isinstance(outline, Ellipse):
+        # Newton on the eccentric angle at which the lever to the place is normal to the outline.
+        (x, y), a, b = ca.vertsplit(place), outline.semi_x, outline.semi_y
+        angle = ca.atan2(a * y, b * x)
+        for _ in range(_NEWTON_STEPS):
+            c, s = ca.cos(angle), ca.sin(angle)
+            slope = (a**2 - b**2) * s * c - a * x * s + b * y * c
+            angle -= slope / ((a**2 - b**2) * (c**2 - s**2) - a * x * c - b * y * s)
+        return ca.vertcat(a * ca.cos(angle), b * ca.sin(angle))
+    if not outline.is_convex:
+        raise InvalidInput(
+            "the dynamic simulation needs a convex outline, since a rod touches a concave one in two places at once: "
+            "use the quasi-static model"
+        )
+    nearest, least = ca.SX.zeros(2), ca.SX(np.inf)
+    for a, b in zip(outline.array, np.roll(outline.array, -1, axis=0), strict=True):
+        side, away = b - a, place - a
+        share = ca.fmin(ca.fmax((away[0] * side[0] + away[1] * side[1]) / float(side @ side), 0.0), 1.0)
+        foot = a + share * side
+        square = (place[0] - foot[0]) ** 2 + (place[1] - foot[1]) ** 2
+        nearest, least = ca.if_else(square < least, foot, nearest), ca.fmin(least, square)
+    return nearest
+
+
+def _turned(vector: ca.SX, angle: ca.SX) -> ca.SX:
+    """A vector turned counter-clockwise."""
+    c, s = ca.cos(angle), ca.sin(angle)
+    return ca.vertcat(c * vector[0] - s * vector[1], s * vector[0] + c * vector[1])

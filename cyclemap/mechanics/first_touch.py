@@ -5,10 +5,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.mechanics.contact_curve import CornerPiece, EllipsePiece, OutlinePiece, SidePiece
-from cyclemap.mechanics.outline import Outline
 
-Array = NDArray[np.float64]
 Touch = tuple[float, int, float]
 
 # Pieces reach this far over their ends, so that rounding leaves no gap where they meet; by the second, per radius, as
@@ -17,7 +16,7 @@ _SEAM, _WEDGE_SEAM = 1e-12, 1e-8
 # Travels that differ by less are one touch, which belongs to the piece that it lies on, not over the end of.
 _SAME_TRAVEL = 1e-12
 # A rod this far inside still counts as touching.
-_OVERLAP = 1e-9
+OVERLAP = 1e-9
 # Halvings that find an angle to rounding.
 _HALVINGS = 54
 
@@ -33,8 +32,8 @@ def first_touch(pieces: tuple[OutlinePiece, ...], radius: float, start: Array, d
 
 
 def first_touches(
-    pieces: tuple[OutlinePiece, ...], radius: float, starts: NDArray[np.float64], directions: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
+    pieces: tuple[OutlinePiece, ...], radius: float, starts: Array, directions: Array
+) -> tuple[Array, NDArray[np.int64], Array]:
     """Return travel, piece and coordinate (n,) of the first touches of rods from starts (n, 2) in directions (n,), rad.
 
     A rod that starts inside touched behind its start: its travel is negative. nan where a rod meets nothing. Where a
@@ -55,10 +54,10 @@ def first_touches(
     crossed, enters = np.array(travels), np.array(entering)
     # Inside, the last crossing behind the start was an entry: that one counts, else the first entry ahead. A rod that
     # touches and moves away has left.
-    behind = np.where(crossed < np.where(enters, -_OVERLAP, _OVERLAP), crossed, -np.inf)
+    behind = np.where(crossed < np.where(enters, -OVERLAP, OVERLAP), crossed, -np.inf)
     last, column = np.argmax(behind, axis=0), np.arange(count)
     inside = np.isfinite(behind[last, column]) & enters[last, column]
-    ahead = np.where(enters & (crossed >= -_OVERLAP), crossed, np.inf)
+    ahead = np.where(enters & (crossed >= -OVERLAP), crossed, np.inf)
     first = ahead <= ahead.min(axis=0) + _SAME_TRAVEL
     chosen = np.where(inside, last, np.argmin(np.where(first, over, np.inf), axis=0))
     known = inside | np.isfinite(ahead[chosen, column])
@@ -70,8 +69,8 @@ def first_touches(
 
 
 def _crossings(
-    piece: OutlinePiece, radius: float, starts: NDArray[np.float64], toward: NDArray[np.float64]
-) -> list[tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]]:
+    piece: OutlinePiece, radius: float, starts: Array, toward: Array
+) -> list[tuple[Array, Array, NDArray[np.bool_]]]:
     """Where lines cross a piece of the contact curve: travel, coordinate, and whether they enter there, (n,) each."""
     if isinstance(piece, SidePiece):
         normal = np.array((math.cos(piece.normal), math.sin(piece.normal)))
@@ -109,22 +108,10 @@ def _crossings(
     return found
 
 
-def _from_line(
-    piece: EllipsePiece,
-    radius: float,
-    angle: NDArray[np.float64],
-    starts: NDArray[np.float64],
-    toward: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _from_line(piece: EllipsePiece, radius: float, angle: Array, starts: Array, toward: Array) -> tuple[Array, Array]:
     """How far the rod's centre at an eccentric angle is beside the line, and along it."""
     c, s = np.cos(angle), np.sin(angle)
     speed = np.hypot(piece.semi_y * c, piece.semi_x * s)
     x = piece.semi_x * c + radius * piece.semi_y * c / speed - starts[:, 0]
     y = piece.semi_y * s + radius * piece.semi_x * s / speed - starts[:, 1]
     return toward[:, 0] * y - toward[:, 1] * x, toward[:, 0] * x + toward[:, 1] * y
-
-
-def overlaps(outline: Outline, radius: float, place: Array) -> bool:
-    """Whether a rod at a place reaches into an outline."""
-    inside = bool(outline.contains(place))
-    return inside or outline.distance((float(place[0]), float(place[1]))) < radius - _OVERLAP

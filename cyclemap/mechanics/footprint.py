@@ -1,13 +1,14 @@
-"""Footprints: how the slider's weight is spread over its underside."""
+"""Footprints: how the slider's weight is spread over its underside, exactly or on points."""
 
+import math
 import re
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, point, whole_number
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.mechanics.outline import Ellipse, Outline, Polygon, area_quadrature
@@ -17,6 +18,8 @@ from cyclemap.text_files import read_csv_table, require_columns
 INNER = 0.55
 # Rounding may leave a pressure that vanishes this much below zero.
 _ROUNDING = 1e-12
+# Loads of points up to this share of an even one count as none: rounding may leave them below zero.
+_NO_LOAD = 1e-9
 _MOST_ASIDE = 99
 # Thinner outlines than this share of their extent lose too many digits to be summed in closed form.
 _THINNEST = 1e-4
@@ -54,11 +57,9 @@ class PatchFootprint:
             object.__setattr__(self, name, finite_number(name.replace("_", " "), getattr(self, name)))
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise InvalidInput(f"{name.replace('_', ' ')} {getattr(self, name)} must lie from 0 to 1")
+        told = f"inner share {self.inner_share}, rim share {self.rim_share} and corner share {self.corner_share}"
         if self.even_share < -_ROUNDING:
-            raise InvalidInput(
-                f"inner share {self.inner_share}, rim share {self.rim_share} and corner share {self.corner_share} "
-                f"add to {1.0 - self.even_share:.6g}: together they may be 1 at most"
-            )
+            raise InvalidInput(f"{told} add to {1.0 - self.even_share:.6g}: together they may be 1 at most")
         if self.corner_share != 0.0 and isinstance(self.outline, Ellipse):
             raise InvalidInput(f"corner share {self.corner_share}: an ellipse has no corners; choose 0")
         if (self.inner_share != 0.0 or self.rim_share != 0.0) and not self.has_frame:
@@ -76,9 +77,9 @@ class PatchFootprint:
         lift = self.even_share + float((self.outline.points(720) - self.outline.centroid).dot(self.gradient).min())
         if lift < -_ROUNDING:
             raise InvalidInput(
-                f"centre of pressure {centre} m with inner share {self.inner_share}, rim share {self.rim_share} and "
-                f"corner share {self.corner_share} lifts the outline off the ground (least pressure {lift:.3g} of the "
-                "mean): bring it nearer to the centroid, leave more of the load even, or give support points"
+                f"centre of pressure {centre} m with {told} lifts the outline off the ground (least pressure "
+                f"{lift:.3g} of the mean): bring it nearer to the centroid, leave more of the load even, or give "
+                "support points"
             )
 
     @property
@@ -91,29 +92,27 @@ class PatchFootprint:
         """Whether it can have an inner and a rim share: the scaled outline lies inside; always, if it is convex."""
         if isinstance(self.outline, Ellipse) or self.outline.is_convex:
             return True
-        inside = self.outline.shrunk(INNER)
-        arms = side_arms(self.outline)
-        return bool(np.all(arms > 0.0)) and self.outline.encloses(inside)
+        return bool(np.all(side_arms(self.outline) > 0.0)) and self.outline.encloses(self.outline.shrunk(INNER))
 
     @cached_property
     def gradient(self) -> tuple[float, float]:
         """How the pressure of the even part leans, 1/m."""
-        moment = np.subtract(self.centre, self.outline.centroid) - self.corner_share * self._corner_lever
+        return self._lean(np.subtract(self.centre, self.outline.centroid) - self.corner_share * self._corner_lever)
+
+    @cached_property
+    def balance(self) -> tuple[float, float]:
+        """Derivative of `gradient` by the corner share, 1/m."""
+        return self._lean(-self._corner_lever)
+
+    def _lean(self, moment: Array) -> tuple[float, float]:
+        """The gradient of a pressure whose centre is `moment` (m) off the centroid."""
         if np.hypot(*moment) <= 1e-12 * self.extent:
             return 0.0, 0.0
         gx, gy = np.linalg.solve(self.second_moments, moment)
         return float(gx), float(gy)
 
     @cached_property
-    def balance(self) -> tuple[float, float]:
-        """Derivative of `gradient` by the corner share, 1/m."""
-        if np.hypot(*self._corner_lever) <= 1e-12 * self.extent:
-            return 0.0, 0.0
-        gx, gy = np.linalg.solve(self.second_moments, -self._corner_lever)
-        return float(gx), float(gy)
-
-    @cached_property
-    def _corner_lever(self) -> NDArray[np.float64]:
+    def _corner_lever(self) -> Array:
         if isinstance(self.outline, Ellipse):
             return np.zeros(2)
         return np.asarray(self.outline.array.mean(axis=0) - self.outline.centroid)
@@ -126,7 +125,7 @@ class PatchFootprint:
         return float(np.sqrt(12.0 * max(least, 0.0)) / self.extent)
 
     @cached_property
-    def second_moments(self) -> NDArray[np.float64]:
+    def second_moments(self) -> Array:
         """Mean of (r - centroid)(r - centroid)^T over the area, (2, 2), m^2."""
         points, weights = area_quadrature(self.outline)
         lever = points - self.outline.centroid
@@ -138,7 +137,7 @@ class PatchFootprint:
         return self.outline.extent
 
 
-def side_arms(outline: Polygon) -> NDArray[np.float64]:
+def side_arms(outline: Polygon) -> Array:
     """Distances (k,) of the sides from the centroid, times the sides' lengths, m^2."""
     x, y = (outline.array - outline.centroid).T
     return np.asarray(x * np.roll(y, -1) - y * np.roll(x, -1))
@@ -172,7 +171,7 @@ class PointFootprint:
         object.__setattr__(self, "weights", tuple((weights / weights.sum()).tolist()))
 
     @cached_property
-    def quadrature(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def quadrature(self) -> tuple[Array, Array]:
         """Points (k, 2), m, and weights (k,) that sum to one."""
         return np.array(self.positions), np.array(self.weights)
 
@@ -252,3 +251,71 @@ def parse_footprint(text: str, outline: Outline) -> Footprint:
     if text.endswith(".csv"):
         return load_footprint(text)
     raise InvalidInput(f"footprint {text!r} is none of: exact, grid:N, corners (polygons), FILE.csv")
+
+
+def pressure_points(footprint: Footprint, count: int) -> PointFootprint:
+    """Return support points that carry the load of a footprint: points as they are, a patch on `count` x `count`.
+
+    The even part becomes the paper's grid (`grid_footprint`), weighted where it leans; the inner part that grid scaled
+    to the inner outline; the rim about 4 `count` points along the outline, and the corners themselves. Then all are
+    weighted with 1 + c . x so that the centre of pressure is the patch's to rounding.
+
+    Raises InvalidInput where the weights that put the centre of pressure right would be negative: steep leans on
+    coarse grids.
+
+    >>> even, rimmed = PatchFootprint(Ellipse(1.0, 1.0)), PatchFootprint(Ellipse(1.0, 1.0), rim_share=0.5)
+    >>> len(pressure_points(even, 8).positions), len(pressure_points(rimmed, 8).positions)
+    (52, 84)
+    """
+    if isinstance(footprint, PointFootprint):
+        return footprint
+    even = grid_footprint(footprint.outline, count)
+    if footprint.even_share == 1.0 and footprint.gradient == (0.0, 0.0):
+        return even
+    grid, centroid = even.quadrature[0], np.array(footprint.outline.centroid)
+    lean = (grid - centroid) @ np.array(footprint.gradient)
+    points, loads = [grid], [(footprint.even_share + lean) / len(grid)]
+    if footprint.inner_share:
+        points.append(centroid + INNER * (grid - centroid))
+        loads.append(np.full(len(grid), footprint.inner_share / len(grid)))
+    if footprint.rim_share:
+        around, shares = _rim_points(footprint, 4 * count)
+        points.append(around)
+        loads.append(footprint.rim_share * shares)
+    if footprint.corner_share and not isinstance(footprint.outline, Ellipse):
+        points.append(footprint.outline.array)
+        loads.append(np.full(footprint.outline.sides, footprint.corner_share / footprint.outline.sides))
+    return _about(footprint.centre, np.concatenate(points), np.concatenate(loads))
+
+
+def _rim_points(footprint: PatchFootprint, count: int) -> tuple[Array, Array]:
+    """Points (k, 2), m, along the outline, and the shares (k,) of the rim's load that belong to them."""
+    outline = footprint.outline
+    if isinstance(outline, Ellipse):
+        angle = 2.0 * math.pi * (np.arange(count) + 0.5) / count
+        around = np.stack([outline.semi_x * np.cos(angle), outline.semi_y * np.sin(angle)], axis=-1)
+        return around, np.full(count, 1.0 / count)
+    start, arms = outline.array, side_arms(outline)
+    end = np.roll(start, -1, axis=0)
+    length = np.hypot(*(end - start).T)
+    points, shares = [], []
+    for a, b, share, number in zip(start, end, arms / arms.sum(), np.rint(count * length / length.sum()), strict=True):
+        pieces = max(int(number), 1)
+        points.append(a + ((np.arange(pieces) + 0.5) / pieces)[:, None] * (b - a))
+        shares.append(np.full(pieces, share / pieces))
+    return np.concatenate(points), np.concatenate(shares)
+
+
+def _about(centre: tuple[float, float], points: Array, loads: Array) -> PointFootprint:
+    """Return the points with their loads weighted so that the centre of pressure is `centre`."""
+    loads = np.where(np.abs(loads) < _NO_LOAD / len(loads), 0.0, loads)
+    mean = loads @ points / loads.sum()
+    lever = points - mean
+    lean = np.linalg.solve((loads[:, None] * lever).T @ lever / loads.sum(), np.subtract(centre, mean))
+    weights = loads * (1.0 + lever @ lean)
+    if weights.min() < 0.0:
+        raise InvalidInput(
+            f"this footprint's pressure cannot be carried by support points (least load {weights.min():.3g}): set the "
+            "footprint to points, such as grid:8 or a CSV file"
+        )
+    return PointFootprint(tuple(map(tuple, points.tolist())), tuple(weights.tolist()))

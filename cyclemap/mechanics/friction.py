@@ -8,33 +8,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.engine.strokes import friction_values
+from cyclemap.mechanics.engine.strokes import friction_values, pressure_tables
 from cyclemap.mechanics.footprint import Footprint
-from cyclemap.mechanics.pressure_tables import pressure_tables
 
 
 @dataclass(frozen=True)
 class EllipseFriction:
     """Friction of one support point whose limit curve is an ellipse off its centre.
 
-    In the material's axes (m, n), turned by `phi` counter-clockwise from the surface's x axis, the dissipation
-    per unit load and unit sliding distance is the support function of the limit ellipse
-    (Ma & Rodriguez 2018, Eq. 2, as a maximum-dissipation law):
+    In the material's axes (m, n), turned by `phi` (rad) counter-clockwise from the surface's x axis, the dissipation
+    per unit load and unit sliding distance is the support function of the limit ellipse with the semi-axes `mu_a`,
+    `mu_b` about (`m0`, `n0`) (Ma & Rodriguez 2018, Eq. 2, as a maximum-dissipation law):
 
         h(v) = s + m0 v_m + n0 v_n,   s = sqrt(mu_a^2 v_m^2 + mu_b^2 v_n^2)
 
     and the traction coefficient is its gradient: mu_m = m0 + mu_a^2 v_m / s, mu_n = n0 + mu_b^2 v_n / s.
 
-    Parameters
-    ----------
-    mu_a, mu_b : semi-axes of the ellipse, friction coefficients, positive.
-    m0, n0 : its centre in the material's axes, friction coefficients.
-    phi : angle of the material's m axis, rad.
-
-    Raises
-    ------
-    InvalidInput : a value is not finite, an axis is not positive, or the centre lies so far out that some
-        direction of sliding would not dissipate: (m0/mu_a)^2 + (n0/mu_b)^2 must be below one.
+    Raises InvalidInput where a value is not finite, an axis is not positive, or the centre lies so far out that some
+    direction of sliding would not dissipate: (m0/mu_a)^2 + (n0/mu_b)^2 must be below one.
 
     >>> EllipseFriction(0.3, 0.2).dissipation([1.0, 0.0])
     array(0.3)

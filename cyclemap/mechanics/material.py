@@ -2,49 +2,28 @@
 
 import math
 import re
-import tomllib
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib import resources
-from pathlib import Path
 
 import numpy as np
 
 from cyclemap.checks import finite_array, finite_number, positive_number
-from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
+from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.mechanics.friction import EllipseFriction, worn_friction
 from cyclemap.plain_text import printable
 from cyclemap.suggestions import unknown_name
-from cyclemap.text_files import read_toml
 
-# Friction coefficients of dry surfaces are below the one; none is known above the other.
-_USUAL_FRICTION, _LARGEST_FRICTION = 2.0, 10.0
+# Names of a material file, with what `FoundWith` calls them and the SI units of one of theirs.
 FRICTION_KEYS = ("mu_a", "mu_b", "m0", "n0", "phi_deg")
 SHARE_KEYS = ("inner_share", "rim_share", "corner_share")
-FILE_KEYS = (
-    "name",
-    "provenance",
-    "misfit",
-    "inferred",
-    "friction",
-    "worn",
-    "found_with",
-    "plates",
-    "posterior",
-    "cycle_noise",
-    "frames",
-)
-# What a file may hold beside a surface: the object on it, and what is done to it (`cyclemap.collection`).
-_OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation")
+FOUND_KEYS = {"pusher_mu": ("pusher_friction", 1.0), "pin_friction_mm": ("pin_friction_radius", 1e-3)}
+# Friction coefficients of dry surfaces are below the one; none is known above the other.
+_USUAL_FRICTION, _LARGEST_FRICTION = 2.0, 10.0
 # Rows of a posterior: a sample tells a 95 % interval to a hundredth of its width with less.
 _MOST_SAMPLES = 4096
 # A camera that is further from the robot's frame (m) was never calibrated.
 _LONGEST_SHIFT = 0.02
-_FOUND_KEYS = {
-    "pusher_mu": "pusher_friction",
-    "pin_friction_mm": "pin_friction_radius",
-}
 
 
 @dataclass(frozen=True)
@@ -132,9 +111,9 @@ class MaterialPosterior:
         names = tuple(self.parameters)
         for name in names:
             plain = name.removeprefix("worn.")
-            if plain in FRICTION_KEYS or name in _FOUND_KEYS or _plate_share(name):
+            if plain in FRICTION_KEYS or name in FOUND_KEYS or _plate_share(name):
                 continue
-            known = (*FRICTION_KEYS, *(f"worn.{key}" for key in FRICTION_KEYS), *_FOUND_KEYS)
+            known = (*FRICTION_KEYS, *(f"worn.{key}" for key in FRICTION_KEYS), *FOUND_KEYS)
             raise unknown_name("posterior parameter", name, (*known, *(f"rect1.{key}" for key in SHARE_KEYS)))
         twice = [name for name in names if names.count(name) > 1]
         if twice or not names:
@@ -154,11 +133,6 @@ class MaterialPosterior:
     def row(self, number: int) -> dict[str, float]:
         """Return one sample by name, in the units of the names."""
         return dict(zip(self.parameters, self.samples[number], strict=True))
-
-    @property
-    def array(self) -> np.ndarray:
-        """The samples as an array (rows, parameters)."""
-        return np.array(self.samples)
 
 
 @dataclass(frozen=True)
@@ -256,26 +230,24 @@ class Material:
         names = [one.plate for one in self.plates]
         if len(set(names)) < len(names):
             raise InvalidInput(f"a material tells the pressure of a plate twice: {', '.join(names)}")
-        self._check_posterior()
+        if self.posterior is not None:
+            self._check_posterior(self.posterior)
 
-    def _check_posterior(self) -> None:
-        if self.posterior is None:
-            return
-        fresh = {name for name in self.posterior.parameters if name in FRICTION_KEYS}
-        worn = {name.removeprefix("worn.") for name in self.posterior.parameters if name.startswith("worn.")}
+    def _check_posterior(self, posterior: MaterialPosterior) -> None:
+        fresh = {name for name in posterior.parameters if name in FRICTION_KEYS}
+        worn = {name.removeprefix("worn.") for name in posterior.parameters if name.startswith("worn.")}
         if worn != (fresh if self.wear is not None else set()):
             raise InvalidInput(
                 "a posterior names the friction of the worn surface (worn.mu_a, ...) as it does that of the fresh one, "
                 "and only where the surface wears"
             )
-        plates = {one.plate for one in self.plates}
-        for name in self.posterior.parameters:
+        for name in posterior.parameters:
             share = _plate_share(name)
-            if share is not None and share[0] not in plates:
+            if share is not None and self.pressure_of(share[0]) is None:
                 raise InvalidInput(f"a posterior of {name} needs a table [plates.{share[0]}] with what is best")
-            if name in _FOUND_KEYS and getattr(self.found_with, _FOUND_KEYS[name]) is None:
+            if name in FOUND_KEYS and getattr(self.found_with, FOUND_KEYS[name][0]) is None:
                 raise InvalidInput(f"a posterior of {name} needs {name} in [found_with], with what is best")
-        for number in range(len(self.posterior)):
+        for number in range(len(posterior)):
             try:
                 self.sample(number)
             except InvalidInput as cause:
@@ -289,15 +261,18 @@ class Material:
         if self.posterior is None or not 0 <= number < len(self.posterior):
             raise InvalidInput(f"{self.name} has no posterior sample {number}")
         row = self.posterior.row(number)
-        found = replace(self.found_with, **_found_numbers({key: row[key] for key in row if key in _FOUND_KEYS}))
-        plates = {one.plate: one for one in self.plates}
-        for plate in dict.fromkeys(found_in[0] for found_in in map(_plate_share, row) if found_in):
-            shares = {key: row[f"{plate}.{key}"] for key in SHARE_KEYS if f"{plate}.{key}" in row}
-            plates[plate] = replace(plates[plate], **shares)  # type: ignore[arg-type]
-        wear = self.wear and replace(self.wear, friction=_changed(self.wear.friction, row, "worn."))
-        friction = _changed(self.friction, row)
+        found = {FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * row[key] for key in row if key in FOUND_KEYS}
+        plates = []
+        for one in self.plates:
+            shares = {key: row[f"{one.plate}.{key}"] for key in SHARE_KEYS if f"{one.plate}.{key}" in row}
+            plates.append(replace(one, **shares))  # type: ignore[arg-type]
         return replace(
-            self, friction=friction, found_with=found, wear=wear, plates=tuple(plates.values()), posterior=None
+            self,
+            friction=_changed(self.friction, row),
+            found_with=replace(self.found_with, **found),
+            wear=self.wear and replace(self.wear, friction=_changed(self.wear.friction, row, "worn.")),
+            plates=tuple(plates),
+            posterior=None,
         )
 
     def pressure_of(self, plate: str) -> PlatePressure | None:
@@ -307,148 +282,13 @@ class Material:
     def friction_after(self, cycles: float) -> EllipseFriction:
         """Return the friction after a number of cycles, 0 or more; beyond those of `wear` it stays the worn one.
 
-        >>> load_material("plywood").friction_after(500.0) == load_material("plywood").friction
-        True
+        >>> slate = Material("slate", EllipseFriction(0.3, 0.2), wear=Wear(EllipseFriction(0.2, 0.2), 1000.0))
+        >>> round(slate.friction_after(500.0).mu_a, 3)
+        0.255
         """
         if self.wear is None:
             return self.friction
         return worn_friction(self.friction, self.wear.friction, self.wear.share(cycles))
-
-
-def material_names() -> tuple[str, ...]:
-    """Names of the built-in materials.
-
-    >>> "plywood" in material_names()
-    True
-    """
-    folder = resources.files("cyclemap.mechanics") / "materials"
-    return tuple(sorted(f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml")))
-
-
-def load_material(name: str | Path) -> Material:
-    """Return a built-in material by name, or one from a TOML file (a path that ends in .toml).
-
-    The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and it may hold `name`,
-    `provenance`, `misfit`, `inferred` (true or false), a table [worn] with `cycles` and the friction after them, a
-    table [found_with] of what was identified along with it: pusher_mu, pin_friction_mm,
-    a table [plates.NAME] for each plate with inner_share, rim_share, corner_share, a table [frames.NAME] with
-    shift_x_mm, shift_y_mm (`FrameShift`), and a table [posterior] with
-    `parameters` and `samples` (`MaterialPosterior`), and a table [cycle_noise] with `log_sigma` and `correlation`
-    (`CycleNoise`). [worn] may have a `course`, pairs [cycles, share] (`Wear`).
-    Tables of object, push, reset, noise and strategy are passed over: `CollectionLoop.from_file` reads those.
-    Raises InvalidInput for an unknown name, DataFileError for a file that is missing or is not such a table.
-
-    >>> load_material("plywood").friction.mu_a
-    0.2545
-    """
-    if str(name).endswith(".toml"):
-        return _material_from_file(Path(name))
-    if str(name) not in material_names():
-        raise unknown_name("material", str(name), material_names())
-    text = (resources.files("cyclemap.mechanics") / "materials" / f"{name}.toml").read_text(encoding="utf-8")
-    return _material_from_table(tomllib.loads(text), str(name))
-
-
-def friction_from_degrees(values: dict[str, object]) -> EllipseFriction:
-    """Return the friction law of a table whose angle is `phi_deg`; m0, n0 and phi_deg, left out, are zero."""
-    for key in values:
-        if key not in FRICTION_KEYS:
-            raise unknown_name("friction key", key, FRICTION_KEYS)
-    for key in ("mu_a", "mu_b"):
-        if key not in values:
-            raise InvalidInput(
-                f"a friction table needs {key}: friction coefficients along the material's axes are mu_a and mu_b, the "
-                "same number twice where it is the same in every direction"
-            )
-    checked = {key: finite_number(f"friction key {key}", value) for key, value in values.items()}
-    return EllipseFriction(phi=math.radians(checked.pop("phi_deg", 0.0)), **checked)
-
-
-def _material_from_file(path: Path) -> Material:
-    table = read_toml(path)
-    try:
-        return _material_from_table(table, path.stem)
-    except InvalidInput as cause:
-        raise DataFileError(f"{path}: {cause}") from cause
-
-
-def _material_from_table(table: dict[str, object], name: str) -> Material:
-    for key in table:
-        if key not in (*FILE_KEYS, *_OTHER_TABLES):
-            raise unknown_name("key in a material file", key, (*FILE_KEYS, *_OTHER_TABLES))
-    friction = table.get("friction")
-    if not isinstance(friction, dict):
-        raise InvalidInput("a material file needs a table [friction] with mu_a and mu_b")
-    inferred = table.get("inferred", False)
-    if not isinstance(inferred, bool):
-        raise InvalidInput(f"inferred is {inferred!r}: it must be true or false")
-    words = {key: str(table.get(key, "")) for key in ("provenance", "misfit")}
-    return Material(
-        str(table.get("name", name)),
-        friction_from_degrees(friction),
-        **words,
-        inferred=inferred,
-        found_with=_found_with(table),
-        wear=_wear(table),
-        plates=_plates(table),
-        posterior=_posterior(table),
-        noise=_noise(table),
-        frames=_frames(table),
-    )
-
-
-def _found_with(table: dict[str, object]) -> FoundWith:
-    found = _table(table, "found_with")
-    for key in found:
-        if key in SHARE_KEYS:
-            raise InvalidInput(f"{key} belongs to a plate: move it to a table [plates.NAME], such as [plates.rect1]")
-        if key not in _FOUND_KEYS:
-            raise unknown_name("key of [found_with]", key, tuple(_FOUND_KEYS))
-    return FoundWith(**_found_numbers(found))
-
-
-def _found_numbers(found: Mapping[str, object]) -> dict[str, float]:
-    """Fields of `FoundWith` from the keys and units of a file."""
-    unit = {"pin_friction_mm": 1e-3}
-    return {_FOUND_KEYS[key]: unit.get(key, 1.0) * finite_number(key, value) for key, value in found.items()}
-
-
-def _frames(table: dict[str, object]) -> tuple[FrameShift, ...]:
-    frames = _table(table, "frames")
-    found = []
-    for plate in frames:
-        shift = _table(frames, plate)
-        for key in shift:
-            if key not in ("shift_x_mm", "shift_y_mm"):
-                raise unknown_name(f"key of [frames.{plate}]", key, ("shift_x_mm", "shift_y_mm"))
-        x, y = (finite_number(key, shift.get(key, 0.0)) for key in ("shift_x_mm", "shift_y_mm"))
-        found.append(FrameShift(plate, 1e-3 * x, 1e-3 * y))
-    return tuple(found)
-
-
-def _plates(table: dict[str, object]) -> tuple[PlatePressure, ...]:
-    plates = _table(table, "plates")
-    found = []
-    for plate in plates:
-        shares = _table(plates, plate)
-        for key in shares:
-            if key not in SHARE_KEYS:
-                raise unknown_name(f"key of [plates.{plate}]", key, SHARE_KEYS)
-        found.append(PlatePressure(plate, **shares))  # type: ignore[arg-type]
-    return tuple(found)
-
-
-def _posterior(table: dict[str, object]) -> MaterialPosterior | None:
-    posterior = _table(table, "posterior")
-    if not posterior:
-        return None
-    for key in posterior:
-        if key not in ("parameters", "samples"):
-            raise unknown_name("key of [posterior]", key, ("parameters", "samples"))
-    names, samples = (posterior.get(key) for key in ("parameters", "samples"))
-    if not (isinstance(names, list) and all(isinstance(name, str) for name in names) and isinstance(samples, list)):
-        raise InvalidInput("a table [posterior] needs parameters, a list of names, and samples, a list of rows")
-    return MaterialPosterior(tuple(names), tuple(samples))
 
 
 def _plate_share(name: str) -> tuple[str, str] | None:
@@ -463,32 +303,3 @@ def _changed(law: EllipseFriction, row: Mapping[str, float], before: str = "") -
     if "phi_deg" in given:
         given["phi"] = math.radians(given.pop("phi_deg"))
     return replace(law, **given)
-
-
-def _wear(table: dict[str, object]) -> Wear | None:
-    worn = _table(table, "worn")
-    if not worn:
-        return None
-    if "cycles" not in worn:
-        raise InvalidInput(
-            "a table [worn] needs cycles, the number of cycles after which the friction is the one it has"
-        )
-    cycles, course = finite_number("cycles", worn.pop("cycles")), worn.pop("course", [])
-    return Wear(friction_from_degrees(worn), cycles, course)  # type: ignore[arg-type]
-
-
-def _noise(table: dict[str, object]) -> CycleNoise | None:
-    noise = _table(table, "cycle_noise")
-    for key in noise:
-        if key not in ("log_sigma", "correlation"):
-            raise unknown_name("key of [cycle_noise]", key, ("log_sigma", "correlation"))
-    if noise and "log_sigma" not in noise:
-        raise InvalidInput("a table [cycle_noise] needs log_sigma, the logarithm of its standard deviation in radians")
-    return CycleNoise(**noise) if noise else None  # type: ignore[arg-type]
-
-
-def _table(table: dict[str, object], name: str) -> dict[str, object]:
-    found = table.get(name, {})
-    if not isinstance(found, dict):
-        raise InvalidInput(f"{name} is {found!r}: it must be a table, [{name}]")
-    return dict(found)

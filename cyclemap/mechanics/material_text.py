@@ -1,20 +1,166 @@
-"""A material as the text of a file that `load_material` reads back."""
-
-from __future__ import annotations
+"""A material as the text of a file: read by `load_material`, written by `material_toml`."""
 
 import json
 import math
 import re
-from dataclasses import fields
+import tomllib
+from collections.abc import Iterable
+from importlib import resources
+from pathlib import Path
 
+from cyclemap.checks import finite_number
+from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.mechanics.friction import EllipseFriction
-from cyclemap.mechanics.material import FoundWith, Material
+from cyclemap.mechanics.material import (
+    FOUND_KEYS,
+    FRICTION_KEYS,
+    SHARE_KEYS,
+    CycleNoise,
+    FoundWith,
+    FrameShift,
+    Material,
+    MaterialPosterior,
+    PlatePressure,
+    Wear,
+)
+from cyclemap.suggestions import unknown_name
+from cyclemap.text_files import read_toml
 
-# Fields of `FoundWith` that go by another name in a file, with the factor from SI units to it.
-_FOUND_NAMES = {
-    "pusher_friction": ("pusher_mu", 1.0),
-    "pin_friction_radius": ("pin_friction_mm", 1e3),
-}
+FILE_KEYS = (
+    *("name", "provenance", "misfit", "inferred", "friction", "worn", "found_with", "plates", "posterior"),
+    *("cycle_noise", "frames"),
+)
+# What a file may hold beside a surface: the object on it, and what is done to it (`cyclemap.collection`).
+_OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation")
+
+
+def material_names() -> tuple[str, ...]:
+    """Names of the built-in materials.
+
+    >>> "plywood" in material_names()
+    True
+    """
+    folder = resources.files("cyclemap.mechanics") / "materials"
+    return tuple(sorted(f.name.removesuffix(".toml") for f in folder.iterdir() if f.name.endswith(".toml")))
+
+
+def load_material(name: str | Path) -> Material:
+    """Return a built-in material by name, or one from a TOML file (a path that ends in .toml).
+
+    The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and it may hold `name`,
+    `provenance`, `misfit`, `inferred` (true or false), and tables: [worn] with `cycles`, the friction after them and a
+    `course` of pairs [cycles, share] (`Wear`); [found_with] with pusher_mu, pin_friction_mm (`FoundWith`);
+    [plates.NAME] with inner_share, rim_share, corner_share (`PlatePressure`); [frames.NAME] with shift_x_mm, shift_y_mm
+    (`FrameShift`); [posterior] with `parameters` and `samples` (`MaterialPosterior`); [cycle_noise] with `log_sigma`
+    and `correlation` (`CycleNoise`).
+    Tables of object, push, reset, noise and strategy are passed over: `CollectionLoop.from_file` reads those.
+    Raises InvalidInput for an unknown name, DataFileError for a file that is missing or is not such a table.
+
+    >>> load_material("plywood").friction.mu_a
+    0.2545
+    """
+    if str(name).endswith(".toml"):
+        path = Path(name)
+        table = read_toml(path)
+        try:
+            return _material_of(table, path.stem)
+        except InvalidInput as cause:
+            raise DataFileError(f"{path}: {cause}") from cause
+    if str(name) not in material_names():
+        raise unknown_name("material", str(name), material_names())
+    text = (resources.files("cyclemap.mechanics") / "materials" / f"{name}.toml").read_text(encoding="utf-8")
+    return _material_of(tomllib.loads(text), str(name))
+
+
+def _material_of(table: dict[str, object], name: str) -> Material:
+    _refuse_unknown("key in a material file", table, (*FILE_KEYS, *_OTHER_TABLES))
+    friction = table.get("friction")
+    if not isinstance(friction, dict):
+        raise InvalidInput("a material file needs a table [friction] with mu_a and mu_b")
+    inferred = table.get("inferred", False)
+    if not isinstance(inferred, bool):
+        raise InvalidInput(f"inferred is {inferred!r}: it must be true or false")
+    for key in _table(table, "found_with"):
+        if key in SHARE_KEYS:
+            raise InvalidInput(f"{key} belongs to a plate: move it to a table [plates.NAME], such as [plates.rect1]")
+    found = _table(table, "found_with", tuple(FOUND_KEYS))
+    together = {FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * finite_number(key, found[key]) for key in found}
+    plates, frames = _table(table, "plates"), _table(table, "frames")
+    pressures = {plate: _table(plates, plate, SHARE_KEYS, f"plates.{plate}") for plate in plates}
+    shifts = {plate: _table(frames, plate, ("shift_x_mm", "shift_y_mm"), f"frames.{plate}") for plate in frames}
+    return Material(
+        str(table.get("name", name)),
+        _friction_of(friction),
+        provenance=str(table.get("provenance", "")),
+        misfit=str(table.get("misfit", "")),
+        inferred=inferred,
+        found_with=FoundWith(**together),
+        wear=_wear_of(_table(table, "worn")),
+        plates=tuple(PlatePressure(plate, **shares) for plate, shares in pressures.items()),  # type: ignore[arg-type]
+        posterior=_posterior_of(_table(table, "posterior", ("parameters", "samples"))),
+        noise=_noise_of(_table(table, "cycle_noise", ("log_sigma", "correlation"))),
+        frames=tuple(_shift_of(plate, shift) for plate, shift in shifts.items()),
+    )
+
+
+def _refuse_unknown(what: str, keys: Iterable[str], known: tuple[str, ...]) -> None:
+    for key in keys:
+        if key not in known:
+            raise unknown_name(what, key, known)
+
+
+def _table(table: dict[str, object], name: str, known: tuple[str, ...] = (), title: str = "") -> dict[str, object]:
+    """A table in a table, empty where there is none; where some keys are `known`, others are refused."""
+    found = table.get(name, {})
+    if not isinstance(found, dict):
+        raise InvalidInput(f"{name} is {found!r}: it must be a table, [{name}]")
+    if known:
+        _refuse_unknown(f"key of [{title or name}]", found, known)
+    return dict(found)
+
+
+def _friction_of(values: dict[str, object]) -> EllipseFriction:
+    """The friction law of a table whose angle is `phi_deg`; m0, n0 and phi_deg, left out, are zero."""
+    _refuse_unknown("friction key", values, FRICTION_KEYS)
+    for key in ("mu_a", "mu_b"):
+        if key not in values:
+            raise InvalidInput(
+                f"a friction table needs {key}: friction coefficients along the material's axes are mu_a and mu_b, the "
+                "same number twice where it is the same in every direction"
+            )
+    checked = {key: finite_number(f"friction key {key}", value) for key, value in values.items()}
+    return EllipseFriction(phi=math.radians(checked.pop("phi_deg", 0.0)), **checked)
+
+
+def _wear_of(worn: dict[str, object]) -> Wear | None:
+    if not worn:
+        return None
+    if "cycles" not in worn:
+        raise InvalidInput(
+            "a table [worn] needs cycles, the number of cycles after which the friction is the one it has"
+        )
+    cycles, course = finite_number("cycles", worn.pop("cycles")), worn.pop("course", [])
+    return Wear(_friction_of(worn), cycles, course)  # type: ignore[arg-type]
+
+
+def _posterior_of(posterior: dict[str, object]) -> MaterialPosterior | None:
+    if not posterior:
+        return None
+    names, samples = (posterior.get(key) for key in ("parameters", "samples"))
+    if not (isinstance(names, list) and all(isinstance(name, str) for name in names) and isinstance(samples, list)):
+        raise InvalidInput("a table [posterior] needs parameters, a list of names, and samples, a list of rows")
+    return MaterialPosterior(tuple(names), tuple(samples))
+
+
+def _noise_of(noise: dict[str, object]) -> CycleNoise | None:
+    if noise and "log_sigma" not in noise:
+        raise InvalidInput("a table [cycle_noise] needs log_sigma, the logarithm of its standard deviation in radians")
+    return CycleNoise(**noise) if noise else None  # type: ignore[arg-type]
+
+
+def _shift_of(plate: str, shift: dict[str, object]) -> FrameShift:
+    x, y = (finite_number(key, shift.get(key, 0.0)) for key in ("shift_x_mm", "shift_y_mm"))
+    return FrameShift(plate, 1e-3 * x, 1e-3 * y)
 
 
 def material_toml(material: Material) -> str:
@@ -35,16 +181,17 @@ def material_toml(material: Material) -> str:
     words = {key: getattr(material, key) for key in ("name", "provenance", "misfit")}
     lines = [f"{key} = {_text(value)}" for key, value in words.items() if value]
     lines += ["inferred = true"] if material.inferred else []
-    lines += _table("friction", _friction(material.friction))
+    lines += _lines("friction", _numbers(material.friction))
     if material.wear is not None:
-        lines += _table("worn", {"cycles": material.wear.cycles, **_friction(material.wear.friction)})
+        lines += _lines("worn", {"cycles": material.wear.cycles, **_numbers(material.wear.friction)})
         lines += [f"course = {[list(pair) for pair in material.wear.course]!r}"] if material.wear.course else []
-    found = _found_with(material.found_with)
-    lines += _table("found_with", found) if found else []
+    found = {key: (getattr(material.found_with, field), unit) for key, (field, unit) in FOUND_KEYS.items()}
+    told = {key: round(1.0 / unit) * value for key, (value, unit) in found.items() if value is not None}
+    lines += _lines("found_with", told) if told else []
     for one in material.plates:
-        lines += _table(f"plates.{_key(one.plate)}", {key: value for key, value in one.shares.items() if value})
+        lines += _lines(f"plates.{_key(one.plate)}", {key: value for key, value in one.shares.items() if value})
     for shift in material.frames:
-        lines += _table(f"frames.{_key(shift.plate)}", {"shift_x_mm": 1e3 * shift.x, "shift_y_mm": 1e3 * shift.y})
+        lines += _lines(f"frames.{_key(shift.plate)}", {"shift_x_mm": 1e3 * shift.x, "shift_y_mm": 1e3 * shift.y})
     if material.noise is not None:
         lines += ["", "[cycle_noise]", f"log_sigma = {list(material.noise.log_sigma)!r}"]
         lines += [f"correlation = {material.noise.correlation!r}"]
@@ -55,21 +202,11 @@ def material_toml(material: Material) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _friction(law: EllipseFriction) -> dict[str, float]:
+def _numbers(law: EllipseFriction) -> dict[str, float]:
     return {"mu_a": law.mu_a, "mu_b": law.mu_b, "m0": law.m0, "n0": law.n0, "phi_deg": math.degrees(law.phi)}
 
 
-def _found_with(found: FoundWith) -> dict[str, float]:
-    told = {}
-    for field in fields(found):
-        value = getattr(found, field.name)
-        if value is not None:
-            name, factor = _FOUND_NAMES.get(field.name, (field.name, 1.0))
-            told[name] = factor * value
-    return told
-
-
-def _table(name: str, numbers: dict[str, float]) -> list[str]:
+def _lines(name: str, numbers: dict[str, float]) -> list[str]:
     return ["", f"[{name}]", *(f"{key} = {float(value)!r}" for key, value in numbers.items())]
 
 

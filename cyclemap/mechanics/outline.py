@@ -167,10 +167,6 @@ class Ellipse:
 
     def distance(self, point: tuple[float, float]) -> float:
         """Return the distance (m) of a point from the outline."""
-        return self.nearest(point)[0]
-
-    def nearest(self, point: tuple[float, float]) -> tuple[float, float]:
-        """Return the distance (m) of a point from the outline, and the eccentric angle of the place nearest to it."""
         from scipy.optimize import brentq
 
         (x, y), a, b = point, self.semi_x, self.semi_y
@@ -186,10 +182,8 @@ class Ellipse:
         low = math.floor(math.atan2(y, x) / (math.pi / 2.0)) * math.pi / 2.0
         high = low + math.pi / 2.0
         if slope(low) * slope(high) < 0.0:
-            angle = float(brentq(slope, low, high, xtol=1e-15, rtol=1e-14))
-        else:
-            angle = min(low, high, key=distance)
-        return distance(angle), angle
+            return distance(float(brentq(slope, low, high, xtol=1e-15, rtol=1e-14)))
+        return min(distance(low), distance(high))
 
 
 Outline = Polygon | Ellipse

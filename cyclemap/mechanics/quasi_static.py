@@ -19,14 +19,12 @@ from cyclemap.errors import (
 )
 from cyclemap.mechanics.contact_curve import ContactCurve, OutlinePiece, contact_curve, side_coordinate
 from cyclemap.mechanics.engine import strokes as engine
-from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table
-from cyclemap.mechanics.first_touch import first_touch, overlaps
+from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table, pressure_tables
+from cyclemap.mechanics.first_touch import OVERLAP, first_touch
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.outline import Ellipse, Outline
-from cyclemap.mechanics.pressure_tables import pressure_tables
-from cyclemap.mechanics.protocol import DragBack, Pose, Pusher, SidePush, WorldPush
-from cyclemap.mechanics.slider import Slider
+from cyclemap.mechanics.slider import DragBack, Pose, Pusher, SidePush, Slider, WorldPush
 from cyclemap.mechanics.trajectory import Course, DragResult, PushResult
 
 # What a step may be off by, as a share of the accuracy asked of the whole motion; measured in tests/mechanics.
@@ -126,16 +124,13 @@ class QuasiStaticModel:
     @cached_property
     def _still(self) -> Strokes:
         """What all strokes of the model share."""
-        law, unit, (x, y) = self.friction, self.unit, self.pressure.centre
-        numbers = (law.mu_a / self.scale, law.mu_b / self.scale, law.m0 / self.scale, law.n0 / self.scale, law.phi)
-        hitch = self.slider.hitch
+        law, unit, scale, (x, y), hitch = self.friction, self.unit, self.scale, self.pressure.centre, self.slider.hitch
         return Strokes(
             pressure_tables(self.pressure),
-            (*numbers, x / unit, y / unit),
+            (law.mu_a / scale, law.mu_b / scale, law.m0 / scale, law.n0 / scale, law.phi, x / unit, y / unit),
             self.radius,
             _STEP_SHARE * self.accuracy,
             piece_table(self.curve, (hitch[0] / unit, hitch[1] / unit)),
-            (),
             rod_friction=self.pusher.friction,
         )
 
@@ -160,12 +155,11 @@ class QuasiStaticModel:
 
         `pin_friction_radius` (m): radius rho of the friction circle of the rod in the ring. With F = dD/dv the rod's
         force, the spin omega solves dD/domega = -sign(omega) rho |F| about the ring; where even omega = 0 asks for less
-        torque, the object does not turn. The left side grows with omega, and so does the difference of both sides while
-        rho is below half the ring's lever from the centre of pressure and the friction ellipse's centre within 60 % of
-        its smaller axis (tests/mechanics/test_ring_friction.py): then there is one spin. From the whole lever on the
-        ring always holds the object, since friction in translation acts at the centre of pressure. In between, and on
-        laws more one-sided, there is a spin wherever the ring does not hold the object, but it may end on the way, at
-        an orientation where the ring does: raises UnsupportedContact there.
+        torque, the object does not turn. There is one spin while rho is below half the ring's lever from the centre of
+        pressure and the friction ellipse's centre within 60 % of its smaller axis (tests/mechanics/test_drag.py). From
+        the whole lever on the ring always holds the object. In between, and on laws more one-sided, there is a spin
+        wherever the ring does not hold the object, but it may end on the way, at an orientation where the ring does:
+        raises UnsupportedContact there.
         """
         course = self.course(self.drag_strokes(way_points, pin_friction_radius), pose, longest_step)
         return self._dragged(pose, run_strokes([course]), course)
@@ -197,48 +191,50 @@ class QuasiStaticModel:
 
     def push_strokes(self, pose: Pose, push: SidePush | WorldPush) -> Strokes:
         """Return what the engine is asked for in a push from a pose; raises as `push` where they do not fit."""
-        if isinstance(push, SidePush):
-            index, coordinate = side_coordinate(self._outline, self.pieces, push.side, push.fraction)
-            contact, _ = self.pieces[index].contact(coordinate, self.radius)
-            direction, length = pose.theta + contact.normal + math.pi + push.angle, push.distance / self.unit
-            # Derivative of the coordinate by the fraction.
-            by_fraction = 2.0 * math.pi
-            if not isinstance(self._outline, Ellipse):
-                corners = self._outline.vertices
-                by_fraction = math.dist(corners[push.side], corners[(push.side + 1) % len(corners)])
-        else:
-            direction, by_fraction = push.direction, 0.0
-            start = np.array(pose.to_object(*push.start)) / self.unit
-            if overlaps(self._outline, self.radius, start):
-                raise RodInsideObject(f"the rod starts inside the object, at {push.start} m: move its start outside")
-            touch = first_touch(self.pieces, self.radius, start, push.direction - pose.theta)
-            if touch is None:
-                raise RodMissesObject(
-                    f"the rod never touches the object: from {push.start} m its path in direction "
-                    f"{push.direction:.6g} rad passes it by or points away"
-                )
-            travel, index, coordinate = touch
-            length = push.distance / self.unit - travel
-            if length <= 0.0:
-                raise RodMissesObject(
-                    f"the rod stops {-length * self.unit * 1e3:.3g} mm short of the object: lengthen the push"
-                )
+        if isinstance(push, WorldPush):
+            return self._from_afar(pose, push)
+        index, coordinate = side_coordinate(self._outline, self.pieces, push.side, push.fraction)
+        contact, _ = self.pieces[index].contact(coordinate, self.radius)
+        # Derivative of the coordinate by the fraction.
+        by_fraction = 2.0 * math.pi
+        if not isinstance(self._outline, Ellipse):
+            corners = self._outline.vertices
+            by_fraction = math.dist(corners[push.side], corners[(push.side + 1) % len(corners)])
         return replace(
             self._still,
             start_piece=index,
             start_coordinate=coordinate,
             by_fraction=by_fraction,
-            direction=direction,
-            length=length,
+            direction=pose.theta + contact.normal + math.pi + push.angle,
+            length=push.distance / self.unit,
+        )
+
+    def _from_afar(self, pose: Pose, push: WorldPush) -> Strokes:
+        start = np.array(pose.to_object(*push.start)) / self.unit
+        inside = bool(self._outline.contains(start))
+        if inside or self._outline.distance((start[0], start[1])) < self.radius - OVERLAP:
+            raise RodInsideObject(f"the rod starts inside the object, at {push.start} m: move its start outside")
+        touch = first_touch(self.pieces, self.radius, start, push.direction - pose.theta)
+        if touch is None:
+            raise RodMissesObject(
+                f"the rod never touches the object: from {push.start} m its path in direction "
+                f"{push.direction:.6g} rad passes it by or points away"
+            )
+        travel, index, coordinate = touch
+        length = push.distance / self.unit - travel
+        if length <= 0.0:
+            raise RodMissesObject(
+                f"the rod stops {-length * self.unit * 1e3:.3g} mm short of the object: lengthen the push"
+            )
+        return replace(
+            self._still, start_piece=index, start_coordinate=coordinate, direction=push.direction, length=length
         )
 
     def drag_strokes(self, way_points: tuple[tuple[float, float], ...], pin_friction_radius: float) -> Strokes:
         """Return what the engine is asked for in a drag through way-points (m, world frame)."""
         radius = non_negative_number("pin friction radius", pin_friction_radius) / self.unit
-        goals = tuple(
-            (finite_number("way-point x", x) / self.unit, finite_number("way-point y", y) / self.unit)
-            for x, y in way_points
-        )
+        places = [(finite_number("way-point x", x), finite_number("way-point y", y)) for x, y in way_points]
+        goals = tuple((x / self.unit, y / self.unit) for x, y in places)
         return replace(self._still, goals=goals, pin_friction=radius)
 
     def course(self, strokes: Strokes, pose: Pose, longest_step: float = math.inf) -> Course:
@@ -297,10 +293,8 @@ def refusal(status: int, strokes: Strokes) -> BaseException:
         engine.CHATTERS: ConvergenceError("the contact changes its mode more than 10000 times: it chatters"),
         engine.STOPPED: KeyboardInterrupt(),
     }
-    unsolved = (
-        "the contact's balance of forces cannot be solved: try another accuracy, or a friction nearer to isotropic"
-    )
-    return errors.get(status, ConvergenceError(unsolved))
+    unsolved = "the contact's balance of forces cannot be solved: try another accuracy, or a friction nearer to "
+    return errors.get(status, ConvergenceError(unsolved + "isotropic"))
 
 
 # Many models are of few objects.

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.engine.strokes import KINDS, MODES, Strokes, record
-from cyclemap.mechanics.protocol import Pose
+from cyclemap.mechanics.engine.strokes import MODES, Strokes, record
+from cyclemap.mechanics.slider import Pose
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Course:
 
     @cached_property
     def rows(self) -> Array:
-        """What the engine wrote down (n, 11); see `record`."""
+        """What the engine wrote down (n, 15); see `record`."""
         return record(self.strokes, self.pose, self.longest)
 
     def trajectory(self, of_push: bool) -> Trajectory:
@@ -62,15 +62,14 @@ class Course:
         rows = self.rows[(self.rows[:, 0] == 0.0) & (self.strokes.length > 0.0) == of_push]
         stroke, travel, theta = rows[:, 0], rows[:, 1], rows[:, 4]
         modes = rows[:, 7].astype(int)
-        point, normal = self._contacts(rows)
         bound = modes >= MODES.index("ring")
         rod, radius = rows[:, 2:4], np.where(bound, 0.0, self.strokes.radius)[:, None]
-        outward = np.column_stack([np.cos(normal + theta), np.sin(normal + theta)])
+        point, outward = (turned(theta, rows[:, place : place + 2]) for place in (11, 13))
         along = np.column_stack([-outward[:, 1], outward[:, 0]])
         force = -rows[:, 8, None] * outward + rows[:, 9, None] * along
         # In ring and wedge the object is placed by the rod's centre; in a wedge both forces are compressions.
         held = rod - radius * outward
-        pose = np.column_stack([self.unit * (held - _turned(theta, point)), theta])
+        pose = np.column_stack([self.unit * (held - point), theta])
         touch, wedged = held.copy(), modes >= MODES.index("wedge_left")
         if wedged.any():
             touch[wedged], force[wedged] = self._wedged(rows[wedged], modes[wedged])
@@ -87,21 +86,6 @@ class Course:
             phase,
             float(max(rows[:, 10].max(), self._outside_cone(rows, modes).max())),
         )
-
-    def _contacts(self, rows: Array) -> tuple[Array, Array]:
-        """Contact points (n, 2), extents in the object's frame, and angles of the normals (n,) there."""
-        point, normal = np.zeros((len(rows), 2)), np.zeros(len(rows))
-        for number in np.unique(rows[:, 6]).astype(int):
-            chosen = rows[:, 6] == number
-            kind, g, at = KINDS[int(self.strokes.pieces[number, 0])], self.strokes.pieces[number, 1:6], rows[chosen, 5]
-            if kind == "side":
-                point[chosen], normal[chosen] = g[:2] + at[:, None] * g[2:4], g[4]
-            elif kind == "ellipse":
-                point[chosen] = np.column_stack([g[0] * np.cos(at), g[1] * np.sin(at)])
-                normal[chosen] = np.arctan2(g[0] * np.sin(at), g[1] * np.cos(at))
-            else:
-                point[chosen], normal[chosen] = g[:2], at if kind == "corner" else 0.0
-        return point, normal
 
     def _wedged(self, rows: Array, modes: NDArray[np.intp]) -> tuple[Array, Array]:
         """First contact (n, 2), extents, and sum of both forces (n, 2) of rows in wedges, world frame."""
@@ -175,6 +159,41 @@ class DragResult(Stroke):
         return self.course.trajectory(of_push=False)
 
 
-def _turned(angle: Array, vectors: Array) -> Array:
+@dataclass(frozen=True, eq=False)
+class DynamicTrajectory:
+    """A motion sampled evenly in time while the rod moves, and once more when the object rests, in the world frame.
+
+    time : (n,) s. path : (n,) rod travel, m. pose : (n, 3) object's x, y (m) and theta (rad).
+    velocity : (n, 3) of the centre of mass, m/s, and spin, rad/s. pusher : (n, 2) rod's centre, m.
+    contact_point : (n, 2) m. contact_force : (n, 2) force of the rod on the object, N; zero where they do not touch.
+    """
+
+    time: Array
+    path: Array
+    pose: Array
+    velocity: Array
+    pusher: Array
+    contact_point: Array
+    contact_force: Array
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicPush(Stroke):
+    """A push: poses before and after, and why it ended: `distance`, or `left` where the rod has lost the object."""
+
+    ended: str
+    trajectory: DynamicTrajectory
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicDrag(Stroke):
+    """A drag: poses before and after, the path of the rod (m), its course."""
+
+    length: float
+    trajectory: DynamicTrajectory
+
+
+def turned(angle: Array, vectors: Array) -> Array:
+    """Return vectors (n, 2) or (1, 2) turned counter-clockwise by angles (n,), rad."""
     c, s = np.cos(angle), np.sin(angle)
     return np.column_stack([c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]])

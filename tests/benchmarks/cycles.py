@@ -1,27 +1,21 @@
-"""How long a cycle takes, beside a plain SciPy solver of the same push: one table, with ratios.
+"""How long a cycle takes, with its derivatives, with inertia, to first order: one table, with ratios.
 
 Run `python -m tests.benchmarks.cycles` from the repository's root. It prints medians of repeated runs, asserts nothing:
-times are for people. The peer is tests/mechanics/test_second_route.py's brute-force solver, on the paper's 8 x 8 grid,
-for the push alone; the package's row beside it is the same push on the same points.
+times are for people. `python -m tests.benchmarks.peers` times other solvers of the same push.
 """
 
 import math
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from cyclemap.collection import CollectionLoop, DynamicLoop, fingerprint
-from cyclemap.mechanics import Pose, QuasiStaticModel, SidePush, grid_footprint
+from cyclemap.mechanics import grid_footprint
 from cyclemap.mechanics.engine.strokes import PARAMETERS
 from tests.benchmarks.timing import Row, map_alone, seconds, show
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "mechanics"))
-from test_second_route import brute_force_push
-
 MIT = CollectionLoop.mit()
-LAW, OUTLINE = MIT.material.friction, MIT.slider.outline
+OUTLINE = MIT.slider.outline
 THETA_0 = math.radians(150.0)
 COUNTS = (25, 50, 100, 200)
 
@@ -37,16 +31,6 @@ def cycle_rows() -> list[Row]:
         found = seconds(lambda loop=loop: [loop.sensitivity(t) for t in theta], 3) / 40
         rows.append(Row(f"with {len(PARAMETERS)} derivatives at {accuracy:g}", found, "push and drag"))
     return rows
-
-
-def peer_rows() -> list[Row]:
-    """The push of one cycle on 8 x 8 points: the package, and SciPy with brute force."""
-    footprint = grid_footprint(OUTLINE, 8)
-    model = QuasiStaticModel(MIT.slider, LAW, MIT.pusher, footprint, 1e-6)
-    pose, push, points = Pose(theta=THETA_0), SidePush(), np.array(footprint.positions)
-    ours = seconds(lambda: model.push(pose, push))
-    peer = seconds(lambda: brute_force_push(LAW, THETA_0, 0.15, 0.15, points, 0.7), 1)
-    return [Row("push on 8 x 8 points at 1e-6", ours, "push"), Row("SciPy solve_ivp on 8 x 8 points", peer, "push")]
 
 
 def dynamic_rows() -> list[Row]:
@@ -81,7 +65,7 @@ def main() -> None:
     """Print the table."""
     show("with and without inertia", dynamic_rows())
     show("full map and first order", fingerprint_rows())
-    show("pushes and drags", [*cycle_rows(), *peer_rows(), *growth_rows()])
+    show("pushes and drags", [*cycle_rows(), *growth_rows()])
 
 
 if __name__ == "__main__":

@@ -1,20 +1,10 @@
-"""Values go to other processes and come back the same."""
+"""Measured values go to other processes and come back the same."""
 
 import pickle
 
 import numpy as np
 
-from cyclemap import CollectionLoop
 from cyclemap.evidence import read_theta0_pairs
-
-
-def test_a_cycle_comes_back_with_its_strokes_and_its_course() -> None:
-    cycle = CollectionLoop.mit(material="plywood").cycle(1.0)
-    copy = pickle.loads(pickle.dumps(cycle))
-    assert (copy.theta, copy.theta_next, copy.push_turn, copy.drag_length) == (
-        cycle.theta, cycle.theta_next, cycle.push_turn, cycle.drag_length,
-    )  # fmt: skip
-    assert copy.loop == cycle.loop and np.array_equal(copy.trajectory.push.pose, cycle.trajectory.push.pose)
 
 
 def test_measured_pairs_come_back_with_what_was_left_out(tmp_path) -> None:

@@ -8,16 +8,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop, Cycles, run_cycles
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.mechanics import (
-    DragBack,
-    Ellipse,
-    EllipseFriction,
-    Material,
-    Pusher,
-    SidePush,
-    Slider,
-    grid_footprint,
-)
+from cyclemap.mechanics import DragBack, Ellipse, Pusher, SidePush, Slider, grid_footprint
 
 THETA = np.array([-4.0, 0.5, 2.0, 7.0])
 MIT = CollectionLoop.mit(accuracy=1e-6)
@@ -71,22 +62,6 @@ def test_orientations_are_each_loops_own_or_everyones():
 def test_loops_in_another_order_are_the_same_cycles_in_that_order():
     loops, order = mixture(), [4, 6, 0, 3, 2, 5, 1]
     same(run_cycles([loops[k] for k in order], THETA), taken(run_cycles(loops, THETA), order))
-
-
-def test_turning_every_surface_with_its_object_turns_every_cycle():
-    """A cycle on a surface turned by an angle, from an orientation turned as much, is the same cycle, turned."""
-    angles, law = np.linspace(0.0, 6.0, 9), MIT.material.friction
-    loops = [replace(MIT, material=Material("turned", law.turned(angle))) for angle in angles]
-    cycles = run_cycles(loops, 1.0 + angles[:, None])
-    np.testing.assert_allclose(cycles.push_turn, MIT.cycle(1.0).push_turn, rtol=0.0, atol=1e-5)
-    np.testing.assert_allclose(cycles.theta_next[:, 0] - angles, MIT.cycle(1.0).theta_next, rtol=0.0, atol=1e-5)
-
-
-def test_isotropic_surfaces_turn_every_orientation_alike():
-    rng = np.random.default_rng(5)
-    loops = [replace(MIT, material=Material("even", EllipseFriction.isotropic(mu))) for mu in rng.uniform(0.1, 1.0, 40)]
-    cycles = run_cycles(loops, THETA)
-    np.testing.assert_allclose(cycles.push_turn, math.radians(74.52037), rtol=0.0, atol=1e-5)
 
 
 def test_nothing_to_run_is_no_cycles():

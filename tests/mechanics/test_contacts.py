@@ -67,12 +67,7 @@ def test_a_push_in_two_halves_is_the_push_in_one():
 
 def test_a_rod_goes_around_a_corner_and_leaves_where_it_no_longer_approaches():
     push = QuasiStaticModel(RECT, PLYWOOD).push(Pose(), SidePush())
-    assert story(push) == [
-        ("slide_right", "side"),
-        ("stick", "side"),
-        ("slide_left", "side"),
-        ("slide_left", "corner"),
-    ]
+    assert story(push) == [("slide_right", "side"), ("stick", "side"), ("slide_left", "side"), ("slide_left", "corner")]
     assert push.ended == "left"
     assert push.travel < 0.15
     outward = push.trajectory.pusher[-1] - push.trajectory.contact_point[-1]

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from force_balance import check
-from random_cases import random_case, random_friction
+from random_cases import random_friction
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import brentq
+from two_contact_reference import wrench_on_points
 
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.mechanics import (
@@ -37,24 +38,6 @@ HOME = ((0.0, 0.0),)
 def ring_lever(model):
     """Distance of the ring from the centre of pressure, m."""
     return math.dist(model.slider.hitch, model.pressure.centre)
-
-
-def test_the_object_turns_as_dissipates_least():
-    """At every sample the spin is the argmin of D over twists that move the ring along."""
-    drag = MODEL.drag(Pose(0.02, -0.03, 0.8), ((0.12, 0.05),), longest_step=0.01)
-    course, surface, (hx, hy) = drag.trajectory, LimitSurface(MODEL.pressure, PLYWOOD), RECT.hitch
-    found = check(MODEL, course)
-    assert found.worst < 1e-10 and len(course.path) > 8
-    way = course.pusher[-1] - course.pusher[0]
-    for twist, theta in zip(found.twists, course.pose[:, 2], strict=True):
-        along = math.atan2(way[1], way[0]) - theta
-        c, s = math.cos(along), math.sin(along)
-        least = minimize_scalar(
-            lambda w, c=c, s=s, t=theta: float(surface.dissipation((c + w * hy, s - w * hx, w), t)),
-            bracket=(twist[2] - 3.0, twist[2] + 2.0),
-            tol=1e-12,
-        )
-        assert abs(least.x - twist[2]) < 1e-5 * 20.0
 
 
 def test_the_ring_goes_where_it_is_told_and_the_forces_balance():
@@ -117,15 +100,6 @@ def test_a_ring_in_the_centre_of_pressure_turns_nothing():
     assert abs(QuasiStaticModel(slider, PLYWOOD).drag(Pose(0.05, 0.1, 0.4), HOME).turn) < 1e-15
 
 
-def test_drags_of_random_objects_balance_and_reach_their_accuracy():
-    for seed in range(40, 60):
-        case = random_case(seed)
-        pushed, drag = case.run()
-        assert check(case.model, drag.trajectory).worst < 1e-10
-        fine = replace(case.model, accuracy=1e-10).drag(pushed.end, HOME)
-        assert abs(fine.turn - drag.turn) < 1e-6
-
-
 def test_way_points_and_radii_that_are_no_numbers_are_refused():
     with pytest.raises(InvalidInput, match="way-point x"):
         MODEL.drag(Pose(), ((float("nan"), 0.0),))
@@ -135,13 +109,6 @@ def test_way_points_and_radii_that_are_no_numbers_are_refused():
             DragBack(pin_friction_radius=bad)
         with pytest.raises(InvalidInput, match=told):
             MODEL.drag(Pose(), ((0.1, 0.0),), pin_friction_radius=bad)
-
-
-def wrench_on_points(law, points, twist, theta):
-    """Mean force and torque about the object's origin of equally loaded points, from the point law alone."""
-    x, y = points.T
-    traction = law.traction(np.stack([twist[0] - twist[2] * y, twist[1] + twist[2] * x], axis=-1), frame=theta)
-    return np.array((*traction.mean(axis=0), (x * traction[:, 1] - y * traction[:, 0]).mean()))
 
 
 def brute_force_spin(law, points, hitch, direction, theta, radius):
@@ -192,29 +159,15 @@ def test_little_friction_in_the_ring_changes_little_more_of_it_turns_less_and_mu
     assert np.allclose(MODEL.ring_place(stuck.end), 0.0, atol=1e-16)
     assert set(stuck.trajectory.mode) == {"ring_stuck"}
     assert (stuck.trajectory.pose[:, 2] == 3.0).all()
-
-
-def test_samples_are_no_farther_apart_than_asked_where_the_ring_holds():
-    stuck = MODEL.drag(Pose(0.1, 0.05, 3.0), HOME, longest_step=0.01, pin_friction_radius=0.1)
     assert np.diff(stuck.trajectory.path).max() <= 0.01 * (1.0 + 1e-9)
 
 
 @pytest.mark.parametrize("radius", [0.001, 0.004])
-def test_the_rods_power_is_dissipated_by_ground_and_ring(radius):
-    """F . u = D(V) + radius |F| |omega| at every sample, D from the limit surface, F as reported."""
+def test_forces_balance_ground_and_ring_under_a_pressure_in_parts(radius):
     model = replace(MODEL, footprint=PatchFootprint(RECT.outline, 0.1, 0.2, 0.1, (0.002, 0.001)))
-    surface = LimitSurface(model.pressure, PLYWOOD)
     course = model.drag(Pose(0.1, 0.05, 1.0), ((0.05, 0.1), (0.0, 0.0)), pin_friction_radius=radius).trajectory
-    found, turning = check(model, course, radius), 0
-    assert found.worst < 1e-10
-    for k, (twist, theta) in enumerate(zip(found.twists, course.pose[:, 2], strict=True)):
-        j = k + 1 if k + 1 < len(course.path) and course.phase[k + 1] == course.phase[k] else k - 1
-        way = (course.pusher[j] - course.pusher[k]) * (j - k)
-        force = course.contact_force[k] / model.weight
-        lost = float(surface.dissipation(twist, theta)) + radius * np.hypot(*force) * abs(twist[2])
-        assert force @ way / np.hypot(*way) == pytest.approx(lost, rel=1e-9)
-        turning += twist[2] != 0.0
-    assert turning > 8
+    found = check(model, course, radius)
+    assert found.worst < 1e-10 and (found.twists[:, 2] != 0.0).sum() > 8
 
 
 def test_a_mirror_image_turns_the_other_way():

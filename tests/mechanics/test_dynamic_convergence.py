@@ -97,8 +97,6 @@ def test_every_shape_on_strong_friction_comes_within_inertia_of_the_quasi_static
     assert found.ended == still.ended
     assert found.turn == pytest.approx(still.turn, abs=math.radians(0.3))
     np.testing.assert_allclose(found.displacement, still.displacement, atol=5e-4)
-    # Quadratures along a step are not controlled: of a hundred pushes one or two come to 5e-4, in the median to 1e-6.
-    assert abs(found.energy.residual) < 1e-3
     drag, slow_drag = (model(*parts).drag(found.end, ((0.0, 0.0),)) for model in (DynamicModel, QuasiStaticModel))
     assert drag.turn == pytest.approx(slow_drag.turn, abs=math.radians(1.0))
     assert drag.length == pytest.approx(slow_drag.length, rel=1e-12)

@@ -16,7 +16,7 @@ import pytest
 
 from cyclemap.errors import CycleMapError, EngineNotBuilt
 from cyclemap.mechanics.engine import library
-from cyclemap.mechanics.engine.sources import digest_of, is_built, library_path
+from cyclemap.mechanics.engine.library import digest_of, is_built, library_path
 
 ROOT = Path(__file__).parents[2]
 ENGINE = Path("cyclemap") / "mechanics" / "engine"
@@ -54,10 +54,10 @@ def checkout(tmp_path) -> Path:
     (root / "figures").mkdir()
     (root / "figures" / "__init__.py").touch()
     shutil.copytree(ROOT / "building", root / "building", ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(ROOT / ENGINE / "sources.py", engine)
+    shutil.copy(ROOT / ENGINE / "library.py", engine)
     for folder in (engine, *engine.parents[:2]):
         (folder / "__init__.py").touch()
-    (engine / "library.py").write_text("# calls the engine\n")
+    (engine / "strokes.py").write_text("# calls the engine\n")
     (engine / "generate.py").write_text(GENERATOR)
     (engine / "engine.c").write_text(DRIVER)
     (engine / "driver.c").write_text("static double driver(double x) { return kernel(x); }\n")
@@ -106,7 +106,7 @@ def test_changed_source_is_refused_until_it_is_built(checkout, name) -> None:
     with pytest.raises(EngineNotBuilt, match=r"missing: in a checkout, `python3 run\.py doctor` or `pip"):
         library.open_engine(engine)
     built(checkout)
-    (engine / "library.py").write_text("# calls it otherwise\n")
+    (engine / "strokes.py").write_text("# calls it otherwise\n")
     assert is_built(engine)
     with (engine / name).open("a") as file:
         file.write("\n\n")
@@ -210,7 +210,7 @@ def test_source_distribution_holds_what_a_build_needs_and_no_library(checkout, t
     (path,) = tmp_path.glob("*.tar.gz")
     with tarfile.open(path) as archive:
         names = {path.split("/", 1)[1] for path in archive.getnames() if "/" in path}
-    engine = {f"{ENGINE.as_posix()}/{name}" for name in ("engine.c", "driver.c", "generate.py", "sources.py")}
+    engine = {f"{ENGINE.as_posix()}/{name}" for name in ("engine.c", "driver.c", "generate.py", "library.py")}
     assert names >= engine | {"building/engine_library.py", "building/setuptools_backend.py", "pyproject.toml"}
     assert names >= {"setup.py", "figures/__init__.py"}
     assert not [name for name in names if "_engine." in name]

@@ -1,4 +1,6 @@
-"""Support points: where the load is, how files and words name it, what is refused."""
+"""Support points: where the load is, how files and words name it; those for a patch carry its load and friction."""
+
+import math
 
 import numpy as np
 import pytest
@@ -6,16 +8,31 @@ import pytest
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.mechanics import (
     Ellipse,
+    LimitSurface,
     PatchFootprint,
     PointFootprint,
+    Polygon,
     Slider,
     corner_footprint,
     grid_footprint,
     load_footprint,
+    load_material,
     parse_footprint,
 )
+from cyclemap.mechanics.footprint import pressure_points
 
 SQUARE = Slider.mit("rect1").outline
+OUTLINES = {name: Slider.mit(name).outline for name in ("rect1", "rect3", "tri2", "hex", "ellip2")}
+PRESSURES = {
+    "lean": {"lean": 0.04},
+    "inner": {"inner_share": 0.5},
+    "rim": {"rim_share": 0.4},
+    "rim alone": {"rim_share": 1.0},
+    "corners": {"corner_share": 0.3},
+    "lean and rim": {"rim_share": 0.3, "lean": 0.03},
+    "all": {"inner_share": 0.2, "rim_share": 0.2, "corner_share": 0.1, "lean": 0.02},
+}
+TWISTS = np.array([[1.0, 0.3, 0.5], [-0.2, 1.0, 2.0], [0.1, 0.1, 1.0], [0.5, -1.0, 0.1]])
 
 
 def test_the_grid_is_the_papers_eight_by_eight():
@@ -104,8 +121,80 @@ def test_points_that_carry_no_object_are_refused(positions, weights):
 
 
 def test_a_grid_takes_any_whole_number_of_points_a_side_and_no_other():
-    square = Slider.mit("rect1").outline
-    assert grid_footprint(square, np.int64(8)) == grid_footprint(square, 8)
+    assert grid_footprint(SQUARE, np.int64(8)) == grid_footprint(SQUARE, 8)
     for count in (1, 0, -3, 2.5, True):
         with pytest.raises(InvalidInput, match="points a side of a grid footprint"):
-            grid_footprint(square, count)
+            grid_footprint(SQUARE, count)
+
+
+def patch_of(outline, name: str) -> PatchFootprint:
+    """The pressure of a name; ellipses have no corners, leans are shares of the extent."""
+    shares = dict(PRESSURES[name])
+    away = outline.extent * shares.pop("lean", 0.0)
+    if not hasattr(outline, "vertices"):
+        shares.pop("corner_share", None)
+    x, y = outline.centroid
+    return PatchFootprint(outline, **shares, centre=(x + 0.8 * away, y - 0.6 * away))
+
+
+def wrench_error(patch: PatchFootprint, count: int) -> float:
+    """Root mean square, over twists, of the wrenches on points less those on the patch: weights, extents."""
+    law = load_material("plywood").friction
+    length = patch.extent
+    twists = TWISTS * np.array([length, length, 1.0])
+    surfaces = (LimitSurface(pressure_points(patch, count), law), LimitSurface(patch, law))
+    one, other = (np.array([surface.wrench(twist, frame=0.4) for twist in twists]) for surface in surfaces)
+    return float(np.sqrt(np.mean(((one - other) / np.array([1.0, 1.0, length])) ** 2)))
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+def test_even_pressure_becomes_the_papers_grid_exactly_and_points_stay_as_they_are(name):
+    assert pressure_points(PatchFootprint(OUTLINES[name]), 8) == grid_footprint(OUTLINES[name], 8)
+    corners = corner_footprint(SQUARE)
+    assert pressure_points(corners, 8) is corners
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+@pytest.mark.parametrize("pressure", PRESSURES)
+def test_load_is_one_and_the_centre_of_pressure_is_the_patchs_to_rounding(name, pressure):
+    patch = patch_of(OUTLINES[name], pressure)
+    points = pressure_points(patch, 8)
+    assert min(points.weights) > 0.0 and math.fsum(points.weights) == pytest.approx(1.0, abs=1e-12)
+    assert points.centre == pytest.approx(patch.centre, abs=1e-15)
+    # Those of the rim lie on the outline itself.
+    inwards = np.array(OUTLINES[name].centroid) * 1e-9 + (1.0 - 1e-9) * np.array(points.positions)
+    assert bool(np.all(OUTLINES[name].contains(inwards)))
+
+
+def test_each_part_carries_its_share_where_it_is():
+    even, inner, rim, corner = 0.4, 0.3, 0.2, 0.1
+    points, weights = pressure_points(PatchFootprint(SQUARE, inner, rim, corner), 10).quadrature
+    assert weights[np.abs(points).max(axis=1) > 0.0449].sum() == pytest.approx(rim + corner, abs=1e-12)
+    assert weights[np.abs(points).min(axis=1) > 0.0449].sum() == pytest.approx(corner, abs=1e-12)
+    # Of the 10 x 10 cells of the plate 6 x 6 lie within .6 of it.
+    assert weights[np.abs(points).max(axis=1) < 0.55 * 0.045].sum() == pytest.approx(0.36 * even + inner, abs=1e-12)
+
+
+@pytest.mark.parametrize("pressure", PRESSURES)
+def test_their_friction_is_as_near_the_patchs_as_the_even_grids_and_nearer_on_finer_grids(pressure):
+    patch = patch_of(SQUARE, pressure)
+    errors = [wrench_error(patch, count) for count in (8, 32)]
+    assert errors[0] < 1.5 * wrench_error(PatchFootprint(SQUARE), 8) < 0.01
+    # What is left on the finest: the frame is one row of points however fine.
+    assert errors[1] < max(errors[0] / 4.0, 6e-4)
+
+
+def test_a_vanishing_rim_share_is_the_even_grid_again():
+    _, weights = pressure_points(PatchFootprint(SQUARE, rim_share=1e-6), 8).quadrature
+    even = grid_footprint(SQUARE, 8).quadrature[1]
+    np.testing.assert_allclose(weights[:64], even, rtol=2e-6)
+    assert weights[64:].sum() == pytest.approx(1e-6, rel=1e-3)
+
+
+def test_points_that_cannot_carry_a_pressure_are_refused_with_what_to_set():
+    """A steep lean on a triangle, whose coarse grid has its centre far from the patch's."""
+    triangle = Polygon(((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)))
+    steep = PatchFootprint(triangle, centre=(1.0 / 3.0 + 0.1607, 1.0 / 3.0 - 0.0802))
+    with pytest.raises(InvalidInput, match="set the footprint"):
+        pressure_points(steep, 4)
+    assert pressure_points(steep, 8).centre == pytest.approx(steep.centre, abs=1e-12)

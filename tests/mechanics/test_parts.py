@@ -159,8 +159,7 @@ def test_a_material_file_is_read_as_written(tmp_path):
 def test_a_bad_material_file_is_told_by_name(tmp_path, text, told):
     path = tmp_path / "bad.toml"
     path.write_text(text)
-    refused(load_material, path, told=told, kind=DataFileError)
-    refused(load_material, path, told="bad.toml", kind=DataFileError)
+    refused(load_material, path, told=rf"bad\.toml.*{told}", kind=DataFileError)
 
 
 def test_a_material_file_that_cannot_be_read_is_told(tmp_path):

@@ -1,4 +1,4 @@
-"""A pressure in parts, even, inner, rim, corners and leaning: against plain quadrature wherever the object turns."""
+"""Friction of whole footprints: its definition by plain quadrature, wherever the object turns; closed forms; limits."""
 
 import math
 from dataclasses import replace
@@ -20,6 +20,8 @@ from cyclemap.mechanics import (
     QuasiStaticModel,
     SidePush,
     Slider,
+    corner_footprint,
+    grid_footprint,
 )
 
 SQUARE = Slider.mit("rect1").outline
@@ -47,6 +49,88 @@ OUTLINES = {
 SHARES = {"even": (0, 0, 0), "inner": (1, 0, 0), "rim": (0, 1, 0), "corners": (0, 0, 1), "all": (0.2, 0.15, 0.1)}
 ALLOWED = {"strip": 1e-8, "blade": 2e-6}
 PLACES = ("centroid", "vertex", "rim", "beside the rim", "inside", "around", "handover", "far", "1000 extents", "none")
+
+
+TRIANGLE = Slider.mit("tri3").outline
+SCATTERED = PointFootprint(
+    tuple(map(tuple, np.random.default_rng(5).uniform(-0.05, 0.05, (7, 2)))), (1, 2, 3, 1, 1, 2, 5)
+)
+FOOTPRINTS = {
+    "square": PatchFootprint(SQUARE),
+    "triangle in parts": PatchFootprint(TRIANGLE, 0.2, 0.15, 0.1, (-0.01, 0.0)),
+    "ellipse": PatchFootprint(Slider.mit("ellip2").outline),
+    "ellipse in parts": PatchFootprint(Slider.mit("ellip3").outline, 0.3, 0.2, 0.0, (0.003, -0.002)),
+    "grid": grid_footprint(SQUARE, 8),
+    "corners": corner_footprint(TRIANGLE),
+    "points": SCATTERED,
+}
+every_footprint = pytest.mark.parametrize("footprint", FOOTPRINTS.values(), ids=FOOTPRINTS)
+
+
+def surface_of(footprint, seed=0):
+    return LimitSurface(footprint, random_friction(np.random.default_rng(seed)))
+
+
+def random_twists(footprint, count, seed):
+    return np.random.default_rng(seed).normal(size=(count, 3)) * (1.0, 1.0, 1.0 / footprint.extent)
+
+
+@every_footprint
+def test_dissipation_is_homogeneous_of_degree_one_and_its_wrench_of_degree_zero(footprint):
+    surface, twists = surface_of(footprint), random_twists(footprint, 60, 1)
+    for factor in (1e-6, 3.7, 1e5):
+        assert np.allclose(surface.dissipation(factor * twists), factor * surface.dissipation(twists), rtol=1e-12)
+        assert np.allclose(surface.wrench(factor * twists), surface.wrench(twists), rtol=1e-11, atol=1e-13)
+    assert np.allclose((surface.wrench(twists) * twists).sum(-1), surface.dissipation(twists), rtol=1e-12)
+
+
+@every_footprint
+def test_dissipation_wrench_and_hessian_are_those_of_the_definition_in_any_frame(footprint):
+    """By quadrature of the point law, its offset included, over any pressure; and object and surface turn together."""
+    law, scale = random_friction(np.random.default_rng(8)), np.array((1.0, 1.0, 1.0 / footprint.extent))
+    surface = LimitSurface(footprint, law)
+    for twist in random_twists(footprint, 20, 9):
+        value, slope, bend = reference(footprint, law, twist, 0.4)
+        assert surface.dissipation(twist, 0.4) == pytest.approx(float(value), rel=1e-12)
+        assert np.allclose(surface.wrench(twist, 0.4) * scale, (slope * scale).astype(float), atol=1e-12)
+        both = np.outer(scale, scale)
+        wanted = (bend * both).astype(float)
+        assert np.allclose(surface.hessian(twist, 0.4) * both, wanted, rtol=1e-9, atol=1e-10 * np.abs(wanted).max())
+        turned = LimitSurface(footprint, law.turned(0.9)).wrench(twist, frame=1.3)
+        assert np.allclose(turned, surface.wrench(twist, 0.4), atol=1e-13)
+
+
+@every_footprint
+def test_translation_feels_the_point_law_at_the_centre_of_pressure(footprint):
+    law = random_friction(np.random.default_rng(10))
+    velocity = np.array((0.6, -0.8))
+    force = law.traction(velocity, frame=0.3)
+    x, y = footprint.centre
+    found = LimitSurface(footprint, law).wrench((*velocity, 0.0), frame=0.3)
+    assert np.allclose(found, (*force, x * force[1] - y * force[0]), atol=1e-14)
+
+
+@every_footprint
+def test_no_wrench_of_the_surface_dissipates_more_than_the_twists_own(footprint):
+    """So that dissipation, the most of these powers, is convex; and positive."""
+    surface, twists = surface_of(footprint), random_twists(footprint, 100, 4)
+    assert surface.dissipation(twists).min() > 0.0
+    others = surface.wrench(random_twists(footprint, 300, 5))
+    assert (surface.dissipation(twists)[:, None] - twists @ others.T).min() > -1e-14
+
+
+def test_fine_grids_approach_the_exact_patch_at_second_order():
+    law, twists = random_friction(np.random.default_rng(13)), random_twists(PatchFootprint(SQUARE), 40, 14)
+    exact = LimitSurface(PatchFootprint(SQUARE), law).dissipation(twists)
+    errors = [np.abs(LimitSurface(grid_footprint(SQUARE, n), law).dissipation(twists) - exact).max() for n in (8, 32)]
+    assert errors[0] / errors[1] > 12.0
+
+
+def test_rest_and_malformed_twists_are_refused():
+    surface = surface_of(FOOTPRINTS["square"])
+    for bad in ((0.0, 0.0, 0.0), (1.0, 0.0), (float("nan"), 0.0, 1.0), ("a", 0.0, 1.0)):
+        with pytest.raises(InvalidInput):
+            surface.dissipation(bad)
 
 
 def footprint_of(outline, shares, rng=None):
@@ -128,11 +212,7 @@ def test_dissipation_wrench_and_hessian_of_each_part_match_quadrature_wherever_t
             errors = relative_errors(footprint, place, [len(part), len(place)])
             if place in ("vertex", "rim", "beside the rim") and footprint.rim_share:
                 errors.pop()
-            assert max(errors) < ALLOWED.get(name, 1e-10), (
-                part,
-                place,
-                errors,
-            )
+            assert max(errors) < ALLOWED.get(name, 1e-10), (part, place, errors)
             checked += 1
     assert checked >= 38
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.mechanics import (
+    DragBack,
     EllipseFriction,
     Pose,
     QuasiStaticModel,
@@ -31,10 +32,7 @@ ISOTROPIC_ROW = (74.52037, 41.50526, -71.78672, -66.51814, 97.91241)
 
 def cycle_row(model, theta_deg):
     """Push turn, dx, dy, drag turn, drag length (deg, mm) of a cycle whose ring starts at the world's origin."""
-    theta = math.radians(theta_deg)
-    x, y = model.ring_place(Pose(0.0, 0.0, theta))
-    push = model.push(Pose(-x, -y, theta), SidePush())
-    drag = model.drag(push.end, ((0.0, 0.0),))
+    push, drag = model.cycle(math.radians(theta_deg), SidePush(), DragBack())
     return (math.degrees(push.turn), *(1e3 * push.displacement), math.degrees(drag.turn), 1e3 * drag.length)
 
 

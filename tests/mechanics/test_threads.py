@@ -96,15 +96,6 @@ def test_eight_threads_come_to_the_same_bits_as_one_after_the_other(hasty, alone
             assert found == alone[number]
 
 
-def test_single_cycles_of_a_point_rod_from_many_threads_are_those_of_one(hasty):
-    loop = cm.CollectionLoop.from_settings({"pusher_radius_mm": 0})
-    wanted = [loop.cycle(t).theta_next for t in THETA.tolist()]
-    for _ in range(4):
-        fresh = cm.CollectionLoop.from_settings({"pusher_radius_mm": 0})
-        with ThreadPoolExecutor(8) as pool:
-            assert list(pool.map(lambda t, one=fresh: one.cycle(t).theta_next, THETA.tolist())) == wanted
-
-
 def test_nothing_depends_on_the_number_of_threads_or_on_the_company(monkeypatch):
     loops, theta, found = mixture(), np.random.default_rng(12).uniform(-4.0, 9.0, (9, 4)), []
     for count in ("1", "2", "5"):

@@ -1,9 +1,11 @@
-"""A rod that touches two places of a concave outline: what an independent solver of all modes says of it."""
+"""Whole pushes by the engine and by an independent solver of all modes; a rod that touches two places of an outline."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
+from force_balance import story
 from two_contact_reference import (
     Contact,
     Instant,
@@ -15,10 +17,23 @@ from two_contact_reference import (
     quarter,
     run_push,
     unit,
+    wrench_on_points,
 )
 
-from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Polygon
+from cyclemap.mechanics import (
+    EllipseFriction,
+    LimitSurface,
+    PatchFootprint,
+    Polygon,
+    Pose,
+    Pusher,
+    QuasiStaticModel,
+    SidePush,
+    Slider,
+    grid_footprint,
+)
 
+SQUARE = Slider.mit("rect1")
 PLYWOOD, ISOTROPIC = (0.2545, 0.2346, 0.0325, 0.0082, 2.6175), (0.25, 0.25, 0.0, 0.0, 0.0)
 NOTCH = ((-0.05, -0.04), (0.05, -0.04), (0.05, 0.03), (0.0, 0.005), (-0.05, 0.03))
 SKEW = ((-0.05, -0.04), (0.05, -0.04), (0.05, 0.04), (0.012, 0.005), (-0.05, 0.03))
@@ -71,21 +86,25 @@ def ellipsoid_friction(matrix):
     return lambda twist, theta: matrix @ twist / math.sqrt(twist @ matrix @ twist)
 
 
-def recomputed(push, accuracy):
+def pushed(push, accuracy=1e-10):
+    """By the engine."""
     vertices, law, radius, mu, side, fraction, theta, angle, distance = push
-    plate = Plate(vertices, patch_friction(vertices, law), radius, mu)
-    return run_push(plate, side, fraction, theta, angle, distance, accuracy)
+    model = QuasiStaticModel(
+        Slider(Polygon(vertices), hitch=(0.0, -0.03)), EllipseFriction(*law), Pusher(radius, mu), accuracy=accuracy
+    )
+    return model.push(Pose(theta=theta), SidePush(side, fraction, angle, distance))
+
+
+def end_of(push):
+    return np.array((push.end.x, push.end.y, push.end.theta))
 
 
 def random_wedge(rng, radius=None, mu=None):
     """An instant with two contacts of a concave corner, anywhere on an object of extent one, that the rod pushes."""
     mu = rng.uniform(0.0, 1.0) if mu is None else mu
     radius = 10.0 ** rng.uniform(-2.0, 0.0) if radius is None else radius
-    first, corner, centre = (
-        rng.uniform(0.0, 2.0 * math.pi),
-        rng.uniform(0.05, math.pi - 0.05),
-        rng.uniform(-1.0, 1.0, 2),
-    )
+    first, corner = rng.uniform(0.0, 2.0 * math.pi), rng.uniform(0.05, math.pi - 0.05)
+    centre = rng.uniform(-1.0, 1.0, 2)
     contacts = [Contact(tuple(centre - radius * unit(a)), a) for a in (first, first - corner)]
     u = unit(rng.uniform(0.0, 2.0 * math.pi))
     while min(contact.normal @ u for contact in contacts) >= 0.0:
@@ -160,44 +179,70 @@ def test_without_friction_a_wedged_rod_is_a_ring():
 
 
 def test_a_symmetric_notch_pushed_along_its_axis_translates():
-    plate = Plate(NOTCH, patch_friction(NOTCH, ISOTROPIC), 0.004, 0.2)
-    place = ("side", 2, math.sqrt(0.003125) - 0.002)
-    contacts = [plate.contact(place), plate.contact(("side", 3, 0.002))]
-    instant = Instant(plate.wrench, 0.0, np.array([0.0, -1.0]), 0.004, 0.2, 0.1)
-    ((_, mode),) = consistent_modes(instant, contacts)
-    assert mode.name == "wedged" and np.allclose(mode.twist, (0.0, -1.0, 0.0))
-    # The forces that no friction needs, of a frictionless rod, are each half the friction over the cosine.
+    """Pushed along one side's wall into the notch, the rod wedges; without friction each wall bears half over cos."""
+    plate = Plate(NOTCH, patch_friction(NOTCH, ISOTROPIC), 0.004, 0.0)
+    contacts = [plate.contact(("side", 2, math.sqrt(0.003125) - 0.002)), plate.contact(("side", 3, 0.002))]
     ((_, turn),) = consistent_modes(Instant(plate.wrench, 0.0, np.array([1e-6, -1.0]), 0.004, 0.0, 0.1), contacts)
     normal = 0.125 / math.cos(math.atan(0.5))
     assert np.allclose([n for n, _ in turn.forces], normal, rtol=1e-4)
+    ((_, mode),) = consistent_modes(Instant(plate.wrench, 0.0, np.array([0.0, -1.0]), 0.004, 0.2, 0.1), contacts)
+    assert mode.name == "wedged" and np.allclose(mode.twist, (0.0, -1.0, 0.0))
 
 
-@pytest.mark.slow
-def test_thin_rods_tend_to_a_point():
+def test_thin_rods_in_a_notch_tend_to_a_point():
     """The difference of the end poses falls with the radius."""
-    law, push = PLYWOOD, (3, 0.476, 2.6, 0.84, 0.1)
-    plates = [Plate(NOTCH, patch_friction(NOTCH, law), radius, 0.05) for radius in (0.0, 2e-4, 2e-5)]
-    point, thick, thin = (np.array(run_push(plate, *push, 1e-8).pose) for plate in plates)
+    point, thick, thin = (
+        end_of(pushed((NOTCH, PLYWOOD, r, 0.05, 3, 0.476, 2.6, 0.84, 0.1))) for r in (0.0, 2e-4, 2e-5)
+    )
     coarse, fine = np.abs(thick - point).max(), np.abs(thin - point).max()
     assert 1e-6 < coarse < 0.05 and fine < 0.2 * coarse
 
 
-@pytest.mark.slow
-def test_a_mirrored_push_ends_mirrored():
-    one = recomputed((NOTCH, ISOTROPIC, 0.002, 0.05, 2, 0.65, -0.4, -0.583, 0.1), 1e-9)
-    two = recomputed((NOTCH, ISOTROPIC, 0.002, 0.05, 3, 0.35, 0.4, 0.583, 0.1), 1e-9)
-    assert np.allclose(np.array(one.pose) * (-1.0, 1.0, -1.0), two.pose, atol=1e-6)
-    assert one.modes == ("slide+", "wedge turn-", "leave slide-") and two.modes == (
-        "slide-",
-        "wedge turn+",
-        "leave slide+",
-    )
+def test_a_mirrored_push_into_a_notch_ends_mirrored():
+    one = pushed((NOTCH, ISOTROPIC, 0.002, 0.05, 2, 0.65, -0.4, -0.583, 0.1))
+    two = pushed((NOTCH, ISOTROPIC, 0.002, 0.05, 3, 0.35, 0.4, 0.583, 0.1))
+    assert np.allclose(end_of(one) * (-1.0, 1.0, -1.0), end_of(two), atol=1e-9)
+    assert [mode for mode, _ in story(one)] == ["slide_left", "wedge_right", "slide_right"]
+    assert [mode for mode, _ in story(two)] == ["slide_right", "wedge_left", "slide_left"]
+
+
+# What the engine calls modes that the solver tells by the contacts that they keep.
+NAMES = {"slide+": "slide_left", "slide-": "slide_right", "turn+": "wedge_left", "turn-": "wedge_right"}
+NAMES |= {"stick": "stick", "wedged": "wedge_stuck", "pivot": "wedge_right"}
+
+
+@pytest.mark.parametrize("case", PUSHES)
+def test_the_engine_ends_whole_pushes_where_the_independent_solver_does_by_the_same_modes(case):
+    push, pose, modes = case
+    found = pushed(push)
+    assert np.allclose(end_of(found), pose, rtol=0.0, atol=2e-9)
+    assert found.ended == "distance"
+    assert tuple(mode for mode, _ in story(found)) == tuple(NAMES[mode.split()[-1]] for mode in modes)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", PUSHES)
 def test_whole_pushes_are_recomputed(case):
-    push, pose, modes = case
-    found = recomputed(push, 1e-8)
+    (vertices, law, radius, mu, *push), pose, modes = case
+    found = run_push(Plate(vertices, patch_friction(vertices, law), radius, mu), *push, 1e-8)
     assert np.allclose(found.pose, pose, rtol=0.0, atol=2e-6)
     assert (found.ended, found.modes, found.ambiguous) == ("distance", modes, ())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "theta", "distance", "friction"),
+    [(PLYWOOD, math.radians(150.0), 0.15, 0.15), ((0.35, 0.18, 0.05, -0.03, 0.7), -1.0, 0.08, 0.4)],
+    ids=["plywood", "strong"],
+)
+def test_a_square_on_the_papers_points_is_pushed_to_the_same_pose(law, theta, distance, friction):
+    """By the solver on the point law alone, its mean over equally loaded points."""
+    footprint, law = grid_footprint(SQUARE.outline, 8), EllipseFriction(*law)
+    wrench = partial(wrench_on_points, law, np.array(footprint.positions))
+    plate = Plate(SQUARE.outline.vertices, wrench, 0.00475, friction)
+    found = run_push(plate, 0, 0.7, theta, 0.0, distance, 1e-8)
+    model = QuasiStaticModel(SQUARE, law, Pusher(0.00475, friction), footprint)
+    push = model.push(Pose(theta=theta), SidePush(distance=distance))
+    assert len(found.modes) >= 2 and {kind for _, kind in story(push)} == {"side"}
+    assert tuple(mode for mode, _ in story(push)) == tuple(NAMES[mode] for mode in found.modes)
+    assert np.allclose(found.pose, end_of(push), rtol=0.0, atol=1e-7)

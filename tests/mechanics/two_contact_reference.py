@@ -7,6 +7,7 @@ load; the rod's speed is one.
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -24,6 +25,17 @@ def cross(a, b):
 
 def unit(angle):
     return np.array([math.cos(angle), math.sin(angle)])
+
+
+def turned(angle, vector):
+    return vector[0] * unit(angle) + vector[1] * quarter(unit(angle))
+
+
+def wrench_on_points(law, points, twist, theta):
+    """Mean force and torque about the object's origin of equally loaded points, from the point law alone."""
+    x, y = points.T
+    traction = law.traction(np.stack([twist[0] - twist[2] * y, twist[1] + twist[2] * x], axis=-1), frame=theta)
+    return np.array((*traction.mean(axis=0), (x * traction[:, 1] - y * traction[:, 0]).mean()))
 
 
 @dataclass(frozen=True)
@@ -103,25 +115,21 @@ def sliding_twist(instant, contact, sense, guess=None):
     """
     edge = -contact.normal + sense * instant.mu * contact.tangent
     toward = math.atan2(edge[1], edge[0])
+    scale = np.array([1.0, 1.0 / instant.extent])
 
-    def across(angle, spin=0.0):
-        omega = free_spin(instant, contact.point, unit(angle), spin)
-        return omega, cross(instant.about(contact.point, unit(angle), omega)[1], edge)
+    def off(x):
+        _, force, torque = instant.about(contact.point, unit(x[0]), x[1] * scale[1])
+        return cross(force, edge), torque * scale[1]
+
+    def across(angle):
+        return off((angle, free_spin(instant, contact.point, unit(angle)) / scale[1]))[0]
 
     if guess is not None:
-        scale = np.array([1.0, 1.0 / instant.extent])
-
-        def both(x):
-            _, force, torque = instant.about(contact.point, unit(x[0]), x[1] * scale[1])
-            return cross(force, edge), torque * scale[1]
-
-        found = root(both, np.array(guess) / scale, method="hybr", options={"xtol": 1e-14})
+        found = root(off, np.array(guess) / scale, method="hybr", options={"xtol": 1e-14})
         angle, omega = found.x * scale
-        if np.abs(found.fun).max() < 1e-13 and math.cos(angle - toward) > 0.0:
-            twist, force, _ = instant.about(contact.point, unit(angle), omega)
-            return twist, -force @ contact.normal, (angle, omega)
-    angle = brentq(lambda a: across(a)[1], toward - math.pi / 2.0, toward + math.pi / 2.0, xtol=1e-15, rtol=1e-15)
-    omega = across(angle)[0]
+    if guess is None or np.abs(found.fun).max() >= 1e-13 or math.cos(angle - toward) <= 0.0:
+        angle = brentq(across, toward - math.pi / 2.0, toward + math.pi / 2.0, xtol=1e-15, rtol=1e-15)
+        omega = free_spin(instant, contact.point, unit(angle))
     twist, force, _ = instant.about(contact.point, unit(angle), omega)
     return twist, -force @ contact.normal, (angle, omega)
 
@@ -241,16 +249,12 @@ class Plate:
     mu: float
 
     @property
-    def array(self):
-        return np.array(self.vertices, dtype=float)
-
-    @property
     def extent(self):
-        return float(np.ptp(self.array, axis=0).max())
+        return float(np.ptp(self.vertices, axis=0).max())
 
     def side(self, i):
         """First vertex, direction, length and normal's angle of a side."""
-        a, b = self.array[i % len(self.vertices)], self.array[(i + 1) % len(self.vertices)]
+        a, b = (np.array(self.vertices[k % len(self.vertices)]) for k in (i, i + 1))
         size = math.dist(a, b)
         along = (b - a) / size
         return a, along, size, math.atan2(-along[0], along[1])
@@ -265,7 +269,7 @@ class Plate:
         if kind == "side":
             a, along, _, angle = self.side(i)
             return Contact(tuple(a + q * along), angle)
-        return Contact(tuple(self.array[i]), q)
+        return Contact(self.vertices[i], q)
 
     def centre(self, place):
         """Where the rod's centre is when it touches there."""
@@ -312,8 +316,7 @@ class Plate:
         return min(found, default=(math.inf, None), key=lambda one: one[0])
 
 
-@dataclass(frozen=True)
-class Push:
+class Push(NamedTuple):
     """Where a push ended: (x, y, theta), "distance" or "left", the modes it went through, and what was ambiguous."""
 
     pose: tuple
@@ -339,10 +342,8 @@ class _Run:
     def go(self, side, fraction, theta):
         p, travel = self.plate, 0.0
         touching = [("side", side, fraction * p.side(side)[2])]
-        c, s = math.cos(theta), math.sin(theta)
-        start = np.array([[c, -s], [s, c]]) @ self.plate.centre(touching[0])
-        modes, ambiguous, previous = [], [], None
-        ended = None
+        start = turned(theta, p.centre(touching[0]))
+        modes, ambiguous, previous, ended = [], [], None, None
         while ended is None:
             kept, name, several = self.resolve(theta, touching, previous)
             if several:
@@ -352,21 +353,17 @@ class _Run:
                 break
             modes.append(name if len(touching) == 1 else f"wedge {name}" if kept == "both" else f"leave {name}")
             if name == "wedged":
-                travel, ended = self.length, "distance"
-                break
-            if kept == "both":
+                travel = self.length
+            elif kept == "both":
                 theta, travel = self.turn(theta, travel, touching, name)
             else:
-                touching = [touching[kept]]
-                theta, travel, touching, left = self.roll(theta, travel, touching[0], name)
+                theta, travel, touching, left = self.roll(theta, travel, touching[kept], name)
                 ended = "left" if left else None
             previous = name
             if ended is None and travel >= self.length * (1.0 - 1e-14):
                 ended = "distance"
             assert len(modes) < 200
-        rod = start + travel * unit(self.direction)
-        c, s = math.cos(theta), math.sin(theta)
-        x, y = rod - np.array([[c, -s], [s, c]]) @ self.plate.centre(touching[0])
+        x, y = start + travel * unit(self.direction) - turned(theta, p.centre(touching[0]))
         return Push((float(x), float(y), float(theta)), ended, tuple(modes), tuple(ambiguous))
 
     def ordered(self, touching):
@@ -427,16 +424,8 @@ class _Run:
     def integrate(self, rates, events, state, travel):
         for event in events:
             event.terminal, event.direction = True, -1
-        ivp = solve_ivp(
-            rates,
-            (travel, self.length),
-            state,
-            method="DOP853",
-            rtol=self.accuracy,
-            atol=0.01 * self.accuracy,
-            events=events,
-            max_step=0.05 * self.length,
-        )
+        options = {"rtol": self.accuracy, "atol": 0.01 * self.accuracy, "max_step": 0.05 * self.length}
+        ivp = solve_ivp(rates, (travel, self.length), state, method="DOP853", events=events, **options)
         assert ivp.success
         which = next((i for i, times in enumerate(ivp.t_events) if len(times)), None)
         return ivp.y[:, -1], float(ivp.t[-1]), which
@@ -455,18 +444,12 @@ class _Run:
             found = mode(state)
             return [found.twist[2], self.speed(state[0], (kind, i, state[1]), found)]
 
-        def approach(_, state):
-            return -p.contact((kind, i, state[1])).normal @ unit(self.direction - state[0])
-
-        def gap(_, state):
-            return p.nearest(p.centre((kind, i, state[1])), others)[0] - p.radius
-
         margins = (0, 1) if name == "stick" else (2,)
         events = [
-            approach,
+            lambda _, state: -p.contact((kind, i, state[1])).normal @ unit(self.direction - state[0]),
             lambda _, state: state[1] - low,
             lambda _, state: high - state[1],
-            *([gap] if others else []),
+            *[lambda _, state: p.nearest(p.centre((kind, i, state[1])), others)[0] - p.radius for _ in others[:1]],
             *[lambda _, state, k=k: mode(state).margins[k] for k in margins],
         ]
         state, travel, which = self.integrate(rates, events, [theta, place[2]], travel)

@@ -175,7 +175,7 @@ def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
     longer = normal / (normal @ toward)
     along = (tangent - (tangent @ toward) * longer) / speed
     # The rod keeps its direction where the normal turns.
-    return np.array((along, -piece.normal_slope(coordinate) * along, longer)) / model.unit
+    return np.array((along, -contact.turning * along, longer)) / model.unit
 
 
 def _push_misfit(block: StrokeBlock, model: QuasiStaticModel, surface: SurfaceParameters, values: Values) -> Rows:

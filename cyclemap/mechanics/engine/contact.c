@@ -122,17 +122,11 @@ static double iterate(Stroke *r, const Motion *m, const double *state, const dou
 static void settle_with(const Stroke *r, const Motion *m, const double *state, const double *force, double *row,
                         double *report) {
     Begun b;
-    double wrench[9] = {0.0}, balanced[9] = {0.0};
     begin(r, m, state, m->z, &b);
     /* the wrench whose part at the contact is the given force, with no torque about it */
-    const double *f = b.frame;
-    double gx = -f[5] * force[0] - f[6] * force[1], gy = -f[6] * force[0] + f[5] * force[1];
-    balanced[0] = gx - f[0];
-    balanced[1] = gy - f[1];
-    balanced[2] = f[3] * gy - f[4] * gx - f[2];
-    memcpy(wrench, balanced, 3 * sizeof(double));
+    const double *f = b.frame, gx = -f[5] * force[0] - f[6] * force[1], gy = -f[6] * force[0] + f[5] * force[1];
     /* any Hessian serves: what it would correct is zero */
-    wrench[3] = wrench[5] = wrench[8] = 1.0;
+    const double wrench[9] = {gx - f[0], gy - f[1], f[3] * gy - f[4] * gx - f[2], 1.0, 0.0, 1.0, 0.0, 0.0, 1.0};
     finish(m, &b, m->z, wrench, row, report);
     memcpy(row, state, 2 * sizeof(double));
     memcpy(row + UNKNOWN, m->z, 2 * sizeof(double));

@@ -1,9 +1,8 @@
 /* Pushes, drags and whole cycles of a slider: one library for every object. It is compiled as one piece:
 
    kernels.c   written when the package is built: CasADi's functions of equations.py, and the tables of generate.py
-   pieces.c    what edges, lines and points add to wrench and Hessian of friction
-   ellipse.c   the same of elliptic patches and rims
-   pressure.c  the same of whole footprints, and their derivatives
+   pressure.c  wrench and Hessian of friction: what edges, lines and points add, whole footprints, their derivatives
+   ellipse.c   what elliptic patches and rims add
    contact.c   a rod on a piece of its contact curve, in the ring or in a wedge; its unknowns, solved until certain
    step.c      one step of a motion, its error, its length, and how its end varies with its start and parameters
    phase.c     a motion until its contact changes
@@ -38,9 +37,8 @@ static double fast_log1p(double x) {
 #define CASADI_SYMBOL_EXPORT static
 #include "kernels.c"
 
-#include "pieces.c"
-#include "ellipse.c"
 #include "pressure.c"
+#include "ellipse.c"
 #include "contact.c"
 #include "step.c"
 #include "phase.c"

@@ -1,6 +1,6 @@
 """The equations of friction as CasADi functions, each for one edge, line, chord or point of a pressure.
 
-What ellipses and points add to the friction itself is summed in ellipse.c and pieces.c, several places at once.
+What ellipses and points add to the friction itself is summed in pressure.c and ellipse.c, several places at once.
 
 A slider that moves with the twist V = (vx, vy, omega) of its own frame dissipates, per unit load, the mean of |w| over
 its pressure, w(r) = M (v + omega z x r), besides the constant force of the friction ellipse's centre (m0, n0) at the

@@ -17,7 +17,7 @@ static const double SHORT = 0.01;
 enum { NOTHING = -100, MOST_STEPS = 20000 };
 
 /* Where a stroke is written down: rows of RECORD_COLUMNS, as long as there is room. */
-enum { RECORD_COLUMNS = 11 };
+enum { RECORD_COLUMNS = 15 };
 struct Record { int64_t count, room; double *rows, longest, stroke, travelled, start[2]; };
 
 /* The margin that is least, in slacks. */
@@ -129,7 +129,7 @@ static int land(Stroke *r, Motion *m, const double *start, const double *slack, 
 }
 
 /* Writes down a motion at a row: number of the stroke, travel, the rod's place, state, piece, mode, the two forces, what
-   is left of their balance. */
+   is left of their balance, the contact's point and outward normal in the object's frame. */
 static int record(Stroke *r, Motion *m, const double *row) {
     Record *to = r->record;
     if (!to) return 1;
@@ -139,9 +139,12 @@ static int record(Stroke *r, Motion *m, const double *row) {
     memcpy(at.z, row + UNKNOWN, sizeof at.z);
     int solved = evaluate(r, &at, row, found, report);
     if (solved < 0) return solved;
+    Begun b;
+    begin(r, &at, row, at.z, &b);
+    const double *f = b.frame;
     const double values[] = {to->stroke, to->travelled, to->start[0] + to->travelled * cos(r->direction),
                              to->start[1] + to->travelled * sin(r->direction), row[0], row[1], m->piece, m->mode,
-                             report[NORMAL_FORCE], report[TANGENTIAL_FORCE], fabs(report[RESIDUAL])};
+                             report[NORMAL_FORCE], report[TANGENTIAL_FORCE], fabs(report[RESIDUAL]), f[3], f[4], f[5], f[6]};
     memcpy(to->rows + RECORD_COLUMNS * to->count++, values, sizeof values);
     return 1;
 }

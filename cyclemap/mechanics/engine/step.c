@@ -45,14 +45,6 @@ static double slopes_at(Stroke *r, const Motion *m, const double *state, const d
     return correction;
 }
 
-/* The tangent of the unknowns at the start of a step; kept, since a step that is too long starts again there. */
-static void prepare_tangent(Stroke *r, Motion *m, const double *start) {
-    double by[6];
-    if (m->has_tangent) return;
-    slopes_at(r, m, start, start + UNKNOWN, 0, by, m->toward);
-    m->has_tangent = 1;
-}
-
 /* Where stage i of a step lies. */
 static void place_stage(const Step *taken, const double *state, double h, int i, double *at) {
     for (int k = 0; k < 2; ++k) {
@@ -87,7 +79,10 @@ static int certified(Stroke *r, Motion *m, int again, const double *start, doubl
     /* around a corner a slip turns the contact the faster the thinner the rod */
     double slow = kind_of(r, m) == KIND_CORNER ? fmin(r->object->radius, 1.0) : 1.0;
     double allowed = (points ? AT_POINTS : 1.0) * sqrt(LEFT_OVER * tolerance * slow / h);
-    prepare_tangent(r, m, start);
+    /* the tangent at the start is kept: a step that is too long starts again there */
+    double by[6];
+    if (!m->has_tangent) slopes_at(r, m, start, start + UNKNOWN, 0, by, m->toward);
+    m->has_tangent = 1;
     memcpy(taken->rows[0], start, sizeof taken->rows[0]);
     for (int i = 1; i <= STAGES; ++i) {
         double *row = taken->rows[i], tangent[2];

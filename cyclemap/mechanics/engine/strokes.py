@@ -1,4 +1,4 @@
-"""Calls of the compiled engine: pushes, drags and whole cycles of any loops, on all cores."""
+"""What the compiled engine reads, and its calls: pushes, drags and whole cycles of any loops, on all cores."""
 
 import ctypes
 import os
@@ -8,15 +8,17 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.mechanics.contact_curve import ContactCurve
+from cyclemap.mechanics.contact_curve import ContactCurve, CornerPiece, SidePiece
 from cyclemap.mechanics.engine.library import load
-from cyclemap.mechanics.pressure_tables import PARTS, ROW_COLUMNS, PressureTables
+from cyclemap.mechanics.footprint import INNER, Footprint, PatchFootprint, PointFootprint, side_arms
+from cyclemap.mechanics.outline import Ellipse, Polygon, area_quadrature
 
 # What a cycle can be differentiated by, in the order of cycle.c: angles in rad, lengths in extents, shares.
 PARAMETERS = (
@@ -31,52 +33,134 @@ MODES = (
 )
 # Why a stroke cannot be run, as cycle.c and contact.c number it.
 UNSOLVED, MANY_STEPS, NO_SLIP, POINTS_AWAY, NOT_ALONE, RING_STOPS, CHATTERS, RECORD_FULL, STOPPED = range(-1, -10, -1)
-_TASK_COLUMNS, _RESULT_COLUMNS, _OUTPUTS, _RECORD_COLUMNS, _PIECE_COLUMNS = 4, 10, 7, 11, 10
+# Kinds of pieces of a pressure (its parts: even, inner, rim, corners, leaning, balance), in the order of pressure.c.
+EDGE, LEAN, LINE, POINT, CHORD, ARC = range(6)
+# Centres of rotation farther than this, in extents in the velocity plane, are summed by Gauss's rule of this order: it
+# has more digits there than closed forms (tests/mechanics/test_pressure.py measures both). What leans cancels more.
+_FAR, _FAR_ORDER, _LEANING_FAR, _LEANING_ORDER = 8.0, 6, 3.0, 12
+_LINE_ORDER = 12
+# Columns of rows that the engine reads or writes, and its structures.
+_TASK_COLUMNS, _RESULT_COLUMNS, _OUTPUTS, _RECORD_COLUMNS = 4, 10, 7, 15
+_PIECE_COLUMNS, _ROW_COLUMNS, _PARTS = 10, 10, 6
+_PRESSURE = np.dtype(
+    [
+        *(("load", "f8", _PARTS), ("middle", "f8", 2), ("far", "f8")),
+        *(("first_row", "i8", _PARTS + 1), ("first_node", "i8", _PARTS + 1), ("rows", np.uintp), ("nodes", np.uintp)),
+    ],
+    align=True,
+)
+_LOOP = np.dtype(
+    [
+        *(("pressure", _PRESSURE), ("friction", "f8", 8), ("radius", "f8"), ("tolerance", "f8")),
+        *(("pieces", np.uintp), ("piece_count", "i8"), ("start_piece", "i8"), ("start_coordinate", "f8")),
+        *(("by_fraction", "f8"), ("direction", "f8"), ("length", "f8"), ("rod_friction", "f8"), ("pin_friction", "f8")),
+        *(("with_object", "i8"), ("goal_count", "i8"), ("goals", np.uintp)),
+    ],
+    align=True,
+)
+# What `cm_layout` of cycle.c must hold; a test compares them.
+LAYOUT = (
+    *(_LOOP.itemsize, _TASK_COLUMNS, _RESULT_COLUMNS, _OUTPUTS, _RECORD_COLUMNS, len(PARAMETERS)),
+    *(_ROW_COLUMNS, _PARTS, _PIECE_COLUMNS),
+)
 # Threads that the engine may use, instead of one a core.
 THREADS_VARIABLE = "CYCLEMAP_THREADS"
 # Tasks for which a thread is worth its start.
 _LEAST_SHARE = 4
-_TABLE = ctypes.c_void_p
 
 
-class _Pressure(ctypes.Structure):
-    _fields_ = (
-        ("load", ctypes.c_double * len(PARTS)),
-        ("middle", ctypes.c_double * 2),
-        ("far", ctypes.c_double),
-        ("first_row", ctypes.c_int64 * (len(PARTS) + 1)),
-        ("first_node", ctypes.c_int64 * (len(PARTS) + 1)),
-        ("rows", _TABLE),
-        ("nodes", _TABLE),
-    )
+@dataclass(frozen=True, eq=False)
+class PressureTables:
+    """A pressure as pieces that the engine sums over: rows (n, 10) and nodes (m, 3: x, y, share), in extents.
+
+    Part i has the rows first_row[i] to [i + 1], and alike its nodes. load (6,): of each part. middle (2,): the
+    outline's centroid. far: from where on nodes are summed; infinite where rows always hold.
+    """
+
+    load: tuple[float, ...]
+    middle: tuple[float, ...]
+    far: float
+    rows: Array
+    first_row: tuple[int, ...]
+    nodes: Array
+    first_node: tuple[int, ...]
 
 
-class _Loop(ctypes.Structure):
-    _fields_ = (
-        ("pressure", _Pressure),
-        ("friction", ctypes.c_double * 8),
-        ("radius", ctypes.c_double),
-        ("tolerance", ctypes.c_double),
-        ("pieces", _TABLE),
-        ("piece_count", ctypes.c_int64),
-        ("start_piece", ctypes.c_int64),
-        ("start_coordinate", ctypes.c_double),
-        ("by_fraction", ctypes.c_double),
-        ("direction", ctypes.c_double),
-        ("length", ctypes.c_double),
-        ("rod_friction", ctypes.c_double),
-        ("pin_friction", ctypes.c_double),
-        ("with_object", ctypes.c_int64),
-        ("goal_count", ctypes.c_int64),
-        ("goals", _TABLE),
-    )
+@lru_cache(maxsize=256)
+def pressure_tables(footprint: Footprint) -> PressureTables:
+    """Return the tables of a footprint."""
+    size, none = footprint.extent, np.zeros((0, _ROW_COLUMNS))
+    if isinstance(footprint, PointFootprint):
+        points, weights = footprint.quadrature
+        bare = _rows(POINT, weights, points / size)
+        return _tables((1.0, *(0.0,) * 5), np.zeros(2), np.inf, [bare, none, none, none, none, none], [])
+    outline, middle = footprint.outline.scaled(1.0 / size), np.array(footprint.outline.centroid) / size
+    leaning = size * np.asarray(footprint.gradient)
+    load = (footprint.even_share, footprint.inner_share, footprint.rim_share, footprint.corner_share)
+    whole = (*load, float(np.any(leaning != 0.0)), 0.0)
+    if isinstance(outline, Ellipse):
+        inside, semi = outline.shrunk(INNER), (outline.semi_x, outline.semi_y)
+        rows = [
+            _rows(CHORD, 1.0, [(*semi, *middle, 0.0, 0.0, 1.0)]),
+            _rows(CHORD, 1.0, [(inside.semi_x, inside.semi_y, *middle, 0.0, 0.0, 1.0)]),
+            _rows(ARC, 1.0, [(*semi, *middle)]),
+            none,
+            _rows(CHORD, 1.0, [(*semi, *middle, *leaning, 0.0)]),
+            none,
+        ]
+        return _tables(whole, middle, np.inf, rows, [])
+    far, order = (_LEANING_FAR, _LEANING_ORDER) if whole[4] else (_FAR, _FAR_ORDER)
+    return _tables(whole, middle, far, *_polygon_parts(footprint, outline, middle, order))
 
 
-# What `cm_layout` of cycle.c must hold; a test compares them.
-LAYOUT = (
-    *(ctypes.sizeof(_Loop), _TASK_COLUMNS, _RESULT_COLUMNS, _OUTPUTS, _RECORD_COLUMNS, len(PARAMETERS)),
-    *(ROW_COLUMNS, len(PARTS), _PIECE_COLUMNS),
-)
+def _polygon_parts(
+    footprint: PatchFootprint, outline: Polygon, middle: Array, order: int
+) -> tuple[list[Array], list[Array]]:
+    """Rows and nodes of each part under a polygon, in extents."""
+    corners, per_area = outline.array, 1.0 / outline.area
+    ends = np.hstack([corners, np.roll(corners, -1, axis=0)])
+    points, shares = area_quadrature(outline, order)
+    rows, nodes = [_rows(EDGE, per_area, ends)], [np.column_stack([points, shares])]
+    if footprint.has_frame:
+        inside = outline.shrunk(INNER)
+        inner = np.hstack([inside.array, np.roll(inside.array, -1, axis=0)])
+        # A line's load goes with the distance of its side from the centroid: the even form's derivative by the scale.
+        arms = side_arms(outline)
+        arms /= arms.sum()
+        rows += [_rows(EDGE, 1.0 / inside.area, inner), _rows(LINE, arms, ends)]
+        node, weight = np.polynomial.legendre.leggauss(_LINE_ORDER)
+        along = (node[:, None, None] + 1.0) / 2.0
+        spread = ((1.0 - along) * ends[:, :2] + along * ends[:, 2:]).reshape(-1, 2)
+        nodes.append(np.column_stack(area_quadrature(inside, order)))
+        nodes.append(np.column_stack([spread, np.outer(weight / 2.0, arms).ravel()]))
+    else:
+        rows += [np.zeros((0, _ROW_COLUMNS))] * 2
+        nodes += [np.zeros((0, 3))] * 2
+    rows.append(_rows(POINT, 1.0 / len(corners), corners))
+    nodes.append(np.column_stack([corners, np.full(len(corners), 1.0 / len(corners))]))
+    for slope in (footprint.extent * np.asarray(lean) for lean in (footprint.gradient, footprint.balance)):
+        k, m = (len(ends), len(points)) if any(slope != 0.0) else (0, 0)
+        rows.append(_rows(LEAN, per_area, np.hstack([ends[:k], np.tile((*slope, *middle), (k, 1))])))
+        nodes.append(np.column_stack([points, shares * ((points - middle) @ slope)])[:m])
+    return rows, nodes
+
+
+def _rows(kind: int, load: ArrayLike, geometry: ArrayLike) -> Array:
+    """Rows of one kind: the kind, the share of the part's load, and up to eight numbers of geometry."""
+    numbers = np.asarray(geometry, dtype=float)
+    rows = np.zeros((len(numbers), _ROW_COLUMNS))
+    rows[:, 0], rows[:, 1] = kind, load
+    rows[:, 2 : 2 + numbers.shape[1]] = numbers
+    return rows
+
+
+def _tables(
+    load: tuple[float, ...], middle: Array, far: float, rows: list[Array], nodes: list[Array]
+) -> PressureTables:
+    nodes = nodes or [np.zeros((0, 3))] * _PARTS
+    first_row, first_node = (tuple(np.cumsum([0, *map(len, parts)]).tolist()) for parts in (rows, nodes))
+    middle_of = tuple(middle.tolist())
+    return PressureTables(load, middle_of, far, np.concatenate(rows), first_row, np.concatenate(nodes), first_node)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +177,7 @@ class Strokes:
     radius: float
     tolerance: float
     pieces: Array
-    goals: tuple[tuple[float, float], ...]
+    goals: tuple[tuple[float, float], ...] = ()
     start_piece: int = 0
     start_coordinate: float = 0.0
     by_fraction: float = 0.0
@@ -138,15 +222,8 @@ def run(strokes: Sequence[Strokes], number: NDArray[np.intp], poses: Array, vari
 
     def work() -> None:
         library.cm_run(
-            loops,
-            _address(tasks),
-            _address(given),
-            ctypes.c_int64(count),
-            ctypes.c_int64(derivatives),
-            _address(results),
-            _address(by),
-            ctypes.byref(queue),
-            ctypes.byref(stop),
+            *(loops.ctypes.data, _address(tasks), _address(given), count, derivatives),
+            *(_address(results), _address(by), ctypes.byref(queue), ctypes.byref(stop)),
         )
 
     threads = min(thread_count(), -(-count // _LEAST_SHARE))
@@ -162,16 +239,16 @@ def run(strokes: Sequence[Strokes], number: NDArray[np.intp], poses: Array, vari
 
 
 def record(strokes: Strokes, pose: tuple[float, float, float], longest: float) -> Array:
-    """Return the course of one task, rows (n, 11) as `record` of phase.c writes them, or the status as a number.
+    """Return the course of one task, rows (n, 15) as `record` of phase.c writes them, or the status as a number.
 
     Number of the stroke (0: the push), travel, the rod's place, theta, coordinate, piece, mode, compression and
-    tangential force, residual of the balance.
+    tangential force, residual of the balance; point and outward normal of the contact in the object's frame.
     """
     loops, held = _packed([strokes])
     task, room = np.array([0.0, *pose]), 512
     while True:
         rows = np.empty((room, _RECORD_COLUMNS))
-        found = load().cm_record(loops, _address(task), ctypes.c_double(longest), _address(rows), ctypes.c_int64(room))
+        found = load().cm_record(loops.ctypes.data, _address(task), longest, _address(rows), room)
         if found != RECORD_FULL:
             del held
             return rows[:found] if found >= 0 else np.array(float(found))
@@ -180,11 +257,9 @@ def record(strokes: Strokes, pose: tuple[float, float, float], longest: float) -
 
 def friction_values(pressure: PressureTables, matrix: tuple[float, ...], twists: Array) -> Array:
     """Return D, wrench and Hessian (xx, xy, yy, xw, yw, ww), (n, 10), at twists (n, 3); `matrix`: M by columns."""
-    packed, given, twists = _pressure(pressure), np.array(matrix), np.ascontiguousarray(twists)
+    packed, given, twists = np.array(_pressure(pressure), _PRESSURE), np.array(matrix), np.ascontiguousarray(twists)
     values = np.empty((len(twists), 10))
-    load().cm_friction(
-        ctypes.byref(packed), _address(given), _address(twists), ctypes.c_int64(len(twists)), _address(values)
-    )
+    load().cm_friction(packed.ctypes.data, _address(given), _address(twists), len(twists), _address(values))
     return values
 
 
@@ -195,9 +270,13 @@ def piece_table(curve: ContactCurve, hitch: tuple[float, float]) -> Array:
     """
     rows = []
     for index, piece in enumerate(curve.pieces):
-        geometry = (*piece.geometry, *(0.0,) * (5 - len(piece.geometry)))
-        ends = curve.before[index], curve.after[index]
-        rows.append([KINDS.index(piece.kind), *geometry, piece.low, piece.high, *ends])
+        if isinstance(piece, SidePiece):
+            numbers = [KINDS.index("side"), *piece.start, *piece.direction, piece.normal]
+        elif isinstance(piece, CornerPiece):
+            numbers = [KINDS.index("corner"), *piece.corner, 0.0, 0.0, 0.0]
+        else:
+            numbers = [KINDS.index("ellipse"), piece.semi_x, piece.semi_y, 0.0, 0.0, 0.0]
+        rows.append([*numbers, piece.low, piece.high, curve.before[index], curve.after[index]])
     for index in [i for i, junction in enumerate(curve.junctions) if junction == "wedge"]:
         (first, second), following = curve.contacts_at_end(index), curve.after[index]
         # The friction of a point lies between the outer edges of both cones.
@@ -209,28 +288,24 @@ def piece_table(curve: ContactCurve, hitch: tuple[float, float]) -> Array:
     return np.array(rows, dtype=float)
 
 
-def _packed(strokes: Sequence[Strokes]) -> tuple[ctypes.Array[_Loop], list[Array]]:
+def _packed(strokes: Sequence[Strokes]) -> tuple[NDArray[np.void], list[Array]]:
     """Strokes as the engine reads them, and the tables that must live as long."""
-    loops, held = (_Loop * max(len(strokes), 1))(), []
-    for loop, one in zip(loops, strokes, strict=False):
+    loops, held = np.zeros(max(len(strokes), 1), _LOOP), []
+    for index, one in enumerate(strokes):
         goals = np.array(one.goals, dtype=float).reshape(-1, 2)
         held += [one.pieces, goals]
-        loop.pressure = _pressure(one.pressure)
-        loop.friction[:7] = one.friction
-        loop.pieces, loop.piece_count = _address(one.pieces), len(one.pieces) - 1
-        loop.goals, loop.goal_count = _address(goals), len(goals)
-        for name in ("radius", "tolerance", "start_coordinate", "by_fraction", "direction", "length"):
-            setattr(loop, name, getattr(one, name))
-        loop.start_piece, loop.with_object = one.start_piece, one.with_object
-        loop.rod_friction, loop.pin_friction = one.rod_friction, one.pin_friction
+        loops[index] = (
+            *(_pressure(one.pressure), (*one.friction, 0.0), one.radius, one.tolerance),
+            *(_address(one.pieces), len(one.pieces) - 1, one.start_piece, one.start_coordinate, one.by_fraction),
+            *(one.direction, one.length, one.rod_friction, one.pin_friction, one.with_object),
+            *(len(goals), _address(goals)),
+        )
     return loops, held
 
 
-def _pressure(tables: PressureTables) -> _Pressure:
-    packed = _Pressure(far=tables.far, rows=_address(tables.rows), nodes=_address(tables.nodes))
-    packed.load[:], packed.middle[:] = tables.load, tables.middle
-    packed.first_row[:], packed.first_node[:] = tables.first_row, tables.first_node
-    return packed
+def _pressure(tables: PressureTables) -> tuple[Any, ...]:
+    rows, nodes = _address(tables.rows), _address(tables.nodes)
+    return tables.load, tables.middle, tables.far, tables.first_row, tables.first_node, rows, nodes
 
 
 def _address(table: Array) -> int:
