@@ -14,7 +14,8 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.lifts.circle_map import SNAP, CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import SNAP
 from cyclemap.maps.orbits.scan import Cells, bracketed_root, monotone_cells
 
 MAX_NODES = 400_000

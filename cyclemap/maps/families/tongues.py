@@ -15,7 +15,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT, Estimate
-from cyclemap.maps.families.parameter_tangent import (
+from cyclemap.maps.families.family import (
     Family,
     Range,
     family_member,
@@ -25,8 +25,8 @@ from cyclemap.maps.families.parameter_tangent import (
 )
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.diagonal import displacement
+from cyclemap.maps.orbits.envelopes import lower_envelope, upper_envelope
 from cyclemap.maps.orbits.scan import monotone_cells
-from cyclemap.maps.rotation.envelopes import lower_envelope, upper_envelope
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
 _FAR = 3.0  # radians

@@ -16,23 +16,32 @@ from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.noise.uniform_noise import UniformNoise
-from cyclemap.maps.operator.diffusion import diffusion_estimate
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, needed_modes
-from cyclemap.maps.operator.response import Perturbation, Response, ResponseLevel, map_perturbation
-from cyclemap.maps.operator.solution_error import (
+from cyclemap.maps.operator.poisson_equation import (
     BorderedSystem,
     SolutionError,
     density_at,
     density_grid,
+    diffusion_estimate,
     expected,
     law_error,
     map_error_of_density,
     map_error_of_moment,
     refined,
 )
-from cyclemap.maps.operator.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
+from cyclemap.maps.operator.spectrum import (
+    Perturbation,
+    Response,
+    ResponseLevel,
+    Spectrum,
+    leading_spectrum,
+    leading_values,
+    map_perturbation,
+    mixing_time,
+    second_modulus,
+)
 from cyclemap.maps.orbits.scan import bracketed_root
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import arc_rule, graded_rule
@@ -121,7 +130,7 @@ def _discretisation(
     if isinstance(noise, UniformNoise):
         if modes is not None:
             raise InvalidInput(f"modes is {modes!r}, but uniform noise is not resolved in Fourier modes: leave it out")
-        from cyclemap.maps.uniform.uniform_basis import uniform_discretisation
+        from cyclemap.maps.operator.uniform_basis import uniform_discretisation
 
         return uniform_discretisation(circle_map, noise, progress=progress)
     needed = needed_modes(noise)

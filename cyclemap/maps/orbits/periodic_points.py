@@ -12,7 +12,8 @@ from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
 from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
-from cyclemap.maps.lifts.circle_map import SNAP, CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import SNAP
 from cyclemap.maps.orbits.diagonal import DiagonalScan, JumpCrossing, diagonal_scan, displacement, nearest_on_circle
 from cyclemap.maps.orbits.scan import roots_between
 

@@ -11,11 +11,19 @@ from scipy.special import log_ndtr
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.arcs import Arc, arc_ends, required_inside
 from cyclemap.maps.estimate import LOG_PASSAGE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise, WrappedNormal
-from cyclemap.maps.passages.killed_chain import MAX_UNKNOWNS, KilledChain, circle_exit, killed_chain, line_exits
+from cyclemap.maps.passages.killed_chain import (
+    MAX_UNKNOWNS,
+    Arc,
+    KilledChain,
+    arc_ends,
+    circle_exit,
+    killed_chain,
+    line_exits,
+    required_inside,
+)
 from cyclemap.maps.passages.passage_times import LONGEST, mean_passage_time
 
 _STRETCH = 1.3  # bandwidth of the second solution over that of the first

@@ -11,12 +11,21 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.arcs import Arc, arc_ends, arcs_between, into_arc, required_inside
 from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.noise.uniform_noise import UniformNoise
-from cyclemap.maps.passages.killed_chain import KilledChain, circle_exit, killed_chain, line_exits
+from cyclemap.maps.passages.killed_chain import (
+    Arc,
+    KilledChain,
+    arc_ends,
+    arcs_between,
+    circle_exit,
+    into_arc,
+    killed_chain,
+    line_exits,
+    required_inside,
+)
 
 Tangent = Callable[[Array], Array]
 
@@ -64,7 +73,7 @@ def mean_passage_time(
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
     if isinstance(noise, UniformNoise):
-        from cyclemap.maps.uniform.uniform_passage import uniform_passage_time
+        from cyclemap.maps.passages.uniform_passage import uniform_passage_time
 
         return uniform_passage_time(circle_map, noise, inside, ends, lifted, progress=progress)
     exits = line_exits(ends) if lifted else circle_exit(ends)
@@ -100,7 +109,7 @@ def hitting_probability(
         if into_arc(theta, ends) is not None:
             return Estimate(answer, 0.0)
     if isinstance(noise, UniformNoise):
-        from cyclemap.maps.uniform.uniform_passage import uniform_hitting_probability
+        from cyclemap.maps.passages.uniform_passage import uniform_hitting_probability
 
         return uniform_hitting_probability(circle_map, noise, theta, a, b, progress=progress)
     make = partial(killed_chain, circle_map, noise, rest, (a, b), False)

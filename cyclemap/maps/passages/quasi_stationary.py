@@ -10,11 +10,18 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.arcs import Arc, arc_ends, required_inside
 from cyclemap.maps.estimate import QUASI_STATIONARY, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.passages.killed_chain import KilledChain, circle_exit, killed_chain, line_exits
+from cyclemap.maps.passages.killed_chain import (
+    Arc,
+    KilledChain,
+    arc_ends,
+    circle_exit,
+    killed_chain,
+    line_exits,
+    required_inside,
+)
 from cyclemap.maps.passages.passage_times import LONGEST
 
 _ROUNDS = 400  # of one power and one inverse iteration each

@@ -10,9 +10,9 @@ from scipy.linalg import lu_factor, lu_solve
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.algebra.map_algebra import shifted
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.map_algebra import shifted
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import Orbit, crossings_by_jump, fixed_points

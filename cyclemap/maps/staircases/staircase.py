@@ -11,7 +11,8 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap, Scalar
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import Scalar
 from cyclemap.maps.noise.local_noise import LocalNoise
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.staircases.drifting_map import DriftingMap, Stretch

@@ -5,7 +5,7 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, parameter_tangent
-from cyclemap.maps.families.parameter_tangent import break_motion, family_member, parameter_range
+from cyclemap.maps.families.family import break_motion, family_member, parameter_range
 
 TWO_PI = 2 * np.pi
 THETA = np.linspace(-7.0, 9.0, 101)

@@ -7,7 +7,7 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, birkhoff_average
-from cyclemap.maps.rotation.rotation_number import orbit_angles, weighted_mean
+from cyclemap.maps.orbits.rotation_number import orbit_angles, weighted_mean
 
 TWO_PI = 2 * np.pi
 KNOWN = [

@@ -16,8 +16,8 @@ from cyclemap.maps import (
     rotation_number,
     upper_envelope,
 )
-from cyclemap.maps.rotation.envelopes import largest_descent
-from cyclemap.maps.rotation.rotation_number import simplest_between
+from cyclemap.maps.orbits.envelopes import largest_descent
+from cyclemap.maps.orbits.rotation_number import simplest_between
 
 TWO_PI = 2 * np.pi
 GRID = np.linspace(-9.0, 9.0, 4001)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cyclemap.maps.uniform.piecewise_basis import ORDER, Panels
+from cyclemap.maps.operator.panels import ORDER, Panels
 
 TWO_PI = 2 * np.pi
 MIXED = Panels(np.array([0.0, 1.0, 1.5, 2.0]), np.array([1.0, 1.5, 2.0, 3.0]), np.array([False, True, True, False]))

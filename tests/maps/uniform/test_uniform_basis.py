@@ -6,9 +6,9 @@ from scipy.special import jv
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal, transfer_operator
+from cyclemap.maps.operator.panels import law_singularities, level_steps
+from cyclemap.maps.operator.uniform_basis import uniform_discretisation
 from cyclemap.maps.orbits.scan import monotone_cells
-from cyclemap.maps.uniform.refinement import law_singularities, level_steps
-from cyclemap.maps.uniform.uniform_basis import uniform_discretisation
 
 TWO_PI = 2 * np.pi
 FOLDED = CircleMap.arnold(0.3, 3.0)

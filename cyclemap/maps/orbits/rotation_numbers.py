@@ -15,10 +15,10 @@ from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT
+from cyclemap.maps.families.family import ParametricLift, parametric_form
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.parametric_lift import ParametricLift, parametric_form
-from cyclemap.maps.rotation.envelopes import is_nondecreasing
-from cyclemap.maps.rotation.rotation_number import rotation_number
+from cyclemap.maps.orbits.envelopes import is_nondecreasing
+from cyclemap.maps.orbits.rotation_number import rotation_number
 
 _CHUNK = 12_288  # maps at once: many enough to hide the cost of calls, few enough for the caches
 _EARLY = 96  # cycles after which the few maps left of all pieces are put together anew
@@ -73,7 +73,7 @@ def rotation_numbers(
     Raises InvalidInput for parameters that are not finite or where F falls (its rotation numbers are an interval: see
     ``rotation_interval``, ``rotation_plane``), ConvergenceError when the bounds contradict each other.
 
-    >>> from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY
+    >>> from cyclemap.maps.families.family import ARNOLD_FAMILY
     >>> found = rotation_numbers(ARNOLD_FAMILY, [0.1, 0.5, 0.6], 0.5)
     >>> found.period.tolist(), bool(abs(found.value[2] - 0.602894830374585) < 1e-3)
     ([0, 2, 0], True)

@@ -14,17 +14,18 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.uniform_noise import UniformNoise
-from cyclemap.maps.orbits.scan import Cells, monotone_cells
-from cyclemap.maps.uniform.piecewise_basis import ORDER, Panels
-from cyclemap.maps.uniform.refinement import (
+from cyclemap.maps.noise.bounded_noise import UniformNoise
+from cyclemap.maps.operator.panels import (
+    ORDER,
     LevelSteps,
+    Panels,
     law_singularities,
     level_steps,
     refined,
     resolving_cuts,
     with_ends,
 )
+from cyclemap.maps.orbits.scan import Cells, monotone_cells
 
 RESOLUTION = 512
 MAX_PANELS = 100

@@ -10,7 +10,8 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.lifts.circle_map import SIDE_STEP, CircleMap, Scalar
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import SIDE_STEP, Scalar
 from cyclemap.maps.orbits.scan import GRAIN, INSET, bracketed_root, monotone_cells
 
 _RESOLUTION = 512

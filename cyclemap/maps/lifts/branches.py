@@ -13,8 +13,8 @@ from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS
-from cyclemap.maps.lifts.circle_map import JUMP, SIDE_STEP, CircleMap
-from cyclemap.maps.lifts.lift_checks import Scalar, base_angles
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, Scalar, base_angles
 from cyclemap.maps.orbits.scan import Cells, monotone_cells
 
 _PASSES = 200

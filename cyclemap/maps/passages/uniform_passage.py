@@ -11,13 +11,12 @@ from scipy.linalg import lapack
 
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.arcs import Arc, arcs_between
 from cyclemap.maps.estimate import EPS, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.uniform_noise import UniformNoise
+from cyclemap.maps.noise.bounded_noise import UniformNoise
+from cyclemap.maps.operator.panels import Panels, Singularities, level_steps, refined, with_ends
 from cyclemap.maps.orbits.scan import Cells, monotone_cells
-from cyclemap.maps.uniform.piecewise_basis import Panels
-from cyclemap.maps.uniform.refinement import Singularities, level_steps, refined, with_ends
+from cyclemap.maps.passages.killed_chain import Arc, arcs_between
 
 _SLIVER = 1e-12  # radians: an overlap no longer than this is none
 _GROWTH = 1e-11  # radians: a set that grows by less in a cycle has stopped

@@ -13,10 +13,10 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.algebra.branches import Branch, MonotoneTable, branches, preimages_on
 from cyclemap.maps.estimate import SAME_ANGLE
-from cyclemap.maps.lifts.circle_map import JUMP, SIDE_STEP, SNAP, CircleMap
-from cyclemap.maps.lifts.lift_checks import Scalar, base_angles, distance_to_break
+from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches, preimages_on
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, SNAP, Scalar, base_angles, distance_to_break
 from cyclemap.maps.orbits.scan import INSET
 
 
