@@ -32,7 +32,6 @@ Families, p → CircleMap
 follow_orbit, OrbitBranch, orbit_branches : periodic orbits continued in a parameter
 bifurcations, Bifurcation, saddle_nodes, period_doublings, border_collisions : where orbits change
 tongue, Tongue, tongues, TongueBoundaries : the parameters that lock to p/q
-parameter_tangent, ParameterTangent : ∂F/∂p
 orbit_diagram, OrbitDiagram : where orbits are after a transient
 
 Noise, added after the map
@@ -76,13 +75,7 @@ if TYPE_CHECKING:
         period_doublings,
         saddle_nodes,
     )
-    from cyclemap.maps.families.family import (
-        ARNOLD_FAMILY,
-        MOEBIUS_FAMILY,
-        ParameterTangent,
-        ParametricLift,
-        parameter_tangent,
-    )
+    from cyclemap.maps.families.family import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
     from cyclemap.maps.families.long_orbits import (
         LyapunovExponents,
         OrbitDiagram,
@@ -96,7 +89,6 @@ if TYPE_CHECKING:
     from cyclemap.maps.lifts.circle_map import CircleMap
     from cyclemap.maps.lifts.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
     from cyclemap.maps.noise.bounded_noise import UniformNoise, VonMises
-    from cyclemap.maps.noise.local_noise import LocalNoise
     from cyclemap.maps.noise.noise import Noise, WrappedCauchy, WrappedNormal
     from cyclemap.maps.operator.metastable_sets import MetastableSets, metastable_sets
     from cyclemap.maps.operator.spectrum import Response, Spectrum
@@ -135,9 +127,20 @@ if TYPE_CHECKING:
         slip_probabilities,
         survival_probabilities,
     )
-    from cyclemap.maps.staircases.drifting_map import DriftingMap, DriftSummary, predict_drift
-    from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary, predict_staircase
-    from cyclemap.maps.staircases.staircase import Staircase, sample_staircase, sample_staircases
+    from cyclemap.maps.staircases.slow_zones import (
+        DriftSummary,
+        SlowZone,
+        StaircaseSummary,
+        predict_drift,
+        predict_staircase,
+    )
+    from cyclemap.maps.staircases.staircase import (
+        DriftingMap,
+        LocalNoise,
+        Staircase,
+        sample_staircase,
+        sample_staircases,
+    )
     from cyclemap.maps.staircases.step_comparison import StepComparison, compare_steps
     from cyclemap.maps.staircases.step_detection import Steps, find_steps
 else:
@@ -161,7 +164,6 @@ __all__ = [
     "Orbit",
     "OrbitBranch",
     "OrbitDiagram",
-    "ParameterTangent",
     "ParametricLift",
     "PassageResponse",
     "PeriodicPoints",
@@ -210,7 +212,6 @@ __all__ = [
     "nth_iterate",
     "orbit_branches",
     "orbit_diagram",
-    "parameter_tangent",
     "passage_response",
     "period_doublings",
     "periodic_orbits",

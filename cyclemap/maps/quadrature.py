@@ -16,7 +16,7 @@ from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SNAP
-from cyclemap.maps.orbits.scan import Cells, bracketed_root, monotone_cells
+from cyclemap.maps.orbits.scan import bracketed_root, monotone_cells
 
 MAX_NODES = 400_000
 _PANELS = 8  # panels a turn at least, where the map is given by formulas
@@ -111,15 +111,6 @@ def graded_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tupl
     return _on_panels(circle_map, np.union1d(_graded_marks(centres), plain), bandwidth, finer, _GRADED_ORDER)
 
 
-def folds_of(circle_map: CircleMap) -> Array:
-    """The angles in [0, 2π] where F' passes through 0 smoothly, sorted."""
-    return _folds_in(monotone_cells(circle_map, 1, 0.0, _FOLD_RESOLUTION))
-
-
-def _folds_in(cells: Cells) -> Array:
-    return np.asarray(np.unique(cells.start[(cells.slope_start == 0.0) & ~cells.cut]))
-
-
 def _near_critical(circle_map: CircleMap) -> Array:
     """Folds, and where |F'| comes near 0 without passing through it: at its small minima and beside breaks."""
     cells = monotone_cells(circle_map, 1, 0.0, _FOLD_RESOLUTION)
@@ -127,7 +118,8 @@ def _near_critical(circle_map: CircleMap) -> Array:
     small = np.minimum(after, before) < _SMALL_SLOPE * np.mean(after)
     low = small & ~cells.cut & (after <= np.roll(after, 1)) & (after <= np.roll(after, -1))
     low &= cells.slope_start != 0.0
-    found = np.concatenate([_folds_in(cells), cells.start[small & cells.cut], _minima(circle_map, cells.start[low])])
+    folds = np.unique(cells.start[(cells.slope_start == 0.0) & ~cells.cut])
+    found = np.concatenate([folds, cells.start[small & cells.cut], _minima(circle_map, cells.start[low])])
     found = np.sort(np.mod(found, TWO_PI))
     return np.asarray(found[np.append(True, np.diff(found) > 1e-9)]) if found.size else found
 

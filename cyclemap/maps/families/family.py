@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
-from cyclemap.checks import finite_array, finite_number, non_negative_number, positive_number, read_only
+from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SIDE_STEP
 
@@ -125,11 +123,7 @@ MOEBIUS_FAMILY = ParametricLift(
 
 
 def parametric_form(family: Any) -> ParametricLift | None:
-    """The formula for many parameters at once that a family is known by, or None.
-
-    >>> parametric_form(CircleMap.arnold) is ARNOLD_FAMILY
-    True
-    """
+    """The formula for many parameters at once that a family is known by, or None."""
     if isinstance(family, ParametricLift):
         return family
     return next((one for one in (ARNOLD_FAMILY, MOEBIUS_FAMILY) if one.circle_map == family), None)
@@ -138,18 +132,9 @@ def parametric_form(family: Any) -> ParametricLift | None:
 Family = Callable[..., CircleMap]
 Range = tuple[float, float]
 
-_STEP = 1e-3  # of the parameter's scale: truncation and rounding of fourth-order differences balance near it
-_CENTRED, _ONE_SIDED = {2: (-1, 1), 4: (-2, -1, 1, 2)}, {2: (0, 1, 2), 4: (0, 1, 2, 3, 4)}
-_CENTRED_WEIGHTS = {2: (-0.5, 0.5), 4: (1 / 12, -8 / 12, 8 / 12, -1 / 12)}
-_ONE_SIDED_WEIGHTS = {2: (-1.5, 2.0, -0.5), 4: (-25 / 12, 4.0, -3.0, 16 / 12, -0.25)}
-
 
 def family_member(family: Family, *parameters: float) -> CircleMap:
-    """The map of the family at these parameters; InvalidInput when it is not a CircleMap.
-
-    >>> family_member(CircleMap.arnold, 0.1, 0.9).degree
-    1
-    """
+    """The map of the family at these parameters; InvalidInput when it is not a CircleMap."""
     if not callable(family):
         raise InvalidInput(f"family is {family!r}: give a callable from the parameter to a CircleMap")
     member = family(*parameters)
@@ -171,14 +156,86 @@ def parameter_range(name: str, ends: Any) -> Range:
     return first, last
 
 
+def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:
+    """The limit of F at breaks ``theta`` from below (side -1) or above (1), to rounding.
+
+    The map reads its one-sided limits a few roundings beside the break; to first order that is taken back here.
+    """
+    if side > 0:
+        return np.asarray(circle_map.right(theta) - SIDE_STEP * circle_map.right_derivative(theta))
+    return np.asarray(circle_map.left(theta) + SIDE_STEP * circle_map.left_derivative(theta))
+
+
+# -- how a lift moves with the parameter -----------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterTangent:
+    """θ → ∂F/∂p at one parameter (radians a unit of p), 2π-periodic, any shape; from the right at breaks.
+
+    member : the family's map at the parameter. members, weights, step : those of the difference, and its spacing.
+    motions : how far the breaks of each of ``members`` have moved. break_rates : shape (breaks,), dθ_b/dp.
+    """
+
+    member: CircleMap
+    parameter: float
+    members: tuple[CircleMap, ...]
+    weights: tuple[float, ...]
+    step: float
+    motions: tuple[Array, ...]
+
+    @cached_property
+    def break_rates(self) -> Array:
+        """Shape (breaks,), radians a unit of p."""
+        weighted = [weight * motion for weight, motion in zip(self.weights, self.motions, strict=True)]
+        return np.asarray(np.sum(weighted, axis=0) / self.step)
+
+    def __call__(self, theta: Any) -> Array:
+        """∂F/∂p at ``theta`` (radians)."""
+        base = np.mod(np.asarray(theta, dtype=np.float64), TWO_PI)
+        total = np.zeros_like(base)
+        for member, weight, motion in zip(self.members, self.weights, self.motions, strict=True):
+            lift = member.right if member.breaks.size else member
+            total += weight * lift(base + self._carried(base, motion))
+        total /= self.step
+        carried = self._carried(base, self.break_rates)
+        if np.any(carried):
+            # The difference follows the breaks: dF/dp along them is ∂F/∂p + F' times their rate.
+            total = total - self.member.right_derivative(base) * carried
+        return np.asarray(total)
+
+    def _carried(self, theta: Array, motion: Array) -> Array:
+        """Displacements at ``theta`` (in [0, 2π)) that are linear between those of the breaks."""
+        breaks = self.member.breaks
+        if breaks.size == 0 or not np.any(motion):
+            return np.zeros_like(theta)
+        around = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
+        return np.asarray(np.interp(theta, around, np.concatenate([motion[-1:], motion, motion[:1]])))
+
+
+def parameter_tangent(family: Family, p: float, step: float, within: Range) -> ParameterTangent:
+    """∂F/∂p of a family p → CircleMap, by differences of second order of its lifts in p, inside ``within``.
+
+    Breaks may move with p: angles are carried along with the breaks on both sides, so that no difference reaches
+    across one. Raises InvalidInput when neighbouring maps have different numbers of breaks.
+    """
+    below, above = p - within[0], within[1] - p
+    offsets: tuple[int, ...] = (-1, 1)
+    weights: tuple[float, ...] = (-0.5, 0.5)
+    if min(below, above) < step:
+        side = 1 if above >= below else -1
+        offsets, weights = (0, side, 2 * side), (-1.5 * side, 2.0 * side, -0.5 * side)
+        step = min(step, 0.5 * max(below, above))
+    member = family_member(family, p)
+    members = tuple(member if k == 0 else family_member(family, p + k * step) for k in offsets)
+    motions = tuple(break_motion(member.breaks, other.breaks) for other in members)
+    return ParameterTangent(member, p, members, weights, step, motions)
+
+
 def break_motion(breaks: Array, moved: Array) -> Array:
     """How far each break has moved (radians, the short way round) to its partner among ``moved``.
 
     Both sorted in [0, 2π); partners keep their order round the circle. InvalidInput when the counts differ.
-
-    >>> import numpy as np
-    >>> bool(np.allclose(break_motion(np.array([0.1, 3.0]), np.array([3.1, 6.2])), [6.1 - 2 * np.pi, 0.1]))
-    True
     """
     if breaks.size != moved.size:
         raise InvalidInput(
@@ -190,150 +247,3 @@ def break_motion(breaks: Array, moved: Array) -> Array:
     first = int(np.argmin(np.abs(shorter_way(moved - breaks[0]))))
     motions = [shorter_way(np.roll(moved, k - first) - breaks) for k in (0, 1, -1)]
     return min(motions, key=lambda motion: float(np.sum(np.abs(motion))))
-
-
-def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:
-    """The limit of F at breaks ``theta`` from below (side -1) or above (1), to rounding.
-
-    The map reads its one-sided limits a few roundings beside the break; to first order that is taken back here.
-    """
-    if side > 0:
-        return np.asarray(circle_map.right(theta) - SIDE_STEP * circle_map.right_derivative(theta))
-    return np.asarray(circle_map.left(theta) + SIDE_STEP * circle_map.left_derivative(theta))
-
-
-@dataclass(frozen=True, eq=False)
-class _Stencil:
-    """Members of the family beside a parameter, their weights, and how far their breaks have moved."""
-
-    members: tuple[CircleMap, ...]
-    weights: tuple[float, ...]
-    motions: tuple[Array, ...]
-    step: float
-
-    def difference(self, theta: Array, centre: CircleMap) -> Array:
-        """Σ_k w_k F(θ + d_k(θ); p_k)/step, every angle carried along with the breaks round it."""
-        total = np.zeros_like(theta)
-        for member, weight, motion in zip(self.members, self.weights, self.motions, strict=True):
-            lift = member.right if member.breaks.size else member
-            total += weight * lift(theta + _carried(theta, centre.breaks, motion))
-        return total / self.step
-
-    @property
-    def rates(self) -> Array:
-        """d(breaks)/dp."""
-        weighted = [weight * motion for weight, motion in zip(self.weights, self.motions, strict=True)]
-        return np.asarray(np.sum(weighted, axis=0) / self.step)
-
-    @property
-    def weight(self) -> float:
-        """Σ |w_k|/step: by how much an error of the lifts is magnified."""
-        return sum(map(abs, self.weights)) / self.step
-
-
-def _carried(theta: Array, breaks: Array, motion: Array) -> Array:
-    """Displacements at ``theta`` (in [0, 2π)) that are linear between those of the breaks."""
-    if breaks.size == 0 or not np.any(motion):
-        return np.zeros_like(theta)
-    around = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
-    return np.asarray(np.interp(theta, around, np.concatenate([motion[-1:], motion, motion[:1]])))
-
-
-@dataclass(frozen=True, eq=False)
-class ParameterTangent:
-    """θ → ∂F/∂p at one parameter (radians a unit of p), 2π-periodic, any shape; from the right at breaks.
-
-    member : the family's map at the parameter. step : the spacing of the difference.
-    break_rates : shape (breaks,), dθ_b/dp of the map's breaks, radians a unit of p.
-    """
-
-    member: CircleMap
-    parameter: float
-    step: float
-    break_rates: Array
-    _family: Family
-    _within: Range
-    _order: int
-    _stencil: _Stencil
-
-    def __call__(self, theta: Any) -> Array:
-        """∂F/∂p at ``theta`` (radians)."""
-        return self._value(np.asarray(theta, dtype=np.float64), self._stencil)
-
-    def _value(self, theta: Array, stencil: _Stencil) -> Array:
-        base = np.mod(theta, TWO_PI)
-        carried = _carried(base, self.member.breaks, stencil.rates)
-        total = stencil.difference(base, self.member)
-        if np.any(carried):
-            # The difference follows the breaks: dF/dp along them is ∂F/∂p + F' times their rate.
-            total = total - self.member.right_derivative(base) * carried
-        return np.asarray(total)
-
-    def error(self, theta: Any) -> Array:
-        """A bound on the error at ``theta``: truncation measured by halving the step, plus rounding.
-
-        The lifts' claimed ``max_error`` is added, magnified by the difference. Calls the family again.
-        """
-        angles = np.asarray(theta, dtype=np.float64)
-        half = _stencil_at(self._family, self.member, self.parameter, self.step / 2.0, self._within, self._order)
-        ratio = 2.0**self._order
-        truncation = ratio / (ratio - 1.0) * np.abs(self._value(angles, half) - self(angles))
-        size = TWO_PI + np.abs(self.member(np.mod(angles, TWO_PI)))
-        return np.asarray(truncation + (LIFT * size + self.member.max_error) * (half.weight + self._stencil.weight))
-
-
-def parameter_tangent(
-    family: Family,
-    parameter: float,
-    *,
-    step: float | None = None,
-    scale: float = 1.0,
-    within: Range = (-np.inf, np.inf),
-    order: int = 4,
-) -> ParameterTangent:
-    """θ → ∂F/∂p of a family p → CircleMap, by differences of its lifts in p.
-
-    scale : how far p goes for the map to change by itself; the step is 1e-3 of it unless ``step`` gives it.
-    within : parameters where the family may be called: near its ends the difference leans inside.
-    order : 4 (five points, the default) or 2.
-
-    The error is O(step⁴): for a map like ``arnold`` some 1e-12; ``error(theta)`` bounds it by a second
-    difference of half the step (measured, not proved). Breaks may move with p: angles are carried along
-    with the breaks on both sides, so that no difference reaches across one, and ``break_rates`` tells how
-    fast each moves.
-
-    Raises InvalidInput when the family gives no CircleMap, or maps with different numbers of breaks.
-
-    >>> import numpy as np
-    >>> tangent = parameter_tangent(lambda K: CircleMap.arnold(0.1, K), 0.9)
-    >>> bool(abs(tangent(1.0) + np.sin(1.0)) <= tangent.error(1.0) < 1e-10)
-    True
-    """
-    p, low, high = finite_number("parameter", parameter), float(within[0]), float(within[1])
-    spacing = _STEP * positive_number("scale", scale) if step is None else positive_number("step", step)
-    if order not in (2, 4) or not low <= p <= high or low == high:
-        raise InvalidInput(
-            f"order is {order}, parameter {p:g}, within ({low:g}, {high:g}): give order 2 or 4, p inside"
-        )
-    member = family_member(family, p)
-    stencil = _stencil_at(family, member, p, spacing, (low, high), order)
-    rates = read_only(stencil.rates)
-    return ParameterTangent(member, p, stencil.step, rates, family, (low, high), order, stencil)
-
-
-def _stencil_at(family: Family, centre: CircleMap, p: float, step: float, within: Range, order: int) -> _Stencil:
-    offsets, weights, spacing = _fitting(p, step, within, order)
-    members = tuple(centre if k == 0 else family_member(family, p + k * spacing) for k in offsets)
-    motions = tuple(break_motion(centre.breaks, member.breaks) for member in members)
-    return _Stencil(members, weights, motions, spacing)
-
-
-def _fitting(p: float, step: float, within: Range, order: int) -> tuple[tuple[int, ...], tuple[float, ...], float]:
-    """Offsets and weights of a difference that stays within the range, and its step."""
-    below, above = p - within[0], within[1] - p
-    if min(below, above) >= order // 2 * step:
-        return _CENTRED[order], _CENTRED_WEIGHTS[order], step
-    side = 1 if above >= below else -1
-    offsets = tuple(side * k for k in _ONE_SIDED[order])
-    weights: npt.NDArray[np.float64] = side * np.array(_ONE_SIDED_WEIGHTS[order])
-    return offsets, tuple(weights.tolist()), min(step, max(below, above) / order)

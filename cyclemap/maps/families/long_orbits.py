@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,6 @@ from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.family import Family, family_member, parametric_form
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.operator.transfer_operator import transfer_operator
 from cyclemap.maps.orbits.rotation_number import orbit_angles, orbits_angles, weighted_mean
 from cyclemap.maps.quadrature import arc_rule
 
@@ -141,7 +140,6 @@ _DECIDED = 0.05  # a weighted mean this much sharper than a plain one shows a qu
 _FLOOR = 1e-18  # |F'| at nodes that rounding puts on a fold
 _EVERYWHERE = TWO_PI * np.mod(np.sqrt(2.0) * np.arange(1.0, 65.0), 1.0)
 _LOST = 0.05  # of 1 + |F'|: an error this large says that differences do not settle
-_STRETCH = 4_000  # cycles between two words of progress
 _BLUR = 50.0  # how far off ln|F'| is where F' is lost in rounding
 
 
@@ -151,7 +149,6 @@ def lyapunov_exponent(
     *,
     start: float | None = None,
     transient: int = TRANSIENT,
-    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """The Lyapunov exponent E ln|F'(θ)|, per cycle (natural logarithm), with a bound on its error.
 
@@ -168,8 +165,6 @@ def lyapunov_exponent(
     To each the error of F' adds; inf where F' is lost in it. -inf where F' = 0 on a set that the law or the orbit
     visits. Without a start: the orbits from five angles that no symmetry favours, so that none lies on a repelling
     orbit; a small basin may be missed.
-    progress : called with the fraction of the orbits done, at most, where a slow lift takes seconds. An exception from
-        it ends the work.
 
     Raises InvalidInput where orbits from those angles have different exponents: the map has several attractors;
     ConvergenceError where F has no derivative that differences can follow.
@@ -181,7 +176,14 @@ def lyapunov_exponent(
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     skipped = whole_number("transient", transient, least=0)
-    _require_slopes(circle_map)
+    # Refused before thousands of iterates are made: a lift that is nowhere smooth.
+    slope, error = circle_map.derivative_and_error(_EVERYWHERE)
+    lost = error > _LOST * (1.0 + np.abs(slope))
+    if 2 * np.count_nonzero(lost) > lost.size:
+        raise ConvergenceError(
+            f"F' cannot be told from differences at {np.count_nonzero(lost)} of {lost.size} angles, such as "
+            f"{_EVERYWHERE[int(np.argmax(lost))]:.6g}: give the derivative, or the lift has none and no exponent"
+        )
     if noise is not None:
         if start is not None:
             raise InvalidInput(
@@ -189,7 +191,8 @@ def lyapunov_exponent(
             )
         return _under_noise(circle_map, noise)
     begin = _STARTS if start is None else np.array([finite_number("start", start)])
-    found = [_along_orbit(circle_map, row) for row in _orbits(circle_map, begin, skipped, progress)]
+    visited = orbits_angles(circle_map, begin, skipped + ITERATES)[:, skipped:]
+    found = [_along_orbit(circle_map, row) for row in visited]
     if start is not None:
         return found[0]
     low, high = (int(pick(found)) for pick in (np.argmin, np.argmax))
@@ -202,34 +205,9 @@ def lyapunov_exponent(
     return min(found, key=lambda one: one.error_bound)
 
 
-def _require_slopes(circle_map: CircleMap) -> None:
-    """Refuse, before thousands of iterates are made, a lift that is nowhere smooth."""
-    slope, error = circle_map.derivative_and_error(_EVERYWHERE)
-    lost = error > _LOST * (1.0 + np.abs(slope))
-    if 2 * np.count_nonzero(lost) > lost.size:
-        raise ConvergenceError(
-            f"F' cannot be told from differences at {np.count_nonzero(lost)} of {lost.size} angles, such as "
-            f"{_EVERYWHERE[int(np.argmax(lost))]:.6g}: give the derivative, or the lift has none and no exponent"
-        )
-
-
-def _orbits(
-    circle_map: CircleMap, begin: Array, skipped: int, progress: Callable[[float], None] | None
-) -> Iterator[Array]:
-    """The orbits of ``begin`` without their transients, made a stretch at a time so that progress can be told."""
-    tell, parts, at = progress or (lambda fraction: None), [], begin
-    lengths = [_STRETCH] * ((skipped + ITERATES) // _STRETCH) + [(skipped + ITERATES) % _STRETCH]
-    for number, length in enumerate(lengths):
-        stretch = orbits_angles(circle_map, at, length + 1)
-        parts.append(stretch[:, :-1])
-        at = stretch[:, -1]
-        tell(0.5 * (number + 1) / len(lengths))
-    for number, row in enumerate(np.concatenate(parts, axis=1)[:, skipped:]):
-        yield row
-        tell(0.5 + 0.5 * (number + 1) / begin.size)
-
-
 def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
+    from cyclemap.maps.operator.transfer_operator import transfer_operator  # slow to import
+
     operator = transfer_operator(circle_map, noise)
     theta, _ = arc_rule(circle_map, 0.0, TWO_PI, operator.modes)
     flat = circle_map.derivative(theta) == 0.0
@@ -246,9 +224,12 @@ def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
 
 
 def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
-    periodic = _on_periodic_orbit(circle_map, visited)
-    if periodic is not None:
-        return periodic
+    last = visited[-1]
+    back = np.abs(shorter_way(visited[-2 : -2 - MAX_PERIOD : -1] - last))
+    for period in 1 + np.flatnonzero((back <= np.minimum.accumulate(back)) & (back < _NEAR)):
+        orbit = _attracting_orbit(circle_map, float(last), int(period))
+        if orbit is not None:
+            return _exponent_of(circle_map, orbit)
     slopes, errors = circle_map.derivative_and_error(visited)
     stretch = np.abs(slopes)
     if np.any(stretch == 0.0):
@@ -269,18 +250,6 @@ def _from_slopes(errors: Array, stretch: Array) -> float:
 
 
 # -- periodic attractors -------------------------------------------------------------------------------------
-
-
-def _on_periodic_orbit(circle_map: CircleMap, visited: Array) -> Estimate | None:
-    """The exponent of the attracting orbit that ``visited`` approaches, or None where it approaches none."""
-    last = visited[-1]
-    back = np.abs(shorter_way(visited[-2 : -2 - MAX_PERIOD : -1] - last))
-    nearest = np.minimum.accumulate(back)
-    for period in 1 + np.flatnonzero((back <= nearest) & (back < _NEAR)):
-        orbit = _attracting_orbit(circle_map, float(last), int(period))
-        if orbit is not None:
-            return _exponent_of(circle_map, orbit)
-    return None
 
 
 def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array | None:

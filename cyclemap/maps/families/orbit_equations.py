@@ -70,14 +70,10 @@ class OrbitEquations:
         """Radians, and units of the parameter, to a unit of the scaled space."""
         return np.append(np.full(self.period, np.sqrt(self.period)), self.within[1] - self.within[0])
 
-    def member(self, p: float) -> CircleMap:
-        """The family's map at ``p``."""
-        return family_member(self.family, p)
-
     def push(self, p: float) -> ParameterTangent:
         """∂F/∂p at ``p``."""
         step = _STEP * (self.within[1] - self.within[0])
-        return parameter_tangent(self.family, p, step=step, within=self.within, order=2)
+        return parameter_tangent(self.family, p, step, self.within)
 
     def residual(self, images: Array, theta: Array) -> Array:
         """F(θ_i) - θ_{i+1} - 2πh_i from the images F(θ_i)."""
@@ -93,12 +89,12 @@ class OrbitEquations:
 
     def state(self, p: float, theta: Array, member: CircleMap | None = None) -> OrbitState:
         """The state at these points, not corrected."""
-        at = member or self.member(p)
+        at = member or family_member(self.family, p)
         return OrbitState(p, theta, at, np.asarray(at.derivative(theta)))
 
     def solved_at(self, p: float, theta: Array, member: CircleMap | None = None) -> OrbitState | None:
         """The orbit near ``theta`` at a fixed parameter, to rounding; None when Newton's method finds none."""
-        at = member or self.member(p)
+        at = member or family_member(self.family, p)
         last = np.inf
         for _ in range(_ITERATIONS):
             moved = _solved(self.jacobian(at.derivative(theta)), -self.residual(at(theta), theta))
@@ -125,7 +121,7 @@ class OrbitEquations:
             size, point = float(np.max(np.abs(moved))), point + moved
             if not size < _LONGEST or not self._inside(point):
                 return None
-            at = self.member(self._parameter(point))
+            at = family_member(self.family, self._parameter(point))
             if size <= _CLOSE or (size < 1e-9 and size > 0.25 * last):
                 theta = point[:-1] * self.scales[:-1]
                 return replace(self.state(self._parameter(point), theta, at), push=tangent(theta))
@@ -260,30 +256,22 @@ def smooth_bifurcation(
 
     at = found[brentq(excess, 0.0, length, xtol=EPS * length, rtol=8.0 * EPS)]
     push = equations.push(at.parameter)(at.theta)
-    kind = "period-doubling" if target < 0.0 else _kind_at_one(equations, at, push)
-    condition = np.append(_multiplier_gradient(at), _multiplier_rate(equations, at))
+    kind = "period-doubling"
+    if target > 0.0:
+        left, _, _ = np.linalg.svd(equations.jacobian(at.slopes))
+        transverse = abs(float(left[:, -1] @ push)) > _TRANSVERSE * float(np.max(np.abs(push)))
+        kind = "saddle-node" if transverse else "branch point"
+    # The multiplier's derivatives by θ_i and p: centred differences of F'.
+    others = np.array([np.prod(np.delete(at.slopes, i)) for i in range(at.theta.size)])
+    gradient = (
+        (at.member.derivative(at.theta + _BEND) - at.member.derivative(at.theta - _BEND)) / (2.0 * _BEND) * others
+    )
+    step = _STEP * (equations.within[1] - equations.within[0])
+    low, high = (float(np.clip(at.parameter + k * step, *equations.within)) for k in (-1, 1))
+    change = [float(np.prod(family_member(equations.family, p).derivative(at.theta))) for p in (low, high)]
+    condition = np.append(gradient, (change[1] - change[0]) / (high - low))
     residual = np.append(equations.residual(at.member(at.theta), at.theta), at.multiplier - target)
     return at, recorded(kind, equations, at, push, condition, residual)
-
-
-def _kind_at_one(equations: OrbitEquations, at: OrbitState, push: Array) -> str:
-    left, _, _ = np.linalg.svd(equations.jacobian(at.slopes))
-    share = abs(float(left[:, -1] @ push))
-    return "saddle-node" if share > _TRANSVERSE * float(np.max(np.abs(push))) else "branch point"
-
-
-def _multiplier_gradient(at: OrbitState) -> Array:
-    """d(multiplier)/dθ_i, by centred differences of F'."""
-    ahead, behind = at.member.derivative(at.theta + _BEND), at.member.derivative(at.theta - _BEND)
-    others = np.array([np.prod(np.delete(at.slopes, i)) for i in range(at.theta.size)])
-    return np.asarray((ahead - behind) / (2.0 * _BEND) * others)
-
-
-def _multiplier_rate(equations: OrbitEquations, at: OrbitState) -> float:
-    step = 1e-5 * (equations.within[1] - equations.within[0])
-    low, high = (float(np.clip(at.parameter + k * step, *equations.within)) for k in (-1, 1))
-    change = [float(np.prod(equations.member(p).derivative(at.theta))) for p in (low, high)]
-    return (change[1] - change[0]) / (high - low)
 
 
 def recorded(
@@ -306,7 +294,13 @@ def recorded(
     """
     points = np.mod(at.theta, TWO_PI)
     extended = np.vstack([np.column_stack([equations.jacobian(at.slopes), push]), condition])
-    error = _parameter_error(equations, at, extended, residual)
+    angle = 2.0 * TWO_PI + np.abs(np.roll(at.theta, -1) + TWO_PI * equations.hops)
+    rounding = np.append(2.0 * EPS * angle, 8.0 * EPS * angle.size * max(1.0, abs(at.multiplier)))
+    try:
+        row = np.abs(np.linalg.inv(extended)[-1])
+        error = float(row @ (np.abs(residual) + rounding)) + 2.0 * EPS * abs(at.parameter)
+    except np.linalg.LinAlgError:
+        error = float("inf")
     return Bifurcation(
         kind,
         Estimate(at.parameter, error),
@@ -319,17 +313,6 @@ def recorded(
     )
 
 
-def _parameter_error(equations: OrbitEquations, at: OrbitState, extended: Array, residual: Array) -> float:
-    angle = 2.0 * TWO_PI + np.abs(np.roll(at.theta, -1) + TWO_PI * equations.hops)
-    rounding = np.append(2.0 * EPS * angle, 8.0 * EPS * angle.size * max(1.0, abs(at.multiplier)))
-    try:
-        row = np.abs(np.linalg.inv(extended)[-1])
-    except np.linalg.LinAlgError:
-        return float("inf")
-    return float(row @ (np.abs(residual) + rounding)) + 2.0 * EPS * abs(at.parameter)
-
-
-_COLLISION_ITERATIONS = 12
 _BESIDE = 1e-9  # radians: how far below a break ∂F/∂p is read for its limit from the left
 
 
@@ -360,6 +343,7 @@ class _OneSided:
 
     @property
     def member(self) -> CircleMap:
+        """The family's map at the parameter."""
         return self.tangent.member
 
     def residual(self) -> Array:
@@ -384,13 +368,6 @@ class _OneSided:
         rate = self.tangent.break_rates[int(np.argmin(gaps))]
         return np.append(np.arange(self.theta.size) == self.point, -rate)
 
-    def jumps(self) -> bool:
-        at = self.theta[self.point]
-        return bool(abs(float(self.member.right(at) - self.member.left(at))) > JUMP)
-
-    def across(self) -> _OneSided:
-        return _OneSided(self.equations, self.tangent, self.theta, self.point, -self.side)
-
 
 def border_collision(
     equations: OrbitEquations, before: OrbitState, near: tuple[Array, float], point: int, which: int
@@ -402,13 +379,18 @@ def border_collision(
     """
     gap = float(shorter_way(before.theta[point] - before.member.breaks[which]))
     theta, p, last = np.array(near[0]), near[1], np.inf
-    for _ in range(_COLLISION_ITERATIONS):
+    for _ in range(_ITERATIONS):
         if not equations.within[0] <= p <= equations.within[1]:
             return None
         tangent = equations.push(p)
         theta[point] = before.theta[point] - gap + break_motion(before.member.breaks, tangent.member.breaks)[which]
         held = _OneSided(equations, tangent, theta, point, 1 if gap > 0.0 else -1)
-        moved = _newton_step(held)
+        jacobian = equations.jacobian(held.state().slopes)
+        extended = np.vstack([np.column_stack([jacobian, held.push()]), held.condition()])
+        try:
+            moved = np.linalg.solve(extended, -np.append(held.residual(), 0.0))
+        except np.linalg.LinAlgError:
+            return None
         size = float(np.max(np.abs(moved)))
         if size <= 1e-14 or (size < 1e-10 and size > 0.25 * last):
             return _collision(held)
@@ -418,17 +400,9 @@ def border_collision(
     return None
 
 
-def _newton_step(held: _OneSided) -> Array:
-    jacobian = held.equations.jacobian(held.state().slopes)
-    extended = np.vstack([np.column_stack([jacobian, held.push()]), held.condition()])
-    try:
-        return np.asarray(np.linalg.solve(extended, -np.append(held.residual(), 0.0)))
-    except np.linalg.LinAlgError:
-        return np.full(held.theta.size + 1, np.nan)
-
-
 def _collision(held: _OneSided) -> Collision:
-    state, far, jump = held.state(), held.across(), held.jumps()
+    state, far, at = held.state(), replace(held, side=-held.side), held.theta[held.point]
+    jump = bool(abs(float(held.member.right(at) - held.member.left(at))) > JUMP)
     sides = {held.side: state.multiplier, far.side: far.state().multiplier}
     bifurcation = recorded(
         "border-collision",

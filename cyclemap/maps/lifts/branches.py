@@ -11,13 +11,11 @@ import numpy.typing as npt
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, finite_number, read_only
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, Scalar, base_angles
-from cyclemap.maps.orbits.scan import Cells, monotone_cells
-
-_PASSES = 200
+from cyclemap.maps.orbits.scan import Cells, bracketed_root, monotone_cells
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,22 +33,15 @@ class MonotoneTable:
     map: CircleMap
 
     def inverse(self, values: Array) -> Array:
-        """The angle at which the function takes each of ``values``; values beyond the table give its ends.
-
-        Newton steps kept inside a bracket, halved when they converge slowly (Brent 1973, ch. 4; Press et al. 2007,
-        9.4), until the residual is at rounding; one more step is taken then.
-        """
+        """The angle at which the function takes each of ``values``; values beyond the table give its ends."""
         wanted = self.sign * np.ravel(values)
-        rising = self.sign * self.value
-        cell = self.cell(np.ravel(values))
+        rising, cell = self.sign * self.value, self.cell(np.ravel(values))
         low, high = self.theta[cell], self.theta[cell + 1]
-        below, above = rising[cell] - wanted, rising[cell + 1] - wanted
-        result = np.where(below >= 0.0, low, high)
-        inside = np.flatnonzero((below < 0.0) & (above > 0.0) & (high > low))
+        result = np.where(rising[cell] >= wanted, low, high)
+        inside = np.flatnonzero((rising[cell] < wanted) & (rising[cell + 1] > wanted) & (high > low))
         if inside.size:
-            share = below[inside] / (below[inside] - above[inside])
-            first = low[inside] + (high - low)[inside] * share
-            result[inside] = self._newton(wanted[inside], low[inside], high[inside], first)
+            level = wanted[inside]
+            result[inside] = bracketed_root(lambda x, i: self.sign * self.map(x) - level[i], low[inside], high[inside])
         return np.reshape(result, np.shape(values))
 
     def cell(self, values: Array) -> npt.NDArray[np.intp]:
@@ -59,26 +50,10 @@ class MonotoneTable:
         cell = np.searchsorted(rising, self.sign * values, side=side) - 1  # type: ignore[call-overload]
         return np.asarray(np.clip(cell, 0, self.theta.size - 2))
 
-    def _newton(self, wanted: Array, low: Array, high: Array, x: Array) -> Array:
-        solved, index = x.copy(), np.arange(x.size)
-        last = high - low
-        for _ in range(_PASSES):
-            gap, slope = self.sign * self.map(x) - wanted, self.map.derivative(x)
-            low, high = np.where(gap <= 0.0, x, low), np.where(gap >= 0.0, x, high)
-            ahead, good = _step(x, gap, self.sign * slope, low, high, last)
-            # The rounding of values, and of angles magnified by the slope: no gap below it means anything.
-            rounding = 4.0 * EPS * (1.0 + np.abs(wanted) + np.abs(slope) * (1.0 + np.abs(x)))
-            fine = (np.abs(gap) <= rounding) | (np.abs(ahead - x) <= EPS * (1.0 + np.abs(x)))
-            solved[index] = np.where(good, ahead, x)
-            if fine.all():
-                return solved
-            last, more = ahead - x, ~fine
-            x, last, index = ahead[more], last[more], index[more]
-            low, high, wanted = low[more], high[more], wanted[more]
-        raise ConvergenceError(f"the inverse at {wanted[0]:.9g} is still {np.max(high - low):.3g} rad wide")
-
     def inverse_of_one_float(self) -> Scalar:
-        """The same inverse for one python float: interpolation kept inside a bracket (Anderson & Björck 1973)."""
+        """The same inverse for one python float (Brent 1973, ch. 4)."""
+        from scipy.optimize import brentq  # slow to import, and seldom asked for
+
         sign, lift = self.sign, self.map.scalar()
         nodes, rising = self.theta.tolist(), (self.sign * self.value).tolist()
         bisect, final = bisect_right if sign > 0 else bisect_left, len(nodes) - 2
@@ -87,43 +62,13 @@ class MonotoneTable:
             wanted = sign * value
             cell = min(max(bisect(rising, wanted) - 1, 0), final)
             low, high = nodes[cell], nodes[cell + 1]
-            below, above = rising[cell] - wanted, rising[cell + 1] - wanted
-            if below >= 0.0:
+            if sign * lift(low) >= wanted:
                 return float(low)
-            if above <= 0.0 or low == high:
+            if sign * lift(high) <= wanted:
                 return float(high)
-            return _interpolated(lambda x: sign * lift(x) - wanted, low, high, below, above)
+            return float(brentq(lambda x: sign * lift(x) - wanted, low, high, xtol=EPS, rtol=4.0 * EPS))
 
         return inverse
-
-
-def _step(x: Array, gap: Array, slope: Array, low: Array, high: Array, last: Array) -> tuple[Array, Mask]:
-    """Newton's next angle, or the middle of the bracket where that one is outside or no nearer; which it is."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        step = -gap / slope
-    ahead = x + step
-    good = (ahead >= low) & (ahead <= high) & (np.abs(step) <= 0.5 * np.abs(last))
-    return np.where(good, ahead, 0.5 * (low + high)), good
-
-
-def _interpolated(gap: Scalar, low: float, high: float, below: float, above: float) -> float:
-    """The root of ``gap`` between ``low`` and ``high``, where it is ``below`` < 0 < ``above``."""
-    x, side = low, 0
-    for turn in range(_PASSES):
-        before = x
-        x = low - below * (high - low) / (above - below) if turn % 8 < 6 else 0.5 * (low + high)
-        at = gap(x)
-        if at == 0.0 or abs(x - before) <= EPS * max(abs(x), 1.0):
-            return x
-        if at < 0.0:
-            ratio = 1.0 - at / below
-            above *= (ratio if ratio > 0.0 else 0.5) if side < 0 else 1.0
-            low, below, side = x, at, -1
-        else:
-            ratio = 1.0 - at / above
-            below *= (ratio if ratio > 0.0 else 0.5) if side > 0 else 1.0
-            high, above, side = x, at, 1
-    raise ConvergenceError(f"the inverse is still {high - low:.3g} rad wide at θ = {x:.9g}")
 
 
 RESOLUTION = 512
@@ -149,11 +94,6 @@ class Branch:
     end_value: float
     direction: int
     table: MonotoneTable
-
-    @property
-    def increasing(self) -> bool:
-        """Whether F rises along the branch."""
-        return self.direction > 0
 
     def inverse(self, values: Any) -> Array:
         """The angles in [start, end] at which F takes each of ``values`` (radians, lifted, any shape).

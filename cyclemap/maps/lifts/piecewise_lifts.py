@@ -77,12 +77,7 @@ class PiecewiseCubic:
         return lift
 
     def shifted(self, along: float, up: float) -> PiecewiseCubic:
-        """θ → F(θ - along) + up, the same cubics at other places (radians).
-
-        >>> line = PiecewiseCubic(np.array([0.0, TWO_PI]), np.array([[0.0], [1.0], [0.0], [0.0]]), 1)
-        >>> round(float(line.shifted(1.0, 0.5)(np.array(2.0))), 12)
-        1.5
-        """
+        """θ → F(θ - along) + up, the same cubics at other places (radians)."""
         rows = self.coefficients.copy()
         rows[0] += up
         return _onto_base_period(self.knots[:-1] + along, rows, self.degree)
@@ -103,10 +98,15 @@ def cubic_from_samples(theta: Any, lifted: Any, slopes: Any, degree: int) -> tup
     given = np.size(theta)
     samples = _one_period(*_checked(theta, lifted, slopes), degree)
     nodal = _shape_preserving(samples, degree) if samples.slopes is None else samples.slopes
-    start, polynomials = _hermite(samples.theta, samples.lifted, nodal)
-    inner = samples.theta[1:][np.diff(samples.theta) == 0.0]
+    use = np.diff(samples.theta) > 0.0
+    width, rise = np.diff(samples.theta)[use], np.diff(samples.lifted)[use]
+    left, slope_left, slope_right = samples.lifted[:-1][use], nodal[:-1][use], nodal[1:][use]
+    secant = rise / width
+    c2 = (3.0 * secant - 2.0 * slope_left - slope_right) / width
+    c3 = (slope_left + slope_right - 2.0 * secant) / width**2
+    pieces = _onto_base_period(samples.theta[:-1][use], np.stack([left, slope_left, c2, c3]), degree)
+    inner = samples.theta[1:][~use]
     breaks = inner if samples.closed else np.append(inner, samples.theta[0])
-    pieces = _onto_base_period(start, polynomials, degree)
     return pieces, np.unique(base_angles(breaks)), given
 
 
@@ -187,18 +187,6 @@ def _pchip_slopes(x: Array, y: Array) -> Array:
     return np.asarray(PchipInterpolator(x, y).derivative()(x), dtype=np.float64)
 
 
-def _hermite(theta: Array, lifted: Array, slopes: Array) -> tuple[Array, Array]:
-    """Start and power coefficients (4, n) of the cubic on each interval of positive width."""
-    use = np.diff(theta) > 0.0
-    start, width = theta[:-1][use], np.diff(theta)[use]
-    left, right = lifted[:-1][use], lifted[1:][use]
-    slope_left, slope_right = slopes[:-1][use], slopes[1:][use]
-    secant = (right - left) / width
-    c2 = (3.0 * secant - 2.0 * slope_left - slope_right) / width
-    c3 = (slope_left + slope_right - 2.0 * secant) / width**2
-    return start, np.stack([left, slope_left, c2, c3])
-
-
 def _onto_base_period(start: Array, rows: Array, degree: int) -> PiecewiseCubic:
     """Move the pieces to [0, 2π), cutting the one that runs over 2π."""
     base = base_angles(start)
@@ -208,18 +196,11 @@ def _onto_base_period(start: Array, rows: Array, degree: int) -> PiecewiseCubic:
     order = np.argsort(base, kind="stable")
     base, rows = base[order], rows[:, order]
     if base[0] > 0.0:
-        wrapped = _recentred(rows[:, -1], TWO_PI - base[-1])
-        wrapped[0] -= TWO_PI * degree
+        step, (c0, c1, c2, c3) = TWO_PI - base[-1], rows[:, -1]
+        value = ((c3 * step + c2) * step + c1) * step + c0 - TWO_PI * degree
+        wrapped = [value, (3.0 * c3 * step + 2.0 * c2) * step + c1, c2 + 3.0 * c3 * step, c3]
         base, rows = np.append(0.0, base), np.column_stack([wrapped, rows])
     return PiecewiseCubic(read_only(np.append(base, TWO_PI)), read_only(rows), degree)
-
-
-def _recentred(row: Array, step: float) -> Array:
-    """Coefficients of the same cubic about a point ``step`` further on."""
-    c0, c1, c2, c3 = row
-    value = ((c3 * step + c2) * step + c1) * step + c0
-    slope = (3.0 * c3 * step + 2.0 * c2) * step + c1
-    return np.array([value, slope, c2 + 3.0 * c3 * step, c3])
 
 
 _SAME_VALUE = 1e-12  # relative: seams whose values differ by more are breaks
@@ -236,11 +217,6 @@ class Piece:
     lift: Lift
     derivative: Lift
     exact: bool
-
-    def at_ends(self) -> tuple[Array, Array]:
-        """Values and slopes at both ends."""
-        ends = np.array([self.start, self.end])
-        return self.lift(ends), self.derivative(ends)
 
 
 @dataclass(frozen=True, eq=False)
@@ -301,11 +277,7 @@ def lift_from_branches(branches: list[Any], degree: int) -> tuple[BranchedLift, 
 
 
 def listed_branches(branches: Any) -> list[Any]:
-    """The branches as a list, or InvalidInput where there are none.
-
-    >>> listed_branches([(0.0, 1.0, np.sin, None)])[0][:2]
-    (0.0, 1.0)
-    """
+    """The branches as a list, or InvalidInput where there are none."""
     try:
         given = list(branches)
     except TypeError as cause:
@@ -353,7 +325,8 @@ def _check_cover(pieces: tuple[Piece, ...]) -> None:
 
 def _differing(pieces: tuple[Piece, ...], degree: int) -> list[bool]:
     """Whether value or slope differ at the start of each branch from those at the end of the one before."""
-    ends = [piece.at_ends() for piece in pieces]
+    places = [np.array([piece.start, piece.end]) for piece in pieces]
+    ends = [(piece.lift(at), piece.derivative(at)) for piece, at in zip(pieces, places, strict=True)]
     found = []
     for i, piece in enumerate(pieces):
         climb = TWO_PI * degree if i == 0 else 0.0

@@ -11,6 +11,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
+from cyclemap.maps.noise.noise import folded, reduced
 
 
 @dataclass(frozen=True)
@@ -56,8 +57,7 @@ class UniformNoise:
 
     def density(self, x: Any) -> Array:
         """Density on the circle, per radian: the number of x + 2πk in [-h, h), over 2h."""
-        given = np.asarray(x, dtype=np.float64)
-        angle = given - TWO_PI * np.round(given / TWO_PI)
+        angle = reduced(x)
         images = np.ceil((self.halfwidth - angle) / TWO_PI) - np.ceil((-self.halfwidth - angle) / TWO_PI)
         return np.asarray(images / (2.0 * self.halfwidth))
 
@@ -75,13 +75,7 @@ class UniformNoise:
         """Refused: InvalidInput."""
         self._no_function("rate")
 
-    def line_slope(self, x: Any) -> Array:
-        """Refused: InvalidInput."""
-        self._no_function("slope")
-
-    def line_rate(self, x: Any) -> Array:
-        """Refused: InvalidInput."""
-        self._no_function("rate")
+    line_slope, line_rate = slope, rate
 
     def _no_function(self, what: str) -> NoReturn:
         raise InvalidInput(
@@ -116,7 +110,7 @@ class UniformNoise:
     def _images(self, low: Any, high: Any) -> list[tuple[Array, Array]]:
         """The arc and its shifts by whole turns that may meet [-h, h]."""
         given = np.asarray(low, dtype=np.float64)
-        start = given - TWO_PI * np.round(given / TWO_PI)
+        start = reduced(given)
         end = start + (high - given)
         reach = int(np.ceil(self.halfwidth / TWO_PI)) + 1
         return [(start + TWO_PI * k, end + TWO_PI * k) for k in range(-reach, reach + 1)]
@@ -252,9 +246,7 @@ class VonMises:
         return self._arc_integral(low, high, self._pull)
 
     def _arc_integral(self, low: Any, high: Any, factor: Callable[[Array], Array]) -> Array:
-        half = 0.5 * (np.asarray(high, dtype=np.float64) - low)
-        middle = np.abs(low + half - TWO_PI * np.round((low + half) / TWO_PI))
-        near, beyond = middle - half, middle + half
+        near, beyond = folded(low, high)
         parts = self._half_integral(np.maximum(near, 0.0), np.minimum(beyond, np.pi), factor)
         parts = parts + self._half_integral(0.0, np.minimum(np.maximum(-near, 0.0), np.pi), factor)
         return np.asarray(parts + self._half_integral(np.minimum(TWO_PI - beyond, np.pi), np.pi, factor))

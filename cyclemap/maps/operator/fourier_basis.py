@@ -82,14 +82,7 @@ Block = tuple[slice, Array, Array]
 
 
 def needed_modes(noise: Noise) -> int:
-    """Fourier modes beyond which the noise's coefficients add up to less than 1e-17.
-
-    Raises InvalidInput where that takes more than 2000.
-
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
-    >>> needed_modes(WrappedNormal(0.5))
-    19
-    """
+    """Fourier modes beyond which the noise's coefficients add up to less than 1e-17; InvalidInput beyond 2000."""
     modes = 1
     while noise.tail(modes) > NEGLIGIBLE and modes <= MAX_MODES:
         modes = int(np.ceil(1.05 * modes + 1))
@@ -140,11 +133,6 @@ class FourierDiscretisation:
 
     map, noise : whose cycle it is. modes : 1 to 2000. finer : how many times as many quadrature nodes as are needed.
     Raises InvalidInput for a number of modes outside that range.
-
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
-    >>> basis = FourierDiscretisation(CircleMap.rigid(0.25), WrappedNormal(1.0), 3)
-    >>> basis.size, round(float(basis.matrix[4, 1]), 12)
-    (7, 0.606530659713)
     """
 
     map: CircleMap
@@ -233,20 +221,11 @@ class FourierDiscretisation:
         """(n,): coefficients after one cycle of the density with coefficients ``law``; or columns of several."""
         return self.carried(self.on_nodes(law))
 
-    def backward(self, dual: Any) -> Any:
-        """(n,): the transpose of ``cycle``, on the integrals ∫ zφ_j of a function z; columns of several too."""
-        _, weight = self._rule
-        ahead = _times(self.kappa, dual)
-        parts = [before @ _times(weight[part], after.T @ ahead) for part, before, after in self._blocks()]
-        return _times(self._scale, np.sum(parts, axis=0))
-
-    def expected_after(self, dual: Any) -> Any:
-        """E z(F(θ) + ξ) at the nodes of ``rule``, for the function z with the integrals ``dual``, ∫ zφ_j."""
-        ahead = _times(self.kappa, dual)
-        return np.concatenate([after.T @ ahead for _, after in self._after])
-
     def expected_slope(self, dual: Array, factors: Array | None = None, at: Array | None = None) -> Array:
-        """d/dF of ``expected_after``, E z'(F(θ) + ξ), there or at the angles ``at``; ``factors`` to use for the κ_m."""
+        """E z'(F(θ) + ξ) for the z with the integrals ``dual``, ∫ zφ_j, at the nodes of ``rule`` or the angles ``at``.
+
+        factors : to use for the κ_m.
+        """
         images = self._after if at is None else WavesInBlocks(self.map(at), self.modes)
         ahead = _times(self.kappa if factors is None else factors, dual)
         # Turning the few factors back is the same as turning the many waves, and costs nothing.

@@ -292,9 +292,15 @@ def law_singularities(circle_map: CircleMap, cells: Cells, halfwidth: float) -> 
 
     A break makes the density kink (or jump, where F is flat beside it), a critical value gives it a square root.
     """
-    values, root = _sources(circle_map, cells)
-    ends = _trap_ends(circle_map, halfwidth)
-    values, root = np.append(values, circle_map(ends)), np.append(root, np.zeros(ends.size, dtype=bool))
+    # One-sided values at the breaks, the smooth extrema of F, and the fixed points of F ± h: where the support of a law
+    # trapped in an arc ends, smooth but not analytic.
+    at_breaks = np.concatenate([circle_map.left(circle_map.breaks), circle_map.right(circle_map.breaks)])
+    rising = np.sign(cells.g_end - cells.g_start)
+    extrema = cells.g_start[(rising * np.roll(rising, 1) < 0.0) & ~cells.cut]
+    turning = monotone_cells(circle_map, 1, 1.0, _TURN_CELLS)
+    ends = np.concatenate([crossings(circle_map, turning, level)[0] for level in (-halfwidth, halfwidth)])
+    values = np.concatenate([at_breaks, extrema, circle_map(ends)])
+    root = np.repeat([False, True, False], [at_breaks.size, extrema.size, ends.size])
     theta, generation, roots = np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=bool)
     for step in range(_GENERATIONS):
         latest = np.mod(np.concatenate([values - halfwidth, values + halfwidth]), TWO_PI)
@@ -307,23 +313,6 @@ def law_singularities(circle_map: CircleMap, cells: Cells, halfwidth: float) -> 
             break
         values, root = circle_map(theta[now]), roots[now]
     return Singularities(theta, generation, roots)
-
-
-def _sources(circle_map: CircleMap, cells: Cells) -> tuple[Array, Mask]:
-    """One-sided values at the breaks, and the values at the smooth extrema of F (True)."""
-    at_breaks = np.concatenate([circle_map.left(circle_map.breaks), circle_map.right(circle_map.breaks)])
-    rising = np.sign(cells.g_end - cells.g_start)
-    turning = (rising * np.roll(rising, 1) < 0.0) & ~cells.cut
-    extrema = cells.g_start[turning]
-    values = np.append(at_breaks, extrema)
-    return values, np.arange(values.size) >= at_breaks.size
-
-
-def _trap_ends(circle_map: CircleMap, halfwidth: float) -> Array:
-    """The fixed points of F ± h: where the support of a law trapped in an arc ends, smooth but not analytic."""
-    turning = monotone_cells(circle_map, 1, 1.0, _TURN_CELLS)
-    found = [crossings(circle_map, turning, level)[0] for level in (-halfwidth, halfwidth)]
-    return np.concatenate(found)
 
 
 def _merged(theta: Array, generation: Whole, root: Mask) -> tuple[Array, Whole, Mask]:
@@ -379,38 +368,30 @@ def refined(
     tolerance: Array,
     most: int,
     within: Callable[[Array], Mask] | None = None,
-    progress: Callable[[float], None] | None = None,
 ) -> Panels:
     """Panels cut until each function in ``assembled(panels)`` (n, m) is resolved to its ``tolerance`` (m,).
 
     The first function comes first: others are looked at when it is resolved. Ends at ``most`` panels.
-    ``within`` tells of angles whether they belong to the domain; panels outside it are left out. ``progress`` is
-    called before each pass with the share of ``most`` that there is.
+    ``within`` tells of angles whether they belong to the domain; panels outside it are left out.
     """
     root = singular.theta[singular.root & (singular.generation < _BENT)]
     panels = panels_between(ends, root, within)
     for step in range(_PASSES):
-        if progress is not None:
-            progress(min(1.0, panels.count / most))
         excess = tails(panels, assembled(panels)) / tolerance
         unresolved = np.flatnonzero(np.max(excess, axis=0) > 1.0)
         if unresolved.size == 0 or panels.count >= most:
             break
-        rough = _roughest(panels, excess[:, unresolved[0]], most)
+        worst = excess[:, unresolved[0]]
+        long = panels.end - panels.start >= SHORTEST
+        worth = np.where(long, worst, 0.0)
+        last = np.sort(worth)[::-1][: most - panels.count][-1]  # no more than there is room for
+        rough = long & (worst >= max(1.0, _FOCUS * float(np.max(worth)), float(last)))
         cuts = _cut_points(panels, rough, singular, _CUT_AT[step % 2])
         if cuts.size == 0:
             break
         ends = with_ends(ends, cuts)
         panels = panels_between(ends, root, within)
     return panels
-
-
-def _roughest(panels: Panels, excess: Array, most: int) -> Mask:
-    """The panels to cut now: near the roughest, long enough, and no more than there is room for."""
-    long = panels.end - panels.start >= SHORTEST
-    worth = np.where(long, excess, 0.0)
-    last = np.sort(worth)[::-1][: most - panels.count][-1]
-    return np.asarray(long & (excess >= max(1.0, _FOCUS * float(np.max(worth)), float(last))))
 
 
 def _cut_points(panels: Panels, rough: Mask, singular: Singularities, below: int) -> Array:

@@ -17,7 +17,6 @@ from cyclemap.maps.estimate import EPS, MATRIX, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
 from cyclemap.maps.operator.poisson_equation import BorderedSystem, density_at, density_grid
-from cyclemap.maps.quadrature import folds_of, graded_rule
 
 Complex = npt.NDArray[np.complex128]
 
@@ -202,43 +201,25 @@ _SEPARATE = 1e-9  # moduli nearer than this are the same: which one is second is
 
 @dataclass(frozen=True, eq=False)
 class Perturbation:
-    """What moves: F by ``tangent`` (radians a unit) and its breaks by ``break_shifts``, or the noise's parameter.
-
-    tangent : None when the noise moves. tangent_slope : its derivative in θ, or None where it is not known.
-    """
+    """What moves: F by ``tangent`` (radians a unit) and its breaks by ``break_shifts``; without one, the noise."""
 
     tangent: Function | None = None
     break_shifts: Array | None = None
-    tangent_slope: Function | None = None
 
     def applied(self, basis: Discretisation, law: Any) -> Any:
         """Coefficients of d(Lp), the law p held."""
         if self.tangent is None:
             return basis.noise_response(law)
-        return basis.map_response(law, self.tangent, self.shifts(basis))
-
-    def shifts(self, basis: Discretisation) -> Array:
-        """One rate for every break, 0 where none was given."""
-        return np.zeros(basis.map.breaks.size) if self.break_shifts is None else self.break_shifts
-
-    def handed_over(self, basis: Discretisation, law: Array, left: Array, right: Array) -> float:
-        """Σ over breaks of shift·p·(left - right): what moving breaks add to the mean of a function of θ."""
-        if self.break_shifts is None or basis.map.breaks.size == 0:
-            return 0.0
-        return float(np.sum(self.break_shifts * (basis.evaluate(basis.map.breaks) @ law) * (left - right)))
+        shifts = np.zeros(basis.map.breaks.size) if self.break_shifts is None else self.break_shifts
+        return basis.map_response(law, self.tangent, shifts)
 
 
-def map_perturbation(
-    circle_map: CircleMap, theta: Array, tangent: Function, break_shifts: Any, tangent_slope: Function | None
-) -> Perturbation:
-    """A checked perturbation of the map: the callables are tried at ``theta``, one shift is asked for every break."""
-    for name, function in (("tangent", tangent), ("tangent_slope", tangent_slope)):
-        if function is None and name == "tangent_slope":
-            continue
-        if not callable(function) or finite_array(f"{name}'s values", function(theta)).shape != theta.shape:
-            raise InvalidInput(f"{name} is {function!r}: give a callable that acts entry by entry on angles")
+def map_perturbation(circle_map: CircleMap, theta: Array, tangent: Function, break_shifts: Any) -> Perturbation:
+    """A checked perturbation of the map: the tangent is tried at ``theta``, one shift is asked for every break."""
+    if not callable(tangent) or finite_array("tangent's values", tangent(theta)).shape != theta.shape:
+        raise InvalidInput(f"tangent is {tangent!r}: give a callable that acts entry by entry on angles")
     shifts = None if break_shifts is None else finite_array("break_shifts", break_shifts, circle_map.breaks.size, 1)
-    return Perturbation(tangent, shifts, tangent_slope)
+    return Perturbation(tangent, shifts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,10 +240,6 @@ class ResponseLevel:
         """∫ h dp for the h with these ``values`` at ``theta``."""
         return float(np.dot(weight * values, density_at(self.system.basis, theta, self.rate)))
 
-    def mean(self, values: Array, theta: Array, weight: Array) -> float:
-        """E h under the law itself."""
-        return float(np.dot(weight * values, density_at(self.system.basis, theta, self.law)))
-
     @cached_property
     def second(self) -> complex:
         """dλ₂ = wᵀ dL v / wᵀv."""
@@ -277,8 +254,11 @@ class ResponseLevel:
         if moving.tangent is None:
             return change
         breaks = basis.map.breaks
-        change += moving.handed_over(basis, self.law, basis.map.left(breaks), basis.map.right(breaks))
-        return change + self.mean(moving.tangent(theta), theta, weight)
+        if moving.break_shifts is not None and breaks.size:
+            # What moving breaks hand over: shift·p·(left - right).
+            jumps = basis.map.left(breaks) - basis.map.right(breaks)
+            change += float(np.sum(moving.break_shifts * (basis.evaluate(breaks) @ self.law) * jumps))
+        return change + float(np.dot(weight * moving.tangent(theta), density_at(basis, theta, self.law)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,9 +299,14 @@ class Response:
         finer = complex(self.finer.system.basis.moments(whole_number("n", n)) @ self.finer.rate)
         return abs(finer - self.moment(n)) + self._rounding
 
-    def expectation(self, function: Function, change: Function | None = None) -> Estimate:
-        """d E h(θ) = ∫ h dp + E change, for a vectorised h as smooth as F; ``change``: h's own derivative."""
-        return self._measured(lambda level: _mean_change(level, function, change), function)
+    def expectation(self, function: Function) -> Estimate:
+        """d E h(θ) = ∫ h dp, for a vectorised h as smooth as F."""
+
+        def change(level: ResponseLevel) -> float:
+            theta, weight = level.system.basis.rule()
+            return level.of_integral(finite_array("function's values", function(theta)), theta, weight)
+
+        return self._measured(change, function)
 
     @cached_property
     def rotation_number(self) -> Estimate:
@@ -360,19 +345,6 @@ class Response:
         """d(1 - |λ₂|); nan unless ``gap_is_smooth``."""
         return Estimate(-self.second_modulus, self.second_modulus.error_bound)
 
-    # -- Lyapunov exponent ---------------------------------------------------------------------------------
-
-    @cached_property
-    def lyapunov_exponent(self) -> Estimate:
-        """d E ln|F'| = ∫ ln|F'| dp + E tangent'/F' and what moving breaks hand over.
-
-        Where the map moves ``tangent_slope`` must have been given and F may not fold: InvalidInput otherwise.
-        """
-        circle_map, moving = self.level.system.basis.map, self.level.perturbation
-        if moving.tangent is not None and (moving.tangent_slope is None or folds_of(circle_map).size):
-            raise InvalidInput("the exponent's derivative needs tangent_slope, and a map whose slope has no zero")
-        return self._measured(_exponent_change, lambda theta: np.log(np.abs(circle_map.derivative(theta))))
-
     # -- inside --------------------------------------------------------------------------------------------
 
     @cached_property
@@ -391,26 +363,6 @@ class Response:
         return Estimate(found, abs(number(self.finer) - found) + self._rounding * (1.0 + size))
 
 
-def _mean_change(level: ResponseLevel, function: Function, change: Function | None) -> float:
-    theta, weight = level.system.basis.rule()
-    moved = level.of_integral(finite_array("function's values", function(theta)), theta, weight)
-    return moved if change is None else moved + level.mean(change(theta), theta, weight)
-
-
 def _modulus_change(level: ResponseLevel) -> float:
     value = complex(level.spectrum.values[1])
     return float((np.conj(value) * level.second).real / abs(value))
-
-
-def _exponent_change(level: ResponseLevel) -> float:
-    basis, moving = level.system.basis, level.perturbation
-    circle_map, bandwidth = basis.map, basis.size // 2
-    theta, weight = graded_rule(circle_map, bandwidth, getattr(basis, "finer", 1))
-    slope = circle_map.derivative(theta)
-    change = level.of_integral(np.log(np.abs(slope)), theta, weight)
-    if moving.tangent_slope is None:
-        return change
-    breaks = circle_map.breaks
-    sides = (np.log(np.abs(side(breaks))) for side in (circle_map.left_derivative, circle_map.right_derivative))
-    change += moving.handed_over(basis, level.law, *sides)
-    return change + level.mean(moving.tangent_slope(theta) / slope, theta, weight)

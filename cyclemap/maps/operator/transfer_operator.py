@@ -97,7 +97,6 @@ def transfer_operator(
     noise: Noise,
     *,
     modes: int | None = None,
-    progress: Callable[[float], None] | None = None,
 ) -> TransferOperator:
     """The transfer (Perron-Frobenius) operator of θ' = F(θ) + ξ: it carries the law of θ one cycle on.
 
@@ -105,8 +104,6 @@ def transfer_operator(
     through, to where the rest of its coefficients sum to less than 1e-17 (see ``FourierDiscretisation``; Galatolo,
     Monge & Nisoli 2020). ``UniformNoise`` has a basis of its own (see ``uniform_discretisation``).
 
-    progress : called with the share of the 100 panels used so far where uniform noise is resolved, which takes half a
-        minute where it is narrow; ``is_certain`` tells whether they were enough. An exception from it ends the work.
     modes : keep this many Fourier modes instead, at most 2000: fewer than needed show what the bounds are worth.
 
     Raises InvalidInput when the noise is missing or so narrow that more than 2000 modes would be needed (for
@@ -121,21 +118,15 @@ def transfer_operator(
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     if not isinstance(noise, Noise):
         raise InvalidInput(f"the noise is {noise!r}: a stationary density needs some, for example WrappedNormal(0.02)")
-    return TransferOperator(circle_map, noise, _discretisation(circle_map, noise, modes, progress))
+    if not isinstance(noise, UniformNoise):
+        needed = needed_modes(noise)
+        kept = needed if modes is None else whole_number("modes", modes, least=1)
+        return TransferOperator(circle_map, noise, FourierDiscretisation(circle_map, noise, kept))
+    if modes is not None:
+        raise InvalidInput(f"modes is {modes!r}, but uniform noise is not resolved in Fourier modes: leave it out")
+    from cyclemap.maps.operator.uniform_basis import uniform_discretisation
 
-
-def _discretisation(
-    circle_map: CircleMap, noise: Noise, modes: int | None, progress: Callable[[float], None] | None
-) -> Discretisation:
-    if isinstance(noise, UniformNoise):
-        if modes is not None:
-            raise InvalidInput(f"modes is {modes!r}, but uniform noise is not resolved in Fourier modes: leave it out")
-        from cyclemap.maps.operator.uniform_basis import uniform_discretisation
-
-        return uniform_discretisation(circle_map, noise, progress=progress)
-    needed = needed_modes(noise)
-    kept = needed if modes is None else whole_number("modes", modes, least=1)
-    return FourierDiscretisation(circle_map, noise, kept)
+    return TransferOperator(circle_map, noise, uniform_discretisation(circle_map, noise))
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +136,7 @@ class TransferOperator:
     map, noise : what it is the operator of. discretisation : the basis on which it is a matrix.
 
     Every number knows its accuracy. The bounds come from what the computed law leaves over in L p = p (see
-    ``operator_bounds.law_error`` for what in them is proved and what measured); to first order they include the
+    ``poisson_equation.law_error`` for what in them is proved and what measured); to first order they include the
     map's own ``max_error``, except in the spectrum, the responses and the diffusion constant.
     """
 
@@ -246,7 +237,11 @@ class TransferOperator:
 
         Maxima that rise above their neighbouring minima by less than the error bound are not told apart.
         """
-        return peaks_of(self._slope, *self._grid, 4.0 * self.error_bound)
+
+        def slope(theta: Array) -> Array:
+            return np.asarray(self.discretisation.slope(theta) @ self._law)
+
+        return peaks_of(slope, *self._grid, 4.0 * self.error_bound)
 
     # -- the spectrum --------------------------------------------------------------------------------------
 
@@ -276,14 +271,11 @@ class TransferOperator:
 
     # -- responses -----------------------------------------------------------------------------------------
 
-    def map_response(
-        self, tangent: Function, break_shifts: Any = None, *, tangent_slope: Function | None = None
-    ) -> Response:
+    def map_response(self, tangent: Function, break_shifts: Any = None) -> Response:
         """The derivative of law, moments, winding and gap when F moves as F + p·tangent, at p = 0.
 
         tangent : ∂F/∂p, vectorised, radians a unit, as smooth as F between its breaks. break_shifts : rate of every
-            break of F, radians a unit, in the order of ``map.breaks``; None where none moves. tangent_slope : its
-            derivative in θ, needed only for the Lyapunov exponent's.
+            break of F, radians a unit, in the order of ``map.breaks``; None where none moves.
         dc = (I - L)⁻¹ dL c: linear response, which noise makes hold for any map (Galatolo & Giulietti 2019).
 
         >>> from cyclemap.maps.noise.noise import WrappedNormal
@@ -292,7 +284,7 @@ class TransferOperator:
         1.0
         """
         theta, _ = self.discretisation.rule()
-        return self._response(map_perturbation(self.map, theta, tangent, break_shifts, tangent_slope))
+        return self._response(map_perturbation(self.map, theta, tangent, break_shifts))
 
     def noise_response(self) -> Response:
         """The derivative of the same with respect to the noise's own parameter (sigma, r, kappa or halfwidth)."""
@@ -356,7 +348,3 @@ class TransferOperator:
         if folds:
             rules = graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2)
         return expected(self._error, function, rules, direct)
-
-    def _slope(self, theta: Array) -> Array:
-        """Derivative of the density, shape (m,)."""
-        return np.asarray(self.discretisation.slope(theta) @ self._law)

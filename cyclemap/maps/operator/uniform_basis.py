@@ -40,15 +40,12 @@ def uniform_discretisation(
     noise: UniformNoise,
     *,
     max_panels: int = MAX_PANELS,
-    resolution: int = RESOLUTION,
-    progress: Callable[[float], None] | None = None,
 ) -> UniformDiscretisation:
     """Panels on which the stationary law of θ' = F(θ) + ξ, ξ uniform, and its slow departures are resolved.
 
     Panels end at F's breaks and at the points where the law kinks or has a square root, with polynomials in an angle
     beside the latter; where the law is still rough they are cut further, until its last coefficients are below
-    1e-13, or there are ``max_panels`` (of 24 functions each). ``resolution``: cells a turn in which F's extrema are
-    sought. ``progress``: called with the share of the panels there is. Accuracy, as ``residual`` tells it, beside a
+    1e-13, or there are ``max_panels`` (of 24 functions each). Accuracy, as ``residual`` tells it, beside a
     density of order 1/2h: about 1e-12 for monotone maps, with jumps or without, 1e-8 with folds, down to h = 0.03 rad;
     worse where F has an inflection with F' = 0.
 
@@ -61,7 +58,7 @@ def uniform_discretisation(
     if not isinstance(noise, UniformNoise):
         raise InvalidInput(f"the noise is {noise!r}: these panels are for UniformNoise")
     most = whole_number("max_panels", max_panels, least=16)
-    cells = monotone_cells(circle_map, 1, 0.0, whole_number("resolution", resolution, least=8))
+    cells = monotone_cells(circle_map, 1, 0.0, RESOLUTION)
     singular = law_singularities(circle_map, cells, noise.halfwidth)
     ends = with_ends(np.array([0.0, TWO_PI]), circle_map.breaks)
     ends = with_ends(ends, singular.upto(1).theta)
@@ -72,7 +69,6 @@ def uniform_discretisation(
         lambda trial: _test_functions(UniformDiscretisation(circle_map, noise, trial, cells)),
         _TOLERANCES,
         most,
-        progress=progress,
     )
     return UniformDiscretisation(circle_map, noise, panels, cells)
 
@@ -145,8 +141,10 @@ class UniformDiscretisation:
         """(n,), complex: ∫ e^{i·order·θ} φ_j(θ) dθ."""
         longest = float(np.max(self.panels.half))
         theta, weight = self.panels.rule(np.zeros(0), ORDER + int(np.ceil(abs(order) * longest)) + 8)
-        waves = np.exp(1j * order * theta) * weight
-        return _weighted_sum(self.panels, theta, waves)
+        waves, total = np.exp(1j * order * theta) * weight, np.zeros(self.size, dtype=np.complex128)
+        for at in range(0, theta.size, _BLOCK):
+            total += waves[at : at + _BLOCK] @ self.panels.evaluate(theta[at : at + _BLOCK])
+        return total
 
     def rule(self) -> tuple[Array, Array]:
         """Nodes and weights over one turn, on panels cut at F's breaks and samples and where F is steep."""
@@ -230,13 +228,4 @@ class UniformDiscretisation:
 def _row_sums(values: Any, steps: LevelSteps) -> Any:
     total = np.zeros(steps.last.size, dtype=values.dtype)
     np.add.at(total, steps.row, values)
-    return total
-
-
-def _weighted_sum(panels: Panels, theta: Array, weight: Any) -> Any:
-    """Σ weight·φ_j(θ) for every j, a block of angles at a time."""
-    total = np.zeros(panels.size, dtype=weight.dtype)
-    for at in range(0, theta.size, _BLOCK):
-        part = slice(at, at + _BLOCK)
-        total += weight[part] @ panels.evaluate(theta[part])
     return total

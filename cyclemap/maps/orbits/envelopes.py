@@ -11,7 +11,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import SIDE_STEP, Scalar
+from cyclemap.maps.lifts.lift_checks import SIDE_STEP
 from cyclemap.maps.orbits.scan import GRAIN, INSET, bracketed_root, monotone_cells
 
 _RESOLUTION = 512
@@ -182,15 +182,9 @@ def _with_plateaus(circle_map: CircleMap, start: Array, end: Array, level: Array
         return np.where(located(theta)[2], 0.0, circle_map.derivative(theta))
 
     breaks = np.concatenate([start, end, circle_map.breaks])
-    scalar = _plateau_scalar(circle_map, start, end, level)
-    claimed = circle_map.max_error + inexact
-    return CircleMap.with_scalar(lift, derivative, scalar, breaks=breaks, max_error=claimed)
-
-
-def _plateau_scalar(circle_map: CircleMap, start: Array, end: Array, level: Array) -> Scalar:
     starts, ends, levels, plain = start.tolist(), end.tolist(), level.tolist(), circle_map.scalar()
 
-    def lift(theta: float) -> float:
+    def scalar(theta: float) -> float:
         turn = floor((theta - starts[0]) / TWO_PI)
         base = theta - TWO_PI * turn
         index = max(bisect_right(starts, base) - 1, 0)
@@ -198,4 +192,5 @@ def _plateau_scalar(circle_map: CircleMap, start: Array, end: Array, level: Arra
             return float(levels[index] + TWO_PI * turn)
         return plain(theta)
 
-    return lift
+    claimed = circle_map.max_error + inexact
+    return CircleMap.with_scalar(lift, derivative, scalar, breaks=breaks, max_error=claimed)

@@ -85,11 +85,7 @@ def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
 
 
 def weighted_mean(values: Array) -> Estimate:
-    """The mean of ``values``, shape (n,), n ≥ 16, in the order of time, as in ``birkhoff_average``.
-
-    >>> float(weighted_mean(np.full(16, 0.25)))
-    0.25
-    """
+    """The mean of ``values``, shape (n,), n ≥ 16, in the order of time, as in ``birkhoff_average``."""
     if np.any(np.isneginf(values)):
         return Estimate(-np.inf, 0.0)
     sequence = finite_array("values", values, ndim=1)
@@ -255,9 +251,14 @@ def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: fl
 
 
 def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float | None = None) -> RotationNumber:
-    push = _allowance(circle_map) + (largest_descent(circle_map) if descent is None else descent)
+    # A computed image is F to a few roundings; a nondecreasing F stays near F(0) on [0, 2π].
+    push = float(circle_map.max_error + LIFT * (2.0 * TWO_PI + abs(float(circle_map(0.0)))))
+    push += largest_descent(circle_map) if descent is None else descent
     under, over = _PushedOrbit(circle_map, -push), _PushedOrbit(circle_map, push)
-    for count in _looks(budget):
+    # Where the bounds may be wide enough soon, they are looked at more often.
+    factor = 2 if budget.tolerance > 0.0 else 8
+    looks = [look for look in (_FIRST_LOOK * factor**k for k in range(60)) if look < budget.iterates]
+    for count in [*looks, budget.iterates]:
         under.run_to(count)
         over.run_to(count)
         low, high = under.best_ratio(), over.best_ratio()
@@ -274,18 +275,6 @@ def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float | 
         if high - low <= 2.0 * budget.tolerance:
             break
     return _unlocked(circle_map, *_floats(low, high), count)
-
-
-def _allowance(circle_map: CircleMap) -> float:
-    """How far one computed image may lie from the truth, radians; a nondecreasing F stays near F(0) on [0, 2π]."""
-    size = 2.0 * TWO_PI + abs(float(circle_map(0.0)))
-    return float(circle_map.max_error + LIFT * size)
-
-
-def _looks(budget: _Budget) -> list[int]:
-    # Where the bounds may be wide enough soon, they are looked at more often.
-    factor = 2 if budget.tolerance > 0.0 else 8
-    return [look for look in (_FIRST_LOOK * factor**k for k in range(60)) if look < budget.iterates] + [budget.iterates]
 
 
 class _PushedOrbit:

@@ -28,6 +28,7 @@ _TRIALS = (
     *((256, 16, 0.03), (256, 16, 1e-5), (512, 24, 0.01), (512, 24, 1e-7)),
 )
 _SIDES, _ONE_MORE = np.array([[-1.0], [1.0]]), np.array([[0.0], [1.0]])
+# After so many cycles the finished maps are taken out, then at equal distances.
 _LOOKS = (16, 24, 28, 32, 36, 40, 44, 48, 56, 64, 80, 96, 128, 192, 256, 384, 512, 768, 1024)
 
 
@@ -113,7 +114,8 @@ def _bounds(family: ParametricLift, parameters: list[Array], tolerance: float, w
     def advance(orbits: _Orbits, looks: list[int]) -> _Orbits:
         return _advanced(orbits, looks, tolerance, lower, upper)
 
-    looks = _looks(_most_cycles(tolerance))
+    most = _most_cycles(tolerance)
+    looks = [*(look for look in _LOOKS if look < most), *range(2 * _LOOKS[-1], most, _LOOKS[-1]), most]
     early, late = [n for n in looks if n <= _EARLY], [n for n in looks if n > _EARLY]
     with ThreadPoolExecutor(workers) as pool:
         left = list(pool.map(lambda at: advance(start(at), early), range(0, size, _CHUNK)))
@@ -234,12 +236,6 @@ def _most_cycles(tolerance: float) -> int:
     return int(np.floor(1.0 / tolerance)) + 2
 
 
-def _looks(longest: int) -> list[int]:
-    """After how many cycles the finished maps are taken out."""
-    early = [look for look in _LOOKS if look < longest]
-    return [*early, *range(2 * _LOOKS[-1], longest, _LOOKS[-1]), longest]
-
-
 def _outward(bound: Array, side: float) -> Array:
     """Bounds p/n as floats, moved outward by the rounding of that division."""
     return np.where(bound == np.round(bound), bound, np.nextafter(bound, side))
@@ -258,9 +254,6 @@ def _simplest_periods(lower: Array, upper: Array, longest: int) -> Whole:
         miss = np.flatnonzero(~hit)
         left, low, high = left.take(miss), low.take(miss), high.take(miss)
     return period
-
-
-_AT_ONCE = 65_536  # maps between two reports of progress
 
 
 @dataclass(frozen=True, eq=False)
@@ -297,7 +290,6 @@ def rotation_plane(
     first_values: Any,
     second_values: Any,
     tolerance: float = 1e-3,
-    progress: Callable[[float], None] | None = None,
 ) -> RotationPlane:
     """The rotation number of ``family(first, second)`` at every pair of the two axes.
 
@@ -306,7 +298,6 @@ def rotation_plane(
         else map by map (``rotation_number``), hundreds of times slower: write such a family as a ``ParametricLift``.
     first_values, second_values : shape (m,) and (n,), strictly increasing or decreasing.
     tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does not fold.
-    progress : called with the fraction done.
 
     Enclosures hold on the terms of ``rotation_number``; one that is wider than the tolerance shows it by its own
     ``lower`` and ``upper``. Inside the tongue p/q of the plane (Arnold 1965) ``period`` is q.
@@ -324,11 +315,29 @@ def rotation_plane(
     wanted = positive_number("tolerance", tolerance)
     if wanted > 0.1:
         raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
+    rows, columns = np.repeat(first, second.size), np.tile(second, first.size)
+    value, lower, upper = np.empty((3, rows.size))
+    period, winding = np.zeros((2, rows.size), dtype=np.int64)
+    folded, singly = np.zeros(rows.size, dtype=bool), np.ones(rows.size, dtype=bool)
+    formula = parametric_form(family)
+    if formula is not None:
+        singly = ~formula.rises(rows, columns)
+        many = rotation_numbers(formula, rows[~singly], columns[~singly], tolerance=wanted)
+        value[~singly], lower[~singly], upper[~singly] = many.value, many.lower, many.upper
+        period[~singly], winding[~singly] = many.period, many.winding
+    for place in np.flatnonzero(singly).tolist():
+        pair = float(rows[place]), float(columns[place])
+        member = family(*pair)
+        if not isinstance(member, CircleMap) or member.degree != 1:
+            raise InvalidInput(f"the family gives {member!r} at {pair}: it must be a CircleMap of degree 1")
+        one = rotation_number(member, iterates=max(16, int(np.ceil(1.0 / wanted))), tolerance=wanted)
+        value[place], lower[place], upper[place] = one.value, one.lower, one.upper
+        if one.locked is not None:
+            period[place], winding[place] = one.locked.denominator, one.locked.numerator
+        folded[place] = not is_nondecreasing(member)
     shape = (first.size, second.size)
-    sheet = _Sheet(family, np.repeat(first, second.size), np.tile(second, first.size), wanted, progress)
-    sheet.fill()
-    value, lower, upper = (read_only(part.reshape(shape)) for part in (sheet.value, sheet.lower, sheet.upper))
-    period, winding, folded = sheet.period.reshape(shape), sheet.winding.reshape(shape), sheet.folded.reshape(shape)
+    value, lower, upper = (read_only(part.reshape(shape)) for part in (value, lower, upper))
+    period, winding, folded = period.reshape(shape), winding.reshape(shape), folded.reshape(shape)
     for part in (period, winding, folded):
         part.setflags(write=False)
     return RotationPlane(read_only(first), read_only(second), value, lower, upper, period, winding, folded, wanted)
@@ -343,56 +352,3 @@ def _axis(name: str, values: Any) -> Array:
         turned = int(np.argmax(steps * np.sign(axis[-1] - axis[0]) <= 0.0))
         raise InvalidInput(f"{name} turns back after {axis[turned]:g}: give increasing or decreasing values, each once")
     return axis
-
-
-class _Sheet:
-    """The plane laid out as one row of maps, filled part by part."""
-
-    def __init__(
-        self,
-        family: Callable[..., CircleMap],
-        first: Array,
-        second: Array,
-        tolerance: float,
-        progress: Callable[[float], None] | None,
-    ) -> None:
-        self.family, self.first, self.second, self.tolerance, self.progress = family, first, second, tolerance, progress
-        self.value, self.lower, self.upper = np.empty((3, first.size))
-        self.period, self.winding = np.zeros((2, first.size), dtype=np.int64)
-        self.folded = np.zeros(first.size, dtype=bool)
-        self._done = 0
-
-    def fill(self) -> None:
-        """Many maps at once where that is possible, then the rest map by map."""
-        singly = np.ones(self.first.size, dtype=bool)
-        formula = parametric_form(self.family)
-        if formula is not None:
-            singly = ~formula.rises(self.first, self.second)
-            together = np.flatnonzero(~singly)
-            for at in range(0, together.size, _AT_ONCE):
-                self._fill_together(formula, together[at : at + _AT_ONCE])
-        for place in np.flatnonzero(singly).tolist():
-            self._fill_one(place)
-
-    def _fill_together(self, family: ParametricLift, places: Whole) -> None:
-        found = rotation_numbers(family, self.first[places], self.second[places], tolerance=self.tolerance)
-        for name in ("value", "lower", "upper", "period", "winding"):
-            getattr(self, name)[places] = getattr(found, name)
-        self._report(places.size)
-
-    def _fill_one(self, place: int) -> None:
-        pair = float(self.first[place]), float(self.second[place])
-        member = self.family(*pair)
-        if not isinstance(member, CircleMap) or member.degree != 1:
-            raise InvalidInput(f"the family gives {member!r} at {pair}: it must be a CircleMap of degree 1")
-        found = rotation_number(member, iterates=max(16, int(np.ceil(1.0 / self.tolerance))), tolerance=self.tolerance)
-        self.value[place], self.lower[place], self.upper[place] = found.value, found.lower, found.upper
-        if found.locked is not None:
-            self.period[place], self.winding[place] = found.locked.denominator, found.locked.numerator
-        self.folded[place] = not is_nondecreasing(member)
-        self._report(1)
-
-    def _report(self, count: int) -> None:
-        self._done += count
-        if self.progress is not None:
-            self.progress(self._done / self.first.size)

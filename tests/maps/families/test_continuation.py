@@ -55,7 +55,6 @@ def test_the_fixed_points_of_the_sine_family_form_one_loop_given_in_closed_form(
         assert np.max(np.abs(np.diff(theta))) < 0.5
         assert [found.kind for found in branch.special] == kinds
         assert branch.residual < 1e-14
-        assert np.all(np.diff(branch.arclength) > 0)
 
 
 def test_a_branch_in_K_passes_its_saddle_node_and_its_period_doubling():

@@ -212,11 +212,3 @@ def test_a_lift_that_is_nowhere_smooth_is_refused_before_its_orbits_are_made():
         with pytest.raises(ConvergenceError, match=r"cannot be told from differences .* give the derivative"):
             lyapunov_exponent(CircleMap(rough), noise)
     assert sum(asked) < 40_000
-
-
-def test_progress_of_the_orbits_is_told_and_can_end_the_work():
-    seen = []
-    lyapunov_exponent(CircleMap.arnold(0.1, 0.9), progress=seen.append)
-    assert seen == sorted(seen) and len(seen) > 10 and seen[-1] == 1.0
-    with pytest.raises(ZeroDivisionError):
-        lyapunov_exponent(CircleMap.arnold(0.1, 0.9), progress=lambda fraction: 1 / 0)

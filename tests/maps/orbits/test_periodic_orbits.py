@@ -173,10 +173,8 @@ def test_a_jump_across_the_diagonal_is_a_crossing_and_no_fixed_point():
     assert (stable.winding, stable.kind) == (1, "stable")
     (crossing,) = crossings_by_jump(gap)
     assert (crossing.theta, crossing.winding, crossing.attracting) == (0.0, 1, False)
-    np.testing.assert_allclose([crossing.left_turn, crossing.right_turn], [-0.3 * TWO_PI, 0.1 * TWO_PI])
     down = CircleMap.from_samples([0, 2, 2, 4, 6], [1, 2.5, 1.5, 4.2, 6.9], [1.0] * 5)
-    crossing = next(jump for jump in crossings_by_jump(down) if jump.attracting)
-    np.testing.assert_allclose([crossing.left_turn, crossing.right_turn], [0.5, -0.5], atol=1e-11)
+    assert [jump.theta for jump in crossings_by_jump(down) if jump.attracting] == [2.0]
 
 
 def test_orbits_of_a_map_with_jumps_avoid_false_crossings():

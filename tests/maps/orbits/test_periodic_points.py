@@ -308,8 +308,6 @@ def test_bad_requests_are_refused():
         periodic_points(DOUBLING, 2, 0.5)
     with pytest.raises(InvalidInput, match="CircleMap"):
         periodic_points(np.sin, 1)
-    with pytest.raises(InvalidInput, match="tangency"):
-        periodic_points(DOUBLING, 1, tangency=0.0)
     with pytest.raises(InvalidInput, match="every point near"):
         periodic_points(CircleMap.rigid(0.2), 5)
     with pytest.raises(ConvergenceError, match="shorter period"):

@@ -56,10 +56,8 @@ def test_every_proved_ratio_has_its_orbit():
 
 @pytest.mark.parametrize(("family", "known"), [(CircleMap.arnold, ARNOLD_FAMILY), (CircleMap.moebius, MOEBIUS_FAMILY)])
 def test_the_textbook_maps_are_recognised_and_done_many_at_once(family, known):
-    """Not one map is made: whole parts of the plane are reported together, and the numbers are the very same."""
-    seen, first, second = [], np.linspace(0.1, 0.9, 9), np.linspace(0.1, 0.6, 7)
-    plane, other = rotation_plane(family, first, second, progress=seen.append), rotation_plane(known, first, second)
-    assert seen == [1.0]
+    first, second = np.linspace(0.1, 0.9, 9), np.linspace(0.1, 0.6, 7)
+    plane, other = rotation_plane(family, first, second), rotation_plane(known, first, second)
     for name in ("value", "lower", "upper", "period", "winding"):
         np.testing.assert_array_equal(getattr(plane, name), getattr(other, name))
     np.testing.assert_array_equal(rotation_numbers(family, first, 0.5).value, rotation_numbers(known, first, 0.5).value)
@@ -77,15 +75,9 @@ def test_folded_maps_show_their_rotation_interval(family):
     assert plane.locked(0, 1) is None
 
 
-def test_progress_runs_up_to_one_and_axes_may_descend():
-    seen = []
-    plane = rotation_plane(one_by_one, [0.6, 0.4], [0.5, 0.7, 0.9], tolerance=0.05, progress=seen.append)
-    assert len(seen) == 6
-    assert seen == sorted(seen)
-    assert seen[-1] == 1.0
+def test_axes_may_descend():
+    plane = rotation_plane(one_by_one, [0.6, 0.4], [0.5, 0.7, 0.9], tolerance=0.05)
     assert np.all(plane.value[0] > plane.value[1] - 0.1)
-    rotation_plane(ARNOLD_FAMILY, [0.1, 0.2], [0.5, 2.0], progress=seen.append)
-    assert seen[-1] == 1.0
 
 
 def test_results_never_change():

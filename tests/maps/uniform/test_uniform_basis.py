@@ -5,7 +5,7 @@ import pytest
 from scipy.special import jv
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal, transfer_operator
+from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal
 from cyclemap.maps.operator.panels import law_singularities, level_steps
 from cyclemap.maps.operator.uniform_basis import uniform_discretisation
 from cyclemap.maps.orbits.scan import monotone_cells
@@ -251,19 +251,3 @@ def test_other_noise_and_too_few_panels_are_refused():
         uniform_discretisation(DOUBLING, WrappedNormal(0.2))
     with pytest.raises(InvalidInput, match="max_panels"):
         uniform_discretisation(DOUBLING, UniformNoise(0.2), max_panels=3)
-
-
-def test_narrow_noise_reports_progress_and_can_be_stopped():
-    class Enough(Exception):
-        pass
-
-    seen = []
-
-    def watch(fraction):
-        seen.append(fraction)
-        if len(seen) == 3:
-            raise Enough
-
-    with pytest.raises(Enough):
-        transfer_operator(CircleMap.arnold(0.1, 0.9), UniformNoise(1e-4), progress=watch)
-    assert seen == sorted(seen) and 0.0 < seen[0] <= seen[-1] <= 1.0
