@@ -71,11 +71,7 @@ def orbit_diagram(
 
 
 def lyapunov_exponents(
-    family: Callable[..., CircleMap],
-    *parameters: Any,
-    cycles: int = 2_000,
-    transient: int = 500,
-    start: float = _START,
+    family: Callable[..., CircleMap], *parameters: Any, cycles: int = 2_000, transient: int = 500, start: float = _START
 ) -> LyapunovExponents:
     """The Lyapunov exponents of the orbits of ``start`` (radians) over arrays of parameters that broadcast together.
 
@@ -144,11 +140,7 @@ _BLUR = 50.0  # how far off ln|F'| is where F' is lost in rounding
 
 
 def lyapunov_exponent(
-    circle_map: CircleMap,
-    noise: Noise | None = None,
-    *,
-    start: float | None = None,
-    transient: int = TRANSIENT,
+    circle_map: CircleMap, noise: Noise | None = None, *, start: float | None = None, transient: int = TRANSIENT
 ) -> Estimate:
     """The Lyapunov exponent E ln|F'(θ)|, per cycle (natural logarithm), with a bound on its error.
 

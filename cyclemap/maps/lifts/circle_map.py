@@ -75,13 +75,7 @@ class CircleMap:
     _recipe: Recipe
 
     def __init__(
-        self,
-        lift: Lift,
-        derivative: Lift | None = None,
-        breaks: Any = (),
-        degree: int = 1,
-        *,
-        max_error: float = 0.0,
+        self, lift: Lift, derivative: Lift | None = None, breaks: Any = (), degree: int = 1, *, max_error: float = 0.0
     ) -> None:
         if not callable(lift) or (derivative is not None and not callable(derivative)):
             raise InvalidInput(f"lift is {lift!r}: lift and derivative must be callables of an array of angles")

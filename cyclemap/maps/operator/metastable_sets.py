@@ -256,11 +256,7 @@ def metastable_sets(
 
 
 def _described(
-    flow: StationaryFlow,
-    again: StationaryFlow,
-    cuts: Array,
-    eigenvalues: npt.NDArray[np.complex128],
-    metastable: bool,
+    flow: StationaryFlow, again: StationaryFlow, cuts: Array, eigenvalues: npt.NDArray[np.complex128], metastable: bool
 ) -> MetastableSets:
     weights, moves = flow.between_arcs(cuts)
     off = ~np.eye(cuts.size, dtype=bool)

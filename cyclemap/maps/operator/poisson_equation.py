@@ -27,12 +27,6 @@ _ENTRIES = 400_000  # nodes times basis functions handled at a time: few enough 
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
 
 
-def refined(basis: Discretisation) -> Discretisation | None:
-    """The basis's own finer version, for comparison; None where it has none."""
-    finer = getattr(basis, "refined", None)
-    return None if finer is None else finer()
-
-
 @dataclass(frozen=True, eq=False)
 class BorderedSystem:
     """The equation (I - L) x = f for f without mass, made regular as (I - L + u·massᵀ) x = f, u the uniform law.
@@ -295,14 +289,14 @@ def diffusion_constant(system: BorderedSystem, law: Array, order: int = _ORDER) 
     return 0.5 * (correlated + basis.noise.variance) + _kick_covariance(basis, law, dual, theta, mass, order)
 
 
-def diffusion_estimate(system: BorderedSystem, law: Array, finer: tuple[BorderedSystem, Array] | None) -> Estimate:
+def diffusion_estimate(system: BorderedSystem, law: Array, finer: tuple[BorderedSystem, Array]) -> Estimate:
     """``diffusion_constant`` with a measured bound: its distance from D on a ``finer`` system and its law.
 
-    To which is added rounding, as the norm of (I - L)⁻¹ magnifies it; inf where there is no finer system.
+    To which is added rounding, as the norm of (I - L)⁻¹ magnifies it.
     """
     found = diffusion_constant(system, law)
-    if np.isinf(found) or finer is None:
-        return Estimate(found, 0.0 if np.isinf(found) else float("inf"))
+    if np.isinf(found):
+        return Estimate(found, 0.0)
     rounding = INTEGRAL * (1.0 + system.inverse_norm) * (1.0 + abs(found))
     return Estimate(found, abs(diffusion_constant(*finer, _CHECK_ORDER) - found) + rounding)
 
@@ -337,7 +331,8 @@ def _cut_rule(basis: Discretisation) -> tuple[Array, Array]:
     cells = monotone_cells(basis.map, 1, 0.0, _RESOLUTION)
     levels = [float(b) + side * reach for b in basis.map.breaks for side in (-1.0, 1.0)]
     cuts = np.concatenate([crossings(basis.map, cells, level)[0] for level in levels])
-    return arc_rule(basis.map, 0.0, TWO_PI, basis.size // 2, getattr(basis, "finer", 1), cuts=cuts)
+    finer = basis.finer if isinstance(basis, FourierDiscretisation) else 1
+    return arc_rule(basis.map, 0.0, TWO_PI, basis.size // 2, finer, cuts=cuts)
 
 
 def _kick_factors(noise: Noise, orders: Array) -> Array:

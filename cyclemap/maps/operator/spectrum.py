@@ -266,12 +266,11 @@ class Response:
     """The derivative of a law, and of what is read off it, with respect to one parameter; made by a TransferOperator.
 
     Every number is an ``Estimate``. Its error is measured, not proved: the distance from the same computed with every
-    mode that the noise lets through on twice as many nodes, and rounding as the norm of (I - L)⁻¹ magnifies it; inf
-    on a basis that cannot be refined.
+    mode that the noise lets through on twice as many nodes, and rounding as the norm of (I - L)⁻¹ magnifies it.
     """
 
     level: ResponseLevel
-    finer: ResponseLevel | None
+    finer: ResponseLevel
 
     def density(self, theta: Any) -> Array:
         """The derivative of the stationary density, per radian a unit, at ``theta`` (radians, any shape)."""
@@ -281,10 +280,8 @@ class Response:
     @cached_property
     def density_error(self) -> float:
         """Measured error of ``density``, per radian a unit, anywhere on the circle."""
-        if self.finer is None:
-            return float("inf")
-        finer = self.finer
-        grid, values = density_grid(lambda at: density_at(finer.system.basis, at, finer.rate), finer.system.basis.size)
+        basis = self.finer.system.basis
+        grid, values = density_grid(lambda at: density_at(basis, at, self.finer.rate), basis.size)
         # Between the grid's points, eight a function, a trigonometric polynomial rises by 2 % at most.
         return 1.02 * float(np.max(np.abs(values - self.density(grid)))) + self._rounding / np.pi
 
@@ -294,8 +291,6 @@ class Response:
 
     def moment_error(self, n: int) -> float:
         """Measured error of ``moment``."""
-        if self.finer is None:
-            return float("inf")
         finer = complex(self.finer.system.basis.moments(whole_number("n", n)) @ self.finer.rate)
         return abs(finer - self.moment(n)) + self._rounding
 
@@ -334,8 +329,6 @@ class Response:
         if not self.gap_is_smooth:
             return Estimate(float("nan"), float("inf"))
         found = _modulus_change(self.level)
-        if self.finer is None:
-            return Estimate(found, float("inf"))
         condition = float(self.level.spectrum.condition[1])
         size = abs(self.level.second) + float(np.max(np.abs(self.level.rate)))
         return Estimate(found, abs(_modulus_change(self.finer) - found) + 64.0 * EPS * condition**2 * size)
@@ -355,8 +348,6 @@ class Response:
 
     def _measured(self, number: Callable[[ResponseLevel], float], weighed: Function) -> Estimate:
         found = number(self.level)
-        if self.finer is None:
-            return Estimate(found, float("inf"))
         theta, weight = self.level.system.basis.rule()
         values = np.abs(weighed(theta))
         size = float(np.dot(weight, np.where(np.isfinite(values), values, 0.0))) / TWO_PI

@@ -29,7 +29,6 @@ from cyclemap.maps.operator.poisson_equation import (
     law_error,
     map_error_of_density,
     map_error_of_moment,
-    refined,
 )
 from cyclemap.maps.operator.spectrum import (
     Perturbation,
@@ -92,12 +91,7 @@ def distance_from_uniform(density: Function, circle_map: CircleMap, grid: Array,
 _LEADING = 5  # eigenvalues among which the second largest is told from the rest
 
 
-def transfer_operator(
-    circle_map: CircleMap,
-    noise: Noise,
-    *,
-    modes: int | None = None,
-) -> TransferOperator:
+def transfer_operator(circle_map: CircleMap, noise: Noise, *, modes: int | None = None) -> TransferOperator:
     """The transfer (Perron-Frobenius) operator of θ' = F(θ) + ξ: it carries the law of θ one cycle on.
 
     Noise makes every law analytic or smooth, so Fourier modes are all but exact: as many are kept as the noise lets
@@ -215,8 +209,7 @@ class TransferOperator:
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
         0.08
         """
-        finer = self._finer
-        return diffusion_estimate(self._system, self._law, None if finer is None else (finer._system, finer._law))
+        return diffusion_estimate(self._system, self._law, (self._finer._system, self._finer._law))
 
     @cached_property
     def tv_from_uniform(self) -> Estimate:
@@ -255,8 +248,8 @@ class TransferOperator:
 
     def spectrum(self, k: int) -> Spectrum:
         """The same with error bounds, condition numbers and vectors; see ``Spectrum``."""
-        finer = None if self._finer is None else self._finer.discretisation
-        return leading_spectrum(self.discretisation, finer, self._law, whole_number("k", k, least=1))
+        count = whole_number("k", k, least=1)
+        return leading_spectrum(self.discretisation, self._finer.discretisation, self._law, count)
 
     @cached_property
     def spectral_gap(self) -> Estimate:
@@ -293,8 +286,6 @@ class TransferOperator:
     def _response(self, moving: Perturbation) -> Response:
         level = ResponseLevel(self._system, self._law, self._leading, moving)
         fine = self._finer
-        if fine is None:
-            return Response(level, None)
         vectors = leading_spectrum(fine.discretisation, None, fine._law, _LEADING)
         return Response(level, ResponseLevel(fine._system, fine._law, vectors, moving))
 
@@ -327,9 +318,8 @@ class TransferOperator:
         return map_error_of_density(self._system, self._law)
 
     @cached_property
-    def _finer(self) -> TransferOperator | None:
-        finer = refined(self.discretisation)
-        return None if finer is None else TransferOperator(self.map, self.noise, finer)
+    def _finer(self) -> TransferOperator:
+        return TransferOperator(self.map, self.noise, self.discretisation.refined())
 
     @cached_property
     def _second(self) -> Estimate:

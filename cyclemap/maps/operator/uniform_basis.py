@@ -36,10 +36,7 @@ _BLOCK = 2_048
 
 
 def uniform_discretisation(
-    circle_map: CircleMap,
-    noise: UniformNoise,
-    *,
-    max_panels: int = MAX_PANELS,
+    circle_map: CircleMap, noise: UniformNoise, *, max_panels: int = MAX_PANELS
 ) -> UniformDiscretisation:
     """Panels on which the stationary law of θ' = F(θ) + ξ, ξ uniform, and its slow departures are resolved.
 
@@ -95,7 +92,7 @@ class UniformDiscretisation:
     """One cycle θ' = F(θ) + ξ, ξ uniform on [-h, h], on piecewise polynomials; made by ``uniform_discretisation``.
 
     (Lp)(y) = (H(y - h) - H(y + h))/2h with H(z) = ∫ p(θ) ⌊(F(θ) - z)/2π⌋ dθ: the antiderivative of p at the angles
-    where F crosses a level, so no discontinuous kernel is ever integrated. Meets ``Discretisation``.
+    where F crosses a level, so no discontinuous kernel is ever integrated.
     """
 
     map: CircleMap

@@ -47,11 +47,7 @@ class Basin:
 
 
 def basins(
-    circle_map: CircleMap,
-    *,
-    max_period: int = MAX_PERIOD,
-    left_over: float = LEFT_OVER,
-    max_arcs: int = MAX_ARCS,
+    circle_map: CircleMap, *, max_period: int = MAX_PERIOD, left_over: float = LEFT_OVER, max_arcs: int = MAX_ARCS
 ) -> tuple[Basin, ...]:
     """The basins of all stable orbits of periods 1 to ``max_period``, sorted by period, then by angle.
 

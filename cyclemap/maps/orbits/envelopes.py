@@ -133,14 +133,7 @@ def _plateaus(circle_map: CircleMap, skeleton: _Skeleton, mirror: float) -> tupl
     return theta[first], _recovery(circle_map, theta, value, after, level, mirror), level
 
 
-def _recovery(
-    circle_map: CircleMap,
-    theta: Array,
-    value: Array,
-    after: Whole,
-    level: Array,
-    mirror: float,
-) -> Array:
+def _recovery(circle_map: CircleMap, theta: Array, value: Array, after: Whole, level: Array, mirror: float) -> Array:
     """Where F climbs back to each level, in the cell that ends at node ``after``, or at its upward jump."""
     low, high = theta[after - 1] + INSET, theta[after] - INSET
     end = theta[after].copy()

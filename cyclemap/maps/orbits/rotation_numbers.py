@@ -286,10 +286,7 @@ class RotationPlane:
 
 
 def rotation_plane(
-    family: Callable[..., CircleMap],
-    first_values: Any,
-    second_values: Any,
-    tolerance: float = 1e-3,
+    family: Callable[..., CircleMap], first_values: Any, second_values: Any, tolerance: float = 1e-3
 ) -> RotationPlane:
     """The rotation number of ``family(first, second)`` at every pair of the two axes.
 

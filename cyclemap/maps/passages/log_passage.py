@@ -40,12 +40,7 @@ _ACCEPTED = 1e-6  # error bound of ln T that is accepted at all
 
 
 def log10_passage_time(
-    circle_map: CircleMap,
-    noise: Noise,
-    start: float,
-    arc: Arc,
-    *,
-    lifted: bool = False,
+    circle_map: CircleMap, noise: Noise, start: float, arc: Arc, *, lifted: bool = False
 ) -> Estimate:
     """log10 of the mean passage time of ``mean_passage_time``, also where that exceeds every float.
 

@@ -36,14 +36,7 @@ _STRETCH = 1.3  # bandwidth of the second solution of a response over that of th
 _MORE = 1.4  # bandwidth of the second attempt over that of the first
 
 
-def mean_passage_time(
-    circle_map: CircleMap,
-    noise: Noise,
-    start: float,
-    arc: Arc,
-    *,
-    lifted: bool = False,
-) -> Estimate:
+def mean_passage_time(circle_map: CircleMap, noise: Noise, start: float, arc: Arc, *, lifted: bool = False) -> Estimate:
     """Mean number of cycles until the path θ' = F(θ) + ξ from ``start`` is first outside ``arc``.
 
     start : radians, inside the arc. arc : (start, end), counter-clockwise, radians, length in (0, 2π).
@@ -78,13 +71,7 @@ def mean_passage_time(
     return _certified(make, inside, 1.0, np.zeros(len(exits)), "mean passage time")
 
 
-def hitting_probability(
-    circle_map: CircleMap,
-    noise: Noise,
-    start: float,
-    arc_a: Arc,
-    arc_b: Arc,
-) -> Estimate:
+def hitting_probability(circle_map: CircleMap, noise: Noise, start: float, arc_a: Arc, arc_b: Arc) -> Estimate:
     """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
 
     The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start inside one of them gives
@@ -155,13 +142,7 @@ class PassageResponse:
 
 
 def passage_response(
-    circle_map: CircleMap,
-    noise: Noise,
-    start: float,
-    arc: Arc,
-    tangent: Tangent | None = None,
-    *,
-    lifted: bool = False,
+    circle_map: CircleMap, noise: Noise, start: float, arc: Arc, tangent: Tangent | None = None, *, lifted: bool = False
 ) -> PassageResponse:
     """The mean passage time of ``mean_passage_time`` and its derivatives.
 

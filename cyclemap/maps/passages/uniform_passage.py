@@ -208,13 +208,7 @@ def uniform_passage_time(
 
 
 def uniform_hitting_probability(
-    circle_map: CircleMap,
-    noise: UniformNoise,
-    start: float,
-    arc_a: Arc,
-    arc_b: Arc,
-    *,
-    max_panels: int = MAX_PANELS,
+    circle_map: CircleMap, noise: UniformNoise, start: float, arc_a: Arc, arc_b: Arc, *, max_panels: int = MAX_PANELS
 ) -> Estimate:
     """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
 
@@ -357,13 +351,7 @@ class _Chain:
         return 2.0 * worst + rounding + moved + self.missing * largest / self.halfwidth
 
 
-def _chain(
-    reach: Reach,
-    domain: Intervals,
-    marks: list[float],
-    source: Source,
-    most: int,
-) -> _Chain:
+def _chain(reach: Reach, domain: Intervals, marks: list[float], source: Source, most: int) -> _Chain:
     """Panels on which the solution is resolved; ``marks`` are the ends of the arcs that matter."""
     inner = Reach(reach.map, reach.cells, reach.halfwidth, domain)
     edges = np.concatenate([domain.start, domain.end, np.array(marks)])

@@ -1,4 +1,4 @@
-"""Staircases: noisy paths of the lifted orientation, under one map or one that wears, kicked alike or not everywhere."""
+"""Staircases: noisy paths of the lifted orientation, under one map or one that wears."""
 
 from __future__ import annotations
 

@@ -24,7 +24,8 @@ class VisitComparison:
     zone : the zone; exits : visits whose end was seen.
     mean, standard_error : measured mean length of a visit. For a zone that is escaped from ("stable", "jump") the
         exposure (cycles seen inside, the censored visits too) over the exits, the maximum-likelihood value of an
-        exponential law, its error mean/√exits; for a ghost the Kaplan-Meier mean. The visit that the path begins in counts for the former only.
+        exponential law, its error mean/√exits; for a ghost the Kaplan-Meier mean. The visit that the path begins in
+        counts for the former only.
     spread : measured standard deviation of the complete visits.
     predicted : the zone's ``visit_cycles``. ratio : mean/predicted.
     mean_p_value : two-sided, of so few or so many exits in that exposure if visits are independent with the predicted

@@ -126,8 +126,7 @@ def contraction(factor):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("factor", "ratios"),
-    [(0.3, [(0, 1), (1, 2), (2, 5)]), (0.9, [(0, 1), (1, 2), (1, 3), (5, 8), (7, 40)])],
+    ("factor", "ratios"), [(0.3, [(0, 1), (1, 2), (2, 5)]), (0.9, [(0, 1), (1, 2), (1, 3), (5, 8), (7, 40)])]
 )
 def test_the_piecewise_contraction_has_its_closed_form_right_edges(factor, ratios):
     for p, q in ratios:

@@ -12,11 +12,7 @@ MAP, NOISE, MODES = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.2), 40
 
 def numbers(basis: FourierDiscretisation) -> dict[str, np.ndarray]:
     law = np.random.default_rng(1).standard_normal(basis.size)
-    return {
-        "matrix": basis.matrix,
-        "cycle": basis.cycle(law),
-        "expected slope": basis.expected_slope(law),
-    }
+    return {"matrix": basis.matrix, "cycle": basis.cycle(law), "expected slope": basis.expected_slope(law)}
 
 
 def test_many_blocks_give_what_one_gives(monkeypatch) -> None:

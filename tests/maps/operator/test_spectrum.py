@@ -29,9 +29,7 @@ def test_a_rotation_has_the_noises_coefficients_turned():
     m = np.array([1, 1, 2, 2, 3, 3])
     np.testing.assert_allclose(np.abs(found.values[1:]), noise.coefficients(m), atol=1e-14)
     np.testing.assert_allclose(
-        found.values[1::2],
-        noise.coefficients(m[::2]) * np.exp(2j * np.pi * np.array([1, 2, -3]) * omega),
-        atol=1e-13,
+        found.values[1::2], noise.coefficients(m[::2]) * np.exp(2j * np.pi * np.array([1, 2, -3]) * omega), atol=1e-13
     )
     np.testing.assert_allclose(found.condition, 1.0, rtol=1e-10)
     assert np.all(found.error_bounds < 1e-13)

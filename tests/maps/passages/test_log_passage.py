@@ -5,14 +5,7 @@ import pytest
 from scipy.special import log_ndtr
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps import (
-    CircleMap,
-    VonMises,
-    WrappedNormal,
-    fixed_points,
-    log10_passage_time,
-    mean_passage_time,
-)
+from cyclemap.maps import CircleMap, VonMises, WrappedNormal, fixed_points, log10_passage_time, mean_passage_time
 from cyclemap.maps.passages import log_passage
 
 TWO_PI = 2 * np.pi

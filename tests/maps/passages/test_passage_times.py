@@ -29,8 +29,7 @@ KNOWN = 44.62425322366
 def two_wells():
     """Stable points near 0.1 and near π, the first much deeper."""
     return CircleMap(
-        lambda x: x + 0.05 - 0.4 * np.sin(2 * x) + 0.1 * np.cos(x),
-        lambda x: 1 - 0.8 * np.cos(2 * x) - 0.1 * np.sin(x),
+        lambda x: x + 0.05 - 0.4 * np.sin(2 * x) + 0.1 * np.cos(x), lambda x: 1 - 0.8 * np.cos(2 * x) - 0.1 * np.sin(x)
     )
 
 
