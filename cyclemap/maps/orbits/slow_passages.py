@@ -133,8 +133,12 @@ def _relative_error(
     s, weight = np.polynomial.legendre.leggauss(_GAUSS)
     edge = np.arctan(REACH)
     x = width * np.append(np.tan(edge * s), [-REACH, REACH])
-    if circle_map.breaks.size and _meets_break(circle_map, theta + x, period):
-        return float("inf")
+    angle = theta + x
+    for _ in range(period):  # a break inside the stretch, or inside one of its images before the last
+        low, high = float(np.min(angle)), float(np.max(angle))
+        if np.any(np.mod(circle_map.breaks - low, TWO_PI) < high - low):
+            return float("inf")
+        angle = circle_map(angle)
     g, slope, _ = displacement(circle_map, theta + x, period, np.full(x.size, whole))
     if np.any(g * gap <= 0.0):
         return float("inf")
@@ -145,14 +149,3 @@ def _relative_error(
     true += 0.5 * np.log(g[-1] / g[-2]) - (bend[-1] - bend[-2]) / 12.0
     parabola = 2.0 * edge / np.sqrt(curvature * gap)
     return float(abs(abs(true) / parabola - 1.0))
-
-
-def _meets_break(circle_map: CircleMap, theta: Array, period: int) -> bool:
-    """Whether a break lies inside the stretch, or inside one of its images before the last."""
-    angle = theta
-    for _ in range(period):
-        low, high = float(np.min(angle)), float(np.max(angle))
-        if np.any(np.mod(circle_map.breaks - low, TWO_PI) < high - low):
-            return True
-        angle = circle_map(angle)
-    return False
