@@ -5,7 +5,7 @@ import pytest
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, fixed_points, is_nondecreasing
-from cyclemap.maps.orbits.scan import bracketed_root, crossings, iterate, iterate_breaks, monotone_cells, preimages
+from cyclemap.maps.orbits.scan import bracketed_root, crossings, iterate, monotone_cells, preimages
 
 TWO_PI = 2 * np.pi
 
@@ -101,9 +101,8 @@ def test_breaks_of_an_iterate_are_the_preimages_of_the_breaks():
     # The tripling map with a mark at 0: marks of the n-th iterate at k/3ⁿ⁻¹ turns, each once.
     tripling = CircleMap(lambda x: 3 * x, lambda x: 3 + 0 * x, [0.0], degree=3)
     for n in (1, 2, 4, 7):
-        np.testing.assert_allclose(
-            iterate_breaks(tripling, n, 512), TWO_PI * np.arange(3 ** (n - 1)) / 3 ** (n - 1), atol=3e-12
-        )
+        cells, count = monotone_cells(tripling, n, 0.0, 512), 3 ** (n - 1)
+        np.testing.assert_allclose(cells.start[cells.cut], TWO_PI * np.arange(count) / count, atol=3e-12)
 
 
 def test_two_folds_behind_one_steep_cell_are_both_found():

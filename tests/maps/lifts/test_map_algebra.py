@@ -1,8 +1,9 @@
-"""Composition, iterates, conjugation and the Möbius group: the laws they must obey."""
+"""Composition, iterates, inverses, conjugation and the Möbius group: the laws they must obey."""
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
-from random_maps import GRID, any_map, away, check_same, sampled, straight
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import (
@@ -18,6 +19,77 @@ from cyclemap.maps import (
 )
 
 TWO_PI = 2 * np.pi
+GRID = np.linspace(-9.0, 9.0, 1801) + 0.00123
+
+
+def straight(seed, degree=1, gaps=True, count=4):
+    """Straight branches that all rise (or fall, for a negative degree), with jumps between them or none."""
+    rng = np.random.default_rng(seed)
+    ends = np.append(np.sort(rng.uniform(0, TWO_PI, count)), 0.0)
+    ends[-1] = ends[0] + TWO_PI
+    shares = rng.uniform(0.3, 1.0, 2 * count)
+    shares[1::2] *= gaps
+    heights = rng.uniform(-3, 3) + TWO_PI * degree * np.append(0.0, np.cumsum(shares)) / shares.sum()
+    rows = []
+    for i, (a, b) in enumerate(pairwise(ends)):
+        slope = (heights[2 * i + 1] - heights[2 * i]) / (b - a)
+        low = heights[2 * i]
+        rows.append((a, b, lambda x, a=a, y=low, s=slope: y + s * (x - a), lambda x, s=slope: np.full_like(x, s)))
+    return CircleMap.from_branches(rows, degree=degree)
+
+
+def sampled(seed):
+    rng = np.random.default_rng(seed)
+    x = np.linspace(0, TWO_PI, 90, endpoint=False)
+    c = rng.uniform(-0.3, 0.3, 2)
+    return CircleMap.from_samples(x, x + 2 + c[0] * np.sin(x) + c[1] * np.cos(2 * x))
+
+
+def any_map(seed):
+    rng = np.random.default_rng(seed + 100)
+    kinds = (
+        lambda: CircleMap.arnold(rng.uniform(), rng.uniform(0, 3)),
+        lambda: CircleMap.moebius(rng.uniform(0, 0.9), rng.uniform()),
+        lambda: CircleMap.blaschke([0.4j, rng.uniform(0, 0.6)], rng.uniform()),
+        lambda: sampled(seed),
+        lambda: straight(seed),
+        lambda: straight(seed, degree=-1),
+        lambda: straight(seed, degree=2),
+    )
+    return kinds[seed % len(kinds)]()
+
+
+def rising_map(seed):
+    rng = np.random.default_rng(seed + 500)
+    kinds = (
+        lambda: CircleMap.arnold(rng.uniform(), rng.uniform(0, 0.97)),
+        lambda: CircleMap.moebius(rng.uniform(0, 0.9), rng.uniform()),
+        lambda: sampled(seed),
+        lambda: straight(seed),
+        lambda: straight(seed, gaps=False),
+    )
+    return kinds[seed % len(kinds)]()
+
+
+def away(circle_map, distance=1e-6):
+    """Grid angles that are not near a break of the map."""
+    if circle_map.breaks.size == 0:
+        return GRID
+    gap = np.abs(np.mod(GRID[:, None] - circle_map.breaks + np.pi, TWO_PI) - np.pi)
+    return GRID[np.min(gap, axis=1) > distance]
+
+
+def check_same(first, second, atol=1e-12):
+    """Equal degree, breaks, values (both forms) and slopes."""
+    assert first.degree == second.degree
+    np.testing.assert_allclose(first.breaks, second.breaks, rtol=0, atol=1e-10)
+    x = away(first)
+    assert x.size > 1000
+    scale = 1.0 + np.max(np.abs(first(x))) + np.max(np.abs(first.derivative(x)))
+    np.testing.assert_allclose(first(x), second(x), rtol=0, atol=atol * scale)
+    np.testing.assert_allclose(first.derivative(x), second.derivative(x), rtol=0, atol=1e-9 * scale)
+    one = first.scalar()
+    np.testing.assert_allclose([one(t) for t in x[::40]], second(x[::40]), rtol=0, atol=atol * scale)
 
 
 # -- composition -------------------------------------------------------------------------------------------
@@ -227,3 +299,74 @@ def test_iterates_of_expanding_products_have_all_their_preimages():
         for _ in range(3):
             steps = np.concatenate([preimages(made, float(y)) for y in steps])
         np.testing.assert_allclose(found, np.sort(steps), rtol=0, atol=1e-13)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(25))
+def test_the_inverse_undoes_and_is_undone_to_rounding(seed):
+    f = rising_map(seed)
+    back = inverse(f)
+    x = away(f, 1e-12)
+    np.testing.assert_allclose(back(f(x)), x, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(f(back(f(x))), f(x), rtol=0, atol=1e-12)
+    slope = f.derivative(x)
+    np.testing.assert_allclose(back.derivative(f(x)) * slope, 1.0, rtol=0, atol=1e-9 if f.samples else 1e-11)
+    if f.jumps()[0].size == 0:
+        np.testing.assert_allclose(f(back(GRID)), GRID, rtol=0, atol=1e-12)
+    one = back.scalar()
+    np.testing.assert_allclose([one(y) for y in GRID[::9]], back(GRID[::9]), rtol=0, atol=1e-13)
+    check_same(compose(back, f), CircleMap(lambda t: t, np.ones_like, compose(back, f).breaks))
+    check_same(inverse(back), f, atol=1e-11)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_falling_maps_are_inverted_too(seed):
+    f = straight(seed, degree=-1, gaps=seed % 2 == 0)
+    if seed == 4:
+        f = CircleMap(lambda x: 0.5 - x + 0.9 * np.sin(x), lambda x: 0.9 * np.cos(x) - 1, degree=-1)
+    back = inverse(f)
+    x = away(f, 1e-12)
+    assert back.degree == -1
+    np.testing.assert_allclose(back(f(x)), x, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(back.derivative(f(x)) * f.derivative(x), 1.0, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(back(GRID + TWO_PI) - back(GRID), -TWO_PI, rtol=0, atol=1e-13)
+    check_same(inverse(back), f, atol=1e-11)
+
+
+def test_a_jump_becomes_a_plateau_and_a_plateau_a_jump_and_the_inverse_is_the_supremum():
+    """The inverse that is continuous from the right is G(y) = sup {x : F(x) ≤ y}."""
+    f = CircleMap.from_branches(
+        [
+            (0.5, 2, lambda x: 0.5 * x, lambda x: np.full_like(x, 0.5)),
+            (2, 3, lambda x: 0 * x + 1.0, np.zeros_like),
+            (3, 4, lambda x: x, np.ones_like),
+            (4, 0.5 + TWO_PI, lambda x: 0.5 * x + 3, lambda x: np.full_like(x, 0.5)),
+        ]
+    )
+    back = inverse(f)
+    y = np.concatenate([np.linspace(0.2, 7.0, 500), [1.0, 3.0, 4.0, 5.0, 0.25]])
+    x = np.linspace(-8, 16, 240_001)
+    supremum = x[np.searchsorted(f(x), y, side="right") - 1]
+    np.testing.assert_allclose(back(y), supremum, rtol=0, atol=2.1e-4)
+    at, left, right = back.jumps()
+    np.testing.assert_allclose([at, left, right], [[1.0], [2.0], [3.0]], rtol=0, atol=1e-12)
+    assert np.all(back.derivative(np.array([1.5, 2.9, 4.5])) == 0.0)
+    np.testing.assert_allclose(back.right_derivative([0.25, 3.0, 5.0]), [2.0, 1.0, 2.0], rtol=1e-12)
+    np.testing.assert_allclose(back.left_derivative([1.0, 3.0, 4.0]), [2.0, 0.0, 1.0], rtol=1e-12)
+    check_same(inverse(back), f)
+
+
+@pytest.mark.parametrize(
+    ("circle_map", "message"),
+    [
+        (CircleMap.blaschke([0, 0]), "degree 2: only degree 1 or -1 .* preimages"),
+        (CircleMap.arnold(0.2, 1.5), "turns back on .*branches inverts each monotone piece"),
+        (
+            CircleMap.from_branches([(0, 3, lambda x: 2 * x, None), (3, TWO_PI, lambda x: x, None)]),
+            "jumps back by 3 at θ = 3",
+        ),
+    ],
+)
+def test_what_has_no_inverse_is_refused_and_the_way_out_named(circle_map, message):
+    with pytest.raises(InvalidInput, match=message):
+        inverse(circle_map)

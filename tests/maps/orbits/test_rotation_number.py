@@ -1,7 +1,6 @@
 """Rotation numbers: enclosures that hold the truth, proofs of locking, intervals of folded lifts."""
 
 from fractions import Fraction
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -23,20 +22,6 @@ TWO_PI = 2 * np.pi
 GRID = np.linspace(-9.0, 9.0, 4001)
 
 
-def moebius_rotation(a, omega):
-    """ρ of the Möbius map in turns; its trace in PSU(1, 1) is 2 cos(πω)/√(1 - a²)."""
-    half_trace = np.cos(np.pi * omega) / np.sqrt(1 - a * a)
-    return 0.0 if abs(half_trace) >= 1 else float(np.arccos(half_trace) / np.pi)
-
-
-def contraction(slope, shift):
-    def lift(x):
-        turns = np.floor(x / TWO_PI)
-        return slope * (x - TWO_PI * turns) + TWO_PI * (shift + turns)
-
-    return CircleMap(lift, lambda x: np.full_like(x, slope), [0.0])
-
-
 KNOWN = [
     (CircleMap.moebius(0.5, 0.3), 0.262536755898823346733597549046),
     (CircleMap.moebius(0.9, 0.45), 0.383156928981311432564754399638),
@@ -53,22 +38,6 @@ def test_known_rotation_numbers_to_fourteen_digits(circle_map, truth):
     assert found.locked is None
     assert found.proof is None
     assert abs(found.estimate - truth) <= found.estimate.error_bound < 1e-14
-
-
-@pytest.mark.slow
-def test_the_enclosure_holds_for_four_hundred_random_moebius_maps():
-    rng = np.random.default_rng(20)
-    held = locked = 0
-    for _ in range(400):
-        a, omega = rng.uniform(0, 0.99), rng.uniform(0, 1)
-        truth = moebius_rotation(a, omega) if omega <= 0.5 else 1 - moebius_rotation(a, 1 - omega)
-        found = rotation_number(CircleMap.moebius(a, omega), iterates=1500)
-        assert found.lower - 1e-15 <= truth <= found.upper + 1e-15
-        assert found.lower <= found.value <= found.upper
-        locked += found.locked is not None
-        held += 1
-    assert held == 400
-    assert locked > 50
 
 
 def test_moebius_locks_exactly_where_theory_says():
@@ -188,21 +157,6 @@ def test_a_fold_too_narrow_to_be_seen_is_found_out_by_bounds_that_contradict_eac
         rotation_number(CircleMap(slit, np.ones_like), iterates=2000)
 
 
-def test_piecewise_contractions_have_the_rotation_number_of_their_devils_staircase():
-    """Right edge of the plateau ρ: (1 - λ)(1 + Σ_k (⌊(k+1)ρ⌋ - ⌊kρ⌋) λ^k)."""
-    slope, checked = 0.6, 0
-    for ratio in (Fraction(1, 2), Fraction(1, 3), Fraction(2, 5), Fraction(3, 7), Fraction(5, 8)):
-        k = np.arange(200)
-        whole = np.array([int((i + 1) * ratio) - int(i * ratio) for i in range(200)])
-        right = (1 - slope) * (1 + np.sum(whole * slope**k))
-        inside = rotation_number(contraction(slope, right - 1e-6))
-        beyond = rotation_number(contraction(slope, right + 1e-6))
-        assert inside.locked == ratio
-        assert beyond.lower > float(ratio)
-        checked += 1
-    assert checked == 5
-
-
 def test_rigid_rotations():
     for turns in (np.sqrt(2) - 1, 0.25, -1.75, 1 / 3, 12.1):
         found = rotation_number(CircleMap.rigid(turns))
@@ -218,15 +172,6 @@ def test_conjugation_and_whole_turns_leave_it_unchanged():
     lifted = rotation_number(CircleMap.arnold(2.37, 0.8))
     assert abs(plain.value - moved.value) < 1e-12
     assert abs(plain.value + 2 - lifted.value) < 1e-12
-
-
-def test_the_rotation_number_grows_with_the_map():
-    omegas = np.linspace(0, 1, 60)
-    found = [rotation_number(CircleMap.arnold(omega, 0.95), iterates=2000) for omega in omegas]
-    for one, other in pairwise(found):
-        assert one.lower <= other.upper
-    assert found[0].locked == 0
-    assert found[-1].locked == 1
 
 
 @pytest.mark.parametrize(
