@@ -6,7 +6,7 @@ import pytest
 from cyclemap.collection.setting_table import SETTINGS
 from cyclemap.errors import InvalidInput
 from cyclemap.sweeps import Grid, Sample, SweepAxis, SweepRange
-from cyclemap.sweeps.swept_keys import SWEPT, parse_over
+from cyclemap.sweeps.point_sets import SWEPT, parse_over
 
 
 def test_every_setting_noise_and_material_can_be_swept() -> None:
