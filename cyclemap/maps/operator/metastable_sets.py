@@ -252,12 +252,6 @@ def metastable_sets(
     cuts = np.zeros(1)
     if wanted > 1:
         cuts = flow.refined(best_cuts(leaving_chances(flow.between_cells(grid)), wanted) * TWO_PI / grid, TWO_PI / grid)
-    return _described(flow, again, cuts, eigenvalues, wanted > 1 and wanted == shown)
-
-
-def _described(
-    flow: StationaryFlow, again: StationaryFlow, cuts: Array, eigenvalues: npt.NDArray[np.complex128], metastable: bool
-) -> MetastableSets:
     weights, moves = flow.between_arcs(cuts)
     off = ~np.eye(cuts.size, dtype=bool)
     found, check = (np.append(w, m[off]) for w, m in ((weights, moves), again.between_arcs(cuts)))
@@ -270,7 +264,7 @@ def _described(
         read_only(leaving),
         3.0 * float(np.max(np.abs(found - check) / np.maximum(found, np.finfo(float).tiny))),
         eigenvalues,
-        metastable,
+        wanted > 1 and wanted == shown,
     )
 
 

@@ -12,7 +12,7 @@ from numpy.polynomial import legendre
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.scan import Cells, bracketed_root, crossings, monotone_cells
+from cyclemap.maps.orbits.scan import Cells, monotone_cells, preimages, solved
 
 ORDER = 24  # polynomials on each panel
 _SLOPE_INSET = 1e-5  # how near a bent panel's end, in t, slopes are read
@@ -225,7 +225,9 @@ def level_steps(circle_map: CircleMap, cells: Cells, levels: Array) -> LevelStep
     """
     low = np.floor((cells.g_start - levels[:, None]) / TWO_PI).astype(np.int64)
     high = np.floor((cells.g_end - levels[:, None]) / TWO_PI).astype(np.int64)
-    rows, theta, height = _crossed(circle_map, cells, levels, low, high)
+    row, cell = np.nonzero(low != high)
+    theta, _, pick = solved(circle_map, cells, cell, levels[row], low[row, cell], high[row, cell])
+    rows, height = row[pick], np.sign(high - low)[row, cell][pick]
     jumped = low[:, 1:] - high[:, :-1]
     jump_row, cell = np.nonzero(jumped)
     return LevelSteps(
@@ -235,36 +237,6 @@ def level_steps(circle_map: CircleMap, cells: Cells, levels: Array) -> LevelStep
         low[:, 0],
         high[:, -1],
     )
-
-
-def _crossed(circle_map: CircleMap, cells: Cells, levels: Array, low: Whole, high: Whole) -> tuple[Whole, Array, Whole]:
-    """Row, angle and height (±1) of every crossing inside a cell."""
-    row, cell = np.nonzero(low != high)
-    rise = (high - low)[row, cell]
-    count = np.abs(rise)
-    owner = np.repeat(np.arange(row.size), count)
-    rank = np.arange(owner.size) - np.repeat(np.cumsum(count) - count, count)
-    row, cell, sign = row[owner], cell[owner], np.sign(rise)[owner]
-    target = levels[row] + TWO_PI * (np.minimum(low[row, cell], high[row, cell]) + 1 + rank)
-    start, end = cells.inner()
-    return row, roots_in(circle_map, start[cell], end[cell], target), sign
-
-
-def roots_in(circle_map: CircleMap, start: Array, end: Array, target: Array) -> Array:
-    """The root of F = target in each [start, end], where F is monotone; an end where rounding hides it."""
-    if target.size == 0:
-        return np.zeros(0)
-
-    def residual(theta: Array, wanted: Array) -> Array:
-        return circle_map(theta) - wanted
-
-    at_start, at_end = residual(start, target), residual(end, target)
-    theta = np.where(np.abs(at_start) <= np.abs(at_end), start, end)
-    bracketed = at_start * at_end < 0.0
-    if np.any(bracketed):
-        wanted = target[bracketed]
-        theta[bracketed] = bracketed_root(lambda x, i: residual(x, wanted[i]), start[bracketed], end[bracketed])
-    return theta
 
 
 _SAME = 1e-9  # radians: singular points nearer than this are one
@@ -298,7 +270,7 @@ def law_singularities(circle_map: CircleMap, cells: Cells, halfwidth: float) -> 
     rising = np.sign(cells.g_end - cells.g_start)
     extrema = cells.g_start[(rising * np.roll(rising, 1) < 0.0) & ~cells.cut]
     turning = monotone_cells(circle_map, 1, 1.0, _TURN_CELLS)
-    ends = np.concatenate([crossings(circle_map, turning, level)[0] for level in (-halfwidth, halfwidth)])
+    ends = preimages(circle_map, turning, np.array([-halfwidth, halfwidth]))
     values = np.concatenate([at_breaks, extrema, circle_map(ends)])
     root = np.repeat([False, True, False], [at_breaks.size, extrema.size, ends.size])
     theta, generation, roots = np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=bool)

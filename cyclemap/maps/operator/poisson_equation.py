@@ -18,7 +18,7 @@ from cyclemap.maps.estimate import INTEGRAL, Estimate
 from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise, WrappedNormal
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
-from cyclemap.maps.orbits.scan import crossings, monotone_cells
+from cyclemap.maps.orbits.scan import monotone_cells, preimages
 from cyclemap.maps.quadrature import arc_rule, gauss_rule
 
 _POINTS = 8  # grid points a basis function
@@ -329,8 +329,7 @@ def _cut_rule(basis: Discretisation) -> tuple[Array, Array]:
     """Nodes on panels that end also where the longest kick leads from F(θ) to a break: z jumps there."""
     reach = kick_reach(basis.noise)
     cells = monotone_cells(basis.map, 1, 0.0, _RESOLUTION)
-    levels = [float(b) + side * reach for b in basis.map.breaks for side in (-1.0, 1.0)]
-    cuts = np.concatenate([crossings(basis.map, cells, level)[0] for level in levels])
+    cuts = preimages(basis.map, cells, np.add.outer(basis.map.breaks, [-reach, reach]).ravel())
     finer = basis.finer if isinstance(basis, FourierDiscretisation) else 1
     return arc_rule(basis.map, 0.0, TWO_PI, basis.size // 2, finer, cuts=cuts)
 

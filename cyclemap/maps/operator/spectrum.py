@@ -73,17 +73,12 @@ def leading_spectrum(basis: Discretisation, finer: Discretisation | None, law: A
     with np.errstate(all="ignore"):
         rounding = MATRIX * condition * float(np.linalg.norm(basis.matrix))
         bounds = np.nan_to_num(_error_bounds(basis, finer, values, right, left) + rounding, nan=np.inf, posinf=np.inf)
-    bounds[bounds > _TRUSTED * _distances(values, condition)] = np.inf
+    # How far from each eigenvalue the nearest different one lies, 1 at most.
+    apart, good = np.abs(values[:, None] - values), condition <= _WELL_CONDITIONED
+    apart[(apart <= _SAME) & (good[:, None] & good | np.eye(values.size, dtype=bool))] = 1.0
+    bounds[bounds > _TRUSTED * np.min(apart, axis=1, initial=1.0)] = np.inf
     bounds[0] = 0.0
     return Spectrum(values[:count], bounds[:count], condition[:count], right[:, :count], left[:, :count])
-
-
-def _distances(values: Complex, condition: Array) -> Array:
-    """How far from each eigenvalue the nearest different one lies, 1 at most."""
-    apart = np.abs(values[:, None] - values)
-    good = condition <= _WELL_CONDITIONED
-    apart[(apart <= _SAME) & (good[:, None] & good | np.eye(values.size, dtype=bool))] = 1.0
-    return np.asarray(np.min(apart, axis=1, initial=1.0))
 
 
 def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
@@ -122,14 +117,14 @@ def _root_of_powers(basis: Discretisation) -> float:
 
 def mixing_time(second: Estimate) -> Estimate:
     """-1/ln|λ₂|, cycles, with the bound that follows from that of |λ₂|; inf where |λ₂| may be 1."""
-    low, found, high = (_cycles(part) for part in (second.lower, float(second), second.upper))
+
+    def cycles(modulus: float) -> float:
+        if modulus <= 0.0:
+            return 0.0
+        return float("inf") if modulus >= 1.0 else float(-1.0 / np.log(modulus))
+
+    low, found, high = (cycles(part) for part in (second.lower, float(second), second.upper))
     return Estimate(found, max(high - found, found - low) if np.isfinite(high) else float("inf"))
-
-
-def _cycles(modulus: float) -> float:
-    if modulus <= 0.0:
-        return 0.0
-    return float("inf") if modulus >= 1.0 else float(-1.0 / np.log(modulus))
 
 
 def _deflated(basis: Discretisation) -> Array:

@@ -207,7 +207,7 @@ def _total(arcs: Array) -> float:
 def _preimage_arcs(circle_map: CircleMap, cells: Cells, arcs: Array, mark: Whole) -> tuple[Array, Whole]:
     """The arcs that F maps into the given disjoint arcs, with the marks of those."""
     ends = np.unique(np.mod(arcs.ravel(), TWO_PI))
-    theta = np.mod(preimages(circle_map, cells, ends)[0], TWO_PI)
+    theta = np.mod(preimages(circle_map, cells, ends), TWO_PI)
     edges = np.unique(np.concatenate([theta, circle_map.breaks]))
     if edges.size == 0:
         return np.zeros((0, 2)), np.zeros(0, dtype=np.int64)

@@ -57,7 +57,7 @@ class DiagonalScan:
 def displacement(circle_map: CircleMap, theta: Array, period: int, winding: Whole) -> tuple[Array, Array, Array]:
     """(Fⁿ(θ) - θ - 2πw, (Fⁿ)'(θ), a bound on the first one's rounding); whole turns are counted apart.
 
-    The bound adds up ``rounding.LIFT``·(2π + |F|) an iterate, and one rounding of θ itself, through the slopes.
+    The bound adds up ``LIFT``·(2π + |F|) an iterate, and one rounding of θ itself, through the slopes.
     """
     image, slope = theta, np.ones_like(theta)
     turns = np.zeros(theta.shape, dtype=np.int64)

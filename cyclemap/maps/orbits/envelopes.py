@@ -8,7 +8,7 @@ from math import ceil, floor
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Mask, Whole
+from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SIDE_STEP
@@ -130,11 +130,7 @@ def _plateaus(circle_map: CircleMap, skeleton: _Skeleton, mirror: float) -> tupl
     origin = skeleton.theta[0]
     keep = (begins >= origin) & (begins < origin + TWO_PI)
     first, after, level = first[keep], after[keep], highest[first[keep]]
-    return theta[first], _recovery(circle_map, theta, value, after, level, mirror), level
-
-
-def _recovery(circle_map: CircleMap, theta: Array, value: Array, after: Whole, level: Array, mirror: float) -> Array:
-    """Where F climbs back to each level, in the cell that ends at node ``after``, or at its upward jump."""
+    # F climbs back to each level in the cell that ends at node ``after``, or at its upward jump.
     low, high = theta[after - 1] + INSET, theta[after] - INSET
     end = theta[after].copy()
 
@@ -146,7 +142,7 @@ def _recovery(circle_map: CircleMap, theta: Array, value: Array, after: Whole, l
     if np.any(inside):
         wanted = level[inside]
         end[inside] = bracketed_root(lambda x, i: residual(x, wanted[i]), low[inside], high[inside])
-    return end
+    return theta[first], end, level
 
 
 def _with_plateaus(circle_map: CircleMap, start: Array, end: Array, level: Array, inexact: float) -> CircleMap:

@@ -237,7 +237,7 @@ def _ranks(count: Whole) -> Whole:
 def _pulled_back(circle_map: CircleMap, once: Cells, marks: Array, period: int) -> Array:
     found = latest = marks
     for _ in range(period - 1 if marks.size else 0):
-        known, angles = found, np.append(found, np.mod(preimages(circle_map, once, latest)[0], TWO_PI))
+        known, angles = found, np.append(found, np.mod(preimages(circle_map, once, latest), TWO_PI))
         # Sorted; of those that lie together the one given first.
         angles = np.where(angles > TWO_PI - 8.0 * INSET, 0.0, angles)
         order = np.argsort(angles, kind="stable")
@@ -343,27 +343,15 @@ def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
 # -- roots -------------------------------------------------------------------------------------------------
 
 
-def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> tuple[Array, Whole]:
-    """All θ in [0, 2π] with g(θ) = level + 2πw for some w, and the index of the level of each.
-
-    levels : shape (m,), radians. Sorted by level, then by angle.
-    """
-    found, owner = [np.zeros(0)], [np.zeros(0, dtype=np.int64)]
+def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> Array:
+    """All θ in [0, 2π] with g(θ) = level + 2πw for some w, level after level of ``levels``, shape (m,), radians."""
+    found = [np.zeros(0)]
     for first in range(0, levels.size, _LEVELS_AT_ONCE):
         some = levels[first : first + _LEVELS_AT_ONCE]
         start, end = (np.floor((g - some[:, None]) / TWO_PI).astype(np.int64) for g in (cells.g_start, cells.g_end))
         level, cell = np.nonzero(start != end)
-        theta, _, pick = _solved(circle_map, cells, cell, some[level], start[level, cell], end[level, cell])
-        found.append(theta)
-        owner.append(first + level[pick])
-    return np.concatenate(found), np.concatenate(owner)
-
-
-def crossings(circle_map: CircleMap, cells: Cells, level: float) -> tuple[Array, Whole, Whole]:
-    """All θ in [0, 2π] with g(θ) = level + 2πw, their w, and the cell of each."""
-    low = np.floor((cells.g_start - level) / TWO_PI).astype(np.int64)
-    high = np.floor((cells.g_end - level) / TWO_PI).astype(np.int64)
-    return roots_between(circle_map, cells, level, low, high)
+        found.append(solved(circle_map, cells, cell, some[level], start[level, cell], end[level, cell])[0])
+    return np.concatenate(found)
 
 
 def roots_between(
@@ -371,11 +359,11 @@ def roots_between(
 ) -> tuple[Array, Whole, Whole]:
     """The roots of g = level + 2πw for every w in (min, max] of the whole turns at a cell's two ends."""
     cell = np.flatnonzero(turn_start != turn_end)
-    theta, whole, pick = _solved(circle_map, cells, cell, np.float64(level), turn_start[cell], turn_end[cell])
+    theta, whole, pick = solved(circle_map, cells, cell, np.float64(level), turn_start[cell], turn_end[cell])
     return theta, whole, cell[pick]
 
 
-def _solved(
+def solved(
     circle_map: CircleMap, cells: Cells, cell: Whole, level: Array | np.float64, turn_start: Whole, turn_end: Whole
 ) -> tuple[Array, Whole, Whole]:
     """The roots in the listed cells, their w, and which entry of the list each belongs to."""

@@ -385,11 +385,19 @@ def _widened(values: Array) -> Array:
     return np.asarray(np.maximum(np.maximum(padded[:-2], padded[2:]), values))
 
 
-def line_exits(ends: Arc) -> tuple[Arc, Arc]:
-    """What lies below and above an arc on the line."""
-    return (-np.inf, ends[0]), (ends[1], np.inf)
-
-
-def circle_exit(ends: Arc) -> tuple[Arc]:
-    """The rest of the circle."""
-    return ((ends[1], ends[0] + TWO_PI),)
+def arc_chain(
+    circle_map: CircleMap,
+    noise: Noise,
+    ends: Arc,
+    lifted: bool,
+    *,
+    every_sample: bool = True,
+    stretch: float = 1.0,
+    most: int = MAX_UNKNOWNS,
+) -> KilledChain:
+    """The chain on one arc, killed below and above it on the line, or on the rest of the circle."""
+    line, circle = ((-np.inf, ends[0]), (ends[1], np.inf)), ((ends[1], ends[0] + TWO_PI),)
+    exits = line if lifted else circle
+    return killed_chain(
+        circle_map, noise, (ends,), exits, lifted, every_sample=every_sample, stretch=stretch, most=most
+    )

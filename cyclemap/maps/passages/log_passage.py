@@ -16,10 +16,8 @@ from cyclemap.maps.passages.killed_chain import (
     MAX_UNKNOWNS,
     Arc,
     KilledChain,
+    arc_chain,
     arc_ends,
-    circle_exit,
-    killed_chain,
-    line_exits,
     required_inside,
 )
 from cyclemap.maps.passages.passage_times import LONGEST, mean_passage_time
@@ -68,10 +66,7 @@ def log10_passage_time(
     inside = required_inside(start, ends)
 
     def chain(every_sample: bool, stretch: float) -> KilledChain:
-        exits = line_exits(ends) if lifted else circle_exit(ends)
-        return killed_chain(
-            circle_map, noise, (ends,), exits, lifted, every_sample=every_sample, stretch=stretch, most=_MOST_NODES
-        )
+        return arc_chain(circle_map, noise, ends, lifted, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
 
     many = isinstance(noise, WrappedNormal) and chain(False, 1.0).theta.size > _FEW
     if not many or _log_time(chain(False, 1.0), inside) < np.log(LONGEST):

@@ -18,12 +18,11 @@ from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.passages.killed_chain import (
     Arc,
     KilledChain,
+    arc_chain,
     arc_ends,
     arcs_between,
-    circle_exit,
     into_arc,
     killed_chain,
-    line_exits,
     required_inside,
 )
 
@@ -66,9 +65,8 @@ def mean_passage_time(circle_map: CircleMap, noise: Noise, start: float, arc: Ar
         from cyclemap.maps.passages.uniform_passage import uniform_passage_time
 
         return uniform_passage_time(circle_map, noise, inside, ends, lifted)
-    exits = line_exits(ends) if lifted else circle_exit(ends)
-    make = partial(killed_chain, circle_map, noise, (ends,), exits, lifted)
-    return _certified(make, inside, 1.0, np.zeros(len(exits)), "mean passage time")
+    make = partial(arc_chain, circle_map, noise, ends, lifted)
+    return _certified(make, inside, 1.0, np.zeros(2 if lifted else 1), "mean passage time")
 
 
 def hitting_probability(circle_map: CircleMap, noise: Noise, start: float, arc_a: Arc, arc_b: Arc) -> Estimate:
@@ -76,8 +74,8 @@ def hitting_probability(circle_map: CircleMap, noise: Noise, start: float, arc_a
 
     The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start inside one of them gives
     1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x)) u(y) dy, solved and bounded as in
-    ``mean_passage_time``: small chances keep their digits too. ConvergenceError also when
-    neither arc is reached within 1e300 cycles.
+    ``mean_passage_time``: small chances keep their digits too. ConvergenceError also when neither arc is reached
+    within 1e300 cycles.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> even = hitting_probability(CircleMap.rigid(0.0), WrappedNormal(0.3), 0.0, (1.0, 2.0), (-2.0, -1.0))
@@ -165,11 +163,8 @@ def passage_response(
     """
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
-    exits = line_exits(ends) if lifted else circle_exit(ends)
     (first, sizes), (second, _) = (
-        _responses(
-            killed_chain(circle_map, noise, (ends,), exits, lifted, every_sample=True, stretch=stretch), inside, tangent
-        )
+        _responses(arc_chain(circle_map, noise, ends, lifted, stretch=stretch), inside, tangent)
         for stretch in (1.0, _STRETCH)
     )
     bounds = 3.0 * np.abs(first - second) + ELIMINATION * sizes

@@ -177,28 +177,22 @@ def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> li
     slow = slowness < level
     if not np.any(slow) or np.all(slow):
         return []
-    enters = np.flatnonzero(slow & ~np.roll(slow, 1))
-    zones = [_ghost(still, noise, grid, turn, level, int(i)) for i in enters]
-    return sorted((replace(zone, winding=winding) for zone in zones), key=lambda zone: zone.centre)
-
-
-def _ghost(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array, level: float, first: int) -> SlowZone:
-    """The ghost whose slow arc begins at grid point ``first``; it ends where |turn| crosses the level."""
-    slowness = np.abs(np.roll(turn, -first))
-    length = int(np.argmax(slowness >= level))
-    step, begin = grid[1], float(grid[first])
-    start = begin - step * _share(level, slowness[0], slowness[-1])
-    end = begin + step * (length - 1) + step * _share(level, slowness[length - 1], slowness[length])
-    slowest = int(np.argmin(slowness[:length]))
-    forward = np.roll(turn, -first)[slowest] >= 0.0
-    residence = mean_passage_time(circle_map, noise, start if forward else end, (start, end))
-    centre = float((begin + step * slowest) % TWO_PI)
-    return SlowZone(centre, (float(start), float(end)), "ghost", residence)
-
-
-def _share(level: float, inside: float, outside: float) -> float:
-    """Part of a grid step from the inside point to where the level is crossed."""
-    return float((level - inside) / (outside - inside))
+    zones, step = [], grid[1]
+    for first in np.flatnonzero(slow & ~np.roll(slow, 1)).tolist():
+        # The slow arc begins at this grid point and ends where |turn| crosses the level.
+        ahead = np.roll(turn, -first)
+        slowness = np.abs(ahead)
+        length, begin = int(np.argmax(slowness >= level)), float(grid[first])
+        before, after = (
+            (level - slowness[inside]) / (slowness[outside] - slowness[inside])
+            for inside, outside in ((0, -1), (length - 1, length))
+        )
+        start, end = float(begin - step * before), float(begin + step * (length - 1) + step * after)
+        slowest = int(np.argmin(slowness[:length]))
+        residence = mean_passage_time(still, noise, start if ahead[slowest] >= 0.0 else end, (start, end))
+        centre = float((begin + step * slowest) % TWO_PI)
+        zones.append(SlowZone(centre, (start, end), "ghost", residence, winding))
+    return sorted(zones, key=lambda zone: zone.centre)
 
 
 # -- visits of the stationary path -----------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from cyclemap.maps import (
     passage_response,
     transfer_operator,
 )
-from cyclemap.maps.passages.killed_chain import circle_exit, eliminated, killed_chain, line_exits
+from cyclemap.maps.passages.killed_chain import arc_chain, eliminated
 
 TWO_PI = 2 * np.pi
 STICKY = CircleMap.arnold(0.1, 0.9)
@@ -88,7 +88,7 @@ def test_bounds_hold_and_are_near_the_truth_while_nodes_are_too_few():
         arc = (0.0, end)
         exact = mean_passage_time(STICKY, law, STABLE, arc)
         for stretch in (0.2, 0.25, 0.3, 0.35, 0.4):
-            chain = killed_chain(STICKY, law, (arc,), circle_exit(arc), False, stretch=stretch)
+            chain = arc_chain(STICKY, law, arc, False, every_sample=False, stretch=stretch)
             rough = chain.expected(1.0, np.zeros(1))
             error, bound = abs(rough.value_at(STABLE) - exact), rough.error_bounds(STABLE)[0]
             assert error <= bound + exact.error_bound
@@ -103,7 +103,7 @@ def test_bounds_hold_among_solutions_on_different_nodes():
     for sigma in (0.3, 0.1, 0.05):
         ends = (UNSTABLE - TWO_PI, UNSTABLE)
         one = mean_passage_time(STICKY, WrappedNormal(sigma), STABLE, ends, lifted=True)
-        chain = killed_chain(STICKY, WrappedNormal(sigma), (ends,), line_exits(ends), True, stretch=1.4)
+        chain = arc_chain(STICKY, WrappedNormal(sigma), ends, True, stretch=1.4)
         other = chain.expected(1.0, np.zeros(2)).value_at(STABLE)
         assert abs(one - other) < one.error_bound < 1e-11 * one
 
@@ -323,7 +323,7 @@ def test_every_derivative_of_the_passage_agrees_with_differences(noise, lifted):
 def test_the_adjoint_gives_the_same_response_to_the_map():
     """δT = Σ (visits of the path from the start) · (δK T): one left solution against one right solution."""
     noise, ends, start = WrappedNormal(0.15), (-3.0, 2.0), 0.77
-    chain = killed_chain(STICKY, noise, (ends,), line_exits(ends), True, stretch=1.1)
+    chain = arc_chain(STICKY, noise, ends, True, stretch=1.1)
     times = chain.elimination.solve(np.ones(chain.theta.size))
     first = chain.transitions(STICKY(np.array([start])))[0]
     visits = chain.elimination.visits(first)
@@ -360,7 +360,7 @@ def test_a_long_passage_barely_knows_its_start_and_the_slope_keeps_its_digits():
     noise, ends = WrappedNormal(0.05), (-3.9, 2.36)
     found = passage_response(STICKY, noise, 0.77, ends, tangent, lifted=True)
     assert found.time > 1e95 and 1 < abs(found.to_start) < 1e3
-    chain = killed_chain(STICKY, noise, (ends,), line_exits(ends), True, stretch=1.2)
+    chain = arc_chain(STICKY, noise, ends, True, stretch=1.2)
     expected = chain.expected(1.0, np.zeros(2))
 
     def change(step):
