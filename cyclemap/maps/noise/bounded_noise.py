@@ -206,7 +206,7 @@ class VonMises:
 
     def line_density(self, x: Any) -> Array:
         """The density on [-π, π], else 0, per radian."""
-        return np.asarray(np.where(np.abs(x) <= np.pi, self.density(x), 0.0))
+        return np.asarray(np.where(np.abs(x) <= np.pi, self.density(np.clip(x, -np.pi, np.pi)), 0.0))
 
     def line_slope(self, x: Any) -> Array:
         """d/dx of ``line_density`` inside (-π, π), else 0."""
