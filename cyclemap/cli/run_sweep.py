@@ -17,15 +17,13 @@ from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.settings import layered, warn_of_defaults
 from cyclemap.errors import InvalidInput
 from cyclemap.suggestions import unknown_name
-from cyclemap.sweeps.point_sets import Grid, Sample
+from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, SweptKey, parse_over
 from cyclemap.sweeps.portrait_numbers import PortraitNumbers
 from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
 from cyclemap.sweeps.sweep_curves import sweep_curves
 from cyclemap.sweeps.sweep_plan import SweepPlan
-from cyclemap.sweeps.sweep_results import Sweep, load_sweep
+from cyclemap.sweeps.sweep_results import Sweep, load_sweep, write_csv, write_netcdf
 from cyclemap.sweeps.sweep_store import SweepStatus
-from cyclemap.sweeps.sweep_tables import write_csv, write_netcdf
-from cyclemap.sweeps.swept_keys import MATERIAL_KEY, SweptKey, parse_over
 from cyclemap.views.style import render
 from cyclemap.views.sweep_page import sweep_page
 from cyclemap.views.sweep_sentences import sweep_headline, sweep_sentences

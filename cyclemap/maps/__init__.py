@@ -32,7 +32,6 @@ Families, p → CircleMap
 follow_orbit, OrbitBranch, orbit_branches : periodic orbits continued in a parameter
 bifurcations, Bifurcation, saddle_nodes, period_doublings, border_collisions : where orbits change
 tongue, Tongue, tongues, TongueBoundaries : the parameters that lock to p/q
-parameter_tangent, ParameterTangent : ∂F/∂p
 orbit_diagram, OrbitDiagram : where orbits are after a transient
 
 Noise, added after the map
@@ -66,39 +65,37 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.maps.algebra.branches import Branch, branches, preimages
-    from cyclemap.maps.algebra.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
     from cyclemap.maps.estimate import Estimate
-    from cyclemap.maps.families.bifurcations import (
+    from cyclemap.maps.families.continuation import (
+        OrbitBranch,
         bifurcations,
         border_collisions,
+        follow_orbit,
         orbit_branches,
         period_doublings,
         saddle_nodes,
     )
-    from cyclemap.maps.families.continuation import OrbitBranch, follow_orbit
-    from cyclemap.maps.families.orbit_diagram import (
+    from cyclemap.maps.families.family import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
+    from cyclemap.maps.families.long_orbits import (
         LyapunovExponents,
         OrbitDiagram,
+        lyapunov_exponent,
         lyapunov_exponents,
         orbit_diagram,
     )
-    from cyclemap.maps.families.parameter_tangent import ParameterTangent, parameter_tangent
-    from cyclemap.maps.families.special_points import Bifurcation
+    from cyclemap.maps.families.orbit_equations import Bifurcation
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
+    from cyclemap.maps.lifts.branches import Branch, branches, preimages
     from cyclemap.maps.lifts.circle_map import CircleMap
-    from cyclemap.maps.lifts.parametric_lift import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
-    from cyclemap.maps.noise.local_noise import LocalNoise
+    from cyclemap.maps.lifts.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
+    from cyclemap.maps.noise.bounded_noise import UniformNoise, VonMises
     from cyclemap.maps.noise.noise import Noise, WrappedCauchy, WrappedNormal
-    from cyclemap.maps.noise.uniform_noise import UniformNoise
-    from cyclemap.maps.noise.von_mises import VonMises
-    from cyclemap.maps.operator.lyapunov import lyapunov_exponent
     from cyclemap.maps.operator.metastable_sets import MetastableSets, metastable_sets
-    from cyclemap.maps.operator.response import Response
-    from cyclemap.maps.operator.spectrum import Spectrum
+    from cyclemap.maps.operator.spectrum import Response, Spectrum
     from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
     from cyclemap.maps.orbits.basins import Basin, basins
     from cyclemap.maps.orbits.diagonal import JumpCrossing
+    from cyclemap.maps.orbits.envelopes import is_nondecreasing, lower_envelope, upper_envelope
     from cyclemap.maps.orbits.periodic_points import (
         Orbit,
         PeriodicPoints,
@@ -107,6 +104,14 @@ if TYPE_CHECKING:
         periodic_orbits,
         periodic_points,
     )
+    from cyclemap.maps.orbits.rotation_number import (
+        RotationInterval,
+        RotationNumber,
+        birkhoff_average,
+        rotation_interval,
+        rotation_number,
+    )
+    from cyclemap.maps.orbits.rotation_numbers import RotationNumbers, RotationPlane, rotation_numbers, rotation_plane
     from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
     from cyclemap.maps.passages.log_passage import log10_passage_time
     from cyclemap.maps.passages.passage_times import (
@@ -122,18 +127,20 @@ if TYPE_CHECKING:
         slip_probabilities,
         survival_probabilities,
     )
-    from cyclemap.maps.rotation.envelopes import is_nondecreasing, lower_envelope, upper_envelope
-    from cyclemap.maps.rotation.rotation_number import (
-        RotationInterval,
-        RotationNumber,
-        birkhoff_average,
-        rotation_interval,
-        rotation_number,
+    from cyclemap.maps.staircases.slow_zones import (
+        DriftSummary,
+        SlowZone,
+        StaircaseSummary,
+        predict_drift,
+        predict_staircase,
     )
-    from cyclemap.maps.rotation.rotation_numbers import RotationNumbers, RotationPlane, rotation_numbers, rotation_plane
-    from cyclemap.maps.staircases.drifting_map import DriftingMap, DriftSummary, predict_drift
-    from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary, predict_staircase
-    from cyclemap.maps.staircases.staircase import Staircase, sample_staircase, sample_staircases
+    from cyclemap.maps.staircases.staircase import (
+        DriftingMap,
+        LocalNoise,
+        Staircase,
+        sample_staircase,
+        sample_staircases,
+    )
     from cyclemap.maps.staircases.step_comparison import StepComparison, compare_steps
     from cyclemap.maps.staircases.step_detection import Steps, find_steps
 else:
@@ -157,7 +164,6 @@ __all__ = [
     "Orbit",
     "OrbitBranch",
     "OrbitDiagram",
-    "ParameterTangent",
     "ParametricLift",
     "PassageResponse",
     "PeriodicPoints",
@@ -206,7 +212,6 @@ __all__ = [
     "nth_iterate",
     "orbit_branches",
     "orbit_diagram",
-    "parameter_tangent",
     "passage_response",
     "period_doublings",
     "periodic_orbits",

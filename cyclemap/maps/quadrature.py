@@ -14,8 +14,9 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.lifts.circle_map import SNAP, CircleMap
-from cyclemap.maps.orbits.scan import Cells, bracketed_root, monotone_cells
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import SNAP
+from cyclemap.maps.orbits.scan import bracketed_root, monotone_cells
 
 MAX_NODES = 400_000
 _PANELS = 8  # panels a turn at least, where the map is given by formulas
@@ -69,7 +70,9 @@ def _on_panels(
     steepest = np.max(np.abs(circle_map.derivative(inner)), axis=1)
     phase = 0.5 * bandwidth * np.hypot(1.0, steepest) * np.diff(edges)
     parts = np.maximum(1, np.ceil(phase / 60.0)).astype(np.int64)
-    left, width = _split(edges, parts)
+    width = np.repeat(np.diff(edges) / parts, parts)
+    left = np.repeat(edges[:-1], parts)
+    left = left + (np.arange(width.size) - np.repeat(np.cumsum(parts) - parts, parts)) * width
     phase = np.repeat(phase / parts, parts)
     order = finer * np.maximum(least, np.ceil(0.5 * (phase + 8.0 * np.cbrt(phase) + 6.0)).astype(np.int64))
     if int(order.sum()) > MAX_NODES:
@@ -77,7 +80,15 @@ def _on_panels(
             f"the map needs {int(order.sum())} quadrature nodes, more than {MAX_NODES}: it is too steep "
             "for so small a noise; raise the noise"
         )
-    return _gauss_panels(left, width, order)
+    nodes, weights, place = [], [], []
+    for points in np.unique(order):
+        use = order == points
+        x, w = gauss_rule(left[use], width[use], int(points))
+        nodes.append(x)
+        weights.append(w)
+        place.append(np.repeat(np.flatnonzero(use), points))
+    owner = np.argsort(np.concatenate(place), kind="stable")
+    return np.concatenate(nodes)[owner], np.concatenate(weights)[owner]
 
 
 def _edges(circle_map: CircleMap, start: float, end: float, every_sample: bool) -> Array:
@@ -92,12 +103,6 @@ def _edges(circle_map: CircleMap, start: float, end: float, every_sample: bool) 
     return np.concatenate([[start], around, [end]])
 
 
-def _split(edges: Array, parts: np.typing.NDArray[np.int64]) -> tuple[Array, Array]:
-    width = np.repeat(np.diff(edges) / parts, parts)
-    rank = np.arange(width.size) - np.repeat(np.cumsum(parts) - parts, parts)
-    return np.repeat(edges[:-1], parts) + rank * width, width
-
-
 def graded_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tuple[Array, Array]:
     """Nodes and weights over one turn on panels that shrink towards each (near) zero of F' from both sides.
 
@@ -106,17 +111,13 @@ def graded_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tupl
     centres = _near_critical(circle_map)
     if centres.size == 0:
         return arc_rule(circle_map, 0.0, TWO_PI, bandwidth, finer)
+    # Panel ends about each centre, at distances that halve.
+    ahead = np.append(centres[1:], centres[0] + TWO_PI)
+    reach = 0.5 * np.minimum(ahead - centres, 1.0)[:, None] * _GRADES
+    reach = np.column_stack([np.zeros(centres.size), reach])
+    marks = np.union1d(centres[:, None] + reach, ahead[:, None] - reach)
     plain = _edges(circle_map, float(centres[0]), float(centres[0]) + TWO_PI, True)
-    return _on_panels(circle_map, np.union1d(_graded_marks(centres), plain), bandwidth, finer, _GRADED_ORDER)
-
-
-def folds_of(circle_map: CircleMap) -> Array:
-    """The angles in [0, 2π] where F' passes through 0 smoothly, sorted."""
-    return _folds_in(monotone_cells(circle_map, 1, 0.0, _FOLD_RESOLUTION))
-
-
-def _folds_in(cells: Cells) -> Array:
-    return np.asarray(np.unique(cells.start[(cells.slope_start == 0.0) & ~cells.cut]))
+    return _on_panels(circle_map, np.union1d(marks, plain), bandwidth, finer, _GRADED_ORDER)
 
 
 def _near_critical(circle_map: CircleMap) -> Array:
@@ -126,7 +127,8 @@ def _near_critical(circle_map: CircleMap) -> Array:
     small = np.minimum(after, before) < _SMALL_SLOPE * np.mean(after)
     low = small & ~cells.cut & (after <= np.roll(after, 1)) & (after <= np.roll(after, -1))
     low &= cells.slope_start != 0.0
-    found = np.concatenate([_folds_in(cells), cells.start[small & cells.cut], _minima(circle_map, cells.start[low])])
+    folds = np.unique(cells.start[(cells.slope_start == 0.0) & ~cells.cut])
+    found = np.concatenate([folds, cells.start[small & cells.cut], _minima(circle_map, cells.start[low])])
     found = np.sort(np.mod(found, TWO_PI))
     return np.asarray(found[np.append(True, np.diff(found) > 1e-9)]) if found.size else found
 
@@ -147,16 +149,6 @@ def _minima(circle_map: CircleMap, near: Array) -> Array:
     return found
 
 
-def _graded_marks(folds: Array) -> Array:
-    """Panel ends about each fold, at distances that halve."""
-    gaps = np.diff(np.append(folds, folds[0] + TWO_PI))
-    reach = 0.5 * np.minimum(gaps, 1.0)[:, None] * _GRADES
-    edges = [fold + np.concatenate([[0.0], part[::-1]]) for fold, part in zip(folds, reach, strict=True)]
-    ahead = np.append(folds[1:], folds[0] + TWO_PI)
-    edges += [fold - np.concatenate([part, [0.0]]) for fold, part in zip(ahead, reach, strict=True)]
-    return np.unique(np.concatenate(edges))
-
-
 def gauss_rule(left: Array, width: Array, points: int) -> tuple[Array, Array]:
     """Gauss-Legendre nodes and weights, ``points`` of them on each panel [left, left + width], panel by panel."""
     x, w = _gauss(points)
@@ -167,15 +159,3 @@ def gauss_rule(left: Array, width: Array, points: int) -> tuple[Array, Array]:
 def _gauss(points: int) -> tuple[Array, Array]:
     x, w = np.polynomial.legendre.leggauss(points)
     return read_only(x), read_only(w)
-
-
-def _gauss_panels(left: Array, width: Array, order: np.typing.NDArray[np.int64]) -> tuple[Array, Array]:
-    nodes, weights, place = [], [], []
-    for points in np.unique(order):
-        use = order == points
-        x, w = gauss_rule(left[use], width[use], int(points))
-        nodes.append(x)
-        weights.append(w)
-        place.append(np.repeat(np.flatnonzero(use), points))
-    owner = np.argsort(np.concatenate(place), kind="stable")
-    return np.concatenate(nodes)[owner], np.concatenate(weights)[owner]

@@ -24,16 +24,13 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first used.
-    from cyclemap.sweeps.point_sets import Grid, Sample
-    from cyclemap.sweeps.portrait_numbers import PointNumbers, PointOutcome, PortraitNumbers, SweptPoint
-    from cyclemap.sweeps.quantities import Quantity
+    from cyclemap.sweeps.point_sets import Grid, Sample, SweepAxis, SweepRange
+    from cyclemap.sweeps.portrait_numbers import PointNumbers, PointOutcome, PortraitNumbers, Quantity, SweptPoint
     from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
     from cyclemap.sweeps.sweep_curves import SweptLines, SweptPlane, SweptScatter, sweep_curves
     from cyclemap.sweeps.sweep_plan import SweepPlan
-    from cyclemap.sweeps.sweep_results import Sweep, load_sweep
+    from cyclemap.sweeps.sweep_results import Sweep, load_sweep, to_dataset, write_csv, write_netcdf
     from cyclemap.sweeps.sweep_store import StoreWriteError, SweepStatus, SweepStore
-    from cyclemap.sweeps.sweep_tables import to_dataset, write_csv, write_netcdf
-    from cyclemap.sweeps.swept_keys import SweepAxis, SweepRange
 else:
     import_on_first_use(__name__)
 

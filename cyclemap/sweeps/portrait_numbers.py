@@ -1,17 +1,22 @@
-"""The numbers of a point: the loop that its settings make, and what the portrait of that loop tells."""
+"""The numbers of a point: what can be asked, the loop that its settings make, and what the portrait of it tells."""
 
+from __future__ import annotations
+
+import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cyclemap.checks import non_negative_number, positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
 from cyclemap.collection.setting_table import without_noise
-from cyclemap.errors import CycleMapError
+from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.maps import (
     CircleMap,
     Estimate,
@@ -28,8 +33,129 @@ from cyclemap.maps import (
 )
 from cyclemap.maps.operator.spectrum import mixing_time
 from cyclemap.mechanics import Material
-from cyclemap.sweeps.code_version import code_version
-from cyclemap.sweeps.quantities import CHEAP_GROUPS, Quantity, chosen_groups, quantities_of
+from cyclemap.suggestions import unknown_name
+
+PACKAGE = Path(__file__).parents[1]
+# The rooms below the sweeps, and the one file here that calls them.
+_SOURCES = ("mechanics", "maps", "collection", "sweeps/portrait_numbers.py")
+_LANGUAGES = (".py", ".c")
+
+
+@cache
+def code_version() -> str:
+    """A digest of the mechanics, the maps and the bridge between them; any edit of theirs changes it.
+
+    >>> len(code_version())
+    16
+    """
+    digest = hashlib.sha256()
+    for source in _SOURCES:
+        root = PACKAGE / source
+        # The sources in a folder, Python and C, or the one file.
+        paths = sorted(path for path in root.rglob("*") if path.suffix in _LANGUAGES) if root.is_dir() else [root]
+        for path in paths:
+            digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number that every point has, or a list of numbers (`listed`) of which it has as many as there are.
+
+    unit : "rad", "1", "cycles" or "turns/cycle"; angles are kept in rad and written in degrees.
+    many : the name of what a list runs over.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    many: str = ""
+
+    @property
+    def listed(self) -> bool:
+        """Whether a point has any number of these."""
+        return bool(self.many)
+
+    @property
+    def written_name(self) -> str:
+        """The name in files, which tells degrees."""
+        return f"{self.name}_deg" if self.unit == "rad" else self.name
+
+    @property
+    def written_unit(self) -> str:
+        """The unit in files."""
+        return "degree" if self.unit == "rad" else self.unit
+
+    def written(self, value: float) -> float:
+        """The value as files have it."""
+        return float(self.written_array(np.array(value)))
+
+    def written_array(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values, of any shape, as files have them."""
+        return np.degrees(values) if self.unit == "rad" else values
+
+
+_FIXED = "fixed_point"
+GROUPS: dict[str, tuple[Quantity, ...]] = {
+    "map": (
+        Quantity("samples", "1", "cycles that were run to find the map"),
+        Quantity("max_error", "rad", "bound on the error of the map"),
+    ),
+    "rotation": (
+        Quantity("rotation", "turns/cycle", "rotation number"),
+        Quantity("rotation_lower", "turns/cycle", "the rotation number is at least this"),
+        Quantity("rotation_upper", "turns/cycle", "the rotation number is at most this"),
+        Quantity("locked_winding", "1", "p where the rotation number is proved to be p/q; 0 elsewhere"),
+        Quantity("locked_period", "1", "q where the rotation number is proved to be p/q; 0 elsewhere"),
+    ),
+    "fixed_points": (
+        Quantity("fixed_points", "1", "number of fixed points of the map"),
+        Quantity("stable_points", "1", "number of stable fixed points"),
+        Quantity("fixed_point_theta", "rad", "directions of the fixed points", _FIXED),
+        Quantity("fixed_point_multiplier", "1", "multipliers of the fixed points", _FIXED),
+        Quantity("fixed_point_stable", "1", "1 where the fixed point is stable", _FIXED),
+        Quantity("gathering_jump_theta", "rad", "jumps about which orbits gather", "gathering_jump"),
+    ),
+    "turns": (
+        Quantity("mean_turn", "rad", "turn of a cycle, mean over start directions"),
+        Quantity("min_turn", "rad", "least turn of a cycle"),
+        Quantity("max_turn", "rad", "largest turn of a cycle"),
+        Quantity("min_slope", "1", "least slope of the map"),
+        Quantity("max_slope", "1", "largest slope of the map"),
+    ),
+    "stationary": (
+        Quantity("tv_from_uniform", "1", "total variation distance of the stationary law from the uniform one"),
+        Quantity("spectral_gap", "1", "one less the second largest eigenvalue's size, not certified"),
+        Quantity("mixing_cycles", "cycles", "cycles in which the slowest mode falls by e, not certified"),
+    ),
+    "staircase": (
+        Quantity("noisy_mean_turn", "rad", "turn of a cycle, mean over a long noisy run"),
+        Quantity("mean_residence_cycles", "cycles", "mean rest in a slow zone"),
+        Quantity("step", "rad", "height of a step of the staircase"),
+    ),
+}
+# What a phase diagram needs; each costs little beside the map.
+CHEAP_GROUPS = ("map", "rotation", "fixed_points", "turns")
+
+
+def chosen_groups(names: tuple[str, ...]) -> tuple[str, ...]:
+    """The groups of `names` in their fixed order, with "map", which every other needs; "all" is each of them.
+
+    >>> chosen_groups(("turns", "rotation"))
+    ('map', 'rotation', 'turns')
+    """
+    if not names:
+        raise InvalidInput(f"no quantities are asked for: give some of {', '.join(GROUPS)}, or all")
+    for name in names:
+        if name not in (*GROUPS, "all"):
+            raise unknown_name("group of quantities", name, (*GROUPS, "all"))
+    return tuple(name for name in GROUPS if name == "map" or name in names or "all" in names)
+
+
+def quantities_of(groups: tuple[str, ...]) -> tuple[Quantity, ...]:
+    """All quantities of some groups."""
+    return tuple(quantity for group in groups for quantity in GROUPS[group])
+
 
 # How much coarser a map is tried first, and how long it is iterated; in how many parts its cubics are looked at.
 _COARSER, _FIRST_ITERATES, _SHARES = 10.0, 2048, 8
@@ -112,16 +238,14 @@ class PortraitNumbers:
 
     def described(self) -> dict[str, object]:
         """The groups and tolerances."""
-        return {
-            "groups": list(self.groups),
-            "tolerance": self.tolerance,
-            "rotation_tolerance": self.rotation_tolerance,
-        }
+        return {"groups": list(self.groups), "tolerance": self.tolerance, "rotation_tolerance": self.rotation_tolerance}
 
     def __call__(self, point: SweptPoint) -> PointOutcome:
         """Find the numbers; what the loop or a group refuses is told in the outcome."""
         try:
-            loop, sigma = self._loop_and_sigma(point)
+            settings, said = without_noise(point.settings)
+            loop = CollectionLoop.from_settings(settings, CollectionLoop.mit(material=point.material))
+            sigma = DEFAULT_SIGMA if said is None else said
             work = self._coarse(loop, sigma) or _Work(_map_of(loop, self.tolerance), sigma, self.rotation_tolerance)
         except CycleMapError as error:
             return PointOutcome({}, str(error))
@@ -134,7 +258,7 @@ class PortraitNumbers:
                 refusals.append(f"{group}: {error}")
         return PointOutcome(values, "; ".join(refusals))
 
-    def _coarse(self, loop: CollectionLoop, sigma: float) -> "_Work | None":
+    def _coarse(self, loop: CollectionLoop, sigma: float) -> _Work | None:
         """The coarser map where it settles all that is asked for."""
         if self.rotation_tolerance == 0.0 or not set(self.groups) <= set(CHEAP_GROUPS):
             return None
@@ -146,11 +270,6 @@ class PortraitNumbers:
         except CycleMapError:
             return None
         return work if settled else None
-
-    def _loop_and_sigma(self, point: SweptPoint) -> tuple[CollectionLoop, float]:
-        settings, sigma = without_noise(point.settings)
-        loop = CollectionLoop.from_settings(settings, CollectionLoop.mit(material=point.material))
-        return loop, DEFAULT_SIGMA if sigma is None else sigma
 
 
 # A coarser and a finer one.

@@ -1,18 +1,134 @@
-"""Runs a sweep: every point that its store lacks, in chunks, a few of them on their way at any time."""
+"""Runs a sweep: every point that its store lacks, in chunks, here, in processes of its own, or on any executor."""
 
+from __future__ import annotations
+
+import multiprocessing
 import os
+import signal
+import threading
+import time
+import warnings
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
-from contextlib import nullcontext
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from cyclemap.checks import whole_number
-from cyclemap.errors import CycleMapError
-from cyclemap.sweeps.point_workers import FoundChunk, find_chunk, own_executor
-from cyclemap.sweeps.portrait_numbers import SweptPoint
+from cyclemap.errors import CycleMapError, DoubtfulInput
+from cyclemap.mechanics.engine.strokes import THREADS_VARIABLE
+from cyclemap.sweeps.portrait_numbers import PointNumbers, PointOutcome, SweptPoint
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_store import SweepStatus, SweepStore
+
+# Processes share the cores: each does linear algebra, and runs strokes, in one thread.
+_THREADS = ("OPENBLAS_NUM_THREADS", THREADS_VARIABLE)
+
+
+@dataclass(frozen=True, eq=False)
+class FoundChunk:
+    """What a worker sends back: points with their outcomes, the worker's code version, and the seconds it took."""
+
+    found: tuple[tuple[SweptPoint, PointOutcome], ...]
+    version: str
+    seconds: float
+
+
+def find_chunk(numbers: PointNumbers, points: tuple[SweptPoint, ...]) -> FoundChunk:
+    """Find the numbers of some points, one after the other.
+
+    What a point refuses is in its outcome; any other failure is a CycleMapError that names the point.
+    """
+    begun = time.perf_counter()
+    found = tuple((point, _find(numbers, point)) for point in points)
+    return FoundChunk(found, numbers.version, time.perf_counter() - begun)
+
+
+def _find(numbers: PointNumbers, point: SweptPoint) -> PointOutcome:
+    try:
+        with warnings.catch_warnings():
+            # A sweep goes where it is sent: what is doubtful of its ends was said when it was planned.
+            warnings.simplefilter("ignore", DoubtfulInput)
+            return numbers(point)
+    except Exception as error:
+        settings = (
+            f"{key}={value:g}" if isinstance(value, float) else f"{key}={value}"
+            for key, value in point.settings.items()
+        )
+        raise CycleMapError(
+            f"point {point.number} ({', '.join(settings)}) failed, which no input should make it do: "
+            f"{type(error).__name__}: {error}"
+        ) from error
+
+
+class InThisProcess(Executor):
+    """An executor that runs what it is given at once, in the calling thread."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Run the call and return its finished future; KeyboardInterrupt goes through."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+@contextmanager
+def own_executor(workers: int) -> Iterator[Executor]:
+    """An executor of so many processes, this one alone for 1; the processes end with the block or with this process."""
+    if workers == 1:
+        yield InThisProcess()
+        return
+    with _one_thread_each():
+        # Fresh processes: a copy of this one would share its open store, its locks and its buffers.
+        fresh = multiprocessing.get_context("spawn")
+        others = set(multiprocessing.active_children())
+        pool = ProcessPoolExecutor(workers, mp_context=fresh, initializer=_start_worker)
+        try:
+            yield pool
+        except KeyboardInterrupt:
+            # Whoever raised it has awaited what is at work, or was told not to.
+            for worker in set(multiprocessing.active_children()) - others:
+                worker.terminate()
+            raise
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _start_worker() -> None:
+    """Leave Ctrl-C to the parent, and end when it ends, however it does."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """Let new processes use one thread where the user has not said otherwise."""
+    unsaid = [name for name in _THREADS if name not in os.environ]
+    os.environ.update(dict.fromkeys(unsaid, "1"))
+    try:
+        yield
+    finally:
+        for name in unsaid:
+            os.environ.pop(name, None)
+
 
 Progress = Callable[[SweepStatus], None]
 
@@ -57,7 +173,8 @@ def run_sweep(
     ...     run_sweep(plan, f"{folder}/sweep.sqlite", workers=1)
     SweepStatus(points=2, stored=2, refused=0)
     """
-    many = _cores() if workers is None else whole_number("workers", workers, least=1)
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    many = cores if workers is None else whole_number("workers", workers, least=1)
     with SweepStore(Path(path), plan) as store:
         status = store.status()
         report = progress or (lambda status: None)
@@ -68,10 +185,6 @@ def run_sweep(
             _Run(plan, store, pool, many, report, status).go()
         store.finish()
         return store.status()
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @dataclass
@@ -122,24 +235,18 @@ class _Run:
                 chunk = future.result()
             except CancelledError as error:
                 raise CycleMapError(f"the executor dropped a chunk ({error}): run the same sweep again") from error
-            self._check_version(chunk)
+            if chunk.version != (wanted := self.plan.numbers.version):
+                raise CycleMapError(
+                    f"a worker runs another version of the code ({chunk.version}, not {wanted}): install the same one "
+                    "there"
+                )
             self.store.add(chunk.found)
-            self._note(chunk)
-
-    def _note(self, chunk: FoundChunk) -> None:
-        seconds = chunk.seconds / len(chunk.found)
-        self.point_seconds = seconds if self.point_seconds is None else 0.5 * (self.point_seconds + seconds)
-        refused = sum(bool(outcome.refusal) for _, outcome in chunk.found)
-        before = self.status
-        self.status = SweepStatus(before.points, before.stored + len(chunk.found), before.refused + refused)
-        self.progress(self.status)
-
-    def _check_version(self, chunk: FoundChunk) -> None:
-        wanted = self.plan.numbers.version
-        if chunk.version != wanted:
-            raise CycleMapError(
-                f"a worker runs another version of the code ({chunk.version}, not {wanted}): install the same one there"
-            )
+            seconds = chunk.seconds / len(chunk.found)
+            self.point_seconds = seconds if self.point_seconds is None else 0.5 * (self.point_seconds + seconds)
+            refused = sum(bool(outcome.refusal) for _, outcome in chunk.found)
+            before = self.status
+            self.status = SweepStatus(before.points, before.stored + len(chunk.found), before.refused + refused)
+            self.progress(self.status)
 
     def _cancel(self) -> None:
         for future in list(self.waiting):

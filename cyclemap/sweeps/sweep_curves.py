@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import RotationNumbers, RotationPlane
-from cyclemap.sweeps.quantities import Quantity
+from cyclemap.sweeps.point_sets import SweepAxis
+from cyclemap.sweeps.portrait_numbers import Quantity
 from cyclemap.sweeps.sweep_results import Sweep
-from cyclemap.sweeps.swept_keys import SweepAxis
 
 
 @dataclass(frozen=True, eq=False)

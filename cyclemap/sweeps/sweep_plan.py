@@ -13,16 +13,18 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.setting_table import without_noise
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import Material, load_material
-from cyclemap.sweeps.point_sets import Grid, PointSet, Sample
-from cyclemap.sweeps.portrait_numbers import PointNumbers, PortraitNumbers, SweptPoint
-from cyclemap.sweeps.swept_keys import (
+from cyclemap.sweeps.point_sets import (
     FOOTPRINT_KEY,
     MATERIAL_KEY,
+    Grid,
+    PointSet,
+    Sample,
     SweepAxis,
     SweepRange,
     check_key,
     checked_value,
 )
+from cyclemap.sweeps.portrait_numbers import PointNumbers, PortraitNumbers, SweptPoint
 
 
 @dataclass(frozen=True, eq=False)

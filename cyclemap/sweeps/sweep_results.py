@@ -1,10 +1,14 @@
-"""The results of a sweep: columns over its points, chosen by what was swept or by what was found."""
+"""What a sweep has found so far, read from its store; as an xarray Dataset, NetCDF and CSV."""
 
+from __future__ import annotations
+
+import csv
+import io
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,10 +16,14 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.suggestions import unknown_name
-from cyclemap.sweeps.quantities import Quantity
+from cyclemap.sweeps.point_sets import SweepAxis
+from cyclemap.sweeps.portrait_numbers import Quantity
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_store import SweepStore
-from cyclemap.sweeps.swept_keys import SweepAxis
+from cyclemap.whole_files import write_whole
+
+if TYPE_CHECKING:
+    import xarray
 
 Wanted = float | str | tuple[float, float] | Sequence[object]
 
@@ -89,7 +97,7 @@ class Sweep:
             for axis, lookup in zip(self.axes, lookups, strict=True)
         )
 
-    def select(self, **wanted: Wanted) -> "Sweep":
+    def select(self, **wanted: Wanted) -> Sweep:
         """The points whose swept keys have a value, lie within a pair (low, high), or are in a list.
 
         One value takes its axis away, so that `on_grid` has one dimension less. A pair (a tuple of two numbers) is a
@@ -100,7 +108,7 @@ class Sweep:
             found = found._selected(key, value)
         return found
 
-    def where(self, chosen: ArrayLike | Callable[["Sweep"], ArrayLike]) -> "Sweep":
+    def where(self, chosen: ArrayLike | Callable[[Sweep], ArrayLike]) -> Sweep:
         """The points for which `chosen` is true: n flags, or a function of the sweep that gives them."""
         flags = np.asarray(chosen(self) if callable(chosen) else chosen)
         if flags.shape != (len(self),) or flags.dtype != np.bool_:
@@ -115,7 +123,7 @@ class Sweep:
             refusals=tuple(self.refusals[k] for k in kept),
         )
 
-    def _selected(self, key: str, wanted: Wanted) -> "Sweep":
+    def _selected(self, key: str, wanted: Wanted) -> Sweep:
         if key not in self.keys:
             raise unknown_name("swept key", key, self.keys)
         matches, single = self._match(key, wanted)
@@ -166,13 +174,9 @@ def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
     Raises DataFileError for a file that is absent, damaged or no store.
     """
     with SweepStore(Path(path), plan) as store:
-        return _gathered(store)
-
-
-def _gathered(store: SweepStore) -> Sweep:
-    description: dict[str, Any] = store.description
+        description: dict[str, Any] = store.description
+        rows = list(store.rows())
     keys, quantities = tuple(description["keys"]), tuple(Quantity(**one) for one in description["columns"])
-    rows = list(store.rows())
     axes = description["plan"]["points"].get("axes", {})
     return Sweep(
         keys=keys,
@@ -196,3 +200,106 @@ def _gathered(store: SweepStore) -> Sweep:
 def _plain(value: Any) -> object:
     """A swept value as the plan has it: points are kept as JSON."""
     return tuple(map(tuple, json.loads(value))) if isinstance(value, str) and value.startswith("[[") else value
+
+
+_KEY_UNITS = {"_deg": "degree", "_mm": "mm", "_kg": "kg"}
+REFUSAL = "refusal"
+
+
+def write_csv(sweep: Sweep, path: str | Path) -> None:
+    """Write one line a point, in the plan's order: its number, swept keys, quantities, lists spread out, refusal.
+
+    The file appears whole or not at all (OSError). The same points give the same bytes, however they were found.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    longest = {one.name: _longest(sweep, one) for one in sweep.quantities if one.listed}
+    names = [one.written_name for one in sweep.quantities if not one.listed]
+    for one in sweep.quantities:
+        names += [f"{one.written_name}_{k + 1}" for k in range(longest.get(one.name, 0))]
+    writer.writerow(["number", *sweep.keys, *names, REFUSAL])
+    for place in range(len(sweep)):
+        line = [str(sweep.number[place]), *(_word(sweep.swept[key][place]) for key in sweep.keys)]
+        line += [_number(one, sweep.columns[one.name][place]) for one in sweep.quantities if not one.listed]
+        for one in sweep.quantities:
+            if one.listed:
+                values = [_number(one, value) for value in sweep.lists[one.name][place]]
+                line += values + [""] * (longest[one.name] - len(values))
+        writer.writerow([*line, sweep.refusals[place]])
+    write_whole(Path(path), text.getvalue().encode())
+
+
+def _word(value: object) -> str:
+    return str(value) if isinstance(value, (float, str)) else json.dumps(value)
+
+
+def _number(quantity: Quantity, value: float) -> str:
+    return "" if np.isnan(value) else repr(quantity.written(float(value)))
+
+
+def _longest(sweep: Sweep, quantity: Quantity) -> int:
+    return max((values.size for values in sweep.lists[quantity.name]), default=0)
+
+
+def to_dataset(sweep: Sweep) -> xarray.Dataset:
+    """Return the sweep as an xarray Dataset: a grid's dimensions are its swept keys, a sample's is `point`.
+
+    Each quantity is a variable with its unit and meaning as attributes; a list has one dimension more, as long as the
+    longest, padded with nan, and a variable `NAME_count` of how many there are. `refusal` is text.
+    """
+    import xarray
+
+    dimensions = tuple(axis.key for axis in sweep.axes) or ("point",)
+    shape = sweep.shape if sweep.axes else (len(sweep),)
+    at = sweep.places() if sweep.axes else (np.arange(len(sweep)),)
+    variables: dict[str, Any] = {}
+    for one in sweep.quantities:
+        if one.listed:
+            variables.update(_listed_variables(sweep, one, dimensions, shape, at))
+        else:
+            values = np.full(shape, np.nan)
+            values[at] = one.written_array(sweep.columns[one.name])
+            variables[one.written_name] = (dimensions, values, _attributes(one))
+    refusal = np.full(shape, "", dtype=object)
+    refusal[at] = np.array(sweep.refusals, dtype=object)
+    variables[REFUSAL] = (dimensions, refusal, {"long_name": "why numbers are missing"})
+    return xarray.Dataset(
+        variables, _coordinates(sweep), {"title": "sweep", "plan": json.dumps(sweep.description["plan"])}
+    )
+
+
+def _listed_variables(
+    sweep: Sweep, one: Quantity, dimensions: tuple[str, ...], shape: tuple[int, ...], at: tuple[Any, ...]
+) -> dict[str, Any]:
+    lists = sweep.lists[one.name]
+    padded, count = np.full((*shape, _longest(sweep, one)), np.nan), np.zeros(shape, dtype=np.int64)
+    sizes = np.array([values.size for values in lists], dtype=np.int64)
+    rows = np.full((len(lists), padded.shape[-1]), np.nan)
+    for row, values in zip(rows, lists, strict=True):
+        row[: values.size] = values
+    padded[at], count[at] = one.written_array(rows), sizes
+    about = {"units": "1", "long_name": f"how many {one.many.replace('_', ' ')}s there are"}
+    return {
+        one.written_name: ((*dimensions, one.many), padded, _attributes(one)),
+        f"{one.many}_count": (dimensions, count, about),
+    }
+
+
+def _attributes(quantity: Quantity) -> dict[str, str]:
+    return {"units": quantity.written_unit, "long_name": quantity.meaning}
+
+
+def _coordinates(sweep: Sweep) -> dict[str, Any]:
+    listed = {axis.key: axis.values for axis in sweep.axes} or sweep.swept
+    found: dict[str, Any] = {} if sweep.axes else {"point": (("point",), sweep.number)}
+    for key, values in listed.items():
+        numeric = all(isinstance(value, float) for value in values)
+        array = np.array(values, dtype=float) if numeric else np.array([_word(one) for one in values], dtype=object)
+        unit = next((unit for ending, unit in _KEY_UNITS.items() if key.endswith(ending)), "1")
+        found[key] = ((key if sweep.axes else "point",), array, {"units": unit})
+    return found
+
+
+def write_netcdf(sweep: Sweep, path: str | Path) -> None:
+    """Write `to_dataset` as a NetCDF-4 file, whole or not at all (OSError)."""
+    write_whole(Path(path), bytes(to_dataset(sweep).to_netcdf(engine="h5netcdf")))

@@ -105,7 +105,8 @@ class SweepStore:
         keys, scalars, lists = self._columns()
         names = ["digest", "number", *keys, *scalars, *lists, "refusal", "seal"]
         with self._faults_told():
-            for row in self.connection.execute(f"SELECT {_quoted(names)} FROM points ORDER BY number"):
+            quoted = ", ".join(f'"{name}"' for name in names)
+            for row in self.connection.execute(f"SELECT {quoted} FROM points ORDER BY number"):
                 found = dict(zip(names, row, strict=True))
                 found.update({name: tuple(json.loads(found[name])) for name in lists if found[name] is not None})
                 yield found
@@ -273,7 +274,3 @@ def _kept(value: object) -> object:
 
 def _seal(row: Sequence[object]) -> str:
     return hashlib.sha256(repr(tuple(row)).encode()).hexdigest()[:16]
-
-
-def _quoted(names: Sequence[str]) -> str:
-    return ", ".join(f'"{name}"' for name in names)

@@ -13,7 +13,7 @@ from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import apply_settings
 from cyclemap.mechanics import MIT_HITCH, MIT_SHAPE_NAMES
-from cyclemap.sweeps.quantities import Quantity
+from cyclemap.sweeps.portrait_numbers import Quantity
 from cyclemap.sweeps.sweep_curves import SweptCurves, SweptLines, SweptPlane
 from cyclemap.sweeps.sweep_results import Sweep
 from cyclemap.views.panel_parts import name_tag

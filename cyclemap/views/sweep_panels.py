@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.maps import RotationPlane
-from cyclemap.sweeps.quantities import Quantity
+from cyclemap.sweeps.point_sets import SweepAxis
+from cyclemap.sweeps.portrait_numbers import Quantity
 from cyclemap.sweeps.sweep_curves import SweptLines, SweptPlane, SweptScatter, axis_places
-from cyclemap.sweeps.swept_keys import SweepAxis
 from cyclemap.views.panel_parts import legend_above, orbit_keys, say, whole_turn_ticks
 from cyclemap.views.rotation_panels import draw_rotation_numbers, draw_rotation_plane
 from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE

@@ -5,8 +5,8 @@ from collections import Counter
 
 import numpy as np
 
+from cyclemap.sweeps.point_sets import MATERIAL_KEY
 from cyclemap.sweeps.sweep_results import Sweep
-from cyclemap.sweeps.swept_keys import MATERIAL_KEY
 from cyclemap.views.sweep_panels import axis_words, key_words
 
 _MOST_REASONS = 3

@@ -31,8 +31,7 @@ import numpy as np
 from cyclemap.collection import CollectionLoop
 from cyclemap.sweeps.run_sweep import run_sweep
 from cyclemap.sweeps.sweep_plan import SweepPlan
-from cyclemap.sweeps.sweep_results import load_sweep
-from cyclemap.sweeps.sweep_tables import write_csv, write_netcdf
+from cyclemap.sweeps.sweep_results import load_sweep, write_csv, write_netcdf
 from tests.benchmarks.timing import map_alone, seconds
 
 REACH_MM = 40.0

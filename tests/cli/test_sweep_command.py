@@ -15,7 +15,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.resets import ResetStrategy, legs, write_protocol
 from cyclemap.sweeps import PointOutcome, PortraitNumbers
-from cyclemap.sweeps.quantities import GROUPS
+from cyclemap.sweeps.portrait_numbers import GROUPS
 
 RING = ("--over", "hitch_x_mm=-12:0:5", "--workers", "1")
 PLANE = (*RING, "--over", "mu_a=0.2,0.3")

@@ -9,7 +9,7 @@ import numpy as np
 
 from cyclemap.errors import UnsupportedContact
 from cyclemap.sweeps import PointOutcome, SweepPlan
-from cyclemap.sweeps.quantities import GROUPS
+from cyclemap.sweeps.portrait_numbers import GROUPS
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """A swept point has the portrait's own numbers, to the last bit; what has no loop or no number says so."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -133,3 +135,42 @@ def test_by_default_rotation_and_law_are_told_finely_enough_for_a_phase_diagram(
     assert found.refusal == "" and found.values["locked_period"] == 0.0
     assert 0.0 < found.values["rotation_upper"] - found.values["rotation_lower"] <= 2e-4
     assert 0.0 < found.values["tv_from_uniform"] < 1.0
+
+
+SOURCES = ("mechanics/push.py", "mechanics/engine/steps.c", "maps/lifts/lift.py", "collection/loop.py")
+OTHERS = ("mechanics/push.pyc", "mechanics/notes.txt", "views/page.py", "sweeps/sweep_store.py")
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch) -> Path:
+    """A package of a few files."""
+    for name in (*SOURCES, *OTHERS, "sweeps/portrait_numbers.py"):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(name)
+    monkeypatch.setattr(module, "PACKAGE", tmp_path)
+    return tmp_path
+
+
+def digest() -> str:
+    return module.code_version.__wrapped__()
+
+
+@pytest.mark.parametrize("name", [*SOURCES, "sweeps/portrait_numbers.py"])
+def test_an_edit_of_a_source_is_another_version(package, name) -> None:
+    before = digest()
+    (package / name).write_text("changed")
+    assert digest() != before
+    (package / name).write_text(name)
+    assert digest() == before
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_an_edit_of_anything_else_is_not(package, name) -> None:
+    before = digest()
+    (package / name).write_text("changed")
+    assert digest() == before
+
+
+def test_the_engine_that_runs_the_strokes_is_among_the_sources() -> None:
+    assert {path.suffix for path in (module.PACKAGE / "mechanics").rglob("*.c")} == {".c"}

@@ -1,15 +1,18 @@
 """A sweep finds the same numbers whoever works, in whatever order, however often it is interrupted."""
 
+import os
 import time
 import tracemalloc
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 
+import distributed
 import numpy as np
 import pytest
 from fake_numbers import FakeNumbers, fake_plan, fake_values, logged
 
 from cyclemap.errors import CycleMapError, InvalidInput
-from cyclemap.sweeps import SweepPlan, load_sweep, run_sweep, sweep_status, write_csv
+from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, sweep_status, write_csv
+from cyclemap.sweeps.run_sweep import own_executor
 
 
 class Shuffled(Executor):
@@ -197,3 +200,56 @@ def test_bad_workers_are_refused(tmp_path, workers) -> None:
     with pytest.raises(InvalidInput, match="workers"):
         run_sweep(fake_plan(), tmp_path / "sweep.sqlite", workers=workers)
     assert not (tmp_path / "sweep.sqlite").exists()
+
+
+VARIABLES = ("OPENBLAS_NUM_THREADS", "CYCLEMAP_THREADS")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("said", [{}, {"CYCLEMAP_THREADS": "3"}, {"OPENBLAS_NUM_THREADS": "2"}])
+def test_workers_have_one_thread_each_where_nothing_else_is_said(monkeypatch, said) -> None:
+    for name in VARIABLES:
+        monkeypatch.delenv(name, raising=False)
+    for name, value in said.items():
+        monkeypatch.setenv(name, value)
+    before = dict(os.environ)
+    with own_executor(2) as pool:
+        found = {name: pool.submit(os.getenv, name).result() for name in VARIABLES}
+    assert found == dict.fromkeys(VARIABLES, "1") | said
+    assert dict(os.environ) == before
+
+
+def test_one_worker_is_this_process_with_its_own_threads(monkeypatch) -> None:
+    monkeypatch.delenv("CYCLEMAP_THREADS", raising=False)
+    with own_executor(1) as pool:
+        assert pool.submit(os.getpid).result() == os.getpid()
+        assert pool.submit(os.getenv, "CYCLEMAP_THREADS").result() is None
+
+
+@pytest.fixture(scope="module")
+def executor():
+    """The executor of a local cluster of two worker processes."""
+    options = {"n_workers": 2, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
+    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
+        yield client.get_executor()
+
+
+def table(path, plan, **options) -> bytes:
+    assert run_sweep(plan, path, **options).complete
+    write_csv(load_sweep(path), path.with_suffix(".csv"))
+    return path.with_suffix(".csv").read_bytes()
+
+
+@pytest.mark.slow
+def test_a_dask_cluster_finds_the_same_as_one_process(tmp_path, executor) -> None:
+    here = table(tmp_path / "here.sqlite", fake_plan(rows=30, refused_above=0.28), workers=1)
+    there = table(tmp_path / "there.sqlite", fake_plan(rows=30, refused_above=0.28), executor=executor, workers=2)
+    assert there == here
+    assert there.count(b"\n") == 121
+
+
+@pytest.mark.slow
+def test_a_dask_cluster_finds_real_portraits(tmp_path, executor) -> None:
+    plan = SweepPlan.grid("isotropic", {"hitch_x_mm": (-11.0, -9.0)}, numbers=PortraitNumbers(tolerance=1e-2))
+    there = table(tmp_path / "there.sqlite", plan, executor=executor, workers=2)
+    assert there == table(tmp_path / "here.sqlite", plan, workers=1)

@@ -1,1 +1,1 @@
-"""Families of maps: following orbits, locating bifurcations, tongue boundaries."""
+"""Families of maps: long orbits over parameters, orbits followed, bifurcations, tongue boundaries."""

@@ -1,4 +1,4 @@
-"""Following a periodic orbit through a family of maps, round folds, by pseudo-arclength continuation."""
+"""Branches of periodic orbits followed through a family, round folds, and the bifurcations met on them."""
 
 from __future__ import annotations
 
@@ -9,14 +9,24 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.families.orbit_equations import OrbitEquations, OrbitState, crossed_break, orbit_equations
-from cyclemap.maps.families.parameter_tangent import Family, Range, break_motion, family_member, parameter_range
-from cyclemap.maps.families.special_points import Bifurcation, Collision, border_collision, smooth_bifurcation
-from cyclemap.maps.orbits.periodic_points import Orbit
+from cyclemap.maps.families.family import Family, Range, break_motion, family_member, parameter_range
+from cyclemap.maps.families.orbit_equations import (
+    Bifurcation,
+    Collision,
+    OrbitEquations,
+    OrbitState,
+    border_collision,
+    crossed_break,
+    orbit_equations,
+    smooth_bifurcation,
+)
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.periodic_points import Orbit, periodic_orbits
 
 _FIRST, _LARGEST, _SMALLEST = 0.01, 0.08, 1e-8  # of the scaled arclength
 _STRAIGHT = 0.95  # cosine of the largest turn of the tangent in one step
 _GROWTH = 1.5
+_MOST_STEPS = 4_000
 
 
 @dataclass(eq=False)
@@ -26,7 +36,6 @@ class BranchWalk:
     equations: OrbitEquations
     first: OrbitState
     initial: Array
-    allowed: int
     step: float = _FIRST
     reason: str = ""
     states: list[OrbitState] = field(default_factory=list)
@@ -37,7 +46,7 @@ class BranchWalk:
         """The walk, once it has ended."""
         self.states, self.direction = [self.first], self.initial
         while not self.reason:
-            if len(self.states) > self.allowed:
+            if len(self.states) > _MOST_STEPS:
                 self.reason = "steps"
             elif self.step < _SMALLEST:
                 self.reason = "lost"
@@ -53,31 +62,30 @@ class BranchWalk:
     def _advance(self) -> None:
         """One attempt at a step: it succeeds, ends the walk, or halves the step."""
         here = self.equations.point(self.last)
-        room = self._room(here)
+        end = self.equations.within[1 if self.direction[-1] > 0.0 else 0]
+        climb, room = self.direction[-1], np.inf  # the length of the step that reaches that end of the range
+        if climb != 0.0:
+            room = max((end / self.equations.scales[-1] - here[-1]) / climb, 0.0)
         if room <= 1e-12:
             self.reason = "end of the range"
             return
         guess = here + min(self.step, room) * self.direction
-        solved = self._at_end(guess) if room <= self.step else self.equations.solved_along(guess, self.direction)
+        if room <= self.step:
+            solved = self.equations.solved_at(end, self._angles(guess))
+        else:
+            solved = self.equations.solved_along(guess, self.direction)
         hit = self._collision(guess, solved)
         if hit is not None:
-            self._pass(hit)
+            self.special.append(hit.bifurcation)
+            self.states.append(hit.state if hit.beyond is None else hit.beyond)
+            if hit.outward is None:
+                self.reason = "jump"
+            else:
+                self.direction, self.step = hit.outward, min(self.step, _FIRST)
         elif solved is None or not self._accepted(solved):
             self.step *= 0.5
         elif room <= self.step:
             self.reason = self.reason or "end of the range"
-
-    def _room(self, here: Array) -> float:
-        """Length of the step along the direction that reaches an end of the range."""
-        low, high = (end / self.equations.scales[-1] for end in self.equations.within)
-        climb = self.direction[-1]
-        if climb == 0.0:
-            return np.inf
-        return float(max(((high if climb > 0.0 else low) - here[-1]) / climb, 0.0))
-
-    def _at_end(self, guess: Array) -> OrbitState | None:
-        low, high = self.equations.within
-        return self.equations.solved_at(high if self.direction[-1] > 0.0 else low, self._angles(guess))
 
     def _angles(self, point: Array) -> Array:
         return np.asarray(point[:-1] * self.equations.scales[:-1])
@@ -124,7 +132,8 @@ class BranchWalk:
 
     def _closing(self, before: OrbitState, solved: OrbitState, direction: Array) -> OrbitState | None:
         """The first state, on this step's whole turns and choice of the first point, if it lies on the step."""
-        if len(self.states) < 6 or abs(before.parameter - self.first.parameter) > self._reach(before, solved):
+        reach = 2.0 * abs(solved.parameter - before.parameter) + 1e-3 * float(self.equations.scales[-1])
+        if len(self.states) < 6 or abs(before.parameter - self.first.parameter) > reach:
             return None
         step = self.equations.point(solved) - self.equations.point(before)
         for k in range(self.equations.period):
@@ -138,9 +147,6 @@ class BranchWalk:
                 )
                 return rolled if heading @ direction > 0.5 else None
         return None
-
-    def _reach(self, before: OrbitState, solved: OrbitState) -> float:
-        return 2.0 * abs(solved.parameter - before.parameter) + 1e-3 * float(self.equations.scales[-1])
 
     # -- breaks ----------------------------------------------------------------------------------------------
 
@@ -167,17 +173,7 @@ class BranchWalk:
         ahead = float(offset @ self.direction) > 0.0
         return found if ahead and float(np.linalg.norm(offset)) <= 2.0 * self.step else None
 
-    def _pass(self, hit: Collision) -> None:
-        self.special.append(hit.bifurcation)
-        self.states.append(hit.state)
-        if hit.beyond is None or hit.outward is None:
-            self.reason = "jump"
-            return
-        self.states[-1] = hit.beyond
-        self.direction, self.step = hit.outward, min(self.step, _FIRST)
 
-
-MAX_STEPS = 4_000
 _ON_ORBIT = 1e-12  # radians: residual of points that are an orbit
 _ASIDE = 1e-3  # scaled arclength
 
@@ -187,12 +183,11 @@ class OrbitBranch:
     """A branch of periodic orbits, in order along it.
 
     parameter : shape (m,). points : shape (m, period), radians, continuous along the branch (any turn), in order of
-    visit. multiplier : shape (m,). stable : shape (m,), whether |multiplier| < 1. arclength : shape (m,), length
-    in the space (θ/√period, p/(high - low)), 0 at the first.
+    visit. multiplier : shape (m,). stable : shape (m,), whether |multiplier| < 1.
     special : the bifurcations met, in order. period, winding : of the orbits.
     ends : why the branch ends at its two ends: "end of the range", "jump" (a point meets a jump of the map),
         "half the period" (it merges with an orbit of half its period), "closed" (it is a loop), "lost" (no step
-        converged) or "steps" (more than were allowed).
+        converged) or "steps" (4,000 were made).
     residual : the largest |F(θ_i) - θ_{i+1} - 2πh_i| of all, radians.
     """
 
@@ -200,7 +195,6 @@ class OrbitBranch:
     points: Array
     multiplier: Array
     stable: Mask
-    arclength: Array
     special: tuple[Bifurcation, ...]
     period: int
     winding: int
@@ -216,7 +210,6 @@ def follow_orbit(
     at: float | None = None,
     period: int = 1,
     winding: int = 0,
-    max_steps: int = MAX_STEPS,
 ) -> OrbitBranch:
     """The branch of periodic orbits through ``start``, followed both ways within the parameters (low, high).
 
@@ -241,13 +234,12 @@ def follow_orbit(
     p = within[0] if at is None else finite_number("at", at)
     if not within[0] <= p <= within[1]:
         raise InvalidInput(f"at is {p:g}, outside the parameters ({within[0]:g}, {within[1]:g}): start inside")
-    steps = whole_number("max_steps", max_steps, least=1)
     equations, first = _start(family, start, p, within, period, winding)
     direction = equations.direction(first.slopes, equations.push(p)(first.theta))
-    forward = BranchWalk(equations, first, direction, steps).walked()
+    forward = BranchWalk(equations, first, direction).walked()
     if forward.reason == "closed":
         return _branch(equations, forward.states, forward.special, ("closed", "closed"))
-    backward = BranchWalk(equations, first, -direction, steps).walked()
+    backward = BranchWalk(equations, first, -direction).walked()
     return _branch(
         equations,
         backward.states[:0:-1] + forward.states,
@@ -263,7 +255,10 @@ def _start(
         points, turns = np.array(start.points), start.winding
     else:
         n, turns = whole_number("period", period, least=1), whole_number("winding", winding)
-        points = _visited(family, finite_number("start", start), p, n)
+        points = np.full(n, finite_number("start", start))
+        member = family_member(family, p)
+        for i in range(1, n):
+            points[i] = np.mod(member(points[i - 1]), TWO_PI)
     equations = orbit_equations(family, points, p, turns, within)
     first = equations.solved_at(p, points) or _beside_fold(equations, equations.state(p, points))
     if first is None or float(np.max(np.abs(first.theta - points))) > 0.5:
@@ -280,26 +275,21 @@ def _beside_fold(equations: OrbitEquations, given: OrbitState) -> OrbitState | N
     return next((state for state in ahead if state is not None), None)
 
 
-def _visited(family: Family, theta: float, p: float, count: int) -> Array:
-    member, points = family_member(family, p), [theta]
-    for _ in range(count - 1):
-        points.append(float(np.mod(member(points[-1]), TWO_PI)))
-    return np.array(points)
-
-
 def _branch(
     equations: OrbitEquations, states: list[OrbitState], special: list[Bifurcation], ends: tuple[str, str]
 ) -> OrbitBranch:
-    scaled = np.array([equations.point(state) for state in states])
-    lengths = np.linalg.norm(np.diff(scaled, axis=0), axis=1)
     multiplier = read_only([state.multiplier for state in states])
-    residuals = [equations.residual(state.member(state.theta), state.theta) for state in states if not _on_jump(state)]
+    gaps = [shorter_way(state.theta[:, None] - state.member.breaks) for state in states]
+    residuals = [
+        equations.residual(state.member(state.theta), state.theta)
+        for state, gap in zip(states, gaps, strict=True)
+        if not np.any(np.abs(gap) < 1e-9)  # on a jump
+    ]
     return OrbitBranch(
         read_only([state.parameter for state in states]),
         read_only([state.theta for state in states]),
         multiplier,
         np.abs(multiplier) < 1.0,
-        read_only(np.append(0.0, np.cumsum(lengths))),
         tuple(special),
         equations.period,
         equations.winding,
@@ -308,6 +298,125 @@ def _branch(
     )
 
 
-def _on_jump(state: OrbitState) -> bool:
-    gaps = shorter_way(state.theta[:, None] - state.member.breaks)
-    return bool(np.any(np.abs(gaps) < 1e-9))
+RESOLUTION = 24
+_SAME_ORBIT = 1e-7  # radians
+_SAME_POINT = 1e-4  # radians: at a fold two findings of one orbit may differ by the root of rounding
+_SAME_PARAMETER = 1e-9  # of the range
+
+
+def orbit_branches(
+    family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
+) -> list[OrbitBranch]:
+    """All branches of periodic orbits of this period and winding within the parameters (low, high).
+
+    All orbits are listed at ``resolution + 1`` evenly spaced parameters (``periodic_orbits``); one that lies on no
+    branch found so far starts a new one (``follow_orbit``). So a branch is lost only when it lives and dies between two
+    neighbouring ones of these parameters, or where ``periodic_orbits`` would lose it. An orbit that is neutral or
+    on a kink just at one of them is left to the next.
+
+    Raises InvalidInput as these two do, for instance where the map's iterate is the identity.
+
+    >>> [branch.ends for branch in orbit_branches(lambda K: CircleMap.arnold(0.1, K), (0.5, 1.5))]
+    [('end of the range', 'end of the range')]
+    """
+    within = parameter_range("parameters", parameters)
+    n, w = whole_number("period", period, least=1), whole_number("winding", winding)
+    branches: list[OrbitBranch] = []
+    for p in np.linspace(*within, whole_number("resolution", resolution, least=1) + 1):
+        member = family_member(family, float(p))
+        for orbit in periodic_orbits(member, n, w):
+            regular = orbit.kind in ("stable", "unstable") and orbit.multiplier == orbit.left_multiplier
+            if regular and not any(_holds(family, branch, float(p), member, orbit) for branch in branches):
+                branches.append(follow_orbit(family, orbit, within, at=float(p)))
+    return branches
+
+
+def _holds(family: Family, branch: OrbitBranch, p: float, member: CircleMap, orbit: Orbit) -> bool:
+    """Whether the branch passes through the orbit, solved where the branch crosses the parameter."""
+    before, after = branch.parameter[:-1] - p, branch.parameter[1:] - p
+    for i in np.flatnonzero((before * after <= 0.0) & (before != after)):
+        share = before[i] / (before[i] - after[i])
+        near = (1.0 - share) * branch.points[i] + share * branch.points[i + 1]
+        hops = np.round((member(near) - np.roll(near, -1)) / TWO_PI)
+        solved = OrbitEquations(family, hops, branch.winding, (p - 1.0, p + 1.0)).solved_at(p, near, member)
+        if solved is not None and _same_orbit(solved.theta, orbit.points, _SAME_ORBIT):
+            return True
+    return False
+
+
+def _same_orbit(one: Array, other: Array, tolerance: float) -> bool:
+    gaps = (shorter_way(np.roll(one, -k) - other) for k in range(one.size))
+    return any(float(np.max(np.abs(gap))) <= tolerance for gap in gaps)
+
+
+def bifurcations(
+    family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
+) -> list[Bifurcation]:
+    """All bifurcations of the orbits of this period and winding within (low, high), sorted by parameter.
+
+    Those met on all branches of ``orbit_branches``, each once; complete as these are. Each is refined by solving
+    its extended system, to a residual near rounding, and carries an error bound of first order.
+
+    >>> import numpy as np
+    >>> found = bifurcations(lambda omega: CircleMap.arnold(omega, 2.5), (0.0, 0.5))
+    >>> [b.kind for b in found]
+    ['period-doubling', 'saddle-node']
+    >>> found[0].parameter.holds((2.5**2 - 4.0) ** 0.5 / (2 * np.pi))
+    True
+    """
+    low, high = parameter_range("parameters", parameters)
+    kept: list[Bifurcation] = []
+    for branch in orbit_branches(family, (low, high), period, winding, resolution=resolution):
+        for found in branch.special:
+            again = any(
+                found.kind == other.kind
+                and abs(found.parameter - other.parameter) <= _SAME_PARAMETER * (high - low)
+                and _same_orbit(found.points, other.points, _SAME_POINT)
+                for other in kept
+            )
+            if not again:
+                kept.append(found)
+    return sorted(kept, key=lambda found: float(found.parameter))
+
+
+def saddle_nodes(
+    family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
+) -> list[Bifurcation]:
+    """The saddle-nodes among ``bifurcations``: two orbits merge, multiplier 1.
+
+    >>> import numpy as np
+    >>> [birth] = saddle_nodes(lambda K: CircleMap.arnold(0.1, K), (0.1, 1.5))
+    >>> birth.parameter.holds(0.2 * np.pi)
+    True
+    """
+    found = bifurcations(family, parameters, period, winding, resolution=resolution)
+    return [one for one in found if one.kind == "saddle-node"]
+
+
+def period_doublings(
+    family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
+) -> list[Bifurcation]:
+    """The period doublings among ``bifurcations``: multiplier -1.
+
+    >>> import numpy as np
+    >>> [flip] = period_doublings(lambda K: CircleMap.arnold(0.1, K), (1.0, 3.0))
+    >>> flip.parameter.holds(float(np.hypot(2.0, 0.2 * np.pi)))
+    True
+    """
+    found = bifurcations(family, parameters, period, winding, resolution=resolution)
+    return [one for one in found if one.kind == "period-doubling"]
+
+
+def border_collisions(
+    family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
+) -> list[Bifurcation]:
+    """The border collisions among ``bifurcations``: a point of the orbit meets a kink or a jump of the map.
+
+    >>> import numpy as np
+    >>> def tent(p):
+    ...     return CircleMap(lambda x: x + p + 0.5 * np.abs(np.mod(x + np.pi, 2 * np.pi) - np.pi), None, [0.0, np.pi])
+    >>> [(one.folds, bool(one.parameter.holds(0.0))) for one in border_collisions(tent, (-1.0, 1.0))]
+    [(True, True)]
+    """
+    found = bifurcations(family, parameters, period, winding, resolution=resolution)
+    return [one for one in found if one.kind == "border-collision"]

@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from math import gcd
 from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Mask, Whole
+from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT, Estimate
-from cyclemap.maps.families.parameter_tangent import (
+from cyclemap.maps.families.family import (
     Family,
     Range,
     family_member,
@@ -25,8 +26,8 @@ from cyclemap.maps.families.parameter_tangent import (
 )
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.diagonal import displacement
+from cyclemap.maps.orbits.envelopes import lower_envelope, upper_envelope
 from cyclemap.maps.orbits.scan import monotone_cells
-from cyclemap.maps.rotation.envelopes import lower_envelope, upper_envelope
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
 _FAR = 3.0  # radians
@@ -176,10 +177,6 @@ class EdgeSearch:
                 )
 
     @property
-    def _winding(self) -> Whole:
-        return np.asarray(self.ratio.numerator)
-
-    @property
     def _sign(self) -> float:
         return 1.0 if self.side == "left" else -1.0
 
@@ -200,7 +197,8 @@ class EdgeSearch:
             parameter, beyond = (above, below) if self.side == "left" else (below, above)
             trial, outside = self.tried[parameter], self.tried[beyond].monotone
             unseen = unseen_height(outside, self.ratio, self._sign)
-            missed = displacement(outside, np.array(unseen.theta), self.ratio.denominator, self._winding)[0]
+            q, p = self.ratio.denominator, np.asarray(self.ratio.numerator)
+            missed = displacement(outside, np.array(unseen.theta), q, p)[0]
             if unseen.value == 0.0 or self._sign * missed <= 0.0:
                 break
             self.marks.append(unseen.theta)
@@ -213,7 +211,7 @@ class EdgeSearch:
     def _moved_by(self, p: float, trial: _Trial, unseen: float) -> float:
         """How far the lift's rounding and a value ``unseen`` can move the edge, to first order along its orbit."""
         within, step = self.within, 1e-6 * (self.within[1] - self.within[0])
-        tangent = parameter_tangent(self.family, p, step=step, within=within, order=2)
+        tangent = parameter_tangent(self.family, p, step, within)
         disturbed, moved = self._gained(trial, np.ones_like), self._gained(trial, tangent)
         if moved <= 0.0:
             raise ConvergenceError(f"the orbits of rotation {self.ratio} do not move with the parameter at {p:.9g}")
@@ -343,11 +341,7 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
 
 
 def rotation_ratio(ratio: Any) -> Fraction:
-    """p/q as a Fraction, from a Fraction, a whole number or a pair (p, q) in lowest terms, q ≥ 1.
-
-    >>> rotation_ratio((2, 5))
-    Fraction(2, 5)
-    """
+    """p/q as a Fraction, from a Fraction, a whole number or a pair (p, q) in lowest terms, q ≥ 1."""
     if isinstance(ratio, Fraction):
         return ratio
     if isinstance(ratio, (int, np.integer)):
@@ -383,7 +377,11 @@ def tongues(family: Family, ratios: Sequence[Any], second: Any, parameters: Rang
     found = np.empty((2, len(wanted), values.size, 3))
     for s, side in enumerate(("left", "right")):
         for i, ratio in enumerate(wanted):
-            found[s, i] = _curve(family, ratio, side, values, (low, high))
+            for j, value in enumerate(values.tolist()):
+                search = EdgeSearch(partial(_swapped, family, value), ratio, side, (low, high))
+                search.require_inside()
+                edge = search.edge(*_bracket(search, found[s, i, :j, 0], (low, high)))
+                found[s, i, j] = edge.parameter, edge.error, edge.folded
     (left, left_error), (right, right_error) = (
         tuple(map(read_only, side[..., :2].transpose(2, 0, 1))) for side in found
     )
@@ -391,19 +389,8 @@ def tongues(family: Family, ratios: Sequence[Any], second: Any, parameters: Rang
     return TongueBoundaries(wanted, read_only(values), left, right, left_error, right_error, folded)
 
 
-def _curve(family: Family, ratio: Fraction, side: str, second: Array, within: Range) -> Array:
-    """(m, 3): parameter, error and folding of one edge at every value of the second parameter."""
-    rows = np.empty((second.size, 3))
-    for j, value in enumerate(second):
-        search = EdgeSearch(_at(family, float(value)), ratio, side, within)
-        search.require_inside()
-        edge = search.edge(*_bracket(search, rows[:j, 0], within))
-        rows[j] = edge.parameter, edge.error, edge.folded
-    return rows
-
-
-def _at(family: Family, value: float) -> Callable[[float], Any]:
-    return lambda p: family(p, value)
+def _swapped(family: Family, second: float, first: float) -> CircleMap:
+    return family(first, second)
 
 
 def _bracket(search: EdgeSearch, before: Array, within: Range) -> Range:

@@ -1,1 +1,1 @@
-"""Lifts: the CircleMap value, what it may be made of, and the textbook maps."""
+"""Lifts: the CircleMap value, what it may be made of, its monotone branches, and maps made of maps."""

@@ -3,26 +3,31 @@
 from __future__ import annotations
 
 import pickle
+from cmath import phase
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import atan2, cos, sin
 from typing import Any
 
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, non_negative_number, read_only, whole_number
+from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import inline_svg, map_strokes
 from cyclemap.maps.estimate import LIFT
-from cyclemap.maps.lifts import textbook_maps
-from cyclemap.maps.lifts.branched_lift import lift_from_branches, listed_branches
-from cyclemap.maps.lifts.lift_checks import JUMP as JUMP
-from cyclemap.maps.lifts.lift_checks import SIDE_STEP as SIDE_STEP
-from cyclemap.maps.lifts.lift_checks import SNAP as SNAP
-from cyclemap.maps.lifts.lift_checks import Lift as Lift
-from cyclemap.maps.lifts.lift_checks import Scalar as Scalar
-from cyclemap.maps.lifts.lift_checks import base_angles, check_lift, check_scalar, differences, guarded, one_sided_limit
-from cyclemap.maps.lifts.piecewise_cubic import PiecewiseCubic, cubic_from_samples
+from cyclemap.maps.lifts.lift_checks import (
+    JUMP,
+    Lift,
+    Scalar,
+    base_angles,
+    check_lift,
+    check_scalar,
+    differences,
+    guarded,
+    one_sided_limit,
+)
+from cyclemap.maps.lifts.piecewise_lifts import PiecewiseCubic, cubic_from_samples, lift_from_branches, listed_branches
 
 Recipe = tuple[Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]]  # a call that makes the map again
 
@@ -70,13 +75,7 @@ class CircleMap:
     _recipe: Recipe
 
     def __init__(
-        self,
-        lift: Lift,
-        derivative: Lift | None = None,
-        breaks: Any = (),
-        degree: int = 1,
-        *,
-        max_error: float = 0.0,
+        self, lift: Lift, derivative: Lift | None = None, breaks: Any = (), degree: int = 1, *, max_error: float = 0.0
     ) -> None:
         if not callable(lift) or (derivative is not None and not callable(derivative)):
             raise InvalidInput(f"lift is {lift!r}: lift and derivative must be callables of an array of angles")
@@ -210,7 +209,8 @@ class CircleMap:
         >>> round(float(CircleMap.rigid(0.25)(0.0)), 6)
         1.570796
         """
-        return cls.with_scalar(*textbook_maps.rigid_rotation(turns)).remade_by(cls.rigid, turns)
+        shift = TWO_PI * finite_number("turns", turns)
+        return cls.with_scalar(lambda x: x + shift, np.ones_like, lambda x: x + shift).remade_by(cls.rigid, turns)
 
     @classmethod
     def arnold(cls, omega: float, K: float) -> CircleMap:
@@ -221,7 +221,12 @@ class CircleMap:
         >>> float(CircleMap.arnold(0.0, 0.5).derivative(0.0))
         0.5
         """
-        return cls.with_scalar(*textbook_maps.sine_map(omega, K)).remade_by(cls.arnold, omega, K)
+        shift, strength = TWO_PI * finite_number("omega", omega), finite_number("K", K)
+        return cls.with_scalar(
+            lambda x: x + shift - strength * np.sin(x),
+            lambda x: 1.0 - strength * np.cos(x),
+            lambda x: x + shift - strength * sin(x),
+        ).remade_by(cls.arnold, omega, K)
 
     @classmethod
     def moebius(cls, a: float, omega: float) -> CircleMap:
@@ -232,7 +237,18 @@ class CircleMap:
         >>> round(float(CircleMap.moebius(0.5, 0.0).derivative(0.0)), 12)
         3.0
         """
-        return cls.with_scalar(*textbook_maps.moebius_transformation(a, omega)).remade_by(cls.moebius, a, omega)
+        shift, r = TWO_PI * finite_number("omega", omega), finite_number("a", a)
+        if not 0.0 <= r < 1.0:
+            raise InvalidInput(f"a is {r:g}: a Möbius map of the circle needs 0 <= a < 1; blaschke takes any |a| < 1")
+        # As in _blaschke_forms, without its loop: this map is the one that orbits are followed for.
+        double, gap, top = 2.0 * r, 1.0 - r, (1.0 - r) * (1.0 + r)
+        return cls.with_scalar(
+            lambda x: (
+                x + shift + 2.0 * np.arctan2(double * (s := np.sin(0.5 * x)) * np.cos(0.5 * x), gap + double * s * s)
+            ),
+            lambda x: top / (gap * gap + 2.0 * double * np.sin(0.5 * x) ** 2),
+            lambda x: x + shift + 2.0 * atan2(double * (s := sin(0.5 * x)) * cos(0.5 * x), gap + double * s * s),
+        ).remade_by(cls.moebius, a, omega)
 
     @classmethod
     def blaschke(cls, zeros: Any, omega: float = 0.0) -> CircleMap:
@@ -245,9 +261,9 @@ class CircleMap:
         >>> float(CircleMap.blaschke([0, 0])(1.25)), CircleMap.blaschke([0.5, 0.3j, -0.2]).degree
         (2.5, 3)
         """
-        checked = textbook_maps.blaschke_zeros(zeros)
-        made = cls.with_scalar(*textbook_maps.blaschke_product(checked, omega), degree=len(checked))
-        return made.remade_by(cls.blaschke, checked, omega)
+        checked = _blaschke_zeros(zeros)
+        forms = _blaschke_forms(checked, TWO_PI * finite_number("omega", omega))
+        return cls.with_scalar(*forms, degree=len(checked)).remade_by(cls.blaschke, checked, omega)
 
     @classmethod
     def from_branches(cls, branches: Any, *, degree: int = 1, max_error: float = 0.0) -> CircleMap:
@@ -327,3 +343,53 @@ def _require_picklable(part: Any) -> None:
             f"the map cannot be pickled, as {part!r} cannot: make it of functions that are defined by def at the top "
             "of a module (or sample it: CircleMap.from_samples)"
         ) from cause
+
+
+def _blaschke_zeros(zeros: Any) -> tuple[complex, ...]:
+    """The zeros of a finite Blaschke product, checked: one or more complex numbers with |a| < 1."""
+    try:
+        given = np.asarray(zeros, dtype=np.complex128)
+    except (TypeError, ValueError) as cause:
+        raise InvalidInput(f"zeros must hold complex numbers only, not {zeros!r}") from cause
+    if given.ndim != 1 or given.size == 0:
+        raise InvalidInput(f"zeros has shape {given.shape}: give a list of one complex number or more")
+    outside = ~(np.abs(given) < 1.0)
+    if np.any(outside):
+        entry = int(np.argmax(outside))
+        raise InvalidInput(f"zeros[{entry}] is {given[entry]:g}: every zero must lie inside the unit circle, |a| < 1")
+    return tuple(complex(a) for a in given)
+
+
+def _blaschke_forms(zeros: tuple[complex, ...], shift: float) -> tuple[Lift, Lift, Scalar]:
+    """Lift, derivative and form for one float: each factor turns z by a further -2 arg(1 - conj(a) z).
+
+    That argument stays inside (-π/2, π/2), so the lift is kθ plus a smooth periodic part. Half angles keep all digits
+    where a zero is close to the circle; one at the origin is a factor z, which only adds θ.
+    """
+    turning = [(abs(a), phase(a)) for a in zeros if a != 0.0]
+    k, plain = float(len(zeros)), float(len(zeros) - len(turning))
+    # 1 - r cos φ = (1 - r) + 2r sin²(φ/2), and r sin φ = 2r sin(φ/2) cos(φ/2).
+    rows = [(0.5 * angle, 2.0 * r, 1.0 - r, (1.0 - r) * (1.0 + r)) for r, angle in turning]
+
+    def lift(x: Array) -> Array:
+        value = k * x + shift
+        for half, double, gap, _ in rows:
+            s = np.sin(0.5 * x - half)
+            value = value + 2.0 * np.arctan2(double * s * np.cos(0.5 * x - half), gap + double * s * s)
+        return value
+
+    def derivative(x: Array) -> Array:
+        slope = np.full_like(x, plain)
+        for half, double, gap, top in rows:
+            s = np.sin(0.5 * x - half)
+            slope = slope + top / (gap * gap + 2.0 * double * s * s)
+        return slope
+
+    def scalar(x: float) -> float:
+        value = k * x + shift
+        for half, double, gap, _ in rows:
+            s = sin(0.5 * x - half)
+            value += 2.0 * atan2(double * s * cos(0.5 * x - half), gap + double * s * s)
+        return value
+
+    return lift, derivative, scalar

@@ -12,7 +12,8 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.maps.estimate import EPS, STENCIL
 
-Function = Callable[[Array], Array]
+Lift = Callable[[Array], Array]
+Scalar = Callable[[float], float]
 Index = npt.NDArray[np.intp]
 
 SIDE_STEP = 8.0 * EPS * np.pi  # how far beside a break its one-sided limits are read
@@ -42,7 +43,7 @@ def _nearest_break(breaks: Array, base: Array) -> tuple[Array, Index]:
     return around[pick], (pick - 1) % breaks.size
 
 
-def beside(function: Function, breaks: Array, side: int, climb: int) -> Array:
+def beside(function: Lift, breaks: Array, side: int, climb: int) -> Array:
     """Values a few rounding units beside ``breaks`` (in [0, 2π)), always read inside that one turn.
 
     ``climb`` says how many turns the function climbs in one turn of θ: the degree for a lift, 0 for F'.
@@ -52,7 +53,7 @@ def beside(function: Function, breaks: Array, side: int, climb: int) -> Array:
     return np.asarray(function(points), dtype=np.float64) - TWO_PI * climb * wraps
 
 
-def one_sided_limit(function: Function, breaks: Array, theta: Any, side: int, climb: int) -> Array:
+def one_sided_limit(function: Lift, breaks: Array, theta: Any, side: int, climb: int) -> Array:
     """The function at ``theta``, and within ``SNAP`` of a break its limit there from below (-1) or above (1)."""
     angles = np.asarray(theta, dtype=np.float64)
     values = np.array(function(angles), dtype=np.float64)
@@ -69,7 +70,7 @@ def one_sided_limit(function: Function, breaks: Array, theta: Any, side: int, cl
     return values
 
 
-def differences(function: Function, breaks: Array, theta: Array) -> tuple[Array, Array]:
+def differences(function: Lift, breaks: Array, theta: Array) -> tuple[Array, Array]:
     """Five-point differences on the circle, centred or leaning away from a break that is near, and their errors."""
     if breaks.size == 0:
         far = np.full(theta.shape, np.pi)
@@ -80,7 +81,7 @@ def differences(function: Function, breaks: Array, theta: Array) -> tuple[Array,
     return differences_between(function, theta, below, above)
 
 
-def differences_between(function: Function, theta: Array, below: Array, above: Array) -> tuple[Array, Array]:
+def differences_between(function: Lift, theta: Array, below: Array, above: Array) -> tuple[Array, Array]:
     """Five-point differences that reach less than ``below`` under each angle and ``above`` over it, and their errors.
 
     Where a difference of a quarter of the step differs by more than rounding, the function has features as narrow as
@@ -100,7 +101,7 @@ def differences_between(function: Function, theta: Array, below: Array, above: A
     return found, np.abs(finer - found) + rounding
 
 
-def _five_points(function: Function, theta: Array, below: Array, above: Array, step: Array) -> Array:
+def _five_points(function: Lift, theta: Array, below: Array, above: Array, step: Array) -> Array:
     low, high = below < 2.0 * step, above < 2.0 * step
     lean = np.where(low, 1.0, np.where(high, -1.0, 0.0))[..., None]
     offsets = np.where(lean == 0.0, _CENTRED, lean * _ONE_SIDED)
@@ -109,9 +110,6 @@ def _five_points(function: Function, theta: Array, below: Array, above: Array, s
     # The weights add up to zero: without their common part the values of a flat piece cancel exactly.
     return np.asarray(np.sum((values - values[..., :1]) * weights, axis=-1) / step)
 
-
-Lift = Callable[[Array], Array]
-Scalar = Callable[[float], float]
 
 _SPREAD = np.linspace(-5.0, 6.0, 12) + 0.0137 * np.sqrt(np.arange(2.0, 14.0))
 _TURN = 0.0731 + np.linspace(0.0, TWO_PI, 65)
@@ -162,11 +160,7 @@ def check_scalar(scalar: Scalar, lift: Lift, derivative: Lift | None) -> None:
 
 
 def checked_call(name: str, function: Lift, points: Array) -> Array:
-    """The callable's values at ``points``, refused by name unless they are finite float64, entry by entry.
-
-    >>> checked_call("lift", np.sin, np.zeros(2)).tolist()
-    [0.0, 0.0]
-    """
+    """The callable's values at ``points``, refused by name unless they are finite float64, entry by entry."""
     try:
         values = function(points)
     except CycleMapError:
@@ -207,11 +201,7 @@ def _raised(function: Lift, theta: Array) -> str:
 
 
 def guarded(name: str, function: Lift, finite: bool) -> Lift:
-    """The callable, which says at which angle it fails or gives nan (or ±inf, where values must be ``finite``).
-
-    >>> guarded("lift", np.sqrt, True)(np.array([4.0])).tolist()
-    [2.0]
-    """
+    """The callable, which says at which angle it fails or gives nan (or ±inf, where values must be ``finite``)."""
     bad = (lambda values: ~np.isfinite(values)) if finite else np.isnan
 
     def call(theta: Array) -> Array:

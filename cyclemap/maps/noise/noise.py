@@ -115,21 +115,21 @@ class WrappedNormal:
         """Density on the circle, per radian; rounding only."""
         if self.sigma < _WIDE:
             return self._over_images(self.line_density, x)
-        waves = np.cos(np.multiply.outer(_reduced(x), _ORDERS)) @ self.coefficients(_ORDERS)
+        waves = np.cos(np.multiply.outer(reduced(x), _ORDERS)) @ self.coefficients(_ORDERS)
         return np.asarray((1.0 + 2.0 * waves) / TWO_PI)
 
     def slope(self, x: Any) -> Array:
         """d/dx of ``density``."""
         if self.sigma < _WIDE:
             return self._over_images(self.line_slope, x)
-        waves = np.sin(np.multiply.outer(_reduced(x), _ORDERS)) @ (_ORDERS * self.coefficients(_ORDERS))
+        waves = np.sin(np.multiply.outer(reduced(x), _ORDERS)) @ (_ORDERS * self.coefficients(_ORDERS))
         return np.asarray(-waves / np.pi)
 
     def rate(self, x: Any) -> Array:
         """d/dσ of ``density``."""
         if self.sigma < _WIDE:
             return self._over_images(self.line_rate, x)
-        return np.asarray(np.cos(np.multiply.outer(_reduced(x), _ORDERS)) @ self.coefficient_rates(_ORDERS) / np.pi)
+        return np.asarray(np.cos(np.multiply.outer(reduced(x), _ORDERS)) @ self.coefficient_rates(_ORDERS) / np.pi)
 
     def line_density(self, x: Any) -> Array:
         """The normal density, per radian."""
@@ -165,7 +165,7 @@ class WrappedNormal:
 
     def arc_probability(self, low: Any, high: Any) -> Array:
         """P(ξ mod 2π in the arc from low to high), without cancellation where it is small."""
-        near, beyond = _folded(low, high)
+        near, beyond = folded(low, high)
         above = self.exceedance(beyond)
         total = np.where(near < 0.0, 1.0 - self.exceedance(-near) - above, self.exceedance(near) - above)
         for turn in range(1, 2 + int(np.ceil(9.0 * self.sigma / TWO_PI))):
@@ -176,7 +176,7 @@ class WrappedNormal:
 
     def arc_probability_rate(self, low: Any, high: Any) -> Array:
         """d/dσ of ``arc_probability``."""
-        near, beyond = _folded(low, high)
+        near, beyond = folded(low, high)
         if self.sigma < _WIDE:
             parts = [self._over_images(self.exceedance_rate, end, reduce=False) for end in (near, beyond)]
             return np.asarray(parts[0] - parts[1])
@@ -190,21 +190,21 @@ class WrappedNormal:
 
     def _over_images(self, function: Callable[[Array], Array], x: Any, reduce: bool = True) -> Array:
         """The sum of ``function`` over all x + 2πk near enough to count; x within [-2π, 2π] unless reduced."""
-        angle = _reduced(x) if reduce else np.asarray(x, dtype=np.float64)
+        angle = reduced(x) if reduce else np.asarray(x, dtype=np.float64)
         reach = int(np.ceil((TWO_PI + 9.0 * self.sigma) / TWO_PI))
         return np.asarray(sum(function(angle + TWO_PI * turn) for turn in range(-reach, reach + 1)))
 
 
-def _reduced(x: Any) -> Array:
+def reduced(x: Any) -> Array:
     """The same angle in [-π, π]; small angles keep all their digits."""
     angle = np.asarray(x, dtype=np.float64)
     return np.asarray(angle - TWO_PI * np.round(angle / TWO_PI))
 
 
-def _folded(low: Any, high: Any) -> tuple[Array, Array]:
+def folded(low: Any, high: Any) -> tuple[Array, Array]:
     """The same arc seen from 0, mirrored so that its middle lies in [0, π]: its nearer and its farther end."""
     half = 0.5 * (np.asarray(high, dtype=np.float64) - low)
-    far = np.abs(_reduced(low + half))
+    far = np.abs(reduced(low + half))
     return far - half, far + half
 
 

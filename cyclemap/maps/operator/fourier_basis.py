@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -17,61 +17,12 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.quadrature import circle_rule
 
+if TYPE_CHECKING:
+    from cyclemap.maps.operator.uniform_basis import UniformDiscretisation
 
-class Discretisation(Protocol):
-    """A basis of n functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix on their coefficients.
-
-    A density p(θ) = Σ_j c_j φ_j(θ), per radian, is its coefficients c, shape (n,), real, or complex where said.
-    """
-
-    @property
-    def map(self) -> CircleMap:
-        """The map of the cycle."""
-
-    @property
-    def noise(self) -> Noise:
-        """The noise of the cycle."""
-
-    @property
-    def size(self) -> int:
-        """n."""
-
-    @property
-    def matrix(self) -> Array:
-        """(n, n): coefficients of the law after one cycle from those before it."""
-
-    @property
-    def mass(self) -> Array:
-        """(n,): the integral of each φ_j over the circle."""
-
-    @property
-    def uniform(self) -> Array:
-        """(n,): coefficients of the density 1/2π."""
-
-    def evaluate(self, theta: Array) -> Array:
-        """(m, n): every φ_j at the angles ``theta``, shape (m,), any turn."""
-
-    def slope(self, theta: Array) -> Array:
-        """(m, n): every φ_j' there (from the right where it is not smooth)."""
-
-    def moments(self, order: int) -> Any:
-        """(n,), complex: ∫ e^{i·order·θ} φ_j(θ) dθ over the circle."""
-
-    def rule(self) -> tuple[Array, Array]:
-        """Nodes and weights over one turn, exact to rounding for φ_j(θ) h(θ), h as smooth as F between its breaks."""
-
-    def residual(self, law: Array) -> float:
-        """A bound on sup_θ |(Lp)(θ) - p(θ)| per radian, L the true operator: truncation, quadrature and rounding."""
-
-    def map_response(self, law: Any, tangent: Callable[[Array], Array], break_shifts: Array) -> Any:
-        """(n,): coefficients of d(Lp) when F moves by ``tangent`` (radians a unit) and F's breaks by ``break_shifts``.
-
-        ``law`` may be complex. ``break_shifts``: one rate a break of F, radians a unit.
-        """
-
-    def noise_response(self, law: Any) -> Any:
-        """(n,): coefficients of d(Lp)/d(the noise's own parameter); ``law`` may be complex."""
-
+# A basis φ_0, ..., φ_{n-1} of functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix on the coefficients c of
+# densities p(θ) = Σ_j c_j φ_j(θ), per radian.
+Discretisation: TypeAlias = "FourierDiscretisation | UniformDiscretisation"
 
 MAX_MODES = 2_000
 NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
@@ -82,14 +33,7 @@ Block = tuple[slice, Array, Array]
 
 
 def needed_modes(noise: Noise) -> int:
-    """Fourier modes beyond which the noise's coefficients add up to less than 1e-17.
-
-    Raises InvalidInput where that takes more than 2000.
-
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
-    >>> needed_modes(WrappedNormal(0.5))
-    19
-    """
+    """Fourier modes beyond which the noise's coefficients add up to less than 1e-17; InvalidInput beyond 2000."""
     modes = 1
     while noise.tail(modes) > NEGLIGIBLE and modes <= MAX_MODES:
         modes = int(np.ceil(1.05 * modes + 1))
@@ -132,7 +76,7 @@ class WavesInBlocks:
 
 @dataclass(frozen=True, eq=False)
 class FourierDiscretisation:
-    """Trigonometric polynomials with ``modes`` harmonics, real: 1/2π, cos mθ/π, sin mθ/π; meets ``Discretisation``.
+    """Trigonometric polynomials with ``modes`` harmonics, real: 1/2π, cos mθ/π, sin mθ/π.
 
     The coefficients of a law are its moments (1, E cos mθ, E sin mθ), and one cycle carries them to κ_m E cos mF,
     κ_m E sin mF, κ_m the noise's coefficients: a Galerkin method, exact but for truncation and quadrature (the
@@ -140,11 +84,6 @@ class FourierDiscretisation:
 
     map, noise : whose cycle it is. modes : 1 to 2000. finer : how many times as many quadrature nodes as are needed.
     Raises InvalidInput for a number of modes outside that range.
-
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
-    >>> basis = FourierDiscretisation(CircleMap.rigid(0.25), WrappedNormal(1.0), 3)
-    >>> basis.size, round(float(basis.matrix[4, 1]), 12)
-    (7, 0.606530659713)
     """
 
     map: CircleMap
@@ -233,20 +172,11 @@ class FourierDiscretisation:
         """(n,): coefficients after one cycle of the density with coefficients ``law``; or columns of several."""
         return self.carried(self.on_nodes(law))
 
-    def backward(self, dual: Any) -> Any:
-        """(n,): the transpose of ``cycle``, on the integrals ∫ zφ_j of a function z; columns of several too."""
-        _, weight = self._rule
-        ahead = _times(self.kappa, dual)
-        parts = [before @ _times(weight[part], after.T @ ahead) for part, before, after in self._blocks()]
-        return _times(self._scale, np.sum(parts, axis=0))
-
-    def expected_after(self, dual: Any) -> Any:
-        """E z(F(θ) + ξ) at the nodes of ``rule``, for the function z with the integrals ``dual``, ∫ zφ_j."""
-        ahead = _times(self.kappa, dual)
-        return np.concatenate([after.T @ ahead for _, after in self._after])
-
     def expected_slope(self, dual: Array, factors: Array | None = None, at: Array | None = None) -> Array:
-        """d/dF of ``expected_after``, E z'(F(θ) + ξ), there or at the angles ``at``; ``factors`` to use for the κ_m."""
+        """E z'(F(θ) + ξ) for the z with the integrals ``dual``, ∫ zφ_j, at the nodes of ``rule`` or the angles ``at``.
+
+        factors : to use for the κ_m.
+        """
         images = self._after if at is None else WavesInBlocks(self.map(at), self.modes)
         ahead = _times(self.kappa if factors is None else factors, dual)
         # Turning the few factors back is the same as turning the many waves, and costs nothing.
@@ -280,24 +210,6 @@ class FourierDiscretisation:
     def cut(self, coefficients: Any, coarse: FourierDiscretisation) -> Any:
         """The coefficients of the modes that a ``coarse`` basis has too."""
         return np.concatenate([coefficients[: coarse.modes + 1], coefficients[self.modes + 1 :][: coarse.modes]])
-
-    def residual(self, law: Array) -> float:
-        """A bound on sup_θ |(Lp)(θ) - p(θ)| per radian, L the true operator: truncation, quadrature and rounding.
-
-        From twice as many nodes and every mode that the noise lets through. The modes beyond are bounded by the
-        noise's ``tail`` (proved); quadrature and rounding are measured.
-        """
-        fine = self.refined()
-        wide = fine.padded(law, self)
-        density = fine.on_nodes(wide)
-        left = fine.carried(density) - wide
-        return fine.largest(left) + fine.left_out(density) / np.pi
-
-    def largest(self, coefficients: Any) -> float:
-        """A bound on |p| per radian from p's coefficients, real or complex: |c_0|/2π + Σ |c_m|/π."""
-        squares = np.abs(coefficients) ** 2
-        harmonics = np.sqrt(squares[1 : self.modes + 1] + squares[self.modes + 1 :])
-        return float(np.sqrt(squares[0]) / TWO_PI + np.sum(harmonics) / np.pi)
 
     def left_out(self, density: Any) -> float:
         """Bound on Σ over m > modes of |E e^{imθ}| after one cycle (proved), and an allowance for rounding."""

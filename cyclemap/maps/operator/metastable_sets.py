@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import eigh
 
 from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import finite_array, read_only, whole_number
@@ -24,9 +23,6 @@ def leaving_chances(flow: Array) -> Array:
 
     flow : (n, n), the stationary probability of being in cell i now and in cell j next, all >= 0. The last column, the
     whole circle, is 0. Nothing is subtracted, so small chances keep their digits.
-
-    >>> leaving_chances(np.array([[0.4, 0.1], [0.1, 0.4]])).tolist()
-    [[0.2, 0.0], [0.2, 0.0]]
     """
     size = flow.shape[0]
     chances = np.zeros((size, size))
@@ -45,9 +41,6 @@ def best_cuts(cost: Array, count: int) -> Whole:
 
     cost : (n, n), of the arc of l cells from cell i at [i, l - 1]. The minimum over all choices is found: for each
     first cut, shortest paths of ``count`` arcs around the circle (Bellman 1957), O(count·n³) together.
-
-    >>> best_cuts(leaving_chances(np.eye(4) + np.eye(4)[[1, 0, 3, 2]]), 2).tolist()
-    [0, 2]
     """
     size = cost.shape[0]
     behind, ahead = np.meshgrid(np.arange(size), np.arange(1, size + 1), indexing="ij")
@@ -193,7 +186,6 @@ class MetastableSets:
     transitions : (k, k), P(next in b | now in a) under the stationary law, rows sum to 1.
     leaving : (k,), 1 - staying, to full relative accuracy. relative_error : of weights and off-diagonal transitions,
     the largest difference from a solution on other nodes, times three (measured).
-    staying_limit : no k sets whatever can have a larger sum of staying probabilities; see ``metastable_sets``.
     eigenvalues : complex, the operator's leading ones, by which the count was chosen.
     metastable : whether the spectrum shows this many sets; False with k = 1 says that there are none.
     """
@@ -203,7 +195,6 @@ class MetastableSets:
     transitions: Array
     leaving: Array
     relative_error: float
-    staying_limit: float
     eigenvalues: npt.NDArray[np.complex128]
     metastable: bool
 
@@ -239,10 +230,6 @@ def metastable_sets(
         exceed 5 cycles; else k = 1, no metastability. λ near -1, or near other roots of 1, belong to sets that the path
         visits in turn: cyclic, and not found here.
 
-    ``staying_limit`` is the sum of the k largest eigenvalues of the additive reversibilisation (K + K*)/2, K* the chain
-    run backward: staying probabilities of K and of (K + K*)/2 agree, and for the latter it is a bound over all
-    partitions (Huisinga & Schmidt 2006; Froyland 2005); so it holds for every chain.
-
     Raises InvalidInput for a count outside 1 to 12, too few cells, narrow noise, and ``UniformNoise``.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
@@ -265,16 +252,6 @@ def metastable_sets(
     cuts = np.zeros(1)
     if wanted > 1:
         cuts = flow.refined(best_cuts(leaving_chances(flow.between_cells(grid)), wanted) * TWO_PI / grid, TWO_PI / grid)
-    return _described(flow, again, cuts, eigenvalues, wanted > 1 and wanted == shown)
-
-
-def _described(
-    flow: StationaryFlow,
-    again: StationaryFlow,
-    cuts: Array,
-    eigenvalues: npt.NDArray[np.complex128],
-    metastable: bool,
-) -> MetastableSets:
     weights, moves = flow.between_arcs(cuts)
     off = ~np.eye(cuts.size, dtype=bool)
     found, check = (np.append(w, m[off]) for w, m in ((weights, moves), again.between_arcs(cuts)))
@@ -286,9 +263,8 @@ def _described(
         read_only(transitions),
         read_only(leaving),
         3.0 * float(np.max(np.abs(found - check) / np.maximum(found, np.finfo(float).tiny))),
-        _staying_limit(flow, cuts.size),
         eigenvalues,
-        metastable,
+        wanted > 1 and wanted == shown,
     )
 
 
@@ -301,14 +277,3 @@ def _count(eigenvalues: npt.NDArray[np.complex128]) -> int:
     ratio[0] = 0.0
     best = int(np.argmax(ratio))
     return best + 1 if ratio[best] >= _SEPARATION else 1
-
-
-def _staying_limit(flow: StationaryFlow, count: int) -> float:
-    """Sum of the largest eigenvalues of (K + K*)/2, symmetric in the stationary scalar product."""
-    chain, mass = flow.chain, flow.mass
-    used = np.flatnonzero(mass > 0.0)
-    root = np.sqrt(mass[used])
-    half = root[:, None] * chain.transitions(chain.images)[np.ix_(used, used)] / root
-    last = used.size - 1
-    values = eigh(0.5 * (half + half.T), eigvals_only=True, subset_by_index=(last - count + 1, last))
-    return float(np.sum(values))

@@ -16,23 +16,31 @@ from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.noise.uniform_noise import UniformNoise
-from cyclemap.maps.operator.diffusion import diffusion_estimate
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, needed_modes
-from cyclemap.maps.operator.response import Perturbation, Response, ResponseLevel, map_perturbation
-from cyclemap.maps.operator.solution_error import (
+from cyclemap.maps.operator.poisson_equation import (
     BorderedSystem,
     SolutionError,
     density_at,
     density_grid,
+    diffusion_estimate,
     expected,
     law_error,
     map_error_of_density,
     map_error_of_moment,
-    refined,
 )
-from cyclemap.maps.operator.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
+from cyclemap.maps.operator.spectrum import (
+    Perturbation,
+    Response,
+    ResponseLevel,
+    Spectrum,
+    leading_spectrum,
+    leading_values,
+    map_perturbation,
+    mixing_time,
+    second_modulus,
+)
 from cyclemap.maps.orbits.scan import bracketed_root
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import arc_rule, graded_rule
@@ -83,21 +91,13 @@ def distance_from_uniform(density: Function, circle_map: CircleMap, grid: Array,
 _LEADING = 5  # eigenvalues among which the second largest is told from the rest
 
 
-def transfer_operator(
-    circle_map: CircleMap,
-    noise: Noise,
-    *,
-    modes: int | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> TransferOperator:
+def transfer_operator(circle_map: CircleMap, noise: Noise, *, modes: int | None = None) -> TransferOperator:
     """The transfer (Perron-Frobenius) operator of θ' = F(θ) + ξ: it carries the law of θ one cycle on.
 
     Noise makes every law analytic or smooth, so Fourier modes are all but exact: as many are kept as the noise lets
     through, to where the rest of its coefficients sum to less than 1e-17 (see ``FourierDiscretisation``; Galatolo,
     Monge & Nisoli 2020). ``UniformNoise`` has a basis of its own (see ``uniform_discretisation``).
 
-    progress : called with the share of the 100 panels used so far where uniform noise is resolved, which takes half a
-        minute where it is narrow; ``is_certain`` tells whether they were enough. An exception from it ends the work.
     modes : keep this many Fourier modes instead, at most 2000: fewer than needed show what the bounds are worth.
 
     Raises InvalidInput when the noise is missing or so narrow that more than 2000 modes would be needed (for
@@ -112,21 +112,15 @@ def transfer_operator(
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     if not isinstance(noise, Noise):
         raise InvalidInput(f"the noise is {noise!r}: a stationary density needs some, for example WrappedNormal(0.02)")
-    return TransferOperator(circle_map, noise, _discretisation(circle_map, noise, modes, progress))
+    if not isinstance(noise, UniformNoise):
+        needed = needed_modes(noise)
+        kept = needed if modes is None else whole_number("modes", modes, least=1)
+        return TransferOperator(circle_map, noise, FourierDiscretisation(circle_map, noise, kept))
+    if modes is not None:
+        raise InvalidInput(f"modes is {modes!r}, but uniform noise is not resolved in Fourier modes: leave it out")
+    from cyclemap.maps.operator.uniform_basis import uniform_discretisation
 
-
-def _discretisation(
-    circle_map: CircleMap, noise: Noise, modes: int | None, progress: Callable[[float], None] | None
-) -> Discretisation:
-    if isinstance(noise, UniformNoise):
-        if modes is not None:
-            raise InvalidInput(f"modes is {modes!r}, but uniform noise is not resolved in Fourier modes: leave it out")
-        from cyclemap.maps.uniform.uniform_basis import uniform_discretisation
-
-        return uniform_discretisation(circle_map, noise, progress=progress)
-    needed = needed_modes(noise)
-    kept = needed if modes is None else whole_number("modes", modes, least=1)
-    return FourierDiscretisation(circle_map, noise, kept)
+    return TransferOperator(circle_map, noise, uniform_discretisation(circle_map, noise))
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +130,7 @@ class TransferOperator:
     map, noise : what it is the operator of. discretisation : the basis on which it is a matrix.
 
     Every number knows its accuracy. The bounds come from what the computed law leaves over in L p = p (see
-    ``operator_bounds.law_error`` for what in them is proved and what measured); to first order they include the
+    ``poisson_equation.law_error`` for what in them is proved and what measured); to first order they include the
     map's own ``max_error``, except in the spectrum, the responses and the diffusion constant.
     """
 
@@ -215,8 +209,7 @@ class TransferOperator:
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
         0.08
         """
-        finer = self._finer
-        return diffusion_estimate(self._system, self._law, None if finer is None else (finer._system, finer._law))
+        return diffusion_estimate(self._system, self._law, (self._finer._system, self._finer._law))
 
     @cached_property
     def tv_from_uniform(self) -> Estimate:
@@ -237,7 +230,11 @@ class TransferOperator:
 
         Maxima that rise above their neighbouring minima by less than the error bound are not told apart.
         """
-        return peaks_of(self._slope, *self._grid, 4.0 * self.error_bound)
+
+        def slope(theta: Array) -> Array:
+            return np.asarray(self.discretisation.slope(theta) @ self._law)
+
+        return peaks_of(slope, *self._grid, 4.0 * self.error_bound)
 
     # -- the spectrum --------------------------------------------------------------------------------------
 
@@ -251,8 +248,8 @@ class TransferOperator:
 
     def spectrum(self, k: int) -> Spectrum:
         """The same with error bounds, condition numbers and vectors; see ``Spectrum``."""
-        finer = None if self._finer is None else self._finer.discretisation
-        return leading_spectrum(self.discretisation, finer, self._law, whole_number("k", k, least=1))
+        count = whole_number("k", k, least=1)
+        return leading_spectrum(self.discretisation, self._finer.discretisation, self._law, count)
 
     @cached_property
     def spectral_gap(self) -> Estimate:
@@ -267,14 +264,11 @@ class TransferOperator:
 
     # -- responses -----------------------------------------------------------------------------------------
 
-    def map_response(
-        self, tangent: Function, break_shifts: Any = None, *, tangent_slope: Function | None = None
-    ) -> Response:
+    def map_response(self, tangent: Function, break_shifts: Any = None) -> Response:
         """The derivative of law, moments, winding and gap when F moves as F + p·tangent, at p = 0.
 
         tangent : ∂F/∂p, vectorised, radians a unit, as smooth as F between its breaks. break_shifts : rate of every
-            break of F, radians a unit, in the order of ``map.breaks``; None where none moves. tangent_slope : its
-            derivative in θ, needed only for the Lyapunov exponent's.
+            break of F, radians a unit, in the order of ``map.breaks``; None where none moves.
         dc = (I - L)⁻¹ dL c: linear response, which noise makes hold for any map (Galatolo & Giulietti 2019).
 
         >>> from cyclemap.maps.noise.noise import WrappedNormal
@@ -283,7 +277,7 @@ class TransferOperator:
         1.0
         """
         theta, _ = self.discretisation.rule()
-        return self._response(map_perturbation(self.map, theta, tangent, break_shifts, tangent_slope))
+        return self._response(map_perturbation(self.map, theta, tangent, break_shifts))
 
     def noise_response(self) -> Response:
         """The derivative of the same with respect to the noise's own parameter (sigma, r, kappa or halfwidth)."""
@@ -292,8 +286,6 @@ class TransferOperator:
     def _response(self, moving: Perturbation) -> Response:
         level = ResponseLevel(self._system, self._law, self._leading, moving)
         fine = self._finer
-        if fine is None:
-            return Response(level, None)
         vectors = leading_spectrum(fine.discretisation, None, fine._law, _LEADING)
         return Response(level, ResponseLevel(fine._system, fine._law, vectors, moving))
 
@@ -326,9 +318,8 @@ class TransferOperator:
         return map_error_of_density(self._system, self._law)
 
     @cached_property
-    def _finer(self) -> TransferOperator | None:
-        finer = refined(self.discretisation)
-        return None if finer is None else TransferOperator(self.map, self.noise, finer)
+    def _finer(self) -> TransferOperator:
+        return TransferOperator(self.map, self.noise, self.discretisation.refined())
 
     @cached_property
     def _second(self) -> Estimate:
@@ -347,7 +338,3 @@ class TransferOperator:
         if folds:
             rules = graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2)
         return expected(self._error, function, rules, direct)
-
-    def _slope(self, theta: Array) -> Array:
-        """Derivative of the density, shape (m,)."""
-        return np.asarray(self.discretisation.slope(theta) @ self._law)

@@ -1,1 +1,1 @@
-"""Periodic orbits: all of them to a stated resolution, their basins, and the slow passages they leave behind."""
+"""Orbits: periodic ones to a stated resolution, their basins, slow passages, and how fast orbits rotate."""

@@ -47,11 +47,7 @@ class Basin:
 
 
 def basins(
-    circle_map: CircleMap,
-    *,
-    max_period: int = MAX_PERIOD,
-    left_over: float = LEFT_OVER,
-    max_arcs: int = MAX_ARCS,
+    circle_map: CircleMap, *, max_period: int = MAX_PERIOD, left_over: float = LEFT_OVER, max_arcs: int = MAX_ARCS
 ) -> tuple[Basin, ...]:
     """The basins of all stable orbits of periods 1 to ``max_period``, sorted by period, then by angle.
 
@@ -85,15 +81,15 @@ def basins(
     for period in range(1, longest + 1):
         stable = [o for o in periodic_orbits(circle_map, period) if o.stable]
         if stable:
+            cells, found = monotone_cells(circle_map, period, 0.0, _RESOLUTION), periodic_points(circle_map, period)
             orbits += stable
-            immediate += _immediate_basins(circle_map, stable, period)
+            immediate += [
+                np.array([_immediate_arc(circle_map, cells, found, orbit, float(p)) for p in orbit.points])
+                for orbit in stable
+            ]
     if not orbits:
         return ()
     arcs, owner = _all_preimages(circle_map, immediate, share, most)
-    return _as_basins(orbits, immediate, arcs, owner)
-
-
-def _as_basins(orbits: list[Orbit], immediate: list[Array], arcs: Array, owner: Whole) -> tuple[Basin, ...]:
     covered = np.bincount(owner, arcs[:, 1] - arcs[:, 0], len(orbits)) / TWO_PI
     undecided = max(0.0, 1.0 - float(covered.sum()))
     made = []
@@ -109,24 +105,22 @@ def _as_basins(orbits: list[Orbit], immediate: list[Array], arcs: Array, owner: 
 # -- immediate basins ----------------------------------------------------------------------------------------
 
 
-def _immediate_basins(circle_map: CircleMap, orbits: list[Orbit], period: int) -> list[Array]:
-    """One (period, 2) array of arcs for each orbit."""
-    cells = monotone_cells(circle_map, period, 0.0, _RESOLUTION)
-    found = periodic_points(circle_map, period)
-    return [
-        np.array([_immediate_arc(circle_map, cells, found, orbit, float(p)) for p in orbit.points]) for orbit in orbits
-    ]
-
-
 def _immediate_arc(
     circle_map: CircleMap, cells: Cells, found: PeriodicPoints, orbit: Orbit, point: float
 ) -> tuple[float, float]:
     """The largest arc around ``point`` into which the iterate carries it, towards the point."""
-    fixed, winding = _fixed_on_line(circle_map, found, point)
+    # The points of the line, up to a turn away, that the same lift Fⁿ - 2πw fixes.
+    winding = int(found.winding[np.argmin(np.abs(found.theta - point))])
+    laps, climb = np.array([-1, 0, 1])[:, None], circle_map.degree**found.period - 1
+    fixed = (found.theta + TWO_PI * laps)[found.winding + climb * laps == winding]
     below = max([point - TWO_PI, *fixed[fixed < point - _LINEAR]])
     above = min([point + TWO_PI, *fixed[fixed > point + _LINEAR]])
     local = _Local(circle_map, found.period, winding, min(orbit.multiplier, orbit.left_multiplier) <= 0.0)
-    nodes = _local_nodes(cells, point, below, above)
+    # A grid between the limits, and the ends of the iterate's monotone cells, both sides of its breaks.
+    edges = np.concatenate([cells.start - INSET * cells.cut, (cells.start + INSET)[cells.cut]])
+    nodes = np.concatenate([np.linspace(below, above, _LOCAL + 1)[1:-1], (edges + TWO_PI * laps).ravel()])
+    nodes = nodes[(np.abs(nodes - point) > _LINEAR) & (nodes > below + INSET) & (nodes < above - INSET)]
+    nodes = np.unique(nodes)
     images = local(nodes)
     low, high = point - _LINEAR, point + _LINEAR
     for _ in range(_ROUNDS):
@@ -138,15 +132,6 @@ def _immediate_arc(
             break
     start = low % TWO_PI
     return start, start + min(high - low, TWO_PI)
-
-
-def _fixed_on_line(circle_map: CircleMap, found: PeriodicPoints, point: float) -> tuple[Array, int]:
-    """The points of the line, up to a turn away, that the same lift Fⁿ - 2πw fixes, and that w."""
-    winding = int(found.winding[np.argmin(np.abs(found.theta - point))])
-    climb = circle_map.degree**found.period - 1
-    laps = np.array([-1, 0, 1])[:, None]
-    on_line = (found.theta + TWO_PI * laps)[found.winding + climb * laps == winding]
-    return np.sort(on_line), winding
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,15 +150,6 @@ class _Local:
                 image = self.map(image)
             image = image - TWO_PI * self.winding
         return image
-
-
-def _local_nodes(cells: Cells, point: float, below: float, above: float) -> Array:
-    """Points between the limits: a grid, and the ends of the iterate's monotone cells, both sides of its breaks."""
-    edges = np.concatenate([cells.start - INSET * cells.cut, (cells.start + INSET)[cells.cut]])
-    around = np.concatenate([edges + TWO_PI * lap for lap in (-1, 0, 1)])
-    nodes = np.concatenate([np.linspace(below, above, _LOCAL + 1)[1:-1], around])
-    apart = np.abs(nodes - point) > _LINEAR
-    return np.unique(nodes[apart & (nodes > below + INSET) & (nodes < above - INSET)])
 
 
 def _reach(local: _Local, nodes: Array, images: Array, end: float, other: float, limit: float) -> float:
@@ -231,7 +207,7 @@ def _total(arcs: Array) -> float:
 def _preimage_arcs(circle_map: CircleMap, cells: Cells, arcs: Array, mark: Whole) -> tuple[Array, Whole]:
     """The arcs that F maps into the given disjoint arcs, with the marks of those."""
     ends = np.unique(np.mod(arcs.ravel(), TWO_PI))
-    theta = np.mod(preimages(circle_map, cells, ends)[0], TWO_PI)
+    theta = np.mod(preimages(circle_map, cells, ends), TWO_PI)
     edges = np.unique(np.concatenate([theta, circle_map.breaks]))
     if edges.size == 0:
         return np.zeros((0, 2)), np.zeros(0, dtype=np.int64)

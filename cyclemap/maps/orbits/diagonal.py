@@ -12,6 +12,8 @@ from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.scan import INSET, Cells, is_continuous, is_rising, iterate, monotone_cells
 
+RESOLUTION = 512  # cells a turn, at least
+TANGENCY = 1e-12  # radians: extrema and ends of jumps this near a whole turn touch it
 _IDENTITY = 1e-11  # radians: cells with |Fⁿ - id - 2πw| below this at both ends may be arcs of periodic points
 _FLAT = 1e-2  # radians: on a longer arc Fⁿ = id + 2πw to rounding is an arc of periodic points
 _MATE = 1e-4  # radians: how near an extremum the image of a touch must lie to be a touch of the same orbit
@@ -22,14 +24,11 @@ class JumpCrossing:
     """A jump of F across the diagonal: no fixed point, though orbits may gather or part there.
 
     theta : the break, radians; winding : the w of the crossed line θ + 2πw.
-    left_turn, right_turn : F(θ) - θ - 2πw on both sides, radians.
     attracting : True when both sides move towards the break (a downward jump): it acts as an attractor.
     """
 
     theta: float
     winding: int
-    left_turn: float
-    right_turn: float
     attracting: bool
 
 
@@ -58,7 +57,7 @@ class DiagonalScan:
 def displacement(circle_map: CircleMap, theta: Array, period: int, winding: Whole) -> tuple[Array, Array, Array]:
     """(Fⁿ(θ) - θ - 2πw, (Fⁿ)'(θ), a bound on the first one's rounding); whole turns are counted apart.
 
-    The bound adds up ``rounding.LIFT``·(2π + |F|) an iterate, and one rounding of θ itself, through the slopes.
+    The bound adds up ``LIFT``·(2π + |F|) an iterate, and one rounding of θ itself, through the slopes.
     """
     image, slope = theta, np.ones_like(theta)
     turns = np.zeros(theta.shape, dtype=np.int64)
@@ -72,19 +71,26 @@ def displacement(circle_map: CircleMap, theta: Array, period: int, winding: Whol
     return np.asarray(image - theta + TWO_PI * (turns - winding)), slope, rounding
 
 
-def diagonal_scan(circle_map: CircleMap, period: int, resolution: int, tangency: float) -> DiagonalScan:
-    """The crossings of Fⁿ - id with 2πw: touches within ``tangency`` (radians) are set apart."""
-    cells = monotone_cells(circle_map, period, 1.0, resolution)
+def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
+    """The crossings of Fⁿ - id with 2πw: touches within ``TANGENCY`` are set apart."""
+    cells = monotone_cells(circle_map, period, 1.0, RESOLUTION)
     _refuse_identity(circle_map, cells)
     scan = DiagonalScan(cells, _whole_turns(cells.g_start), _whole_turns(cells.g_end))
     joined = is_continuous(cells)
-    tolerance, seeds = _tolerance(circle_map, cells, joined, tangency)
+    tolerance, seeds = _tolerance(circle_map, cells, joined)
     ends = _Ends(scan, joined, tolerance)
     settled: set[int] = set()
     for seed in seeds.tolist():
         if seed not in settled:
             settled.update(ends.settle(seed))
-    _list_jumps(scan, joined)
+    # The lines that g crosses by a jump; those that one side of the jump merely meets are left out.
+    met = dict.fromkeys(scan.border)
+    for i in np.flatnonzero(~joined):
+        before, after = int(scan.turn_end[i - 1]) - (scan.lap if i == 0 else 0), int(scan.turn_start[i])
+        theta = float(cells.start[i])
+        for w in range(min(before, after) + 1, max(before, after) + 1):
+            if (theta, w) not in met:
+                scan.jumps.append(JumpCrossing(theta, w, before > after))
     return scan
 
 
@@ -114,7 +120,7 @@ def _refuse_identity(circle_map: CircleMap, cells: Cells) -> None:
 # -- cell ends that lie on the diagonal, within the tangency -------------------------------------------------
 
 
-def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask, tangency: float) -> tuple[Array, Whole]:
+def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array, Whole]:
     """How far from a whole turn each cell end still counts as on it, and the ends where that needs settling.
 
     Ends are counted 0, 1, 2, ...: the start of cell 0, its end, the start of cell 1, ... Only at extrema and breaks
@@ -123,13 +129,13 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask, tangency: floa
     """
     rising = is_rising(cells)
     special = np.flatnonzero((rising != np.roll(rising, 1)) | cells.cut)
-    tolerance = np.full(2 * cells.size, tangency)
+    tolerance = np.full(2 * cells.size, TANGENCY)
     if special.size == 0:
         return tolerance, special
     after, before = cells.g_start[special], np.roll(cells.g_end, 1)[special] - cells.climb * (special == 0)
     inside = cells.start[special] + INSET * cells.cut[special]
     _, _, rounding = displacement(circle_map, inside, cells.period, _whole_turns(after))
-    allowed = tangency + rounding + LIFT * np.abs(after) + np.where(joined[special], np.abs(after - before), 0.0)
+    allowed = TANGENCY + rounding + LIFT * np.abs(after) + np.where(joined[special], np.abs(after - before), 0.0)
     gap = np.minimum(_gap(after), _gap(before))
     if cells.period > 1:
         allowed = _judged_alike(circle_map, cells, special, gap, allowed)
@@ -229,16 +235,3 @@ class _Ends:
         for e in run:
             turns = self.scan.turn_end if e % 2 else self.scan.turn_start
             turns[self._cell(e)] = w - self.scan.lap * self._laps(e) - (0 if above else 1)
-
-
-def _list_jumps(scan: DiagonalScan, joined: Mask) -> None:
-    """The lines that g crosses by a jump, lines that one side of the jump merely meets left out."""
-    cells, ends = scan.cells, dict.fromkeys(scan.border)
-    for i in np.flatnonzero(~joined):
-        back = scan.lap if i == 0 else 0
-        before, after = int(scan.turn_end[i - 1]) - back, int(scan.turn_start[i])
-        left, right = float(cells.g_end[i - 1]) - TWO_PI * back, float(cells.g_start[i])
-        theta = float(cells.start[i])
-        for w in range(min(before, after) + 1, max(before, after) + 1):
-            if (theta, w) not in ends:
-                scan.jumps.append(JumpCrossing(theta, w, left - TWO_PI * w, right - TWO_PI * w, before > after))

@@ -9,15 +9,21 @@ import numpy as np
 import numpy.typing as npt
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
-from cyclemap.checks import positive_number, read_only, whole_number
+from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
-from cyclemap.maps.lifts.circle_map import SNAP, CircleMap
-from cyclemap.maps.orbits.diagonal import DiagonalScan, JumpCrossing, diagonal_scan, displacement, nearest_on_circle
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import SNAP
+from cyclemap.maps.orbits.diagonal import (
+    TANGENCY,
+    DiagonalScan,
+    JumpCrossing,
+    diagonal_scan,
+    displacement,
+    nearest_on_circle,
+)
 from cyclemap.maps.orbits.scan import roots_between
 
-RESOLUTION = 512
-TANGENCY = 1e-12  # radians
 NEUTRAL = 1e-7
 _LINKED = 1e-9  # radians: the image of a point and the point it is, beyond both their error bounds
 _POLISH = 3  # Newton steps at most
@@ -35,12 +41,12 @@ class PeriodicPoints:
     kind : "stable", "unstable", "neutral", "saddle-node" or "border-collision", as for ``Orbit``.
     error_bound : radians. Beyond θ ± error_bound, Fⁿ - id - 2πw has left the line for certain: it has opposite
         signs at the two ends, by more than rounding (so a crossing lies between them); at a saddle-node it is
-        farther from zero than ``tangency`` on both sides. Takes the lift to be good to four units of rounding of
+        farther from zero than 1e-12 radians on both sides. Takes the lift to be good to four units of rounding of
         2π + |F|; the error of a sampled map is not in it. inf where no such bracket was found (at jumps).
     image : index of the point that F maps each point to; -1 where that point is not in the list.
-    residual : the largest |Fⁿ(θ) - θ - 2πw| in units of what rounding, or the tangency at saddle-nodes, allows:
+    residual : the largest |Fⁿ(θ) - θ - 2πw| in units of what rounding, or 1e-12 at saddle-nodes, allows:
         about 1 or less when every point is as good as double precision lets it be. 0 without points.
-    period : n. resolution, tangency : as they were asked for.
+    period : n.
     """
 
     theta: Array
@@ -52,8 +58,6 @@ class PeriodicPoints:
     error_bound: Array
     image: Whole
     period: int
-    resolution: int
-    tangency: float
     residual: float
 
     @property
@@ -75,25 +79,18 @@ class PeriodicPoints:
         return np.asarray(self.kind == "saddle-node")
 
 
-def periodic_points(
-    circle_map: CircleMap,
-    period: int,
-    winding: int | None = None,
-    *,
-    resolution: int = RESOLUTION,
-    tangency: float = TANGENCY,
-) -> PeriodicPoints:
+def periodic_points(circle_map: CircleMap, period: int, winding: int | None = None) -> PeriodicPoints:
     """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, n = ``period``: all w, or the one given.
 
-    One turn is cut into cells (at least ``resolution`` of them; the samples of a sampled map, the breaks of Fⁿ and
+    One turn is cut into cells (512 of them or more; the samples of a sampled map, the breaks of Fⁿ and
     the folds of F with their preimages among their ends; no image longer than half a radian) until the cubic through
     each cell's ends meets Fⁿ at inner probes, and split at the extrema of Fⁿ - id. Then every sign change is
     bracketed and solved to rounding (Chandrupatla 1997, and Newton's steps).
     Complete but for pairs of extrema of a hump or dent of F narrower, at half its height, than a tenth of a
-    milliradian. Roots between which |Fⁿ - id - 2πw| stays within ``tangency`` (radians; plus rounding) count as one: a
+    milliradian. Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus rounding) count as one: a
     "saddle-node" where the curve keeps its side, a crossing where it changes it. All points of an orbit are judged
     alike.
-    A curve that ends within ``tangency`` of 2πw at a jump of Fⁿ gives a point of kind "border-collision".
+    A curve that ends within 1e-12 of 2πw at a jump of Fⁿ gives a point of kind "border-collision".
 
     Raises InvalidInput when a whole arc is periodic, ConvergenceError when Fⁿ needs more than 2,000,000 cells.
 
@@ -106,24 +103,24 @@ def periodic_points(
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     n = whole_number("period", period, least=1)
     wanted = None if winding is None else whole_number("winding", winding)
-    cells_a_turn, within = whole_number("resolution", resolution, least=8), positive_number("tangency", tangency)
-    scan = diagonal_scan(circle_map, n, cells_a_turn, within)
+    scan = diagonal_scan(circle_map, n)
     roots = _polished(circle_map, _roots(scan, circle_map), n)
-    return _selected(_described(circle_map, roots, n, cells_a_turn, within), wanted)
-
-
-def _described(circle_map: CircleMap, roots: _Roots, n: int, resolution: int, tangency: float) -> PeriodicPoints:
-    """The roots with all that the result tells of them."""
-    allowed = roots.rounding + tangency * roots.at_touch
+    allowed = roots.rounding + TANGENCY * roots.at_touch
     residual = float(np.max(np.abs(roots.residual) / allowed, initial=0.0))
-    bound = _error_bounds(circle_map, roots, n, tangency)
+    bound = _error_bounds(circle_map, roots, n)
     image = _images(circle_map, roots.theta, bound)
     right, left = (_multiplier(circle_map, roots.theta, image, n, side) for side in (1, -1))
     prime = _prime_periods(circle_map, roots.theta, image, n, bound)
     kind = _kinds(left, right, roots.role)
-    return PeriodicPoints(
-        roots.theta, roots.winding, right, left, prime, kind, bound, image, n, resolution, tangency, residual
-    )
+    found = PeriodicPoints(roots.theta, roots.winding, right, left, prime, kind, bound, image, n, residual)
+    # Those with the wanted winding, read-only; links to points left out are cut.
+    keep = np.ones(found.count, dtype=bool) if wanted is None else found.winding == wanted
+    number = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)
+    arrays: dict[str, Any] = {name: getattr(found, name)[keep] for name in _ARRAYS}
+    arrays["image"] = number[found.image[keep]]
+    for array in arrays.values():
+        array.setflags(write=False)
+    return replace(found, **arrays)
 
 
 # -- roots -------------------------------------------------------------------------------------------------
@@ -178,33 +175,28 @@ def _polished(circle_map: CircleMap, found: tuple[Array, Whole, Whole], period: 
     return _Roots(theta[order], whole[order], role[order], residual[order], slope[order], rounding[order])
 
 
-def _error_bounds(circle_map: CircleMap, roots: _Roots, period: int, tangency: float) -> Array:
+def _error_bounds(circle_map: CircleMap, roots: _Roots, period: int) -> Array:
     """The half width of the bracket around each root at whose ends g has left the line beyond doubt."""
     margin = np.abs(roots.residual) + 2.0 * roots.rounding
     with np.errstate(divide="ignore"):
         half = np.minimum(1.5 * margin / np.abs(roots.slope - 1.0), 1e-8)
     half = np.maximum(half, 2.0 * np.spacing(roots.theta) + 1e-300)
-    half[roots.at_touch] = np.maximum(half[roots.at_touch], tangency)
+    half[roots.at_touch] = np.maximum(half[roots.at_touch], TANGENCY)
     bound, left = np.full(half.shape, np.inf), np.flatnonzero(roots.role != _BORDER)
     for _ in range(_WIDENINGS):
         if left.size == 0:
             break
-        done = _leaves(circle_map, roots, left, half[left], period, tangency)
+        theta, whole, touch = roots.theta[left], roots.winding[left], roots.at_touch[left]
+        (low, _, low_noise), (high, _, high_noise) = (
+            displacement(circle_map, theta + side * half[left], period, whole) for side in (-1, 1)
+        )
+        sides = np.where(touch, low * high > 0.0, low * high < 0.0)
+        done = sides & (np.abs(low) > low_noise + TANGENCY * touch) & (np.abs(high) > high_noise + TANGENCY * touch)
         bound[left[done]] = half[left[done]]
         left = left[~done]
         half[left] *= 2.0
         left = left[half[left] < np.pi]
     return bound
-
-
-def _leaves(circle_map: CircleMap, roots: _Roots, use: Whole, half: Array, period: int, tangency: float) -> Mask:
-    theta, whole, touch = roots.theta[use], roots.winding[use], roots.at_touch[use]
-    (low, _, low_noise), (high, _, high_noise) = (
-        displacement(circle_map, theta + side * half, period, whole) for side in (-1, 1)
-    )
-    sides = np.where(touch, low * high > 0.0, low * high < 0.0)
-    clear = (np.abs(low) > low_noise + tangency * touch) & (np.abs(high) > high_noise + tangency * touch)
-    return np.asarray(sides & clear)
 
 
 # -- orbits among the roots ----------------------------------------------------------------------------------
@@ -280,17 +272,6 @@ def _kinds(left: Array, right: Array, role: Whole) -> npt.NDArray[np.str_]:
     kind = np.where(neutral, "neutral", np.where(attracts, "stable", "unstable")).astype("<U16")
     kind[role == _TOUCH], kind[role == _BORDER] = "saddle-node", "border-collision"
     return kind
-
-
-def _selected(found: PeriodicPoints, wanted: int | None) -> PeriodicPoints:
-    """The points with the wanted winding, read-only; links to points left out are cut."""
-    keep = np.ones(found.count, dtype=bool) if wanted is None else found.winding == wanted
-    number = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)
-    arrays: dict[str, Any] = {name: getattr(found, name)[keep] for name in _ARRAYS}
-    arrays["image"] = number[found.image[keep]]
-    for array in arrays.values():
-        array.setflags(write=False)
-    return replace(found, **arrays)
 
 
 _SAME = 1e-6  # radians: an orbit followed by iteration is closed when it comes back this near
@@ -372,7 +353,7 @@ def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:
     """
     if circle_map.breaks.size == 0:
         return []
-    return sorted(diagonal_scan(circle_map, 1, RESOLUTION, TANGENCY).jumps, key=lambda jump: jump.theta)
+    return sorted(diagonal_scan(circle_map, 1).jumps, key=lambda jump: jump.theta)
 
 
 # -- points to orbits --------------------------------------------------------------------------------------

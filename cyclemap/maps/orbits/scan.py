@@ -173,8 +173,14 @@ def monotone_cells(
     circle_map: CircleMap, period: int, shift: float, resolution: int, marks: Sequence[float] = ()
 ) -> Cells:
     """Cells on each of which g = Fⁿ - shift·id is monotone, down to ``GRAIN``; ``marks`` are ends of cells, too."""
-    breaks = iterate_breaks(circle_map, period, resolution)
-    features = np.append(_iterate_features(circle_map, period, resolution), np.mod(marks, TWO_PI))
+    breaks, features = circle_map.breaks, np.mod(marks, TWO_PI)
+    if period > 1:
+        # Breaks, smooth turning points and narrow cells of F, and their preimages up to n - 1 cycles back.
+        once = monotone_cells(circle_map, 1, 0.0, resolution)
+        rising, narrow = is_rising(once), once.end - once.start < _NARROW * TWO_PI / resolution
+        breaks = _pulled_back(circle_map, once, breaks, period)
+        special = once.start[((rising != np.roll(rising, 1)) | narrow) & ~once.cut]
+        features = np.append(_pulled_back(circle_map, once, special, period), features)
     nodes = _base_nodes(circle_map, breaks, features, resolution)
     start, end = nodes[:-1], nodes[1:]
     cut = np.isin(start, breaks)
@@ -191,17 +197,23 @@ def monotone_cells(
         owner, rank = owner[parts[owner] > 1], rank[parts[owner] > 1]
         if owner.size == 0:
             found = joined(in_order(done))
-            if period == 1:
-                _refuse_hidden_jump(found)
+            width, rise = found.end - found.start, np.abs(found.g_end - found.g_start)
+            steepest = np.maximum(np.abs(found.slope_start), np.abs(found.slope_end))
+            jumps = (width < 32.0 * INSET) & (rise > 4.0 * steepest * width + _HIDDEN_JUMP)
+            if period == 1 and np.any(jumps):
+                place = int(np.argmax(np.where(jumps, rise, 0.0)))
+                raise ConvergenceError(
+                    f"the lift jumps by {rise[place]:.6g} radians at θ = {found.start[place]:.12g}, which is none of "
+                    "its breaks: give it in breaks"
+                )
             return _split_at_extrema(circle_map, found)
         share, first, last = parts[owner], rank == 0, rank + 1 == parts[owner]
         cut, cut_end = cut[owner] & first, cut_end[owner] & last
         low, step = start[owner], (end - start)[owner]
         start, end = low + step * (rank / share), np.where(last, end[owner], low + step * ((rank + 1) / share))
-    steepest = int(np.argmax(parts))
     raise ConvergenceError(
-        f"period {period} needs more than {MAX_CELLS} cells: the map is too steep, most of all near "
-        f"θ = {cells.start[steepest]:.6g}; ask for a shorter period, or name the break that is missing there"
+        f"period {period} needs more than {MAX_CELLS} cells: the map is too steep, most of all near θ = "
+        f"{cells.start[int(np.argmax(parts))]:.6g}; ask for a shorter period, or name the break that is missing there"
     )
 
 
@@ -217,43 +229,20 @@ def _refuse_rough(cells: Cells, rough: Mask) -> None:
     )
 
 
-def _refuse_hidden_jump(cells: Cells) -> None:
-    width, rise = cells.end - cells.start, np.abs(cells.g_end - cells.g_start)
-    steepest = np.maximum(np.abs(cells.slope_start), np.abs(cells.slope_end))
-    jumps = (width < 32.0 * INSET) & (rise > 4.0 * steepest * width + _HIDDEN_JUMP)
-    if np.any(jumps):
-        place = int(np.argmax(np.where(jumps, rise, 0.0)))
-        raise ConvergenceError(
-            f"the lift jumps by {rise[place]:.6g} radians at θ = {cells.start[place]:.12g}, which is none of its "
-            "breaks: give it in breaks"
-        )
-
-
 def _ranks(count: Whole) -> Whole:
     """0, 1, ..., count - 1 for each entry, one after the other."""
     return np.asarray(np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count))
 
 
-def iterate_breaks(circle_map: CircleMap, period: int, resolution: int) -> Array:
-    """Breaks of Fⁿ in [0, 2π): those of F and their preimages up to n - 1 cycles back."""
-    if circle_map.breaks.size == 0 or period == 1:
-        return circle_map.breaks
-    return _pulled_back(circle_map, monotone_cells(circle_map, 1, 0.0, resolution), circle_map.breaks, period)
-
-
-def _iterate_features(circle_map: CircleMap, period: int, resolution: int) -> Array:
-    """Smooth turning points and narrow cells of F and their preimages up to n - 1 cycles back; none where n = 1."""
-    if period == 1:
-        return np.zeros(0)
-    once = monotone_cells(circle_map, 1, 0.0, resolution)
-    rising, narrow = is_rising(once), once.end - once.start < _NARROW * TWO_PI / resolution
-    return _pulled_back(circle_map, once, once.start[((rising != np.roll(rising, 1)) | narrow) & ~once.cut], period)
-
-
 def _pulled_back(circle_map: CircleMap, once: Cells, marks: Array, period: int) -> Array:
     found = latest = marks
     for _ in range(period - 1 if marks.size else 0):
-        known, found = found, _merged(np.append(found, np.mod(preimages(circle_map, once, latest)[0], TWO_PI)))
+        known, angles = found, np.append(found, np.mod(preimages(circle_map, once, latest), TWO_PI))
+        # Sorted; of those that lie together the one given first.
+        angles = np.where(angles > TWO_PI - 8.0 * INSET, 0.0, angles)
+        order = np.argsort(angles, kind="stable")
+        fresh = np.flatnonzero(np.append(True, np.diff(angles[order]) > 8.0 * INSET))
+        found = angles[np.minimum.reduceat(order, fresh)]
         latest = np.setdiff1d(found, known)
         if latest.size == 0:
             break
@@ -262,14 +251,6 @@ def _pulled_back(circle_map: CircleMap, once: Cells, marks: Array, period: int) 
                 f"period {period} has more than {found.size} breaks or folds: ask for a shorter period"
             )
     return found
-
-
-def _merged(angles: Array) -> Array:
-    """The angles sorted; of those that lie together the one given first."""
-    angles = np.where(angles > TWO_PI - 8.0 * INSET, 0.0, angles)
-    order = np.argsort(angles, kind="stable")
-    fresh = np.flatnonzero(np.append(True, np.diff(angles[order]) > 8.0 * INSET))
-    return np.asarray(angles[np.minimum.reduceat(order, fresh)])
 
 
 def _base_nodes(circle_map: CircleMap, breaks: Array, folds: Array, resolution: int) -> Array:
@@ -362,27 +343,15 @@ def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
 # -- roots -------------------------------------------------------------------------------------------------
 
 
-def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> tuple[Array, Whole]:
-    """All θ in [0, 2π] with g(θ) = level + 2πw for some w, and the index of the level of each.
-
-    levels : shape (m,), radians. Sorted by level, then by angle.
-    """
-    found, owner = [np.zeros(0)], [np.zeros(0, dtype=np.int64)]
+def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> Array:
+    """All θ in [0, 2π] with g(θ) = level + 2πw for some w, level after level of ``levels``, shape (m,), radians."""
+    found = [np.zeros(0)]
     for first in range(0, levels.size, _LEVELS_AT_ONCE):
         some = levels[first : first + _LEVELS_AT_ONCE]
         start, end = (np.floor((g - some[:, None]) / TWO_PI).astype(np.int64) for g in (cells.g_start, cells.g_end))
         level, cell = np.nonzero(start != end)
-        theta, _, pick = _solved(circle_map, cells, cell, some[level], start[level, cell], end[level, cell])
-        found.append(theta)
-        owner.append(first + level[pick])
-    return np.concatenate(found), np.concatenate(owner)
-
-
-def crossings(circle_map: CircleMap, cells: Cells, level: float) -> tuple[Array, Whole, Whole]:
-    """All θ in [0, 2π] with g(θ) = level + 2πw, their w, and the cell of each."""
-    low = np.floor((cells.g_start - level) / TWO_PI).astype(np.int64)
-    high = np.floor((cells.g_end - level) / TWO_PI).astype(np.int64)
-    return roots_between(circle_map, cells, level, low, high)
+        found.append(solved(circle_map, cells, cell, some[level], start[level, cell], end[level, cell])[0])
+    return np.concatenate(found)
 
 
 def roots_between(
@@ -390,11 +359,11 @@ def roots_between(
 ) -> tuple[Array, Whole, Whole]:
     """The roots of g = level + 2πw for every w in (min, max] of the whole turns at a cell's two ends."""
     cell = np.flatnonzero(turn_start != turn_end)
-    theta, whole, pick = _solved(circle_map, cells, cell, np.float64(level), turn_start[cell], turn_end[cell])
+    theta, whole, pick = solved(circle_map, cells, cell, np.float64(level), turn_start[cell], turn_end[cell])
     return theta, whole, cell[pick]
 
 
-def _solved(
+def solved(
     circle_map: CircleMap, cells: Cells, cell: Whole, level: Array | np.float64, turn_start: Whole, turn_end: Whole
 ) -> tuple[Array, Whole, Whole]:
     """The roots in the listed cells, their w, and which entry of the list each belongs to."""

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
-from cyclemap.checks import positive_number, whole_number
+from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.diagonal import displacement
-from cyclemap.maps.orbits.periodic_points import RESOLUTION, TANGENCY
+from cyclemap.maps.orbits.diagonal import RESOLUTION, TANGENCY, displacement
 from cyclemap.maps.orbits.scan import Cells, is_continuous, is_rising, monotone_cells
 
 LEAST_CYCLES = 10.0
@@ -48,19 +47,13 @@ class SlowPassage:
     relative_error: float
 
 
-def slow_passages(
-    circle_map: CircleMap,
-    period: int = 1,
-    winding: int | None = None,
-    *,
-    least_cycles: float = LEAST_CYCLES,
-) -> list[SlowPassage]:
+def slow_passages(circle_map: CircleMap, period: int = 1, winding: int | None = None) -> list[SlowPassage]:
     """All bottlenecks of Fⁿ, n = ``period``, by angle: what saddle-nodes leave behind when their orbits are gone.
 
     A bottleneck is a local extremum of the move Fⁿ - id - 2πw that lies on its own side of zero (a least upward
     or a least downward move), by more than 1e-12 radians (nearer it is a saddle-node, see
     ``periodic_points``), such that
-    - the passage π/√(aε) takes at least ``least_cycles`` cycles of F in all, and
+    - the passage π/√(aε) takes at least 10 cycles of F in all, and
     - |ε| is at most half the mean of |Fⁿ - id - 2πw| over the circle: elsewhere orbits are faster.
     winding : keep only this w; None takes, at each extremum, the nearest line on the side that it does not cross.
     A passage near an orbit of period n shows at each of its n points. Extrema where a divisor of n comes at least
@@ -81,12 +74,14 @@ def slow_passages(
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     n = whole_number("period", period, least=1)
     wanted = None if winding is None else whole_number("winding", winding)
-    longest_short = positive_number("least_cycles", least_cycles)
     cells = monotone_cells(circle_map, n, 1.0, RESOLUTION)
     theta, whole, gap = _near_misses(circle_map, cells, wanted)
-    near = (np.abs(gap) > TANGENCY) & ~_shorter(circle_map, theta, gap, n)
+    near, angle = np.abs(gap) > TANGENCY, theta
+    for d in range(1, n):  # left out where a divisor of the period comes at least as near
+        angle = np.mod(circle_map(angle), TWO_PI)
+        near &= (n % d != 0) | (np.abs(shorter_way(angle - theta)) > np.abs(gap))
     passages = [_passage(circle_map, n, *place) for place in zip(theta[near], whole[near], gap[near], strict=True)]
-    return [passage for passage in passages if passage and passage.passage_cycles >= longest_short]
+    return [passage for passage in passages if passage and passage.passage_cycles >= LEAST_CYCLES]
 
 
 def _near_misses(circle_map: CircleMap, cells: Cells, wanted: int | None) -> tuple[Array, Whole, Array]:
@@ -103,16 +98,6 @@ def _near_misses(circle_map: CircleMap, cells: Cells, wanted: int | None) -> tup
     mean = np.array([np.dot(weight, np.abs(middle - TWO_PI * w)) for w in whole])
     keep = (np.where(least, gap, -gap) > 0.0) & (np.abs(gap) <= _SHARE * mean)
     return theta[keep], whole[keep], gap[keep]
-
-
-def _shorter(circle_map: CircleMap, theta: Array, gap: Array, period: int) -> np.typing.NDArray[np.bool_]:
-    """Whether a divisor of the period comes at least as near to the diagonal."""
-    found, angle = np.zeros(theta.size, dtype=bool), theta
-    for d in range(1, period):
-        angle = np.mod(circle_map(angle), TWO_PI)
-        off = np.abs(shorter_way(angle - theta))
-        found |= (period % d == 0) & (off <= np.abs(gap))
-    return found
 
 
 def _passage(circle_map: CircleMap, period: int, theta: float, whole: int, gap: float) -> SlowPassage | None:
@@ -148,8 +133,12 @@ def _relative_error(
     s, weight = np.polynomial.legendre.leggauss(_GAUSS)
     edge = np.arctan(REACH)
     x = width * np.append(np.tan(edge * s), [-REACH, REACH])
-    if circle_map.breaks.size and _meets_break(circle_map, theta + x, period):
-        return float("inf")
+    angle = theta + x
+    for _ in range(period):  # a break inside the stretch, or inside one of its images before the last
+        low, high = float(np.min(angle)), float(np.max(angle))
+        if np.any(np.mod(circle_map.breaks - low, TWO_PI) < high - low):
+            return float("inf")
+        angle = circle_map(angle)
     g, slope, _ = displacement(circle_map, theta + x, period, np.full(x.size, whole))
     if np.any(g * gap <= 0.0):
         return float("inf")
@@ -160,14 +149,3 @@ def _relative_error(
     true += 0.5 * np.log(g[-1] / g[-2]) - (bend[-1] - bend[-2]) / 12.0
     parabola = 2.0 * edge / np.sqrt(curvature * gap)
     return float(abs(abs(true) / parabola - 1.0))
-
-
-def _meets_break(circle_map: CircleMap, theta: Array, period: int) -> bool:
-    """Whether a break lies inside the stretch, or inside one of its images before the last."""
-    angle = theta
-    for _ in range(period):
-        low, high = float(np.min(angle)), float(np.max(angle))
-        if np.any(np.mod(circle_map.breaks - low, TWO_PI) < high - low):
-            return True
-        angle = circle_map(angle)
-    return False

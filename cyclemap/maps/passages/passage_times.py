@@ -11,12 +11,20 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.arcs import Arc, arc_ends, arcs_between, into_arc, required_inside
 from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.noise.uniform_noise import UniformNoise
-from cyclemap.maps.passages.killed_chain import KilledChain, circle_exit, killed_chain, line_exits
+from cyclemap.maps.passages.killed_chain import (
+    Arc,
+    KilledChain,
+    arc_chain,
+    arc_ends,
+    arcs_between,
+    into_arc,
+    killed_chain,
+    required_inside,
+)
 
 Tangent = Callable[[Array], Array]
 
@@ -28,22 +36,12 @@ _STRETCH = 1.3  # bandwidth of the second solution of a response over that of th
 _MORE = 1.4  # bandwidth of the second attempt over that of the first
 
 
-def mean_passage_time(
-    circle_map: CircleMap,
-    noise: Noise,
-    start: float,
-    arc: Arc,
-    *,
-    lifted: bool = False,
-    progress: Callable[[float], None] | None = None,
-) -> Estimate:
+def mean_passage_time(circle_map: CircleMap, noise: Noise, start: float, arc: Arc, *, lifted: bool = False) -> Estimate:
     """Mean number of cycles until the path θ' = F(θ) + ξ from ``start`` is first outside ``arc``.
 
     start : radians, inside the arc. arc : (start, end), counter-clockwise, radians, length in (0, 2π).
     lifted : False counts positions mod 2π, so that a step of a whole turn comes back; True follows the
         path on the real line, where the arc may be a whole turn.
-    progress : called with the fraction done, at most, where uniform noise is resolved, which takes seconds where it
-        is narrow. An exception from it ends the work.
 
     T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels
     between the map's breaks and samples (Nyström). The system is eliminated without subtraction from the
@@ -65,29 +63,20 @@ def mean_passage_time(
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
     if isinstance(noise, UniformNoise):
-        from cyclemap.maps.uniform.uniform_passage import uniform_passage_time
+        from cyclemap.maps.passages.uniform_passage import uniform_passage_time
 
-        return uniform_passage_time(circle_map, noise, inside, ends, lifted, progress=progress)
-    exits = line_exits(ends) if lifted else circle_exit(ends)
-    make = partial(killed_chain, circle_map, noise, (ends,), exits, lifted)
-    return _certified(make, inside, 1.0, np.zeros(len(exits)), "mean passage time")
+        return uniform_passage_time(circle_map, noise, inside, ends, lifted)
+    make = partial(arc_chain, circle_map, noise, ends, lifted)
+    return _certified(make, inside, 1.0, np.zeros(2 if lifted else 1), "mean passage time")
 
 
-def hitting_probability(
-    circle_map: CircleMap,
-    noise: Noise,
-    start: float,
-    arc_a: Arc,
-    arc_b: Arc,
-    *,
-    progress: Callable[[float], None] | None = None,
-) -> Estimate:
+def hitting_probability(circle_map: CircleMap, noise: Noise, start: float, arc_a: Arc, arc_b: Arc) -> Estimate:
     """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
 
     The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start inside one of them gives
     1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x)) u(y) dy, solved and bounded as in
-    ``mean_passage_time``, with its ``progress``: small chances keep their digits too. ConvergenceError also when
-    neither arc is reached within 1e300 cycles.
+    ``mean_passage_time``: small chances keep their digits too. ConvergenceError also when neither arc is reached
+    within 1e300 cycles.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> even = hitting_probability(CircleMap.rigid(0.0), WrappedNormal(0.3), 0.0, (1.0, 2.0), (-2.0, -1.0))
@@ -101,9 +90,9 @@ def hitting_probability(
         if into_arc(theta, ends) is not None:
             return Estimate(answer, 0.0)
     if isinstance(noise, UniformNoise):
-        from cyclemap.maps.uniform.uniform_passage import uniform_hitting_probability
+        from cyclemap.maps.passages.uniform_passage import uniform_hitting_probability
 
-        return uniform_hitting_probability(circle_map, noise, theta, a, b, progress=progress)
+        return uniform_hitting_probability(circle_map, noise, theta, a, b)
     make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
     found = _certified(make, theta, 0.0, np.array([1.0, 0.0]), "hitting probability")
     if not np.isfinite(found):
@@ -152,13 +141,7 @@ class PassageResponse:
 
 
 def passage_response(
-    circle_map: CircleMap,
-    noise: Noise,
-    start: float,
-    arc: Arc,
-    tangent: Tangent | None = None,
-    *,
-    lifted: bool = False,
+    circle_map: CircleMap, noise: Noise, start: float, arc: Arc, tangent: Tangent | None = None, *, lifted: bool = False
 ) -> PassageResponse:
     """The mean passage time of ``mean_passage_time`` and its derivatives.
 
@@ -181,11 +164,8 @@ def passage_response(
     """
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
-    exits = line_exits(ends) if lifted else circle_exit(ends)
     (first, sizes), (second, _) = (
-        _responses(
-            killed_chain(circle_map, noise, (ends,), exits, lifted, every_sample=True, stretch=stretch), inside, tangent
-        )
+        _responses(arc_chain(circle_map, noise, ends, lifted, stretch=stretch), inside, tangent)
         for stretch in (1.0, _STRETCH)
     )
     bounds = 3.0 * np.abs(first - second) + ELIMINATION * sizes

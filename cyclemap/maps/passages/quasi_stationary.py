@@ -10,11 +10,16 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.arcs import Arc, arc_ends, required_inside
 from cyclemap.maps.estimate import QUASI_STATIONARY, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.passages.killed_chain import KilledChain, circle_exit, killed_chain, line_exits
+from cyclemap.maps.passages.killed_chain import (
+    Arc,
+    KilledChain,
+    arc_chain,
+    arc_ends,
+    required_inside,
+)
 from cyclemap.maps.passages.passage_times import LONGEST
 
 _ROUNDS = 400  # of one power and one inverse iteration each
@@ -116,7 +121,7 @@ def survival_probabilities(
     """
     count, ends = whole_number("cycles", cycles, least=0), arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
-    chain = _chain(circle_map, noise, ends, lifted)
+    chain = arc_chain(circle_map, noise, ends, lifted)
     images = np.append(chain.images, circle_map(inside))
     moves = chain.transitions(images)
     moves *= ((1.0 - chain.departures(images).sum(axis=0)) / moves.sum(axis=1))[:, None]
@@ -132,9 +137,14 @@ def survival_probabilities(
 
 def law_between(circle_map: CircleMap, noise: Noise, ends: Arc, lifted: bool) -> QuasiStationaryDistribution:
     """The law on an arc whose ends are sound; on the line it may be up to two turns long."""
-    chain, other = (_chain(circle_map, noise, ends, lifted, stretch) for stretch in (1.0, _STRETCH))
+    chain, other = (arc_chain(circle_map, noise, ends, lifted, stretch=stretch) for stretch in (1.0, _STRETCH))
     (mass, gone, stay), (mass_other, gone_other, _) = _fixed(chain), _fixed(other)
-    own, from_map = _relative_bounds(chain, mass)
+    # The relative error of the mean passage time at the law's mode: its own, and from the map. Where the arc holds
+    # several deep wells its own drowns in rounding, while the elimination does not.
+    expected = chain.expected(1.0, np.zeros(len(chain.exits)))
+    mode = float(chain.theta[np.argmax(mass / chain.weight)])
+    own, from_map = np.array(expected.error_bounds(mode)) / expected.value_at(mode)
+    own = min(own, QUASI_STATIONARY)
     chances, again = np.append(gone, gone.sum()), np.append(gone_other, gone_other.sum())
     # Rounding grows with the height of the barrier, as the logarithm of the chance does.
     barrier = np.log(np.maximum(chances, _SMALLEST)) / min(np.log(max(chances[-1], _SMALLEST)), -1.0)
@@ -152,11 +162,6 @@ def law_between(circle_map: CircleMap, noise: Noise, ends: Arc, lifted: bool) ->
     return QuasiStationaryDistribution(
         ends, lifted, survival, escape, up, down, 3.0 * float(np.max(error)), chain, mass
     )
-
-
-def _chain(circle_map: CircleMap, noise: Noise, ends: Arc, lifted: bool, stretch: float = 1.0) -> KilledChain:
-    exits = line_exits(ends) if lifted else circle_exit(ends)
-    return killed_chain(circle_map, noise, (ends,), exits, lifted, every_sample=True, stretch=stretch)
 
 
 def _fixed(chain: KilledChain) -> tuple[Array, Array, float]:
@@ -181,16 +186,6 @@ def _fixed(chain: KilledChain) -> tuple[Array, Array, float]:
         )
     gone = chain.departures(chain.images) @ mass
     return mass, gone, float(np.sum(mass @ moves))
-
-
-def _relative_bounds(chain: KilledChain, mass: Array) -> tuple[float, float]:
-    """Relative error of the mean passage time at the law's mode: its own, and from the map."""
-    expected = chain.expected(1.0, np.zeros(len(chain.exits)))
-    mode = float(chain.theta[np.argmax(mass / chain.weight)])
-    own, from_map = expected.error_bounds(mode)
-    value = expected.value_at(mode)
-    # Where the arc holds several deep wells that bound drowns in rounding, while the elimination does not.
-    return min(own / value, QUASI_STATIONARY), from_map / value
 
 
 def _density_at(chain: KilledChain, mass: Array, theta: Array) -> Array:

@@ -2,32 +2,227 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, finite_number, read_only, whole_number
-from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap, Scalar
-from cyclemap.maps.noise.local_noise import LocalNoise
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.staircases.drifting_map import DriftingMap, Stretch
-from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary, predict_staircase
 
-__all__ = [
-    "SlowZone",
-    "Staircase",
-    "StaircaseSummary",
-    "predict_staircase",
-    "sample_staircase",
-    "sample_staircases",
-]
-
+MAX_KNOTS = 4_096
+_PIECES = 8  # stretches into which a family's run is cut before any test
+_GRID = TWO_PI * (np.arange(512) + 0.382) / 512
 _CHUNK = 65_536  # cycles followed at a time
 _DRAWS = 1 << 18  # noise draws made at a time for many paths
+
+
+# -- maps that change from cycle to cycle --------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Cycles first, ..., last - 1, in which F_n = (1 - share) before + share after; ``share`` has one entry a cycle."""
+
+    first: int
+    last: int
+    before: CircleMap
+    after: CircleMap
+    share: Array
+
+
+@dataclass(frozen=True, eq=False)
+class DriftingMap:
+    """A map that changes with the cycle: cycle n (0, 1, ...) carries θ_n to F_n(θ_n) + ξ_n.
+
+    F_n is given at some cycles and blended linearly between them, F_n = (1 - s) F_a + s F_b, s = (n - a)/(b - a): a
+    lift again, since the degrees agree. Before the first of these cycles F_n is the first map, after the last the last.
+
+    cycles : shape (k,), increasing. maps : the k maps, all of degree 1.
+    max_error : radians, how far the blend is from the family it stands for, as measured; 0 for a blend as such.
+
+    Raises InvalidInput for cycles that do not increase, another number of maps, or a degree other than 1.
+
+    >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (100, CircleMap.rigid(0.3))])
+    >>> round(float(worn.at(50).turn(0.0)) / (2 * np.pi), 12)
+    0.2
+    """
+
+    cycles: Array
+    maps: tuple[CircleMap, ...]
+    max_error: float = 0.0
+
+    def __post_init__(self) -> None:
+        knots = finite_array("cycles", self.cycles, ndim=1)
+        if knots.size == 0 or np.any(np.diff(knots) <= 0.0):
+            raise InvalidInput(f"cycles is {knots.tolist()}: give one cycle or more, each above the one before")
+        if len(self.maps) != knots.size:
+            raise InvalidInput(f"{len(self.maps)} maps for {knots.size} cycles: give one map a cycle")
+        for given in self.maps:
+            if not isinstance(given, CircleMap) or given.degree != 1:
+                raise InvalidInput(f"one of the maps is {given!r}: a path drifts under CircleMaps of degree 1")
+        object.__setattr__(self, "cycles", read_only(knots))
+
+    @classmethod
+    def between(cls, knots: Sequence[tuple[float, CircleMap]]) -> DriftingMap:
+        """The linear blend of maps given as (cycle, map) pairs, in order of the cycles."""
+        if not len(knots) or any(len(pair) != 2 for pair in knots):
+            raise InvalidInput("knots must be a list of pairs (cycle, map), at least one")
+        return cls(np.array([pair[0] for pair in knots], dtype=float), tuple(pair[1] for pair in knots))
+
+    @classmethod
+    def of_family(
+        cls, family: Callable[[Any], CircleMap], schedule: Any, cycles: int, tolerance: float = 1e-6
+    ) -> DriftingMap:
+        """F_n = family(p(n)) for the cycles 0 to ``cycles`` - 1, as a blend between cycles chosen to fit.
+
+        family : parameter to CircleMap. schedule : callable n → parameter, or an array with one entry (or row) a
+        cycle. A stretch of cycles is halved until the blend of its ends lies within ``tolerance`` (radians, at
+        512 angles) of the family at its quarter points, or until it has no cycle inside, where the blend is
+        exact: a schedule that jumps costs nothing. ``max_error`` is the largest difference that was accepted;
+        measured, so a schedule that moves only between the quarter points of a long stretch can escape it.
+
+        Raises ConvergenceError when 4096 maps do not reach the tolerance: the message carries what they reach.
+
+        >>> worn = DriftingMap.of_family(lambda omega: CircleMap.arnold(omega, 0.9), lambda n: 0.1 + 1e-5 * n, 1000)
+        >>> worn.cycles.size < 12, worn.max_error < 1e-12
+        (True, True)
+        """
+        count = whole_number("cycles", cycles, least=1)
+        at = _scheduled(family, schedule, count)
+        knots, error = _fitted(at, count - 1, positive_number("tolerance", tolerance))
+        return cls(np.array(sorted(knots), dtype=float), tuple(knots[n] for n in sorted(knots)), error)
+
+    def at(self, cycle: float) -> CircleMap:
+        """The map frozen at ``cycle`` (any real number)."""
+        now = finite_number("cycle", cycle)
+        after = int(np.searchsorted(self.cycles, now, side="left"))
+        if after == self.cycles.size:
+            return self.maps[-1]
+        if after == 0 or self.cycles[after] == now:
+            return self.maps[after]
+        a, b = self.cycles[after - 1], self.cycles[after]
+        return _blended(self.maps[after - 1], self.maps[after], float((now - a) / (b - a)))
+
+    def stretches(self, first: int, last: int) -> Iterator[Stretch]:
+        """The cycles first, ..., last - 1 in stretches between neighbouring maps, in order."""
+        inner = np.ceil(self.cycles[(self.cycles > first) & (self.cycles < last)]).astype(int)
+        bounds = np.unique(np.concatenate([[first], inner, [last]]))
+        for low, high in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
+            after = min(int(np.searchsorted(self.cycles, low, side="right")), self.cycles.size - 1)
+            before = max(after - 1, 0) if low < self.cycles[after] else after
+            a, width = self.cycles[before], self.cycles[after] - self.cycles[before] if after > before else 1.0
+            share = np.clip((np.arange(low, high) - a) / width, 0.0, 1.0)
+            yield Stretch(low, high, self.maps[before], self.maps[after], share)
+
+
+# -- families as blends -----------------------------------------------------------------------------------------
+
+
+def _scheduled(family: Callable[[Any], CircleMap], schedule: Any, count: int) -> Callable[[int], CircleMap]:
+    if not callable(family):
+        raise InvalidInput(f"family is {family!r}: give a callable that turns a parameter into a CircleMap")
+    if callable(schedule):
+        return lambda n: family(schedule(n))
+    values = finite_array("schedule", schedule)
+    if values.ndim == 0 or values.shape[0] < count:
+        raise InvalidInput(f"schedule has shape {values.shape}: it needs one entry for each of {count} cycles")
+    return lambda n: family(values[n])
+
+
+def _fitted(at: Callable[[int], CircleMap], last: int, tolerance: float) -> tuple[dict[int, CircleMap], float]:
+    """The maps at the chosen cycles, and the largest difference that was accepted."""
+    ends = np.unique(np.linspace(0, last, _PIECES + 1).astype(int)).tolist()
+    knots, worst, waiting = {n: at(n) for n in ends}, 0.0, list(pairwise(ends))
+    while waiting:
+        a, b = waiting.pop()
+        tried = {n: at(n) for n in {(3 * a + b) // 4, (a + b) // 2, (a + 3 * b) // 4} - {a, b}}
+        error = 0.0
+        for n, truth in tried.items():
+            share = (n - a) / (b - a)
+            blend = (1.0 - share) * knots[a](_GRID) + share * knots[b](_GRID)
+            error = max(error, float(np.max(np.abs(blend - truth(_GRID)))))
+        if error <= tolerance:
+            worst = max(worst, error)
+        elif len(knots) >= MAX_KNOTS:
+            raise ConvergenceError(f"{MAX_KNOTS} maps still leave {error:.3g} rad: raise tolerance above {tolerance:g}")
+        else:
+            middle = (a + b) // 2
+            knots[middle] = tried[middle]
+            waiting += [(a, middle), (middle, b)]
+    return knots, worst
+
+
+def _blended(before: CircleMap, after: CircleMap, share: float) -> CircleMap:
+    one, other, rest = before.scalar(), after.scalar(), 1.0 - share
+    return CircleMap.with_scalar(
+        lambda theta: rest * before(theta) + share * after(theta),
+        lambda theta: rest * before.derivative(theta) + share * after.derivative(theta),
+        lambda theta: rest * one(theta) + share * other(theta),
+        breaks=np.union1d(before.breaks, after.breaks),
+        max_error=rest * before.max_error + share * after.max_error,
+    ).remade_by(_blended, before, after, share)
+
+
+# -- noise as robots have it -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class LocalNoise:
+    """Kicks ξ_n = σ(θ_n) z_n of sampled paths; z_n standard normal, with z_{n+1} = ρ z_n + √(1 - ρ²) ε_n.
+
+    log_sigma : (2K + 1,) c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in radians.
+    correlation : ρ in [0, 1), of the kicks of successive cycles.
+
+    It has no transfer operator: with a memory the angle alone is no state. `white` is what stands for it there.
+    Raises InvalidInput for an even number of coefficients, or a correlation outside [0, 1).
+
+    >>> LocalNoise((math.log(0.02), 0.5, 0.0), 0.7).sigma(math.pi / 2).round(12)
+    np.float64(0.02)
+    """
+
+    log_sigma: tuple[float, ...]
+    correlation: float = 0.0
+
+    def __post_init__(self) -> None:
+        coefficients = finite_array("log_sigma", self.log_sigma, ndim=1)
+        if coefficients.size % 2 == 0:
+            raise InvalidInput(f"log_sigma has {coefficients.size} coefficients: a constant and pairs of cos and sin")
+        if not 0.0 <= finite_number("correlation", self.correlation) < 1.0:
+            raise InvalidInput(f"the correlation of successive kicks is {self.correlation:g}: it must lie in [0, 1)")
+        object.__setattr__(self, "log_sigma", tuple(coefficients.tolist()))
+
+    def sigma(self, theta: Array | float) -> Array:
+        """Return σ (...) at angles θ (...), radians."""
+        c = np.array(self.log_sigma)
+        order = np.arange(1, c.size // 2 + 1)
+        angle = np.multiply.outer(theta, order)
+        return np.asarray(np.exp(c[0] + np.cos(angle) @ c[1::2] + np.sin(angle) @ c[2::2]))
+
+    def white(self, theta: float) -> float:
+        """Return σ of the white noise that carries an angle about θ as far over many cycles, radians.
+
+        The sum of n kicks has the variance n σ² (1 + ρ)/(1 - ρ), less a constant.
+        """
+        return float(self.sigma(theta)) * math.sqrt((1.0 + self.correlation) / (1.0 - self.correlation))
+
+    def units(self, rng: np.random.Generator, shape: tuple[int, int], before: Array | None = None) -> Array:
+        """Return z, shape (cycles, paths), of the next cycles; before : (paths,), that of the last one."""
+        rho, fresh = self.correlation, rng.standard_normal(shape)
+        z = np.empty_like(fresh)
+        last = rng.standard_normal(shape[1]) if before is None else before
+        for n in range(shape[0]):
+            last = z[n] = rho * last + math.sqrt(1.0 - rho**2) * fresh[n]
+        return z
+
+
+# -- paths ---------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,9 +277,18 @@ def sample_staircase(
         size = min(_CHUNK, count - at)
         kicks = np.zeros(size) if noise is None else noise.sample(rng, size)
         for part in _stretches(circle_map, at, at + size):
-            visited = _followed(part, theta, kicks[part.first - at : part.last - at].tolist())
+            visited, given = [], kicks[part.first - at : part.last - at].tolist()
+            before, after = part.before.scalar(), part.after.scalar()
+            if part.before is part.after:
+                for kick in given:
+                    theta = before(theta) + kick
+                    visited.append(theta)
+            else:
+                for share, kick in zip(part.share.tolist(), given, strict=True):
+                    image = before(theta)
+                    theta = image + share * (after(theta) - image) + kick
+                    visited.append(theta)
             path[part.first + 1 : part.last + 1] = visited
-            theta = visited[-1]
     return Staircase(read_only(path), seed, begin)
 
 
@@ -112,25 +316,23 @@ def sample_staircases(
     kicks = np.zeros((0, begin.size))
     for at in range(0, count, block):
         size = min(block, count - at)
-        kicks = _kicks(noise, rng, (size, begin.size), kicks[-1] if at else None)
+        if isinstance(noise, LocalNoise):  # in its own σ, each like the one before
+            kicks = noise.units(rng, (size, begin.size), kicks[-1] if at else None)
+        else:
+            kicks = np.zeros((size, begin.size)) if noise is None else noise.sample(rng, (size, begin.size))
         visited = np.empty((size, begin.size))
         for part in _stretches(circle_map, at, at + size):
             for n in range(part.first, part.last):
                 kick = kicks[n - at]
-                theta = _image(part, n, theta) + (noise.sigma(theta) * kick if isinstance(noise, LocalNoise) else kick)
+                kick = noise.sigma(theta) * kick if isinstance(noise, LocalNoise) else kick
+                image = part.before(theta)
+                if part.before is not part.after:
+                    image = image + part.share[n - part.first] * (part.after(theta) - image)
+                theta = image + kick
                 visited[n - at] = theta
         paths[:, at + 1 : at + 1 + size] = visited.T
     paths.setflags(write=False)
     return paths
-
-
-def _kicks(
-    noise: Noise | LocalNoise | None, rng: np.random.Generator, shape: tuple[int, int], before: Array | None
-) -> Array:
-    """The kicks of the next cycles (cycles, paths); of a local noise in its own σ, `before` being those of the last."""
-    if noise is None:
-        return np.zeros(shape)
-    return noise.units(rng, shape, before) if isinstance(noise, LocalNoise) else noise.sample(rng, shape)
 
 
 def _check(circle_map: CircleMap | DriftingMap, noise: Noise | LocalNoise | None) -> None:
@@ -145,30 +347,3 @@ def _stretches(circle_map: CircleMap | DriftingMap, first: int, last: int) -> It
         yield from circle_map.stretches(first, last)
     else:
         yield Stretch(first, last, circle_map, circle_map, np.empty(0))
-
-
-def _followed(part: Stretch, theta: float, kicks: list[float]) -> list[float]:
-    """The angles after each kick, through one map or the blend of two."""
-    if part.before is part.after:
-        return _through_one(part.before.scalar(), theta, kicks)
-    before, after, visited = part.before.scalar(), part.after.scalar(), []
-    for share, kick in zip(part.share.tolist(), kicks, strict=True):
-        image = before(theta)
-        theta = image + share * (after(theta) - image) + kick
-        visited.append(theta)
-    return visited
-
-
-def _through_one(lift: Scalar, theta: float, kicks: list[float]) -> list[float]:
-    visited = []
-    for kick in kicks:
-        theta = lift(theta) + kick
-        visited.append(theta)
-    return visited
-
-
-def _image(part: Stretch, cycle: int, theta: Array) -> Array:
-    if part.before is part.after:
-        return part.before(theta)
-    image = part.before(theta)
-    return np.asarray(image + part.share[cycle - part.first] * (part.after(theta) - image))

@@ -8,47 +8,40 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import gammainc, stdtr
 
-from cyclemap.arrays import TWO_PI, Array, Mask
+from cyclemap.arrays import TWO_PI
 from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary
 from cyclemap.maps.staircases.step_detection import Steps
 
-_FEWEST = 4  # exits below which their spacings are not tested
 _FEWEST_PERIODS = 8  # periods below which the number of steps is not tested
-_EXPONENTIAL = 0.1  # a zone whose predicted spread is within this share of its mean has an exponential law
 
 
 @dataclass(frozen=True)
 class VisitComparison:
     """Visits to one slow zone, measured and predicted; numbers of cycles, None where too little was seen or predicted.
 
-    zone : the zone; exits : visits whose end was seen; exposure : cycles seen inside, the censored ones too.
-    mean, standard_error : measured mean length of a visit. For a zone that is escaped from ("stable", "jump")
-        exposure/exits, the maximum-likelihood value of an exponential law, its error mean/√exits; for a ghost
-        the Kaplan-Meier mean. The visit that the path begins in counts for the former only.
+    zone : the zone; exits : visits whose end was seen.
+    mean, standard_error : measured mean length of a visit. For a zone that is escaped from ("stable", "jump") the
+        exposure (cycles seen inside, the censored visits too) over the exits, the maximum-likelihood value of an
+        exponential law, its error mean/√exits; for a ghost the Kaplan-Meier mean. The visit that the path begins in
+        counts for the former only.
     spread : measured standard deviation of the complete visits.
-    predicted, predicted_spread : the zone's ``visit_cycles`` and ``visit_spread``. ratio : mean/predicted.
+    predicted : the zone's ``visit_cycles``. ratio : mean/predicted.
     mean_p_value : two-sided, of so few or so many exits in that exposure if visits are independent with the predicted
         mean and spread: a renewal process of gamma-distributed visits (exact for exponential ones), mid-p value. Over
         some 15 visits it is measured to reject a true prediction at the 5 % level in 3.5 % of runs (a ghost) and
         in 6.3 % (a stable point).
-    law_p_value : of the exponential shape itself, whatever its mean, by Durbin's (1961) ordered spacings of the exits
-        in the exposure and a Kolmogorov-Smirnov test: exact for exponential visits. None for ghosts and other
-        zones whose predicted spread is not within a tenth of the mean: compare ``spread``.
     """
 
     zone: SlowZone
     exits: int
-    exposure: int
     mean: float | None
     standard_error: float | None
     spread: float | None
     predicted: float | None
-    predicted_spread: float | None
     ratio: float | None
     mean_p_value: float | None
-    law_p_value: float | None
 
 
 @dataclass(frozen=True)
@@ -57,8 +50,6 @@ class StepComparison:
 
     mean_length, length_error : Kaplan-Meier mean of the dwells' lengths, cycles, and its standard error.
     predicted_length : the prediction's mean residence, cycles; ratio : mean_length over it.
-    mean_height, height_error, predicted_height : radians, of the steps' absolute heights. The error takes heights as
-        independent; where all are one turn it is too large, since what one level adds the next takes away.
     net_steps, expected_steps, net_error : climb of the path from its first to its last cycle in units of the predicted
         step, the prediction's for as many cycles, and the standard error of their difference: over the periods from
         one dwell to the next, height less predicted turn is a reward of mean 0, so the whole path's climb less
@@ -74,9 +65,6 @@ class StepComparison:
     length_error: float | None
     predicted_length: float | None
     ratio: float | None
-    mean_height: float | None
-    height_error: float | None
-    predicted_height: float | None
     net_steps: float | None
     expected_steps: float | None
     net_error: float | None
@@ -110,22 +98,22 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
     if not isinstance(steps, Steps) or not isinstance(prediction, StaircaseSummary):
         raise InvalidInput("give Steps (find_steps) and a StaircaseSummary (predict_staircase), in this order")
     length, length_error = kaplan_meier_mean(steps.lengths, steps.censored) if steps.lengths.size else (None, None)
-    heights = np.abs(steps.heights)
     net, expected, error = _numbers(steps, prediction)
+    pace = None
+    if net is not None and expected is not None and error and steps.count >= _FEWEST_PERIODS:
+        pace = float(2.0 * stdtr(steps.count - 1, -abs(net - expected) / error))
+    zones = steps.zones if steps.zones == prediction.zones else ()
     return StepComparison(
         steps=steps.count,
         mean_length=length,
         length_error=length_error,
         predicted_length=prediction.mean_residence_cycles,
         ratio=_ratio(length, prediction.mean_residence_cycles),
-        mean_height=float(heights.mean()) if heights.size else None,
-        height_error=float(heights.std(ddof=1) / np.sqrt(heights.size)) if heights.size > 1 else None,
-        predicted_height=prediction.step,
         net_steps=net,
         expected_steps=expected,
         net_error=error,
-        pace_p_value=_pace_p_value(net, expected, error, steps.count),
-        visits=_visits(steps, prediction),
+        pace_p_value=pace,
+        visits=tuple(_compared(steps, i, zone) for i, zone in enumerate(zones)),
     )
 
 
@@ -175,23 +163,11 @@ def _numbers(steps: Steps, prediction: StaircaseSummary) -> tuple[float | None, 
     return net, expected, float(np.sqrt(between + within) / prediction.step)
 
 
-def _pace_p_value(net: float | None, expected: float | None, error: float | None, periods: int) -> float | None:
-    if net is None or expected is None or not error or periods < _FEWEST_PERIODS:
-        return None
-    return float(2.0 * stdtr(periods - 1, -abs(net - expected) / error))
-
-
 def _ratio(measured: float | None, predicted: float | None) -> float | None:
     return None if measured is None or predicted is None or not predicted > 0.0 else float(measured / predicted)
 
 
 # -- visits --------------------------------------------------------------------------------------------------------
-
-
-def _visits(steps: Steps, prediction: StaircaseSummary) -> tuple[VisitComparison, ...]:
-    if not steps.zones or steps.zones != prediction.zones:
-        return ()
-    return tuple(_compared(steps, index, zone) for index, zone in enumerate(steps.zones))
 
 
 def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
@@ -204,20 +180,15 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
     mean, error = (exposure / exits, exposure / exits**1.5) if escaped and exits else (None, None)
     if not escaped and lengths.size:
         mean, error = kaplan_meier_mean(lengths, ~closed)
-    predicted, spread = zone.visit_cycles, zone.visit_spread
-    exponential = predicted is not None and spread is not None and abs(spread - predicted) <= _EXPONENTIAL * predicted
     return VisitComparison(
         zone=zone,
         exits=exits,
-        exposure=int(exposure),
         mean=mean,
         standard_error=error,
         spread=float(np.std(lengths[closed], ddof=1)) if exits > 1 else None,
-        predicted=predicted,
-        predicted_spread=spread,
-        ratio=_ratio(mean, predicted),
-        mean_p_value=_count_p_value(exits, exposure, predicted, spread),
-        law_p_value=_spacings_p_value(lengths, closed) if escaped and exponential else None,
+        predicted=zone.visit_cycles,
+        ratio=_ratio(mean, zone.visit_cycles),
+        mean_p_value=_count_p_value(exits, exposure, zone.visit_cycles, zone.visit_spread),
     )
 
 
@@ -230,16 +201,3 @@ def _count_p_value(exits: int, exposure: float, mean: float | None, spread: floa
     more = float(gammainc(shape * (exits + 1), exposure / scale))
     middle = 0.5 * (as_many + more)
     return min(1.0, 2.0 * min(middle, 1.0 - middle))
-
-
-def _spacings_p_value(lengths: Array, closed: Mask) -> float | None:
-    """Kolmogorov-Smirnov test of Durbin's transformed spacings: uniform if exits come at a constant rate."""
-    from scipy.stats import kstest
-
-    if int(np.sum(closed)) < _FEWEST:
-        return None
-    # Half a cycle off each visit makes up for counting whole cycles; an exit ends every spacing but the last.
-    spacings = np.sort(np.maximum(lengths - 0.5, 0.25))
-    ordered = np.diff(np.r_[0.0, spacings]) * np.arange(spacings.size, 0, -1)
-    uniform = np.cumsum(ordered)[:-1] / np.sum(ordered)
-    return float(kstest(uniform, "uniform").pvalue)

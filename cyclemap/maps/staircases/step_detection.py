@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
-from cyclemap.checks import finite_array, positive_number, read_only, whole_number
+from cyclemap.checks import finite_array, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import STAIRCASE
 from cyclemap.maps.staircases.slow_zones import SlowZone
@@ -39,7 +39,6 @@ class Steps:
     visit_dwell, visit_zone : shape (v,), which dwell a visit belongs to, and which of ``zones`` it is in (-1: none).
     cycles, climb : last cycle of the path, and its last angle less its first, radians (less the zones' turns 2πwn).
     zones : those looked for, else ().
-    window, least_cycles : half width (radians) and shortest length of a dwell, or None where zones were given.
     """
 
     start: Counts
@@ -53,8 +52,6 @@ class Steps:
     cycles: int
     climb: float
     zones: tuple[SlowZone, ...] = ()
-    window: float | None = None
-    least_cycles: int | None = None
 
     def __post_init__(self) -> None:
         for array in (self.start, self.end, self.visit_start, self.visit_end, self.visit_dwell, self.visit_zone):
@@ -69,11 +66,6 @@ class Steps:
     def lengths(self) -> Counts:
         """Shape (m,), cycles that each dwell lasts, both ends included; too short where ``censored``."""
         return self.end - self.start + 1
-
-    @property
-    def durations(self) -> Counts:
-        """Shape (m - 1,), cycles that each step takes: from the last cycle of a dwell to the first of the next."""
-        return self.start[1:] - self.end[:-1]
 
     @property
     def periods(self) -> Counts:
@@ -91,38 +83,29 @@ class Steps:
         return max(int(self.levels.size) - 1, 0)
 
 
-def find_steps(
-    theta: Any,
-    *,
-    zones: Sequence[SlowZone] | None = None,
-    window: float | None = None,
-    least_cycles: int | None = None,
-    wrapped: bool = False,
-) -> Steps:
+def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
     """The dwells and steps of a measured or sampled path.
 
-    theta : shape (n,), n ≥ 2, radians, one angle a cycle, on the lifted line. With ``wrapped`` it is taken mod 2π and
-        unwrapped the shorter way round at each cycle, which is right where no cycle turns by half a turn.
+    theta : shape (n,), n ≥ 2, radians, one angle a cycle, on the lifted line (``np.unwrap`` lifts angles mod 2π where
+        no cycle turns by half a turn).
 
     zones given (``predict_staircase(...).zones``): a visit is a maximal run of cycles inside one copy of a zone's arc
         that reaches the zone's core, so jitter at the arc's edge makes no visits (milestones with a core: Buchete
         & Hummer 2008). Successive visits to one copy are one dwell. All zones must have the same winding w;
         levels are then those of θ_n - 2πwn.
-    zones None: no model. A cycle dwells if it lies in ``least_cycles`` or more successive cycles whose angles span at
-        most 2 ``window`` (radians); runs of such cycles, trimmed to three robust deviations from their median, are
-        dwells, and neighbours whose means differ by at most 2 ``window`` are one. (The dispersion rule for eye
-        fixations, Salvucci & Goldberg 2000, with windows from both sides.) A constant added to the path, the
-        path's mirror image, or the path read backwards give the same dwells, shifted, mirrored or reversed.
-    least_cycles None: twice as long as the path takes for a height 2 ``window`` at its mean pace, the mean over height
-        and not over time (3 at least): a dwell goes at less than half the mean pace, as in a ghost's zone. On a
-        path of flat steps that is some 8 cycles. A path that spans less than 2 ``window`` is one dwell.
-    window None: of π/4 (or an eighth of the path's span, if that is less) and seven halvings, the window whose dwells
-        hold the largest share of the cycles less their share of the height travelled; no dwells where that is
-        below 0.47 (drifts, rotations and random walks, with or without noise, stay below 0.44 at a thousand
-        cycles). A path that spans less than π/2 and whose halves differ in mean by less than its scatter is
-        one dwell.
+    zones None: no model. For a window h, a cycle dwells if it lies in some number of successive cycles whose angles
+        span at most 2h; runs of such cycles, trimmed to three robust deviations from their median, are dwells, and
+        neighbours whose means differ by at most 2h are one. (The dispersion rule for eye fixations, Salvucci &
+        Goldberg 2000, with windows from both sides.) That number is twice what the path takes for a height 2h at
+        its mean pace, the mean over height and not over time (3 at least): a dwell goes at less than half the mean
+        pace, as in a ghost's zone. Of π/4 (or an eighth of the path's span, if that is less) and seven halvings, h is
+        the window whose dwells hold the largest share of the cycles less their share of the height travelled;
+        no dwells where that is below 0.47 (drifts, rotations and random walks, with or without noise, stay below
+        0.44 at a thousand cycles). A path that spans less than π/2 and whose halves differ in mean by less than
+        its scatter is one dwell. A constant added to the path, the path's mirror image, or the path read backwards
+        give the same dwells, shifted, mirrored or reversed.
 
-    Raises InvalidInput for fewer than 2 angles, angles that are not finite, or zones together with a window.
+    Raises InvalidInput for fewer than 2 angles, angles that are not finite, or zones of several windings.
     Time: about 1 µs a cycle for each window tried, less than 1 µs with zones, and 20 µs a dwell.
 
     >>> stairs = np.repeat([0.0, 1.0, 2.0], [20, 30, 40])
@@ -133,33 +116,24 @@ def find_steps(
     path = finite_array("theta", theta, ndim=1)
     if path.size < 2:
         raise InvalidInput(f"theta has {path.size} angles: give 2 cycles at least")
-    if wrapped:
-        path = np.unwrap(path)
-    if zones is not None:
-        if window is not None or least_cycles is not None:
-            raise InvalidInput("zones say what a dwell is: leave out window and least_cycles")
-        return _in_zones(path, tuple(zones))
-    least = None if least_cycles is None else whole_number("least_cycles", least_cycles, least=1)
-    if window is not None:
-        return _within(path, positive_number("window", window), least)
-    return _best_window(path, least)
+    return _best_window(path) if zones is None else _in_zones(path, tuple(zones))
 
 
 # -- without a model ---------------------------------------------------------------------------------------------
 
 
-def _best_window(path: Array, least: int | None) -> Steps:
+def _best_window(path: Array) -> Steps:
     span = float(np.ptp(path))
     widest = min(_WIDEST, span / 8.0)
     half = path.size // 2
     if span <= 2.0 * _WIDEST and abs(path[:half].mean() - path[-half:].mean()) <= path.std():
-        return _made(path, [(0, path.size - 1)], span / 2.0, least)
+        return _made(path, [(0, path.size - 1)], span / 2.0)
     jitter = float(np.median(np.abs(np.diff(path))))
     windows = [widest * 0.5**halving for halving in range(_HALVINGS + 1)]
-    found = [_within(path, window, least) for window in windows if window >= _JITTERS * jitter]
+    found = [_within(path, window) for window in windows if window >= _JITTERS * jitter]
     contrast = [_contrast(steps, path) for steps in found]
     if max(contrast, default=0.0) < _CONTRAST:
-        return _made(path, [], widest, least)
+        return _made(path, [], widest)
     return found[int(np.argmax(np.array(contrast) >= max(contrast) - _ALIKE))]
 
 
@@ -173,14 +147,14 @@ def _contrast(steps: Steps, path: Array) -> float:
     return share - min(1.0, covered / travelled if travelled > 0.0 else 1.0)
 
 
-def _within(path: Array, window: float, least: int | None) -> Steps:
+def _within(path: Array, window: float) -> Steps:
     """Dwells for one window."""
     reach = _reach(path, 2.0 * window * (1.0 + STAIRCASE))
     length = reach - np.arange(path.size) + 1
-    shortest = _shortest(reach, length) if least is None else least
+    shortest = _shortest(reach, length)
     long = np.flatnonzero(length >= shortest)
     runs = [_trimmed(path, a, b, window) for a, b in _joined(long, reach[long], path.size)]
-    return _made(path, [run for run in runs if run[1] - run[0] + 1 >= min(shortest, _SHORTEST)], window, shortest)
+    return _made(path, [run for run in runs if run[1] - run[0] + 1 >= _SHORTEST], window)
 
 
 def _reach(path: Array, span: float) -> Counts:
@@ -232,12 +206,12 @@ def _trimmed(path: Array, first: int, last: int, window: float) -> tuple[int, in
     return first + int(kept[0]), first + int(kept[-1])
 
 
-def _made(path: Array, runs: list[tuple[int, int]], window: float, least: int | None) -> Steps:
+def _made(path: Array, runs: list[tuple[int, int]], window: float) -> Steps:
     """Steps from runs in order: neighbours less than the window's height apart are one dwell."""
     start, end = (np.array([run[side] for run in runs], dtype=np.int64) for side in (0, 1))
     level = np.array([path[a : b + 1].mean() for a, b in runs])
     dwell = np.cumsum(np.r_[0, np.abs(np.diff(level)) > 2.0 * window])[: start.size].astype(np.int64)
-    return _gathered(path, start, end, dwell, np.full(start.size, -1), (), window=window, least_cycles=least)
+    return _gathered(path, start, end, dwell, np.full(start.size, -1), ())
 
 
 # -- with zones --------------------------------------------------------------------------------------------------
@@ -268,7 +242,7 @@ def _visits(path: Array, zone: SlowZone, index: int) -> list[tuple[int, int, int
 
 
 def _gathered(
-    path: Array, start: Counts, end: Counts, dwell: Counts, zone: Counts, zones: tuple[SlowZone, ...], **rule: Any
+    path: Array, start: Counts, end: Counts, dwell: Counts, zone: Counts, zones: tuple[SlowZone, ...]
 ) -> Steps:
     """Steps from visits and the dwell each belongs to."""
     many = int(dwell[-1]) + 1 if dwell.size else 0
@@ -278,4 +252,4 @@ def _gathered(
     ]
     levels, scatter = (read_only([float(f(stay)) for stay in stays]) for f in (np.mean, np.std))
     whole = (path.size - 1, float(path[-1] - path[0]), zones)
-    return Steps(start[first], end[last], levels, scatter, start, end, dwell, zone, *whole, **rule)
+    return Steps(start[first], end[last], levels, scatter, start, end, dwell, zone, *whole)

@@ -1,11 +1,11 @@
-"""Families: the derivative of the lift with respect to the parameter, its error, and moving breaks."""
+"""Families: the derivative of the lift with respect to the parameter, and moving breaks."""
 
 import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps import CircleMap, parameter_tangent
-from cyclemap.maps.families.parameter_tangent import break_motion, family_member, parameter_range
+from cyclemap.maps import CircleMap, tongue
+from cyclemap.maps.families.family import break_motion, parameter_tangent
 
 TWO_PI = 2 * np.pi
 THETA = np.linspace(-7.0, 9.0, 101)
@@ -27,26 +27,17 @@ def moving_jump(p):
     return CircleMap(lift, None, breaks=[p, p + 2.0])
 
 
-def test_the_tangent_of_the_moebius_family_is_its_closed_form_within_its_bound():
-    a, omega = 0.6, 0.2
-    tangent = parameter_tangent(lambda r: CircleMap.moebius(r, omega), a)
-    truth = 2.0 * np.sin(THETA) / (1.0 - 2.0 * a * np.cos(THETA) + a * a)
-    assert np.all(np.abs(tangent(THETA) - truth) <= tangent.error(THETA))
-    assert np.max(tangent.error(THETA)) < 1e-8
-    assert np.max(np.abs(tangent(THETA) - truth)) < 1e-9
-
-
-@pytest.mark.parametrize("order", [2, 4])
-def test_the_error_falls_with_the_step_to_the_power_of_the_order(order):
+def test_the_error_falls_with_the_square_of_the_step():
     truth = 2.0 * np.sin(1.0) / (1.0 - 1.2 * np.cos(1.0) + 0.36)
     steps = np.array([0.08, 0.04, 0.02])
     family = lambda r: CircleMap.moebius(r, 0.2)  # noqa: E731
-    errors = [abs(float(parameter_tangent(family, 0.6, step=h, order=order)(1.0)) - truth) for h in steps]
-    orders = np.diff(np.log(errors)) / np.diff(np.log(steps))
-    assert np.all(np.abs(orders - order) < 0.35)
+    for within in ((0.0, 0.999), (0.0, 0.6)):  # in the middle, and at an end of what is allowed
+        errors = [abs(float(parameter_tangent(family, 0.6, h, within)(1.0)) - truth) for h in steps]
+        orders = np.diff(np.log(errors)) / np.diff(np.log(steps))
+        assert np.all(np.abs(orders - 2.0) < 0.35)
 
 
-def test_a_difference_at_the_end_of_the_allowed_range_never_leaves_it_and_keeps_its_order():
+def test_a_difference_at_the_end_of_the_allowed_range_never_leaves_it():
     asked = []
 
     def family(K):
@@ -54,18 +45,17 @@ def test_a_difference_at_the_end_of_the_allowed_range_never_leaves_it_and_keeps_
         return CircleMap.arnold(0.1, K)
 
     for parameter in (0.0, 0.0005, 0.999, 1.0):
-        tangent = parameter_tangent(family, parameter, within=(0.0, 1.0))
-        assert np.all(np.abs(tangent(THETA) + np.sin(THETA)) <= tangent.error(THETA))
-        assert np.max(tangent.error(THETA)) < 1e-9
-    assert len(asked) > 20
+        tangent = parameter_tangent(family, parameter, 1e-3, (0.0, 1.0))
+        assert np.max(np.abs(tangent(THETA) + np.sin(THETA))) < 1e-10
+    assert len(asked) > 10
     assert min(asked) >= 0.0
     assert max(asked) <= 1.0
 
 
 def test_breaks_that_move_are_followed_and_never_differenced_across():
     p = 6.1  # one break close to 2π, which wraps inside the stencil with a large step
-    for step in (1e-3, 0.1):
-        tangent = parameter_tangent(moving_jump, p, step=step)
+    for step, good in ((1e-4, 1e-8), (1e-2, 1e-4)):
+        tangent = parameter_tangent(moving_jump, p, step, (0.0, 10.0))
         assert np.allclose(tangent.break_rates, 1.0, atol=1e-10)
         y = np.mod(np.append(THETA, [p, p + 2.0, p - 1e-6, p + 1e-6]) - p, TWO_PI)
         truth = (
@@ -74,8 +64,7 @@ def test_breaks_that_move_are_followed_and_never_differenced_across():
             - 0.4 * np.sin(p) * (y / TWO_PI) ** 2
             - 0.1 * np.where(y >= 2.0 - 1e-12, TWO_PI - 2.0 * y + 2.0, 0.0)
         )
-        error = np.abs(tangent(p + y) - truth)
-        assert np.max(error) < (1e-8 if step == 1e-3 else 1e-5)
+        assert np.max(np.abs(tangent(p + y) - truth)) < good
 
 
 def test_break_motion_pairs_breaks_round_the_circle():
@@ -87,28 +76,17 @@ def test_break_motion_pairs_breaks_round_the_circle():
         break_motion(breaks, breaks[:2])
 
 
-def test_a_claimed_error_of_the_lifts_enters_the_bound():
-    family = lambda p: CircleMap(lambda x: x + p, np.ones_like, max_error=1e-9)  # noqa: E731
-    assert parameter_tangent(family, 0.5, step=0.01).error(1.0) > 1e-7
-
-
 def test_bad_families_are_refused():
-    with pytest.raises(InvalidInput, match=r"family\(0\.5\) is 1\.5: it must return a CircleMap"):
-        family_member(lambda p: p + 1.0, 0.5)
-    with pytest.raises(InvalidInput, match="give a callable"):
-        parameter_tangent(3.0, 0.5)
-    with pytest.raises(InvalidInput, match="parameter must be a finite number"):
-        parameter_tangent(CircleMap.rigid, float("nan"))
-    with pytest.raises(InvalidInput, match="step must be positive"):
-        parameter_tangent(CircleMap.rigid, 0.1, step=0.0)
-    with pytest.raises(InvalidInput, match="order is 3"):
-        parameter_tangent(CircleMap.rigid, 0.1, order=3)
-    with pytest.raises(InvalidInput, match="low end must lie below"):
-        parameter_range("parameters", (1.0, 1.0))
-    with pytest.raises(InvalidInput, match="give a pair"):
-        parameter_range("parameters", 1.0)
-    with pytest.raises(InvalidInput, match="finite number"):
-        parameter_range("parameters", (0.0, np.nan))
+    line = (-1.0, 1.0)
+    for family, ends, words in (
+        (lambda p: p + 1.0, line, r"family\(-1\) is 0\.0: it must return a CircleMap"),
+        (3.0, line, "give a callable"),
+        (CircleMap.rigid, (1.0, 1.0), "low end must lie below"),
+        (CircleMap.rigid, 1.0, "give a pair"),
+        (CircleMap.rigid, (0.0, np.nan), "finite number"),
+    ):
+        with pytest.raises(InvalidInput, match=words):
+            tongue(family, 0, ends)
     jumpy = lambda p: CircleMap(lambda x: x, breaks=[1.0] if p < 0.5 else [1.0, 2.0])  # noqa: E731
     with pytest.raises(InvalidInput, match="breaks at neighbouring parameters"):
-        parameter_tangent(jumpy, 0.5)
+        parameter_tangent(jumpy, 0.5, 1e-3, (0.0, 1.0))

@@ -62,16 +62,7 @@ def test_the_zero_tongue_of_the_sine_family_is_omega_at_most_K_over_two_pi_folde
     assert found.folded == (K > 1)
 
 
-@pytest.mark.slow
-def test_known_digits_of_the_sine_family():
-    assert tongue(arnold(1.0), (1, 2), WIDE).left.holds(0.46301722338218515819112389)
-    assert tongue(arnold(0.9), (1, 2), WIDE).left.holds(0.46966533712136485155447001)
-    third = tongue(arnold(1.0), (1, 3), WIDE)
-    assert abs(third.left - 0.33666500673079392496899187) < 1e-15
-    assert abs(third.right - 0.3672244987508916119875371) < 1e-15
-
-
-SOME = [(1, 4), (2, 5), (3, 8), (5, 13), (4, 21), (13, 34), (11, 40), (19, 40)]
+SOME = [(1, 2), (1, 3), (1, 4), (2, 5), (3, 8), (5, 13), (4, 21), (13, 34), (11, 40), (19, 40)]
 
 
 @pytest.mark.slow
@@ -126,8 +117,7 @@ def contraction(factor):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("factor", "ratios"),
-    [(0.3, [(0, 1), (1, 2), (2, 5)]), (0.9, [(0, 1), (1, 2), (1, 3), (5, 8), (7, 40)])],
+    ("factor", "ratios"), [(0.3, [(0, 1), (1, 2), (2, 5)]), (0.9, [(0, 1), (1, 2), (1, 3), (5, 8), (7, 40)])]
 )
 def test_the_piecewise_contraction_has_its_closed_form_right_edges(factor, ratios):
     for p, q in ratios:
@@ -255,17 +245,6 @@ def test_a_kink_that_is_no_break_costs_no_more_than_the_bound():
 
 
 # -- theorems --------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_turning_the_circle_round_maps_the_tongue_p_q_to_its_mirror_image():
-    checked = 0
-    for p, q in ((1, 3), (2, 5), (3, 7), (1, 11)):
-        here, there = tongue(arnold(0.9), (p, q), WIDE), tongue(arnold(0.9), (q - p, q), WIDE)
-        assert abs(here.left - (1 - there.right)) <= here.left.error_bound + there.right.error_bound
-        assert abs(here.right - (1 - there.left)) <= here.right.error_bound + there.left.error_bound
-        checked += 1
-    assert checked == 4
 
 
 @pytest.mark.slow

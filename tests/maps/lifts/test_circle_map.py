@@ -52,13 +52,6 @@ def test_the_scalar_form_is_the_same_function(name):
     np.testing.assert_allclose([one(x) for x in GRID[::50]], TEXTBOOK[name](GRID[::50]), rtol=0, atol=1e-14)
 
 
-def test_moebius_is_the_moebius_map_of_the_circle():
-    a, omega = 0.6, 0.2
-    z = np.exp(1j * GRID)
-    image = np.exp(2j * np.pi * omega) * (z - a) / (1 - a * z)
-    np.testing.assert_allclose(np.exp(1j * TEXTBOOK["moebius"](GRID)), image, rtol=0, atol=1e-13)
-
-
 @pytest.mark.parametrize("start", [0.0, 1.3, -9.0, TWO_PI])
 def test_hermite_samples_converge_at_fourth_order_wherever_they_start(start):
     errors = [np.max(np.abs(sampled(n, start)(GRID) - wavy(GRID))) for n in (50, 100, 200)]
@@ -136,21 +129,15 @@ def test_differences_never_reach_across_a_break():
 
 
 def test_maps_of_other_degrees():
-    doubling = CircleMap(lambda x: 2 * x, degree=2)
-    np.testing.assert_allclose(doubling(GRID + TWO_PI) - doubling(GRID), 2 * TWO_PI, atol=1e-12)
     x = np.linspace(0, TWO_PI, 40, endpoint=False)
     reversed_map = CircleMap.from_samples(x, -x + 0.2 * np.sin(x), -1 + 0.2 * np.cos(x), degree=-1)
     np.testing.assert_allclose(reversed_map(GRID), -GRID + 0.2 * np.sin(GRID), atol=2e-6)
 
 
 REFUSED = {
-    "wrapped": lambda: CircleMap(lambda x: np.mod(x + 1, TWO_PI)),
-    "wrong degree": lambda: CircleMap(lambda x: x, degree=2),
     "NaN": lambda: CircleMap(lambda x: x * np.nan),
-    "not vectorised": lambda: CircleMap(lambda x: 1.0),
     "no callable": lambda: CircleMap(3.0),
     "NaN break": lambda: CircleMap(lambda x: x, breaks=[np.nan]),
-    "degree not whole": lambda: CircleMap(lambda x: x, degree=1.0),
     "negative error": lambda: CircleMap(lambda x: x, max_error=-1.0),
     "a of one": lambda: CircleMap.moebius(1.0, 0.1),
     "omega NaN": lambda: CircleMap.arnold(np.nan, 0.1),
@@ -241,3 +228,69 @@ def test_a_map_never_changes():
         made.degree = 2
     with pytest.raises(ValueError, match="read-only"):
         made.pieces.knots[0] = 1.0
+
+
+def random_zeros(seed, count, reach=0.95):
+    rng = np.random.default_rng(seed)
+    return rng.uniform(0, reach, count) * np.exp(1j * rng.uniform(0, TWO_PI, count))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_blaschke_product_is_the_product_of_its_factors_and_its_slope_the_sum_of_poisson_kernels(seed):
+    zeros, omega = random_zeros(seed, seed % 5 + 1), 0.1 * seed
+    made = CircleMap.blaschke(zeros, omega)
+    z = np.exp(1j * GRID)
+    product = np.exp(2j * np.pi * omega) * np.prod([(z - a) / (1 - np.conj(a) * z) for a in zeros], axis=0)
+    np.testing.assert_allclose(np.exp(1j * made(GRID)), product, rtol=0, atol=3e-13)
+    kernels = np.sum([(1 - abs(a) ** 2) / np.abs(z - a) ** 2 for a in zeros], axis=0)
+    np.testing.assert_allclose(made.derivative(GRID), kernels, rtol=3e-13)
+    np.testing.assert_allclose(made(GRID + TWO_PI) - made(GRID), TWO_PI * zeros.size, rtol=1e-12)
+    assert made.degree == zeros.size
+    one = made.scalar()
+    np.testing.assert_allclose([one(x) for x in GRID[::50]], made(GRID[::50]), rtol=0, atol=3e-14)
+
+
+def test_one_real_zero_is_the_moebius_map_and_zeros_at_the_origin_multiply_the_angle_exactly():
+    for a, omega in [(0.0, 0.3), (0.5, 0.1), (0.95, 0.77)]:
+        two = CircleMap.blaschke([a], omega), CircleMap.moebius(a, omega)
+        np.testing.assert_allclose(two[0](GRID), two[1](GRID), rtol=0, atol=4e-15)
+        np.testing.assert_allclose(two[0].derivative(GRID), two[1].derivative(GRID), rtol=1e-13)
+    assert np.array_equal(CircleMap.blaschke([0, 0])(GRID), 2 * GRID)
+    assert np.array_equal(CircleMap.blaschke([0, 0, 0j]).derivative(GRID), np.full(GRID.size, 3.0))
+
+
+def test_a_zero_close_to_the_circle_costs_no_digits():
+    """Against tan(F/2) = (1 + a)/(1 - a)·tan(θ/2), which is exact for Ω = 0."""
+    a = 1 - 2.0**-30
+    made, x = CircleMap.moebius(a, 0.0), np.array([1e-12, 1e-10, 1e-9, 3e-9, 1e-6, 0.1, 2.0])
+    np.testing.assert_allclose(made(x), 2 * np.arctan((1 + a) / (1 - a) * np.tan(x / 2)), rtol=4e-15)
+    assert made.derivative(0.0) == (1 + a) / (1 - a)
+
+
+def test_a_blaschke_product_with_a_zero_at_the_origin_keeps_the_uniform_law():
+    """B(0) = 0 makes the mean of exp(i k F) over the circle vanish for every k (mean value property)."""
+    made = CircleMap.blaschke([0, 0.6, 0.3 - 0.5j])
+    x = TWO_PI * np.arange(4096) / 4096
+    means = [np.mean(np.exp(1j * k * made(x))) for k in range(1, 6)]
+    np.testing.assert_allclose(means, 0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("zeros", "message"),
+    [
+        ([], "shape \\(0,\\)"),
+        ([1.0], "zeros\\[0\\] is 1"),
+        ([0.1, 0.8 + 0.7j], "zeros\\[1\\] is 0.8\\+0.7j"),
+        ([0.1, np.nan], "zeros\\[1\\] is nan"),
+        (0.5, "shape \\(\\)"),
+        (["a"], "complex numbers only"),
+    ],
+)
+def test_what_is_no_list_of_zeros_inside_the_circle_is_refused_by_name(zeros, message):
+    with pytest.raises(InvalidInput, match=message):
+        CircleMap.blaschke(zeros)
+
+
+def test_a_moebius_parameter_outside_its_range_is_refused_and_the_way_out_named():
+    with pytest.raises(InvalidInput, match=r"a is -0.5.*blaschke"):
+        CircleMap.moebius(-0.5, 0.0)

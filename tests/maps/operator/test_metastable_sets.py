@@ -125,18 +125,6 @@ def test_no_cuts_nearby_or_far_are_better():
                 assert np.sum(moves[~np.eye(count, dtype=bool)]) >= best * (1 - 1e-10)
 
 
-@pytest.mark.slow
-def test_staying_never_exceeds_the_limit_and_weights_only_the_optimum():
-    """Σ staying <= sum of the reversibilised chain's eigenvalues: reversible chains, drifting ones and rotations."""
-    judged = 0
-    for one in (wells(2, 0.1, 0.05), wells(3, 0.05), CircleMap.rigid(0.3), CircleMap.arnold(0.3, 3.0)):
-        for count in (2, 3):
-            found = metastable_sets(one, WrappedNormal(0.35), count, cells=96)
-            assert found.staying.sum() <= found.staying_limit + 1e-12
-            judged += 1
-    assert judged == 8
-
-
 def test_very_deep_wells_keep_the_digits_of_their_chances():
     """At 1e-35 a cycle the weights' ratio is the ratio of passage times (detailed balance of two sets)."""
     found = metastable_sets(wells(2, 0.02), WrappedNormal(0.1))

@@ -5,7 +5,7 @@ import pytest
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, fixed_points, is_nondecreasing
-from cyclemap.maps.orbits.scan import bracketed_root, crossings, iterate, iterate_breaks, monotone_cells, preimages
+from cyclemap.maps.orbits.scan import bracketed_root, iterate, monotone_cells, preimages
 
 TWO_PI = 2 * np.pi
 
@@ -79,31 +79,26 @@ def test_turning_points_of_the_iterate_are_counted_by_the_chain_rule():
         cells = monotone_cells(folded, n, 0.0, 512)
         rising = cells.g_end > cells.g_start
         assert np.count_nonzero(rising != np.roll(rising, 1)) == total
-        generation = preimages(folded, once, generation)[0]
+        generation = preimages(folded, once, generation)
     assert total > 30
 
 
-def test_preimages_invert_the_map_and_agree_with_the_crossings_of_one_level():
+def test_preimages_invert_the_map_and_are_as_many_as_a_fine_grid_counts():
     folded, levels = CircleMap.arnold(0.3, 3.0), np.array([0.1, 2.0, 4.5])
-    cells = monotone_cells(folded, 1, 0.0, 512)
-    theta, owner = preimages(folded, cells, levels)
-    off = np.mod(folded(theta) - levels[owner] + np.pi, TWO_PI) - np.pi
-    assert np.max(np.abs(off)) < 1e-14
-    for i, level in enumerate(levels):
-        np.testing.assert_array_equal(theta[owner == i], crossings(folded, cells, float(level))[0])
-    counted = [
-        np.count_nonzero(np.diff(np.floor((folded(np.linspace(0, TWO_PI, 100_001)) - x) / TWO_PI))) for x in levels
-    ]
-    assert np.bincount(owner).tolist() == counted
+    cells, grid = monotone_cells(folded, 1, 0.0, 512), np.linspace(0, TWO_PI, 100_001)
+    each = [preimages(folded, cells, levels[i : i + 1]) for i in range(3)]
+    np.testing.assert_array_equal(preimages(folded, cells, levels), np.concatenate(each))
+    for theta, level in zip(each, levels, strict=True):
+        assert np.max(np.abs(np.mod(folded(theta) - level + np.pi, TWO_PI) - np.pi)) < 1e-14
+        assert theta.size == np.count_nonzero(np.diff(np.floor((folded(grid) - level) / TWO_PI)))
 
 
 def test_breaks_of_an_iterate_are_the_preimages_of_the_breaks():
     # The tripling map with a mark at 0: marks of the n-th iterate at k/3ⁿ⁻¹ turns, each once.
     tripling = CircleMap(lambda x: 3 * x, lambda x: 3 + 0 * x, [0.0], degree=3)
     for n in (1, 2, 4, 7):
-        np.testing.assert_allclose(
-            iterate_breaks(tripling, n, 512), TWO_PI * np.arange(3 ** (n - 1)) / 3 ** (n - 1), atol=3e-12
-        )
+        cells, count = monotone_cells(tripling, n, 0.0, 512), 3 ** (n - 1)
+        np.testing.assert_allclose(cells.start[cells.cut], TWO_PI * np.arange(count) / count, atol=3e-12)
 
 
 def test_two_folds_behind_one_steep_cell_are_both_found():

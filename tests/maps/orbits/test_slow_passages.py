@@ -121,7 +121,6 @@ def test_what_is_no_bottleneck_is_left_out():
     ripple = CircleMap(lambda x: x + 0.05 + 1e-6 * np.cos(x), lambda x: 1 - 1e-6 * np.sin(x))
     assert slow_passages(ripple) == []
     assert slow_passages(outside(1e-3), 2) == []  # a passage of period one
-    assert slow_passages(outside(1e-3), least_cycles=1e4) == []
     assert slow_passages(outside(1e-14)) == []  # within the tangency: a saddle-node
     x = np.linspace(0, TWO_PI, 9)
     roof = CircleMap.from_samples(
@@ -146,7 +145,3 @@ def test_bad_requests_are_refused():
         slow_passages(np.sin)
     with pytest.raises(InvalidInput, match="period"):
         slow_passages(outside(1e-3), 0)
-    with pytest.raises(InvalidInput, match="least_cycles"):
-        slow_passages(outside(1e-3), least_cycles=-1.0)
-    with pytest.raises(InvalidInput, match="winding"):
-        slow_passages(outside(1e-3), winding=0.5)

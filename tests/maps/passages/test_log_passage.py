@@ -5,15 +5,7 @@ import pytest
 from scipy.special import log_ndtr
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps import (
-    CircleMap,
-    UniformNoise,
-    VonMises,
-    WrappedNormal,
-    fixed_points,
-    log10_passage_time,
-    mean_passage_time,
-)
+from cyclemap.maps import CircleMap, VonMises, WrappedNormal, fixed_points, log10_passage_time, mean_passage_time
 from cyclemap.maps.passages import log_passage
 
 TWO_PI = 2 * np.pi
@@ -88,28 +80,6 @@ def test_other_laws_are_refused_only_where_they_must_be():
     assert found > 1
     with pytest.raises(InvalidInput, match="more than 1e300"):
         log10_passage_time(STICKY, VonMises(1_500.0), STABLE, (-1.5, UNSTABLE), lifted=True)
-
-
-@pytest.mark.slow
-def test_progress_rises_and_may_end_the_work():
-    seen = []
-    stuck = CircleMap.arnold(0.1, 0.9)
-    found = log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True, progress=seen.append)
-    assert found > 300 and len(seen) >= 3 and seen == sorted(seen) and seen[0] > 0.0 and seen[-1] <= 1.0
-
-    def stop(fraction):
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True, progress=stop)
-
-
-@pytest.mark.slow
-def test_uniform_noise_tells_its_progress_too():
-    seen = []
-    narrow = UniformNoise(1e-3)
-    time = mean_passage_time(CircleMap.arnold(0.16, 1.0), narrow, 1.5, (1.4, 1.7), progress=seen.append)
-    assert time.error_bound < 1e-6 and seen and seen == sorted(seen) and seen[-1] <= 1.0
 
 
 def test_a_chain_that_wider_noise_makes_no_coarser_is_eliminated(monkeypatch):

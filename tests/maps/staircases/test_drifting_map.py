@@ -1,7 +1,5 @@
 """Maps that wear: blends of lifts, families on a schedule, and the staircase of slow drift."""
 
-import time
-
 import numpy as np
 import pytest
 
@@ -93,15 +91,6 @@ def test_a_family_that_maps_cannot_follow_says_how_far_off_they_are():
     rng = np.random.default_rng(1)
     with pytest.raises(ConvergenceError, match="4096 maps still leave"):
         DriftingMap.of_family(CircleMap.rigid, rng.uniform(size=10_000), 10_000)
-
-
-def test_sampling_through_wear_runs_at_a_hundred_thousand_cycles_a_second_or_more():
-    x = np.linspace(0, TWO_PI, 300, endpoint=False)
-    maps = [CircleMap.from_samples(x, m(x), m.derivative(x)) for m in (FRESH, WORN)]
-    worn = DriftingMap.between([(0, maps[0]), (100_000, maps[1])])
-    begin = time.process_time()
-    sample_staircase(worn, WrappedNormal(0.05), 100_000)
-    assert time.process_time() - begin < 1.0
 
 
 def test_the_adiabatic_climb_of_a_drifting_rotation_is_its_sum():

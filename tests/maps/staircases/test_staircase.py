@@ -1,4 +1,6 @@
-"""Staircases and what theory predicts of them."""
+"""Staircases: noisy paths, alike or locally kicked, and what theory says of them."""
+
+import math
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from cyclemap.maps import (
     CircleMap,
     DriftingMap,
     Estimate,
+    LocalNoise,
     SlowZone,
     WrappedNormal,
     mean_passage_time,
@@ -115,13 +118,12 @@ def test_whole_turns_added_to_a_map_with_a_ghost_change_only_the_mean_turn():
     assert abs(faster.mean_turn - plain.mean_turn + TWO_PI) < 1e-10
     assert [zone.winding for zone in faster.zones] == [-1]
     assert abs(faster.zones[0].residence_cycles / plain.zones[0].residence_cycles - 1) < 1e-9
-    assert abs(faster.net_step - plain.net_step) < 1e-8
     assert abs(faster.cycles_a_step / plain.cycles_a_step - 1) < 1e-9
 
 
 def visits_counted(path, zone):
-    """Lengths of the runs inside a copy of the arc that reach the core, and where they end, one cycle at a time."""
-    lengths, above, first, deep = [], 0, None, False
+    """Lengths of the runs inside a copy of the arc that reach the core, one cycle at a time."""
+    lengths, first, deep = [], None, False
     for n, theta in enumerate(path):
         turns = np.floor((theta - zone.arc[0]) / TWO_PI)
         place = theta - TWO_PI * turns
@@ -129,44 +131,27 @@ def visits_counted(path, zone):
         if first is not None and here != first[1]:
             if deep and first[0] > 0:
                 lengths.append(n - first[0])
-                above += theta > first[1] * TWO_PI + zone.arc[1]
             first, deep = None, False
         if first is None and here is not None:
             first = (n, here)
         deep |= here is not None and zone.core[0] <= place <= zone.core[1]
-    return np.array(lengths), above
+    return np.array(lengths)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("omega", "K", "sigma"), [(0.15, 0.9, 0.3), (0.1, 0.9, 0.6), (0.03, 0.9, 0.8)])
-def test_visits_of_the_stationary_path_have_the_predicted_number_mean_spread_and_ends(omega, K, sigma):
+def test_visits_of_the_stationary_path_have_the_predicted_number_mean_and_spread(omega, K, sigma):
     """Two routes: integral equations on the arc, and 150,000 cycles counted one by one."""
     circle_map, noise = CircleMap.arnold(omega, K), WrappedNormal(sigma)
     (zone,) = predict_staircase(circle_map, noise).zones
     cycles = 150_000
-    lengths, above = visits_counted(sample_staircase(circle_map, noise, cycles, seed=5).theta.tolist(), zone)
+    lengths = visits_counted(sample_staircase(circle_map, noise, cycles, seed=5).theta.tolist(), zone)
     assert lengths.size > 500
     error = lengths.std() / np.sqrt(lengths.size)
     assert abs(lengths.mean() - zone.visit_cycles) < 4 * error
     assert zone.visit_cycles.error_bound < 1e-3 * error
     assert abs(lengths.std() / zone.visit_spread - 1) < 10 / np.sqrt(lengths.size)
     assert abs(lengths.size / cycles / zone.visits_a_cycle - 1) < 4 / np.sqrt(lengths.size)
-    share = zone.upward
-    assert abs(above / lengths.size - share) < 4 * np.sqrt(max(share * (1 - share), 1e-6) / lengths.size) + 1e-3
-
-
-def test_a_ghosts_net_step_is_its_step_and_a_leaky_wells_is_smaller():
-    ghost = predict_staircase(CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05))
-    assert abs(ghost.net_step / ghost.step - 1) < 1e-9
-    well = predict_staircase(CircleMap.arnold(0.05, 0.9), WrappedNormal(0.6))
-    (zone,) = well.zones
-    assert 0.0 < well.net_step < (2 * zone.upward - 1) * TWO_PI
-
-
-def test_a_symmetric_well_is_left_both_ways_alike_and_has_no_net_step():
-    found = predict_staircase(CircleMap.arnold(0.0, 0.9), WrappedNormal(0.6))
-    assert abs(found.zones[0].upward - 0.5) < 1e-8
-    assert abs(found.net_step) < 1e-8
 
 
 def test_a_slow_stretch_that_the_path_hurries_through_is_no_zone():
@@ -249,3 +234,53 @@ def test_bad_requests_are_refused():
         sample_staircase(lambda x: x, None, 10)
     with pytest.raises(InvalidInput, match="needs degree 1"):
         predict_staircase(CircleMap(lambda x: 2 * x, degree=2), WrappedNormal(0.1))
+
+
+STILL = CircleMap.rigid(0.0)
+
+
+def test_kicks_have_the_size_of_the_place_they_start_from() -> None:
+    """From many starts, the spread after one cycle is σ(θ) there: four standard errors."""
+    noise = LocalNoise((math.log(0.01), 0.7, -0.4, 0.2, 0.1), 0.6)
+    for theta in (0.3, 2.0, 4.5):
+        paths = sample_staircases(STILL, noise, 1, np.full(20000, theta), seed=1)
+        expected = 0.01 * math.exp(
+            0.7 * math.cos(theta) - 0.4 * math.sin(theta) + 0.2 * math.cos(2 * theta) + 0.1 * math.sin(2 * theta)
+        )
+        assert paths[:, 1].std() == pytest.approx(expected, rel=4.0 / math.sqrt(2 * 20000))
+        assert noise.sigma(theta) == pytest.approx(expected, rel=1e-12)
+
+
+def test_successive_kicks_are_correlated_over_the_blocks_that_draws_come_in(monkeypatch) -> None:
+    """corr(z_n, z_{n+k}) = ρ^k, also where one block of draws ends and the next begins."""
+    monkeypatch.setattr("cyclemap.maps.staircases.staircase._DRAWS", 3 * 8000)
+    paths = sample_staircases(STILL, LocalNoise((math.log(0.02),), 0.7), 6, np.zeros(8000), seed=2)
+    kicks = np.diff(paths, axis=1)
+    found = np.corrcoef(kicks.T)
+    gap = np.abs(np.subtract.outer(np.arange(6), np.arange(6)))
+    assert found == pytest.approx(0.7**gap, abs=0.04)
+
+
+def test_the_white_noise_that_stands_for_it_carries_as_far_over_many_cycles() -> None:
+    noise, count = LocalNoise((math.log(0.01),), 0.69), 400
+    far = sample_staircases(STILL, noise, count, np.zeros(4000), seed=3)[:, -1]
+    white = sample_staircases(STILL, WrappedNormal(noise.white(0.0)), count, np.zeros(4000), seed=4)[:, -1]
+    # Less a constant of ρ/(1 - ρ)² cycles, here 1.8 % of the variance.
+    assert far.std() == pytest.approx(white.std(), rel=0.06)
+
+
+def test_one_path_is_that_of_many_and_follows_wear() -> None:
+    drifting = DriftingMap.between([(0, CircleMap.rigid(0.0)), (50, CircleMap.rigid(0.2))])
+    noise = LocalNoise((math.log(0.05), 0.3, 0.1), 0.5)
+    one = sample_staircase(drifting, noise, 80, start=1.0, seed=5).theta
+    assert one == pytest.approx(sample_staircases(drifting, noise, 80, [1.0], seed=5)[0], abs=1e-12)
+    still = sample_staircase(drifting, LocalNoise((-40.0,), 0.5), 80, start=1.0, seed=5).theta
+    assert still == pytest.approx(sample_staircase(drifting, None, 80, start=1.0).theta, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"), [(((0.1, 0.2), 0.0), "pairs"), (((0.1,), 1.0), "in .0, 1"), (((0.1,), -0.1), "0, 1")]
+)
+def test_what_is_no_noise_is_refused(given, told) -> None:
+    with pytest.raises(InvalidInput, match=told):
+        LocalNoise(*given)

@@ -1,1 +1,0 @@
-"""Maps made from maps: branches and preimages, composition, iterates, inverses, conjugates."""

@@ -1,0 +1,249 @@
+"""Families of circle maps: one formula for many parameters at once, and how lifts move with a parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
+from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import SIDE_STEP
+
+ParametricFunction = Callable[..., Array]
+_ANGLES = np.linspace(0.0, TWO_PI, 65)  # where a lift of unknown kind is looked at for folds
+_FALL = 1e-12  # radians: a smaller descent is rounding
+
+
+@dataclass(frozen=True, eq=False)
+class ParametricLift:
+    """A family of degree-1 lifts F(θ; p₁, p₂, ...) by one formula; called with numbers it gives the CircleMap.
+
+    lift : ``lift(theta, *parameters)``, radians to radians, never wrapped; broadcasts over theta, shape (..., n),
+        and parameters, each a number or of shape (n,). Several threads may call it at once.
+    derivative : the same for F', or None: then differences.
+    breaks : radians, the same for the whole family, where F jumps or F' does.
+    nondecreasing : ``nondecreasing(*parameters)``, a boolean array: where theory says that F never falls; None
+        compares F at 65 angles instead, which sees only folds wider than that.
+    circle_map : makes the member at given numbers where a faster form than the formula exists; else None.
+    max_error : a bound on |lift - truth| in radians, as of ``CircleMap``.
+
+    It is a callable parameters → CircleMap, as all tools for families take. Raises InvalidInput for what is not
+    callable; each member is checked like any CircleMap.
+
+    >>> two_waves = ParametricLift(lambda x, shift, size: x + shift + size * np.sin(2 * x))
+    >>> round(float(two_waves(0.5, 0.2).turn(np.pi / 4)), 12)
+    0.7
+    """
+
+    lift: ParametricFunction
+    derivative: ParametricFunction | None = None
+    breaks: Any = ()
+    nondecreasing: Callable[..., Any] | None = None
+    circle_map: Callable[..., CircleMap] | None = None
+    max_error: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not callable(self.lift):
+            raise InvalidInput(f"lift is {self.lift!r}: give a callable of an array of angles and the parameters")
+        for name in ("derivative", "nondecreasing", "circle_map"):
+            given = getattr(self, name)
+            if given is not None and not callable(given):
+                raise InvalidInput(f"{name} is {given!r}: give a callable or None")
+        object.__setattr__(self, "breaks", read_only(finite_array("breaks", self.breaks, ndim=1)))
+        object.__setattr__(self, "max_error", non_negative_number("max_error", self.max_error))
+
+    def __call__(self, *parameters: float) -> CircleMap:
+        """The member at these numbers."""
+        values = [finite_number(f"parameter {i}", value) for i, value in enumerate(parameters)]
+        if self.circle_map is not None:
+            return self.circle_map(*values)
+        slope = None if self.derivative is None else partial(_at, self.derivative, values)
+        return CircleMap(partial(_at, self.lift, values), slope, self.breaks, max_error=self.max_error)
+
+    def rises(self, *parameters: Any) -> Mask:
+        """Where F never falls, by ``nondecreasing`` or at 65 angles; parameters of shape (n,) each, result (n,)."""
+        if self.nondecreasing is not None:
+            size = np.broadcast_shapes(*(np.shape(p) for p in parameters))
+            return np.array(np.broadcast_to(np.asarray(self.nondecreasing(*parameters), dtype=bool), size))
+        lower = self.lift(_ANGLES[:1], *parameters)
+        rising = np.ones(np.shape(lower), dtype=bool)
+        for theta in _ANGLES[1:]:
+            upper = self.lift(np.array([theta]), *parameters)
+            rising &= upper >= lower - _FALL
+            lower = upper
+        return rising
+
+
+def _at(function: ParametricFunction, values: list[float], theta: Array) -> Array:
+    return function(theta, *values)
+
+
+# -- textbook families -------------------------------------------------------------------------------------
+
+
+def _sine_lift(theta: Array, omega: Any, K: Any) -> Array:
+    image = K * np.sin(theta)
+    np.subtract(theta, image, out=image)
+    return np.asarray(image + TWO_PI * omega)
+
+
+def _sine_slope(theta: Array, omega: Any, K: Any) -> Array:
+    return np.asarray(1.0 - K * np.cos(theta) + 0.0 * omega)
+
+
+def _sine_rises(omega: Any, K: Any) -> Any:
+    return np.abs(K) <= 1.0 + 0.0 * omega
+
+
+def _moebius_lift(theta: Array, a: Any, omega: Any) -> Array:
+    return np.asarray(theta + TWO_PI * omega + 2.0 * np.arctan2(a * np.sin(theta), 1.0 - a * np.cos(theta)))
+
+
+def _moebius_slope(theta: Array, a: Any, omega: Any) -> Array:
+    return np.asarray((1.0 - a * a) / (1.0 - 2.0 * a * np.cos(theta) + a * a) + 0.0 * omega)
+
+
+def _moebius_rises(a: Any, omega: Any) -> Any:
+    return (a >= 0.0) & (a < 1.0 + 0.0 * omega)
+
+
+ARNOLD_FAMILY = ParametricLift(_sine_lift, _sine_slope, nondecreasing=_sine_rises, circle_map=CircleMap.arnold)
+"""The sine family θ → θ + 2πΩ - K sin θ, parameters (Ω, K) as of ``CircleMap.arnold``."""
+
+MOEBIUS_FAMILY = ParametricLift(
+    _moebius_lift, _moebius_slope, nondecreasing=_moebius_rises, circle_map=CircleMap.moebius
+)
+"""The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters (a, Ω) as of ``CircleMap.moebius``."""
+
+
+def parametric_form(family: Any) -> ParametricLift | None:
+    """The formula for many parameters at once that a family is known by, or None."""
+    if isinstance(family, ParametricLift):
+        return family
+    return next((one for one in (ARNOLD_FAMILY, MOEBIUS_FAMILY) if one.circle_map == family), None)
+
+
+Family = Callable[..., CircleMap]
+Range = tuple[float, float]
+
+
+def family_member(family: Family, *parameters: float) -> CircleMap:
+    """The map of the family at these parameters; InvalidInput when it is not a CircleMap."""
+    if not callable(family):
+        raise InvalidInput(f"family is {family!r}: give a callable from the parameter to a CircleMap")
+    member = family(*parameters)
+    if not isinstance(member, CircleMap):
+        given = ", ".join(f"{value:.9g}" for value in parameters)
+        raise InvalidInput(f"family({given}) is {member!r}: it must return a CircleMap")
+    return member
+
+
+def parameter_range(name: str, ends: Any) -> Range:
+    """A range (low, high) of a parameter as two floats with low < high, or InvalidInput."""
+    try:
+        low, high = ends
+    except (TypeError, ValueError) as cause:
+        raise InvalidInput(f"{name} is {ends!r}: give a pair (low, high)") from cause
+    first, last = finite_number(f"{name}[0]", low), finite_number(f"{name}[1]", high)
+    if not first < last:
+        raise InvalidInput(f"{name} is ({first:g}, {last:g}): its low end must lie below its high end")
+    return first, last
+
+
+def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:
+    """The limit of F at breaks ``theta`` from below (side -1) or above (1), to rounding.
+
+    The map reads its one-sided limits a few roundings beside the break; to first order that is taken back here.
+    """
+    if side > 0:
+        return np.asarray(circle_map.right(theta) - SIDE_STEP * circle_map.right_derivative(theta))
+    return np.asarray(circle_map.left(theta) + SIDE_STEP * circle_map.left_derivative(theta))
+
+
+# -- how a lift moves with the parameter -----------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterTangent:
+    """θ → ∂F/∂p at one parameter (radians a unit of p), 2π-periodic, any shape; from the right at breaks.
+
+    member : the family's map at the parameter. members, weights, step : those of the difference, and its spacing.
+    motions : how far the breaks of each of ``members`` have moved. break_rates : shape (breaks,), dθ_b/dp.
+    """
+
+    member: CircleMap
+    parameter: float
+    members: tuple[CircleMap, ...]
+    weights: tuple[float, ...]
+    step: float
+    motions: tuple[Array, ...]
+
+    @cached_property
+    def break_rates(self) -> Array:
+        """Shape (breaks,), radians a unit of p."""
+        weighted = [weight * motion for weight, motion in zip(self.weights, self.motions, strict=True)]
+        return np.asarray(np.sum(weighted, axis=0) / self.step)
+
+    def __call__(self, theta: Any) -> Array:
+        """∂F/∂p at ``theta`` (radians)."""
+        base = np.mod(np.asarray(theta, dtype=np.float64), TWO_PI)
+        total = np.zeros_like(base)
+        for member, weight, motion in zip(self.members, self.weights, self.motions, strict=True):
+            lift = member.right if member.breaks.size else member
+            total += weight * lift(base + self._carried(base, motion))
+        total /= self.step
+        carried = self._carried(base, self.break_rates)
+        if np.any(carried):
+            # The difference follows the breaks: dF/dp along them is ∂F/∂p + F' times their rate.
+            total = total - self.member.right_derivative(base) * carried
+        return np.asarray(total)
+
+    def _carried(self, theta: Array, motion: Array) -> Array:
+        """Displacements at ``theta`` (in [0, 2π)) that are linear between those of the breaks."""
+        breaks = self.member.breaks
+        if breaks.size == 0 or not np.any(motion):
+            return np.zeros_like(theta)
+        around = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
+        return np.asarray(np.interp(theta, around, np.concatenate([motion[-1:], motion, motion[:1]])))
+
+
+def parameter_tangent(family: Family, p: float, step: float, within: Range) -> ParameterTangent:
+    """∂F/∂p of a family p → CircleMap, by differences of second order of its lifts in p, inside ``within``.
+
+    Breaks may move with p: angles are carried along with the breaks on both sides, so that no difference reaches
+    across one. Raises InvalidInput when neighbouring maps have different numbers of breaks.
+    """
+    below, above = p - within[0], within[1] - p
+    offsets: tuple[int, ...] = (-1, 1)
+    weights: tuple[float, ...] = (-0.5, 0.5)
+    if min(below, above) < step:
+        side = 1 if above >= below else -1
+        offsets, weights = (0, side, 2 * side), (-1.5 * side, 2.0 * side, -0.5 * side)
+        step = min(step, 0.5 * max(below, above))
+    member = family_member(family, p)
+    members = tuple(member if k == 0 else family_member(family, p + k * step) for k in offsets)
+    motions = tuple(break_motion(member.breaks, other.breaks) for other in members)
+    return ParameterTangent(member, p, members, weights, step, motions)
+
+
+def break_motion(breaks: Array, moved: Array) -> Array:
+    """How far each break has moved (radians, the short way round) to its partner among ``moved``.
+
+    Both sorted in [0, 2π); partners keep their order round the circle. InvalidInput when the counts differ.
+    """
+    if breaks.size != moved.size:
+        raise InvalidInput(
+            f"the family's maps have {breaks.size} and {moved.size} breaks at neighbouring parameters: "
+            "their difference is not defined; take a smaller step or another parameter"
+        )
+    if breaks.size == 0:
+        return np.zeros(0)
+    first = int(np.argmin(np.abs(shorter_way(moved - breaks[0]))))
+    motions = [shorter_way(np.roll(moved, k - first) - breaks) for k in (0, 1, -1)]
+    return min(motions, key=lambda motion: float(np.sum(np.abs(motion))))

@@ -1,0 +1,285 @@
+"""What long orbits show: where they settle, and whether neighbouring ones diverge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.checks import finite_array, finite_number, read_only, whole_number
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.estimate import EPS, Estimate
+from cyclemap.maps.families.family import Family, family_member, parametric_form
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.orbits.rotation_number import orbit_angles, orbits_angles, weighted_mean
+from cyclemap.maps.quadrature import arc_rule
+
+_START = 0.9  # radians: an angle that no symmetry favours
+_PARTS = 20
+_DEVIATIONS = 4.0  # standard errors of the batches' mean
+
+
+@dataclass(frozen=True, eq=False)
+class OrbitDiagram:
+    """Made by ``orbit_diagram``. parameter : shape (m,). theta : shape (m, cycles), radians in [0, 2π)."""
+
+    parameter: Array
+    theta: Array
+
+
+@dataclass(frozen=True, eq=False)
+class LyapunovExponents:
+    """Made by ``lyapunov_exponents``: arrays of the parameters' broadcast shape.
+
+    value : mean of ln|F'| along one orbit, per cycle; -inf where it meets F' = 0. error : four standard errors of the
+    means over 20 parts of the orbit: statistical where it is chaotic, and no bound.
+    """
+
+    parameters: tuple[Array, ...]
+    value: Array
+    error: Array
+
+
+def orbit_diagram(
+    family: Family, values: Any, *, cycles: int = 200, transient: int = 500, start: float = _START
+) -> OrbitDiagram:
+    """Where the orbit of each member of a family is in ``cycles`` cycles, after ``transient`` cycles that are left out.
+
+    family : parameter → CircleMap. values : shape (m,), in the order in which they are gone through: each orbit starts
+    where the one before has ended (the first at ``start``, radians), so that an attractor is followed for as long
+    as it lasts; through the values in reverse order the other branch of a hysteresis loop shows.
+
+    Raises InvalidInput for values that are not finite, none at all, or a family that gives no CircleMap.
+
+    >>> flips = orbit_diagram(lambda K: CircleMap.arnold(0.1, K), [1.8, 2.2], transient=2000)
+    >>> [np.unique(row.round(6)).size for row in flips.theta]  # the period doubles at K = 2.0964
+    [1, 2]
+    """
+    rows, count = finite_array("values", values, ndim=1), whole_number("cycles", cycles, least=1)
+    skipped, theta = whole_number("transient", transient, least=0), finite_number("start", start)
+    if rows.size == 0:
+        raise InvalidInput("values is empty: give the parameters to go through")
+    visited = np.empty((rows.size, count))
+    for row, value in zip(visited, rows.tolist(), strict=True):
+        row[:] = orbit_angles(family_member(family, value), theta, skipped + count)[skipped:]
+        theta = float(row[-1])
+    return OrbitDiagram(read_only(rows), read_only(visited))
+
+
+def lyapunov_exponents(
+    family: Callable[..., CircleMap], *parameters: Any, cycles: int = 2_000, transient: int = 500, start: float = _START
+) -> LyapunovExponents:
+    """The Lyapunov exponents of the orbits of ``start`` (radians) over arrays of parameters that broadcast together.
+
+    family : parameters → CircleMap. A ``ParametricLift`` that has a derivative, ``CircleMap.arnold`` and
+    ``CircleMap.moebius`` are followed all together, others one by one, a hundred times slower. One array gives a
+    curve, ``values[:, None]`` and another one a plane. The mean of ln|F'| over ``cycles`` cycles after
+    ``transient`` ones: good to about 1/cycles on periodic orbits; ``lyapunov_exponent`` solves one map's far better.
+
+    Raises InvalidInput for parameters that are not finite, none at all, or a family that gives no CircleMap.
+
+    >>> found = lyapunov_exponents(CircleMap.arnold, 0.1, [0.9, 5.0])
+    >>> bool(found.value[0] < -1.0 < 1.0 < found.value[1])
+    True
+    """
+    if not parameters:
+        raise InvalidInput("parameters are missing: give an array for each parameter of the family")
+    arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
+    count, skipped = whole_number("cycles", cycles, least=_PARTS), whole_number("transient", transient, least=0)
+    theta = finite_number("start", start)
+    shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    flat = [np.broadcast_to(array, shape).ravel() for array in arrays]
+    formula = parametric_form(family)
+    parts = np.zeros((_PARTS, flat[0].size))
+    lengths = np.diff(np.linspace(0, count, _PARTS + 1).astype(int))
+    if formula is not None and formula.derivative is not None:
+        angle = np.full(flat[0].size, theta)
+        for _ in range(skipped):
+            angle = np.mod(formula.lift(angle, *flat), TWO_PI)
+        for part, length in zip(parts, lengths.tolist(), strict=True):
+            for _ in range(length):
+                part += _log(formula.derivative(angle, *flat))
+                angle = np.mod(formula.lift(angle, *flat), TWO_PI)
+    else:
+        for place, values in enumerate(zip(*(array.tolist() for array in flat), strict=True)):
+            member = family_member(family, *values)
+            visited = orbit_angles(member, theta, skipped + count)[skipped:]
+            parts[:, place] = np.add.reduceat(_log(member.derivative(visited)), np.cumsum(lengths) - lengths)
+    means = parts / lengths[:, None]
+    with np.errstate(invalid="ignore"):
+        error = _DEVIATIONS * np.std(means, axis=0, ddof=1) / np.sqrt(_PARTS)
+    value = parts.sum(axis=0) / count
+    error = np.where(np.isneginf(value), 0.0, error)
+    return LyapunovExponents(
+        tuple(read_only(array) for array in arrays), read_only(value.reshape(shape)), read_only(error.reshape(shape))
+    )
+
+
+def _log(slope: Array) -> Array:
+    with np.errstate(divide="ignore"):
+        return np.log(np.abs(slope))
+
+
+ITERATES = 40_000
+MAX_PERIOD = 512
+TRANSIENT = 2_000
+_STARTS = TWO_PI * np.mod(0.1 + np.sqrt(2.0) * np.arange(1.0, 6.0), 1.0)
+_SAME = 1e-6  # exponents that differ by less, their bounds apart, belong to one attractor
+_NEAR = 0.05  # radians: an orbit that comes back nearer than this may be close to a periodic one
+_NEWTON = 30
+_BATCHES = 40
+_DECIDED = 0.05  # a weighted mean this much sharper than a plain one shows a quasi-periodic orbit
+_FLOOR = 1e-18  # |F'| at nodes that rounding puts on a fold
+_EVERYWHERE = TWO_PI * np.mod(np.sqrt(2.0) * np.arange(1.0, 65.0), 1.0)
+_LOST = 0.05  # of 1 + |F'|: an error this large says that differences do not settle
+_BLUR = 50.0  # how far off ln|F'| is where F' is lost in rounding
+
+
+def lyapunov_exponent(
+    circle_map: CircleMap, noise: Noise | None = None, *, start: float | None = None, transient: int = TRANSIENT
+) -> Estimate:
+    """The Lyapunov exponent E ln|F'(θ)|, per cycle (natural logarithm), with a bound on its error.
+
+    With noise: the integral over the stationary law of ``transfer_operator``, on Gauss-Legendre panels graded towards
+    the folds; the bound is that of ``TransferOperator.expectation`` (``max_error`` bounds F, not F': it counts through
+    the law only) and the error of F' (``derivative_and_error``), which matters where F' has a double zero.
+    Without noise, for the orbit of ``start`` (radians) after ``transient`` cycles:
+    - where that settles on a periodic orbit of period n ≤ 512, ln|multiplier|/n of the orbit itself, solved by
+      Newton's method; the bound is a measured one of rounding;
+    - where it is quasi-periodic, the weighted Birkhoff average (Das, Saiki, Sander & Yorke 2017), with the estimated
+      error of ``weighted_mean``;
+    - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the means of 40 batches:
+      a statistical bound, and it is about 1e-2.
+    To each the error of F' adds; inf where F' is lost in it. -inf where F' = 0 on a set that the law or the orbit
+    visits. Without a start: the orbits from five angles that no symmetry favours, so that none lies on a repelling
+    orbit; a small basin may be missed.
+
+    Raises InvalidInput where orbits from those angles have different exponents: the map has several attractors;
+    ConvergenceError where F has no derivative that differences can follow.
+
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> round(lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi)), 9)
+    -0.978129142
+    """
+    if not isinstance(circle_map, CircleMap):
+        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    skipped = whole_number("transient", transient, least=0)
+    # Refused before thousands of iterates are made: a lift that is nowhere smooth.
+    slope, error = circle_map.derivative_and_error(_EVERYWHERE)
+    lost = error > _LOST * (1.0 + np.abs(slope))
+    if 2 * np.count_nonzero(lost) > lost.size:
+        raise ConvergenceError(
+            f"F' cannot be told from differences at {np.count_nonzero(lost)} of {lost.size} angles, such as "
+            f"{_EVERYWHERE[int(np.argmax(lost))]:.6g}: give the derivative, or the lift has none and no exponent"
+        )
+    if noise is not None:
+        if start is not None:
+            raise InvalidInput(
+                f"start is {start!r}, but under noise the exponent is of the stationary law: leave it out"
+            )
+        return _under_noise(circle_map, noise)
+    begin = _STARTS if start is None else np.array([finite_number("start", start)])
+    visited = orbits_angles(circle_map, begin, skipped + ITERATES)[:, skipped:]
+    found = [_along_orbit(circle_map, row) for row in visited]
+    if start is not None:
+        return found[0]
+    low, high = (int(pick(found)) for pick in (np.argmin, np.argmax))
+    allowed = _SAME + 4.0 * (found[low].error_bound + found[high].error_bound)
+    if found[low] != found[high] and found[high] - found[low] > allowed:
+        raise InvalidInput(
+            f"the map has several attractors: the exponent is {found[low]:.6g} from θ = {_STARTS[low]:.4f}, "
+            f"{found[high]:.6g} from {_STARTS[high]:.4f}; give the start that is meant"
+        )
+    return min(found, key=lambda one: one.error_bound)
+
+
+def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
+    from cyclemap.maps.operator.transfer_operator import transfer_operator  # slow to import
+
+    operator = transfer_operator(circle_map, noise)
+    theta, _ = arc_rule(circle_map, 0.0, TWO_PI, operator.modes)
+    flat = circle_map.derivative(theta) == 0.0
+    if np.any(flat & np.roll(flat, 1)):  # neighbouring nodes: a flat piece, not a fold
+        return Estimate(float("-inf"), 0.0)
+
+    def blur(at: Array) -> Array:
+        slope, error = circle_map.derivative_and_error(at)
+        return np.minimum(error / np.maximum(np.abs(slope), _FLOOR), _BLUR)
+
+    found = operator.expectation(lambda at: np.log(np.maximum(np.abs(circle_map.derivative(at)), _FLOOR)), folds=True)
+    blurred = operator.expectation(blur, folds=True)
+    return Estimate(found, found.error_bound + blurred.upper)
+
+
+def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
+    last = visited[-1]
+    back = np.abs(shorter_way(visited[-2 : -2 - MAX_PERIOD : -1] - last))
+    for period in 1 + np.flatnonzero((back <= np.minimum.accumulate(back)) & (back < _NEAR)):
+        orbit = _attracting_orbit(circle_map, float(last), int(period))
+        if orbit is not None:
+            return _exponent_of(circle_map, orbit)
+    slopes, errors = circle_map.derivative_and_error(visited)
+    stretch = np.abs(slopes)
+    if np.any(stretch == 0.0):
+        return Estimate(float("-inf"), 0.0)
+    values, inexact = np.log(stretch), _from_slopes(errors, stretch)
+    smooth = weighted_mean(values)
+    means = values.reshape(_BATCHES, -1).mean(axis=1)
+    spread = float(np.std(means, ddof=1)) / np.sqrt(_BATCHES)
+    if smooth.error_bound <= _DECIDED * spread or spread <= EPS * (1.0 + abs(smooth)):
+        return Estimate(smooth, smooth.error_bound + inexact)
+    return Estimate(float(np.mean(values)), _DEVIATIONS * spread + inexact)
+
+
+def _from_slopes(errors: Array, stretch: Array) -> float:
+    """What the errors of F' make of the mean of ln|F'|; inf where F' may be zero."""
+    share = errors / stretch
+    return float(-np.mean(np.log1p(-share))) if np.all(share < 1.0) else float("inf")
+
+
+# -- periodic attractors -------------------------------------------------------------------------------------
+
+
+def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array | None:
+    """The points of the period's orbit nearest to ``start``, by Newton's method, if it attracts ``start``."""
+    theta = start
+    for _ in range(_NEWTON):
+        points, gap = _once_round(circle_map, theta, period)
+        multiplier = float(np.prod(circle_map.derivative(points)))
+        if abs(multiplier) >= 1.0:
+            return None
+        step = gap / (1.0 - multiplier)
+        theta += step
+        if abs(step) <= 4.0 * EPS * (1.0 + abs(theta)) / (1.0 - abs(multiplier)):
+            points, _ = _once_round(circle_map, theta, period)
+            return points if abs(theta - start) < _NEAR else None
+    return None
+
+
+def _once_round(circle_map: CircleMap, theta: float, period: int) -> tuple[Array, float]:
+    """The orbit of ``theta`` over one period, and how far it comes back from a whole number of turns."""
+    lift, at, points = circle_map.scalar(), theta, []
+    for _ in range(period):
+        points.append(at)
+        at = lift(at)
+        at -= TWO_PI * np.floor(at / TWO_PI)
+    return np.array(points), float(shorter_way(at - theta))
+
+
+def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
+    slopes, errors = circle_map.derivative_and_error(points)
+    slopes = np.abs(slopes)
+    if np.any(slopes == 0.0):
+        return Estimate(float("-inf"), 0.0)
+    found = float(np.mean(np.log(slopes)))
+    # The orbit is known to rounding over 1 - |multiplier|: what so small a shift changes is the bound.
+    shift = 16.0 * EPS * (1.0 + np.max(np.abs(points))) / (1.0 - min(np.exp(points.size * found), 1.0 - EPS))
+    nearby = [np.abs(circle_map.derivative(points + side * 1e3 * shift)) for side in (-1.0, 1.0)]
+    with np.errstate(divide="ignore"):
+        changes = [np.abs(np.log(slope) - np.log(slopes)) for slope in nearby]
+    moved = float(np.max(np.mean(changes, axis=1))) / 1e3
+    return Estimate(found, moved + _from_slopes(errors, slopes) + 8.0 * EPS * (1.0 + abs(found)))

@@ -1,0 +1,262 @@
+"""Branches: the maximal monotone pieces of a lift over one turn, each with its inverse; preimages on all of them."""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
+from cyclemap.checks import finite_array, finite_number, read_only
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.estimate import EPS
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, Scalar, base_angles
+from cyclemap.maps.orbits.scan import Cells, bracketed_root, monotone_cells
+
+
+@dataclass(frozen=True, eq=False)
+class MonotoneTable:
+    """Nodes of a function that is monotone and continuous between neighbours.
+
+    theta : shape (n,), radians, nondecreasing; value : shape (n,), monotone. An angle given twice is a jump, a
+    value given twice a plateau. ``sign`` is 1 when the values rise, -1 when they fall. The inverse is the one that
+    is continuous from the right: constant across a jump, at a plateau's level its far end.
+    """
+
+    theta: Array
+    value: Array
+    sign: int
+    map: CircleMap
+
+    def inverse(self, values: Array) -> Array:
+        """The angle at which the function takes each of ``values``; values beyond the table give its ends."""
+        wanted = self.sign * np.ravel(values)
+        rising, cell = self.sign * self.value, self.cell(np.ravel(values))
+        low, high = self.theta[cell], self.theta[cell + 1]
+        result = np.where(rising[cell] >= wanted, low, high)
+        inside = np.flatnonzero((rising[cell] < wanted) & (rising[cell + 1] > wanted) & (high > low))
+        if inside.size:
+            level = wanted[inside]
+            result[inside] = bracketed_root(lambda x, i: self.sign * self.map(x) - level[i], low[inside], high[inside])
+        return np.reshape(result, np.shape(values))
+
+    def cell(self, values: Array) -> npt.NDArray[np.intp]:
+        """The cell, between one node and the next, in which each of ``values`` is taken."""
+        rising, side = self.sign * self.value, "right" if self.sign > 0 else "left"
+        cell = np.searchsorted(rising, self.sign * values, side=side) - 1  # type: ignore[call-overload]
+        return np.asarray(np.clip(cell, 0, self.theta.size - 2))
+
+    def inverse_of_one_float(self) -> Scalar:
+        """The same inverse for one python float (Brent 1973, ch. 4)."""
+        from scipy.optimize import brentq  # slow to import, and seldom asked for
+
+        sign, lift = self.sign, self.map.scalar()
+        nodes, rising = self.theta.tolist(), (self.sign * self.value).tolist()
+        bisect, final = bisect_right if sign > 0 else bisect_left, len(nodes) - 2
+
+        def inverse(value: float) -> float:
+            wanted = sign * value
+            cell = min(max(bisect(rising, wanted) - 1, 0), final)
+            low, high = nodes[cell], nodes[cell + 1]
+            if sign * lift(low) >= wanted:
+                return float(low)
+            if sign * lift(high) <= wanted:
+                return float(high)
+            return float(brentq(lambda x: sign * lift(x) - wanted, low, high, xtol=EPS, rtol=4.0 * EPS))
+
+        return inverse
+
+
+RESOLUTION = 512
+TOUCH = 1e-12  # radians: a fold this near a level touches it
+_SHORTEST_PLATEAU = 1e-5  # radians: a shorter constant piece belongs to its neighbour
+_FLAT = 1e-11  # slopes below this, relative to 1 + |F|, are zero: what differences leave of a constant
+_UNKNOWN = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """A maximal interval on which a lift is continuous and monotone.
+
+    start, end : radians, 0 ≤ start < 2π, start < end ≤ start + 2π.
+    start_value, end_value : radians, lifted: the limits of F at both ends from inside.
+    direction : 1 rising, -1 falling, 0 constant (a plateau).
+    table : nodes of F from start to end, for the inverse.
+    """
+
+    start: float
+    end: float
+    start_value: float
+    end_value: float
+    direction: int
+    table: MonotoneTable
+
+    def inverse(self, values: Any) -> Array:
+        """The angles in [start, end] at which F takes each of ``values`` (radians, lifted, any shape).
+
+        Exact to rounding: F there is ``values`` to about 1e-15, so the angle is good to 1e-15/|F'|. Raises
+        InvalidInput for values outside the branch and on a plateau, ConvergenceError when F is not monotone.
+
+        >>> rising = branches(CircleMap.arnold(0.0, 2.0))[0]
+        >>> bool(abs(CircleMap.arnold(0.0, 2.0)(rising.inverse(3.0)) - 3.0) < 1e-14)
+        True
+        """
+        wanted = finite_array("values", values)
+        if self.direction == 0:
+            raise InvalidInput(f"F is {self.start_value:.9g} all along this branch: a plateau has no inverse")
+        low, high = sorted((self.start_value, self.end_value))
+        slack = 8.0 * EPS * (1.0 + max(abs(low), abs(high)))
+        outside = (wanted < low - slack) | (wanted > high + slack)
+        if np.any(outside):
+            first = float(wanted[outside][0])
+            raise InvalidInput(f"the value {first:.9g} is outside the branch: F runs from {low:.9g} to {high:.9g}")
+        return self.table.inverse(wanted)
+
+
+def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
+    """The maximal monotone pieces of F over one turn, in order, the first starting in [0, 2π).
+
+    Cut at folds, at jumps, at the ends of plateaus, and at kinks where the direction changes; a kink inside a
+    monotone piece does not cut. A map without any cut is one branch, [0, 2π]. The last branch ends one turn
+    after the first starts. Complete down to the resolution, as ``monotone_cells``: two folds in one of at
+    least ``resolution`` cells a turn are missed. Constant pieces shorter than 1e-5 radians join a neighbour.
+
+    Raises ConvergenceError when the map is too steep to be cut into cells.
+
+    >>> [(round(b.start, 6), round(b.end, 6), b.direction) for b in branches(CircleMap.arnold(0.2, 2.0))]
+    [(1.047198, 5.235988, 1), (5.235988, 7.330383, -1)]
+    """
+    cells = monotone_cells(circle_map, 1, 0.0, RESOLUTION)
+    first, last = _one_sided_values(circle_map, cells)
+    smooth = _joined(first, last, cells.climb)
+    direction = _directions(cells, first, last, smooth)
+    cut = np.flatnonzero(~smooth | (direction != np.roll(direction, 1)))
+    if cut.size == 0:
+        cut = np.array([0])
+    ends = np.append(cut[1:], cut[0] + cells.size)
+    return tuple(
+        _branch(circle_map, cells, first, last, int(direction[a]), np.arange(a, b))
+        for a, b in zip(cut, ends, strict=True)
+    )
+
+
+def _one_sided_values(circle_map: CircleMap, cells: Cells) -> tuple[Array, Array]:
+    """F at the start and at the end of each cell, its own limit where a break lies there."""
+    first, last = cells.g_start.copy(), cells.g_end.copy()
+    after, before = cells.cut, np.roll(cells.cut, -1)
+    if np.any(after):
+        start, end = cells.start[after], cells.end[before]
+        own, right = circle_map(start), circle_map.right(start)
+        first[after] = np.where(np.abs(own - right) <= JUMP, own, right)
+        # The limit from below is read SIDE_STEP before the break: go on along the slope there.
+        last[before] = circle_map.left(end) + SIDE_STEP * circle_map.left_derivative(end)
+    return first, last
+
+
+def _joined(first: Array, last: Array, climb: float) -> Mask:
+    """Whether F is continuous at the start of each cell; ``last`` then takes the next cell's value."""
+    following = np.append(first[1:], first[0] + climb)
+    smooth_after = np.abs(following - last) <= JUMP
+    last[smooth_after] = following[smooth_after]
+    return np.roll(smooth_after, 1)
+
+
+def _directions(cells: Cells, first: Array, last: Array, smooth: Mask) -> Whole:
+    """1, -1 or 0 for each cell; one too flat to tell goes with the cell it continues."""
+    scale = 1.0 + np.abs(first)
+    still = np.abs(last - first) <= 64.0 * EPS * scale
+    steepest = np.maximum(np.abs(cells.slope_start), np.abs(cells.slope_end))
+    constant = still & (steepest <= _FLAT * scale) & (cells.end - cells.start > _SHORTEST_PLATEAU)
+    direction = np.where(still, _UNKNOWN, np.sign(last - first)).astype(np.int64)
+    direction[constant] = 0
+    for i in np.flatnonzero(direction == _UNKNOWN):
+        if smooth[i]:
+            direction[i] = direction[i - 1]
+    for i in np.flatnonzero(direction == _UNKNOWN)[::-1]:
+        after = (i + 1) % cells.size
+        direction[i] = direction[after] if smooth[after] else 0
+    return np.where(direction == _UNKNOWN, 0, direction)
+
+
+def _branch(circle_map: CircleMap, cells: Cells, first: Array, last: Array, direction: int, own: Whole) -> Branch:
+    lap, own = own // cells.size, own % cells.size
+    theta = np.append(cells.start[own], cells.end[own[-1]]) + TWO_PI * np.append(lap, lap[-1])
+    value = np.append(first[own], last[own[-1]]) + cells.climb * np.append(lap, lap[-1])
+    sign = -1 if direction < 0 else 1
+    rising = np.maximum.accumulate(sign * value)
+    table = MonotoneTable(read_only(theta), read_only(sign * rising), sign, circle_map)
+    return Branch(float(theta[0]), float(theta[-1]), float(value[0]), float(value[-1]), direction, table)
+
+
+# -- preimages ---------------------------------------------------------------------------------------------
+
+
+def preimages(circle_map: CircleMap, angle: float) -> Array:
+    """All θ in [0, 2π) with F(θ) = angle mod 2π, sorted, each once: shape (n,), radians.
+
+    Solved to rounding on each branch. A fold within 1e-12 radians of the angle is one preimage, never two and
+    never none; at a jump F has the value from the right. Complete as ``branches`` is.
+
+    Raises InvalidInput when F is ``angle`` along a whole plateau, for then they cannot be listed.
+
+    >>> preimages(CircleMap.blaschke([0, 0]), 1.0).round(6).tolist()
+    [0.5, 3.641593]
+    """
+    wanted = finite_number("angle", angle)
+    found, flat = preimages_on(branches(circle_map), np.array([wanted]), circle_map.degree)
+    if flat.size:
+        raise InvalidInput(
+            f"F is {wanted:.9g} (mod 2π) all along [{flat[0]:.9g}, {flat[1]:.9g}]: the preimages cannot be listed; "
+            "branches gives the plateau"
+        )
+    return found
+
+
+def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple[Array, Array]:
+    """The preimages of all ``angles`` on the branches of one map, sorted, and the ends of plateaus at one of them."""
+    roots, plateaus = [np.zeros(0)], [np.zeros(0)]
+    for i, part in enumerate(parts):
+        low, high, touches = _levels(parts, i, angles, degree)
+        if part.direction == 0:
+            if np.any(touches):
+                plateaus.append(np.array([part.start, part.end]))
+            continue
+        count = np.maximum(high - low + 1, 0)
+        owner = np.repeat(np.arange(angles.size), count)
+        whole = low[owner] + np.arange(owner.size) - np.repeat(np.cumsum(count) - count, count)
+        # A touched fold may lie beyond its level by rounding: the table then gives the fold itself.
+        roots.append(part.table.inverse(angles[owner] + TWO_PI * whole))
+    return np.sort(base_angles(np.concatenate(roots))), np.concatenate(plateaus)
+
+
+def _levels(parts: tuple[Branch, ...], i: int, angles: Array, degree: int) -> tuple[Whole, Whole, Mask]:
+    """The whole turns w, from the first to the second, with F = angle + 2πw in [start, end); whether start is one.
+
+    Where two branches meet without a jump, both count from the same rounding, so nothing is lost or doubled.
+    """
+    part, lap = parts[i], (i + 1) // len(parts)
+    before, after = parts[i - 1], parts[(i + 1) % len(parts)]
+    above_start, below_start, touches = _rounded(part.start_value, angles, before.direction != part.direction)
+    if abs(part.end_value - after.start_value - TWO_PI * degree * lap) <= JUMP:
+        above_end, below_end, _ = _rounded(after.start_value, angles, part.direction != after.direction)
+        above_end, below_end = above_end + degree * lap, below_end + degree * lap
+    else:
+        above_end, below_end, _ = _rounded(part.end_value, angles, False)
+    if part.direction < 0:
+        return below_end + 1, below_start, touches
+    return above_start, above_end - 1, touches
+
+
+def _rounded(value: float, angles: Array, turns_back: bool) -> tuple[Whole, Whole, Mask]:
+    """The least w with angle + 2πw ≥ value, the greatest with ≤, and whether one is equal within the tolerance."""
+    turns = (value - angles) / TWO_PI
+    nearest = np.round(turns)
+    tolerance = TOUCH if turns_back else 4.0 * EPS * (1.0 + abs(value))
+    touches = np.abs(value - angles - TWO_PI * nearest) <= tolerance
+    above = np.where(touches, nearest, np.ceil(turns)).astype(np.int64)
+    below = np.where(touches, nearest, np.floor(turns)).astype(np.int64)
+    return above, below, touches

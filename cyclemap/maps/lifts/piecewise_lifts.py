@@ -1,0 +1,364 @@
+"""Lifts made of pieces: cubics through samples, and functions that each have an interval of their own."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import floor
+from typing import Any
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.checks import finite_array, finite_number, read_only
+from cyclemap.errors import InvalidInput
+from cyclemap.maps.lifts.lift_checks import SNAP, Lift, Scalar, base_angles, checked_call, differences_between
+
+
+@dataclass(frozen=True, eq=False)
+class PiecewiseCubic:
+    """A lift made of cubics on [0, 2π): piece i is Σ_j coefficients[j, i] (θ - knots[i])^j.
+
+    ``knots`` has shape (n + 1,), from 0 to 2π; ``coefficients`` has shape (4, n).
+    """
+
+    knots: Array
+    coefficients: Array
+    degree: int
+
+    def __call__(self, theta: Array) -> Array:
+        """The lift at ``theta`` (radians, any shape)."""
+        piece, offset, turns = self._locate(theta)
+        c0, c1, c2, c3 = (row[piece] for row in self.coefficients)
+        value = ((c3 * offset + c2) * offset + c1) * offset + c0
+        return np.asarray(value + (TWO_PI * self.degree) * turns)
+
+    def derivative(self, theta: Array) -> Array:
+        """The lift's slope at ``theta``."""
+        piece, offset, _ = self._locate(theta)
+        _, c1, c2, c3 = (row[piece] for row in self.coefficients)
+        return np.asarray((3.0 * c3 * offset + 2.0 * c2) * offset + c1)
+
+    def rises(self) -> bool:
+        """Whether no cubic falls anywhere."""
+        _, first, second, third = self.coefficients
+        width = np.diff(self.knots)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            # The slope is a parabola in the offset: least at an end, or at its vertex if that lies between.
+            vertex = np.clip(np.nan_to_num(-second / (3.0 * third)), 0.0, width)
+        slopes = [(3.0 * third * offset + 2.0 * second) * offset + first for offset in (0.0 * width, vertex, width)]
+        return bool(np.min(slopes) >= 0.0)
+
+    def _locate(self, theta: Array) -> tuple[Any, Array, Array]:
+        turns = np.floor(theta / TWO_PI)
+        base = theta - TWO_PI * turns
+        piece = np.searchsorted(self.knots, base, side="right") - 1
+        piece = np.clip(piece, 0, self.knots.size - 2)
+        return piece, base - self.knots[piece], turns
+
+    def scalar(self) -> Callable[[float], float]:
+        """The same lift for one python float, without numpy's overhead."""
+        knots: list[float] = self.knots.tolist()
+        last = self.knots.size - 2
+        rows: list[list[float]] = self.coefficients.T.tolist()
+        climb = TWO_PI * self.degree
+
+        def lift(theta: float) -> float:
+            turns = floor(theta / TWO_PI)
+            base = theta - TWO_PI * turns
+            piece = bisect_right(knots, base) - 1
+            if piece > last:
+                piece = last
+            offset = base - knots[piece]
+            c0, c1, c2, c3 = rows[piece]
+            return ((c3 * offset + c2) * offset + c1) * offset + c0 + climb * turns
+
+        return lift
+
+    def shifted(self, along: float, up: float) -> PiecewiseCubic:
+        """θ → F(θ - along) + up, the same cubics at other places (radians)."""
+        rows = self.coefficients.copy()
+        rows[0] += up
+        return _onto_base_period(self.knots[:-1] + along, rows, self.degree)
+
+
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """Checked samples over one period, end point included: a repeated theta holds its left entry first."""
+
+    theta: Array
+    lifted: Array
+    slopes: Array | None
+    closed: bool  # the end point is the same smooth point as the first
+
+
+def cubic_from_samples(theta: Any, lifted: Any, slopes: Any, degree: int) -> tuple[PiecewiseCubic, Array, int]:
+    """The piecewise cubic through the samples, its breaks in [0, 2π), and the number of sample points."""
+    given = np.size(theta)
+    samples = _one_period(*_checked(theta, lifted, slopes), degree)
+    nodal = _shape_preserving(samples, degree) if samples.slopes is None else samples.slopes
+    use = np.diff(samples.theta) > 0.0
+    width, rise = np.diff(samples.theta)[use], np.diff(samples.lifted)[use]
+    left, slope_left, slope_right = samples.lifted[:-1][use], nodal[:-1][use], nodal[1:][use]
+    secant = rise / width
+    c2 = (3.0 * secant - 2.0 * slope_left - slope_right) / width
+    c3 = (slope_left + slope_right - 2.0 * secant) / width**2
+    pieces = _onto_base_period(samples.theta[:-1][use], np.stack([left, slope_left, c2, c3]), degree)
+    inner = samples.theta[1:][~use]
+    breaks = inner if samples.closed else np.append(inner, samples.theta[0])
+    return pieces, np.unique(base_angles(breaks)), given
+
+
+def _checked(theta: Any, lifted: Any, slopes: Any) -> tuple[Array, Array, Array | None]:
+    angles = finite_array("theta", theta, ndim=1)
+    values = finite_array("lifted", lifted, ndim=1)
+    given = None if slopes is None else finite_array("slopes", slopes, ndim=1)
+    if values.shape != angles.shape or (given is not None and given.shape != angles.shape):
+        raise InvalidInput(f"theta has {angles.size} samples: lifted and slopes must have as many")
+    if angles.size < 3:
+        raise InvalidInput(f"theta has {angles.size} samples: give at least 3")
+    steps = np.diff(angles)
+    if np.any(steps < 0.0):
+        raise InvalidInput(f"theta decreases after entry {int(np.argmax(steps < 0.0))}: sort the samples")
+    if np.any((steps[1:] == 0.0) & (steps[:-1] == 0.0)):
+        raise InvalidInput("theta holds one angle three times: a break is one angle twice (left, right)")
+    if angles[-1] - angles[0] > TWO_PI + 1e-9:
+        raise InvalidInput(f"theta spans {angles[-1] - angles[0]:g}: the samples must cover one turn, 2π")
+    return angles, values, given
+
+
+def _one_period(angles: Array, values: Array, slopes: Array | None, degree: int) -> _Samples:
+    """Make the list run from the right side of its first angle to the left side of that angle plus 2π."""
+    tangents = np.zeros_like(angles) if slopes is None else slopes
+    table = np.stack([angles, values, tangents])
+    climb = np.array([TWO_PI, TWO_PI * degree, 0.0])
+    if angles[1] == angles[0]:
+        end, last = table[:, 0] + climb, table[:, -1]
+        if last[0] > end[0] - 1e-9 and abs(last[1] - end[1]) > 1e-9:
+            raise InvalidInput(f"the end point holds {last[1]:g}, the left entry of its angle {end[1]:g}")
+        table = _without_end(table[:, 1:])
+    elif angles[-1] - angles[0] > TWO_PI - 1e-9:
+        if angles[-2] == angles[-1]:
+            table = table[:, :-1]
+        end, table = table[:, -1], _without_end(table)
+    else:
+        end = table[:, 0] + climb
+    end[0] = table[0, 0] + TWO_PI
+    gap = np.abs(end - table[:, 0] - climb)
+    smooth = bool(gap[1] <= 1e-12 * (1.0 + abs(end[1])) and (slopes is None or gap[2] <= 1e-9))
+    closed = smooth and angles[1] != angles[0]
+    table = np.column_stack([table, end])
+    return _Samples(table[0], table[1], None if slopes is None else table[2], closed)
+
+
+def _without_end(table: Array) -> Array:
+    return table[:, table[0] < table[0, 0] + TWO_PI - 1e-9]
+
+
+def _shape_preserving(samples: _Samples, degree: int) -> Array:
+    """Slopes that keep monotone data monotone (Fritsch & Butland 1984), on each branch between breaks."""
+    theta, lifted = samples.theta, samples.lifted
+    cuts = np.flatnonzero(np.diff(theta) == 0.0) + 1
+    if samples.closed and cuts.size == 0:
+        reach = min(3, theta.size - 1)
+        x = np.concatenate([theta[-1 - reach : -1] - TWO_PI, theta, theta[1 : 1 + reach] + TWO_PI])
+        shift = TWO_PI * degree
+        y = np.concatenate([lifted[-1 - reach : -1] - shift, lifted, lifted[1 : 1 + reach] + shift])
+        return _pchip_slopes(x, y)[reach : reach + theta.size]
+    branches = list(np.split(np.arange(theta.size), cuts))
+    slopes = np.concatenate([_pchip_slopes(theta[part], lifted[part]) for part in branches])
+    if samples.closed:
+        # The branch that runs through the end point is one branch: its slopes come from both parts together.
+        last, first = branches[-1], branches[0]
+        x = np.concatenate([theta[last], theta[first[1:]] + TWO_PI])
+        y = np.concatenate([lifted[last], lifted[first[1:]] + TWO_PI * degree])
+        joined = _pchip_slopes(x, y)
+        slopes[last], slopes[first] = joined[: last.size], joined[last.size - 1 :]
+    return slopes
+
+
+def _pchip_slopes(x: Array, y: Array) -> Array:
+    if x.size == 1:
+        raise InvalidInput(f"theta has a break at {x[0]:g} with no sample beside it: add one on each side")
+    # Imported where it is needed: it takes longer to load than most maps take to build.
+    from scipy.interpolate import PchipInterpolator
+
+    return np.asarray(PchipInterpolator(x, y).derivative()(x), dtype=np.float64)
+
+
+def _onto_base_period(start: Array, rows: Array, degree: int) -> PiecewiseCubic:
+    """Move the pieces to [0, 2π), cutting the one that runs over 2π."""
+    base = base_angles(start)
+    turns = np.round((start - base) / TWO_PI)
+    rows = rows.copy()
+    rows[0] -= TWO_PI * degree * turns
+    order = np.argsort(base, kind="stable")
+    base, rows = base[order], rows[:, order]
+    if base[0] > 0.0:
+        step, (c0, c1, c2, c3) = TWO_PI - base[-1], rows[:, -1]
+        value = ((c3 * step + c2) * step + c1) * step + c0 - TWO_PI * degree
+        wrapped = [value, (3.0 * c3 * step + 2.0 * c2) * step + c1, c2 + 3.0 * c3 * step, c3]
+        base, rows = np.append(0.0, base), np.column_stack([wrapped, rows])
+    return PiecewiseCubic(read_only(np.append(base, TWO_PI)), read_only(rows), degree)
+
+
+_SAME_VALUE = 1e-12  # relative: seams whose values differ by more are breaks
+_SAME_SLOPE = 1e-9  # relative: seams whose slopes differ by more are breaks
+_SAME_DIFFERENCE = 1e-6  # the same where a slope comes from differences
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One branch: ``lift`` and ``derivative`` on [start, end], radians; ``exact`` when the derivative was given."""
+
+    start: float
+    end: float
+    lift: Lift
+    derivative: Lift
+    exact: bool
+
+
+@dataclass(frozen=True, eq=False)
+class BranchedLift:
+    """The lift made of ``pieces`` in order on [0, 2π): piece i starts at ``starts[i]``, its own angle ``shift[i]`` on.
+
+    ``starts`` has shape (n,), its first entry 0; ``shift`` holds whole turns.
+    """
+
+    starts: Array
+    pieces: tuple[Piece, ...]
+    shift: Array
+    degree: int
+
+    def __call__(self, theta: Array) -> Array:
+        """The lift at ``theta`` (radians, any shape)."""
+        return self._evaluate(theta, slope=False)
+
+    def derivative(self, theta: Array) -> Array:
+        """Its slope; at a seam the one from the right."""
+        return self._evaluate(theta, slope=True)
+
+    def _evaluate(self, theta: Array, slope: bool) -> Array:
+        turns = np.floor(theta / TWO_PI)
+        base = np.asarray(theta - TWO_PI * turns)
+        owner = np.searchsorted(self.starts, base, side="right") - 1
+        values = np.empty(np.shape(theta))
+        for i, piece in enumerate(self.pieces):
+            here = owner == i
+            if here.any():
+                own = np.minimum(np.maximum(base[here] + TWO_PI * self.shift[i], piece.start), piece.end)
+                values[here] = piece.derivative(own) if slope else piece.lift(own)
+        return values if slope else values + (TWO_PI * self.degree) * (turns - self.shift[owner])
+
+    def scalar(self) -> Scalar:
+        """The same lift for one python float."""
+        starts, climb = self.starts.tolist(), TWO_PI * self.degree
+        rows: list[tuple[Scalar, float, float, float, float]] = [
+            (_for_one_float(piece), TWO_PI * shift, piece.start, piece.end, climb * shift)
+            for piece, shift in zip(self.pieces, self.shift.tolist(), strict=True)
+        ]
+
+        def lift(theta: float) -> float:
+            turns = floor(theta / TWO_PI)
+            base = theta - TWO_PI * turns
+            one, ahead, start, end, risen = rows[bisect_right(starts, base) - 1]
+            return one(min(max(base + ahead, start), end)) + climb * turns - risen
+
+        return lift
+
+
+def lift_from_branches(branches: list[Any], degree: int) -> tuple[BranchedLift, Array]:
+    """The lift on all branches, checked, and its breaks in [0, 2π): the seams where value or slope differ."""
+    pieces = tuple(_piece(i, branch) for i, branch in enumerate(branches))
+    _check_cover(pieces)
+    seams = base_angles(np.array([piece.start for piece in pieces]))
+    return _onto_one_turn(pieces, seams, degree), seams[_differing(pieces, degree)]
+
+
+def listed_branches(branches: Any) -> list[Any]:
+    """The branches as a list, or InvalidInput where there are none."""
+    try:
+        given = list(branches)
+    except TypeError as cause:
+        raise InvalidInput(f"branches is {branches!r}: give a list of (start, end, lift, derivative)") from cause
+    if not given:
+        raise InvalidInput("branches is empty: give at least one (start, end, lift, derivative)")
+    return given
+
+
+def _piece(index: int, branch: Any) -> Piece:
+    try:
+        start, end, lift, derivative = branch
+    except (TypeError, ValueError) as cause:
+        raise InvalidInput(f"branch {index} is {branch!r}: give (start, end, lift, derivative or None)") from cause
+    first, last = finite_number(f"start of branch {index}", start), finite_number(f"end of branch {index}", end)
+    if not callable(lift) or not (derivative is None or callable(derivative)):
+        raise InvalidInput(f"branch {index} has {lift!r}, {derivative!r}: lift and derivative must be callables")
+    if not first < last:
+        raise InvalidInput(f"branch {index} runs from {first:.12g} to {last:.12g}: its end must lie after its start")
+
+    def by_differences(theta: Array) -> Array:
+        return differences_between(lift, theta, theta - first, last - theta)[0]
+
+    piece = Piece(first, last, lift, by_differences if derivative is None else derivative, derivative is not None)
+    ends = np.array([piece.start, piece.end])
+    with np.errstate(all="ignore"):
+        checked_call(f"lift of branch {index}", piece.lift, ends)
+        checked_call(f"derivative of branch {index}", piece.derivative, ends)
+    return piece
+
+
+def _check_cover(pieces: tuple[Piece, ...]) -> None:
+    for i in range(1, len(pieces)):
+        gap = pieces[i].start - pieces[i - 1].end
+        if abs(gap) > SNAP:
+            kind = "a gap" if gap > 0.0 else "an overlap"
+            raise InvalidInput(
+                f"branch {i} starts at {pieces[i].start:.12g} but branch {i - 1} ends at {pieces[i - 1].end:.12g}: "
+                f"{kind} of {abs(gap):.3g}; each branch must start where the one before it ends"
+            )
+    span = pieces[-1].end - pieces[0].start
+    if abs(span - TWO_PI) > 4.0 * SNAP:
+        raise InvalidInput(f"the branches span {span:.12g} radians: together they must cover one turn, 2π")
+
+
+def _differing(pieces: tuple[Piece, ...], degree: int) -> list[bool]:
+    """Whether value or slope differ at the start of each branch from those at the end of the one before."""
+    places = [np.array([piece.start, piece.end]) for piece in pieces]
+    ends = [(piece.lift(at), piece.derivative(at)) for piece, at in zip(pieces, places, strict=True)]
+    found = []
+    for i, piece in enumerate(pieces):
+        climb = TWO_PI * degree if i == 0 else 0.0
+        before, after = ends[i - 1][0][1] - climb, ends[i][0][0]
+        slope_before, slope_after = ends[i - 1][1][1], ends[i][1][0]
+        allowed = _SAME_SLOPE if piece.exact and pieces[i - 1].exact else _SAME_DIFFERENCE
+        jumps = abs(after - before) > _SAME_VALUE * (1.0 + abs(after))
+        kinks = abs(slope_after - slope_before) > allowed * (1.0 + abs(slope_after))
+        found.append(bool(jumps or kinks))
+    return found
+
+
+def _onto_one_turn(pieces: tuple[Piece, ...], seams: Array, degree: int) -> BranchedLift:
+    """Move the branches to [0, 2π): the one that runs over 2π serves both at its end and at its start."""
+    shift = np.round((np.array([piece.start for piece in pieces]) - seams) / TWO_PI)
+    order = np.argsort(seams, kind="stable")
+    starts, shift = seams[order], shift[order]
+    placed = tuple(pieces[i] for i in order)
+    if starts[0] > 0.0:
+        starts, shift = np.append(0.0, starts), np.append(shift[-1] + 1.0, shift)
+        placed = (placed[-1], *placed)
+    return BranchedLift(starts, placed, shift, degree)
+
+
+def _for_one_float(piece: Piece) -> Scalar:
+    """The branch for one python float: called with it directly where that gives the same values, else by array."""
+    lift: Any = piece.lift
+    probes = [piece.start, 0.5 * (piece.start + piece.end), piece.end]
+    try:
+        plain = [lift(x) for x in probes]
+        if all(isinstance(y, float) for y in plain) and plain == [float(lift(np.asarray(x))) for x in probes]:
+            return lambda x: float(lift(x))
+    except (TypeError, ValueError, IndexError, AttributeError):
+        pass
+    return lambda x: float(lift(np.asarray(x)))

@@ -1,0 +1,185 @@
+"""Monotone envelopes of a degree-1 lift: the nearest nondecreasing maps above and below (water levels)."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from math import ceil, floor
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array, Mask
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import SIDE_STEP
+from cyclemap.maps.orbits.scan import GRAIN, INSET, bracketed_root, monotone_cells
+
+_RESOLUTION = 512
+SLACK = 1e-12  # radians: a smaller descent is rounding
+_GRID = np.linspace(0.0, TWO_PI, ceil(TWO_PI / GRAIN) + 1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Skeleton:
+    """Points (θ, F) in order over [0, 2π], F monotone between neighbours; a jump is one θ with two values.
+
+    steepest : the largest |F'| there.
+    """
+
+    theta: Array
+    value: Array
+    steepest: float
+
+
+def is_nondecreasing(circle_map: CircleMap) -> bool:
+    """Whether F falls by no more than 1e-12 radians from any angle to a later one: rounding of the lift.
+
+    >>> is_nondecreasing(CircleMap.arnold(0.2, 0.9)), is_nondecreasing(CircleMap.arnold(0.2, 1.1))
+    (True, False)
+    """
+    return largest_descent(circle_map) <= SLACK
+
+
+def largest_descent(circle_map: CircleMap) -> float:
+    """The largest F(x) - F(y) over x < y, radians; 0 for a nondecreasing lift.
+
+    Folds as wide as a tenth of a milliradian are found, narrower ones may be missed (see ``GRAIN``).
+
+    >>> largest_descent(CircleMap.arnold(0.2, 0.9)), round(largest_descent(CircleMap.arnold(0.2, 3.0)), 3)
+    (0.0, 3.195)
+    """
+    if circle_map.breaks.size == 0 and circle_map.pieces is not None and circle_map.pieces.rises():
+        return 0.0
+    smooth = circle_map.breaks.size == 0 and circle_map.pieces is None
+    try:
+        value = _skeleton(circle_map).value
+    except ConvergenceError:
+        if not smooth or np.max(-np.diff(circle_map(_GRID))) > 2.0 * circle_map.max_error:
+            raise
+        return 0.0  # too rough for cells, and rising all the same
+    twice = np.concatenate([value, value + TWO_PI * circle_map.degree])
+    descent = float(np.max(np.maximum.accumulate(twice) - twice))
+    # A nondecreasing lift lies within max_error of one that falls by twice that.
+    return 0.0 if smooth and descent <= 2.0 * circle_map.max_error else descent
+
+
+def upper_envelope(circle_map: CircleMap) -> CircleMap:
+    """F⁺(x) = sup of F over (-∞, x]: nondecreasing, degree 1, at or above F.
+
+    Folds and downward jumps become plateaus, whose ends are the breaks of the result. (Chenciner, Gambaudo &
+    Tresser 1984; Alsedà, Llibre & Misiurewicz, Combinatorial Dynamics and Entropy in Dimension One, ch. 3.)
+    Levels and ends are found to a few rounding units of the angle, so its ``max_error`` is that of F plus
+    6e-15·max|F'|.
+
+    >>> raised = upper_envelope(CircleMap.arnold(0.0, 3.0))
+    >>> bool(raised(0.0) > CircleMap.arnold(0.0, 3.0)(0.0))
+    True
+    """
+    _need_degree_one(circle_map)
+    skeleton = _skeleton(circle_map)
+    made = _with_plateaus(circle_map, *_plateaus(circle_map, skeleton, 1.0), SIDE_STEP * skeleton.steepest)
+    return made if made is circle_map else made.remade_by(upper_envelope, circle_map)
+
+
+def lower_envelope(circle_map: CircleMap) -> CircleMap:
+    """F⁻(x) = inf of F over [x, ∞): nondecreasing, degree 1, at or below F; see ``upper_envelope``.
+
+    >>> lowered = lower_envelope(CircleMap.arnold(0.0, 3.0))
+    >>> bool(lowered(0.0) <= CircleMap.arnold(0.0, 3.0)(0.0))
+    True
+    """
+    _need_degree_one(circle_map)
+    skeleton = _skeleton(circle_map)
+    # x → -F(-x) swaps infimum from the right with supremum from the left.
+    mirrored = _Skeleton(-skeleton.theta[::-1], -skeleton.value[::-1], skeleton.steepest)
+    start, end, level = _plateaus(circle_map, mirrored, -1.0)
+    made = _with_plateaus(circle_map, -end[::-1], -start[::-1], -level[::-1], SIDE_STEP * skeleton.steepest)
+    return made if made is circle_map else made.remade_by(lower_envelope, circle_map)
+
+
+def _need_degree_one(circle_map: CircleMap) -> None:
+    if circle_map.degree != 1:
+        raise InvalidInput(f"the map has degree {circle_map.degree}: rotation is defined for degree 1")
+
+
+def _skeleton(circle_map: CircleMap) -> _Skeleton:
+    cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
+    g_start, g_end, cut_after = cells.g_start.copy(), cells.g_end.copy(), np.roll(cells.cut, -1)
+    # The limits at a break, nearer than the cells read them.
+    g_start[cells.cut] = circle_map.right(cells.start[cells.cut])
+    g_end[cut_after] = circle_map.left(cells.end[cut_after])
+    theta = np.stack([cells.start, cells.end], axis=1).ravel()
+    value = np.stack([g_start, g_end], axis=1).ravel()
+    if cells.cut[0]:
+        theta, value = np.append(theta, TWO_PI), np.append(value, value[0] + cells.climb)
+    steepest = max(float(np.max(np.abs(cells.slope_start))), float(np.max(np.abs(cells.slope_end))))
+    return _Skeleton(theta, value, steepest)
+
+
+def _plateaus(circle_map: CircleMap, skeleton: _Skeleton, mirror: float) -> tuple[Array, Array, Array]:
+    """Starts (one turn of them), ends and levels of the intervals where the running maximum exceeds F."""
+    theta = np.concatenate([skeleton.theta + TWO_PI * k for k in (-1, 0, 1)])
+    value = np.concatenate([skeleton.value + TWO_PI * k for k in (-1, 0, 1)])
+    highest = np.maximum.accumulate(value)
+    under = value < highest - SLACK
+    first = np.flatnonzero(under[1:] & ~under[:-1])
+    after = np.flatnonzero(under[:-1] & ~under[1:]) + 1
+    after = after[after > first[0]] if first.size else after[:0]
+    first = first[: after.size]
+    begins = theta[first]
+    origin = skeleton.theta[0]
+    keep = (begins >= origin) & (begins < origin + TWO_PI)
+    first, after, level = first[keep], after[keep], highest[first[keep]]
+    # F climbs back to each level in the cell that ends at node ``after``, or at its upward jump.
+    low, high = theta[after - 1] + INSET, theta[after] - INSET
+    end = theta[after].copy()
+
+    def residual(x: Array, wanted: Array) -> Array:
+        return mirror * circle_map(mirror * x) - wanted
+
+    at_low, at_high = residual(low, level), residual(high, level)
+    inside = (high > low) & (at_low < 0.0) & (at_high > 0.0)
+    if np.any(inside):
+        wanted = level[inside]
+        end[inside] = bracketed_root(lambda x, i: residual(x, wanted[i]), low[inside], high[inside])
+    return theta[first], end, level
+
+
+def _with_plateaus(circle_map: CircleMap, start: Array, end: Array, level: Array, inexact: float) -> CircleMap:
+    """The map with F replaced by ``level`` on each [start, end], the plateaus given for one turn.
+
+    inexact : radians, what levels and ends may be off, added to the map's ``max_error``.
+    """
+    if start.size == 0:
+        return circle_map
+    turns = np.floor(start / TWO_PI)
+    start, end, level = start - TWO_PI * turns, end - TWO_PI * turns, level - TWO_PI * turns
+    order = np.argsort(start)
+    start, end, level = start[order], end[order], level[order]
+
+    def located(theta: Array) -> tuple[Array, Array, Mask]:
+        turn = np.floor((theta - start[0]) / TWO_PI)
+        base = theta - TWO_PI * turn
+        index = np.clip(np.searchsorted(start, base, side="right") - 1, 0, start.size - 1)
+        return index, turn, (base >= start[index]) & (base < end[index])
+
+    def lift(theta: Array) -> Array:
+        index, turn, flat = located(theta)
+        return np.where(flat, level[index] + TWO_PI * turn, circle_map(theta))
+
+    def derivative(theta: Array) -> Array:
+        return np.where(located(theta)[2], 0.0, circle_map.derivative(theta))
+
+    breaks = np.concatenate([start, end, circle_map.breaks])
+    starts, ends, levels, plain = start.tolist(), end.tolist(), level.tolist(), circle_map.scalar()
+
+    def scalar(theta: float) -> float:
+        turn = floor((theta - starts[0]) / TWO_PI)
+        base = theta - TWO_PI * turn
+        index = max(bisect_right(starts, base) - 1, 0)
+        if starts[index] <= base < ends[index]:
+            return float(levels[index] + TWO_PI * turn)
+        return plain(theta)
+
+    claimed = circle_map.max_error + inexact
+    return CircleMap.with_scalar(lift, derivative, scalar, breaks=breaks, max_error=claimed)

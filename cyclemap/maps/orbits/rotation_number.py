@@ -1,0 +1,383 @@
+"""Rotation numbers with an enclosure that holds the truth, rotation intervals of folded lifts, means along an orbit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, floor
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.checks import finite_array, finite_number, non_negative_number, whole_number
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.estimate import LIFT, MEAN, Estimate
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import Lift
+from cyclemap.maps.orbits.envelopes import SLACK, largest_descent, lower_envelope, upper_envelope
+
+ITERATES = 40_000
+
+
+def birkhoff_average(
+    circle_map: CircleMap,
+    function: Lift | None = None,
+    *,
+    start: float = 0.0,
+    iterates: int = ITERATES,
+    transient: int = 0,
+) -> Estimate:
+    """The mean of ``function`` along one orbit, with weights exp(-1/t(1 - t)), t = k/(N + 1), k = 1..N.
+
+    On a quasi-periodic orbit with Diophantine rotation number of a smooth map the error falls faster than
+    any power of 1/N; a plain mean has 1/N. (Das, Saiki, Sander & Yorke, Nonlinearity 30, 2017.) On a chaotic
+    orbit it is about that of a plain mean, 1/√N.
+
+    function : vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians a cycle,
+        which needs degree 1. -inf is allowed as a value and makes the mean -inf.
+    start : radians; iterates : N, at least 16; transient : cycles run before the averaging begins.
+
+    The error bound is estimated, not proved: the larger distance from the means over the first and the last half of
+    the orbit, which converge like the whole at half its length, plus rounding of a few units of the largest value.
+    It says how well this orbit's mean is known, in exact arithmetic on the map as given.
+
+    >>> mean = birkhoff_average(CircleMap.moebius(0.5, 0.3))
+    >>> abs(mean / (2 * np.pi) - 0.262536755898823346733597549046) < 1e-14, mean.error_bound < 1e-13
+    (True, True)
+    """
+    if not isinstance(circle_map, CircleMap):
+        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    if function is None and circle_map.degree != 1:
+        raise InvalidInput(f"the map has degree {circle_map.degree}: its turn has a mean only for degree 1")
+    count = whole_number("iterates", iterates, least=16)
+    skipped = whole_number("transient", transient, least=0)
+    visited = orbit_angles(circle_map, finite_number("start", start), skipped + count)[skipped:]
+    values = np.asarray((function or circle_map.turn)(visited), dtype=np.float64)
+    if values.shape != visited.shape:
+        raise InvalidInput(f"function turns shape {visited.shape} into {values.shape}: it must act entry by entry")
+    return weighted_mean(values)
+
+
+def orbit_angles(circle_map: CircleMap, start: float, count: int) -> Array:
+    """The first ``count`` angles of the orbit of ``start``, itself included, radians, each within [0, 2π)."""
+    return np.asarray(orbits_angles(circle_map, np.array([start]), count)[0])
+
+
+def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
+    """The same of several starts, shape (m,): (m, count); together where the lift knows arrays only."""
+    visited = np.empty((starts.size, count))
+    if not circle_map.has_scalar:
+        theta = starts - TWO_PI * np.floor(starts / TWO_PI)
+        for n in range(count):
+            visited[:, n] = theta
+            image = circle_map(theta)
+            theta = image - TWO_PI * np.floor(image / TWO_PI)
+        return visited
+    lift = circle_map.scalar()
+    for row, start in zip(visited, starts.tolist(), strict=True):
+        angle, passed = start - TWO_PI * floor(start / TWO_PI), []
+        for _ in range(count):
+            passed.append(angle)
+            moved = lift(angle)
+            angle = moved - TWO_PI * floor(moved / TWO_PI)
+        row[:] = passed
+    return visited
+
+
+def weighted_mean(values: Array) -> Estimate:
+    """The mean of ``values``, shape (n,), n ≥ 16, in the order of time, as in ``birkhoff_average``."""
+    if np.any(np.isneginf(values)):
+        return Estimate(-np.inf, 0.0)
+    sequence = finite_array("values", values, ndim=1)
+    if sequence.size < 16:
+        raise InvalidInput(f"values has {sequence.size} entries: give at least 16")
+    half = sequence.size // 2
+    mean = _windowed(sequence)
+    apart = max(abs(_windowed(part) - mean) for part in (sequence[:half], sequence[-half:]))
+    return Estimate(mean, apart + MEAN * float(np.max(np.abs(sequence))))
+
+
+def _windowed(values: Array) -> float:
+    t = np.arange(1.0, values.size + 1.0) / (values.size + 1.0)
+    weight = np.exp(-1.0 / (t * (1.0 - t)))
+    # Sums of numpy are pairwise: their rounding grows with log n only.
+    return float(np.sum(weight * values) / np.sum(weight))
+
+
+MAX_PERIOD = 2_000
+_FIRST_LOOK = 64  # iterates after which locking is tried first; then every eight times as many, or two
+_SETTLED = 1e-9  # radians: an orbit that comes back this near has settled
+_REACH = np.pi * 4.0 ** -np.arange(0.0, 19.0)  # radians beside an orbit where the witnesses of locking are sought
+_MARGIN = 2e-14  # radians: a gap above it is no rounding of the comparison itself
+_ZOOMS = 6  # times that the search narrows around the best angle so far
+
+
+@dataclass(frozen=True)
+class LockingProof:
+    """Two angles that prove ρ = p/q of a nondecreasing lift.
+
+    ratio : p/q in lowest terms.
+    below : radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ ≤ p/q.
+    above : radians, in [-π, 3π]: F^q(above) > above + 2πp, so ρ ≥ p/q.
+
+    A nondecreasing lift jumps only upwards, so going from ``above`` up to the next copy of ``below`` its
+    F^q - id - 2πp comes down through 0 continuously: an orbit of period q and winding p lies between.
+    ``periodic_orbits`` gives it.
+    """
+
+    ratio: Fraction
+    below: float
+    above: float
+
+
+@dataclass(frozen=True)
+class RotationNumber:
+    """A rotation number in turns a cycle.
+
+    value : the best estimate, inside [lower, upper].
+    lower, upper : the truth lies between them (both included; rounded outward).
+    locked : p/q when a periodic orbit proves the rotation number to be exactly that, else None.
+    proof : the witness of ``locked``, else None.
+    estimate : the weighted Birkhoff average with its estimated (not proved) error, None when locked.
+    """
+
+    value: float
+    lower: float
+    upper: float
+    locked: Fraction | None
+    proof: LockingProof | None = None
+    estimate: Estimate | None = None
+
+
+@dataclass(frozen=True)
+class RotationInterval:
+    """All rotation numbers of a lift, [lower, upper] in turns a cycle, with the enclosures of both ends."""
+
+    lower: float
+    upper: float
+    lower_number: RotationNumber
+    upper_number: RotationNumber
+
+
+def rotation_number(
+    circle_map: CircleMap, *, iterates: int = ITERATES, max_period: int = MAX_PERIOD, tolerance: float = 0.0
+) -> RotationNumber:
+    """The rotation number ρ = lim (Fⁿ(θ) - θ)/2πn of a degree-1 lift, with bounds.
+
+    Nondecreasing lifts (jumps allowed): every iterate bounds ρ, since Fⁿ(θ) ≥ θ + 2πp at one θ implies
+    ρ ≥ p/n, and ≤ likewise (Poincaré 1885). The lower bound is the best of ``iterates`` iterates of F - e, the
+    upper one of F + e. e adds up the map's ``max_error``, rounding, and what a lift taken as nondecreasing falls (≤
+    1e-12); by monotonicity no orbit of F lies below the one or above the other, so the bounds hold however F
+    amplifies errors, and they hold for every nondecreasing lift within ``max_error`` of F. About 1/iterates² wide
+    where ρ is irrational, F smooth and max_error 0; 1/(q·iterates) where ρ is p/q without being locked.
+
+    Proved, given that a computed image is F at an angle a few rounding units beside the one asked for, give or take
+    a few more: 4 units (8.9e-16) of 2π + max|F| in all. A lift that is computed worse must say so by
+    ``max_error``. Folds of F narrower than a tenth of a milliradian may pass unseen.
+
+    Where F^q - e and F^q + e leave values on both sides of 2πp (q ≤ ``max_period``), ρ = p/q is proved and ``locked``,
+    with the two angles as ``proof``. At the very edge of a tongue the sides cannot be told apart: ``locked`` is
+    None and the bounds are wide. Otherwise ``estimate`` is ``birkhoff_average`` of the turn (near rounding for
+    smooth maps with Diophantine ρ), and ``value`` is the same where it lies inside the bounds.
+
+    Lifts that fold have an interval of rotation numbers: [lower, upper] encloses all of it (see
+    ``rotation_interval``), ``estimate`` is that of the one orbit from θ = 0, and ``locked`` is set only when
+    the interval is one proved fraction.
+
+    tolerance : turns a cycle; as soon as [lower, upper] is no wider than twice that, no further iterates are made.
+
+    Raises InvalidInput for another degree, ConvergenceError when the bounds contradict each other.
+
+    >>> found = rotation_number(CircleMap.arnold(0.1, 0.9))
+    >>> found.locked, found.proof is not None
+    (Fraction(0, 1), True)
+    >>> free = rotation_number(CircleMap.moebius(0.5, 0.3))
+    >>> round(free.estimate, 14), free.upper - free.lower < 1e-8
+    (0.26253675589882, True)
+    """
+    budget = _budget(circle_map, iterates, max_period, tolerance)
+    descent = largest_descent(circle_map)
+    if descent <= SLACK:
+        return _monotone_rotation(circle_map, budget, descent)
+    interval = rotation_interval(circle_map, iterates=iterates, max_period=max_period, tolerance=tolerance)
+    low, high = interval.lower_number, interval.upper_number
+    if low.proof and high.proof and low.locked == high.locked:
+        proof = LockingProof(low.proof.ratio, high.proof.below, low.proof.above)
+        return RotationNumber(low.value, low.lower, high.upper, low.locked, proof)
+    # Of n cycles a mean is good to 1/n.
+    enough = budget.iterates if tolerance == 0.0 else min(budget.iterates, max(_FIRST_LOOK, ceil(1.0 / tolerance)))
+    return _unlocked(circle_map, low.lower, high.upper, enough)
+
+
+def rotation_interval(
+    circle_map: CircleMap, *, iterates: int = ITERATES, max_period: int = MAX_PERIOD, tolerance: float = 0.0
+) -> RotationInterval:
+    """All rotation numbers of a degree-1 lift: [ρ(F⁻), ρ(F⁺)] of its lower and upper monotone envelopes.
+
+    For continuous lifts every number between is the rotation number of some orbit (Chenciner, Gambaudo &
+    Tresser 1984; Misiurewicz 1986); with downward jumps it still contains all of them. A nondecreasing
+    lift gives one point. The enclosures of both ends, and what they cover, are as in ``rotation_number``.
+
+    >>> found = rotation_interval(CircleMap.arnold(0.5, 3.0))
+    >>> found.lower_number.locked, found.upper_number.locked
+    (Fraction(1, 6), Fraction(5, 6))
+    """
+    budget = _budget(circle_map, iterates, max_period, tolerance)
+    low_map, high_map = lower_envelope(circle_map), upper_envelope(circle_map)
+    low = _monotone_rotation(low_map, budget)
+    high = low if high_map is low_map else _monotone_rotation(high_map, budget)
+    return RotationInterval(low.value, high.value, low, high)
+
+
+@dataclass(frozen=True)
+class _Budget:
+    """How long to go on: at most so many iterates, periods to try, and the half-width at which to stop."""
+
+    iterates: int
+    max_period: int
+    tolerance: float
+
+
+def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: float) -> _Budget:
+    if not isinstance(circle_map, CircleMap):
+        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    if circle_map.degree != 1:
+        raise InvalidInput(f"the map has degree {circle_map.degree}: rotation is defined for degree 1")
+    count, longest = whole_number("iterates", iterates, least=16), whole_number("max_period", max_period, least=1)
+    return _Budget(count, longest, non_negative_number("tolerance", tolerance))
+
+
+# -- nondecreasing lifts -----------------------------------------------------------------------------------
+
+
+def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float | None = None) -> RotationNumber:
+    # A computed image is F to a few roundings; a nondecreasing F stays near F(0) on [0, 2π].
+    push = float(circle_map.max_error + LIFT * (2.0 * TWO_PI + abs(float(circle_map(0.0)))))
+    push += largest_descent(circle_map) if descent is None else descent
+    under, over = _PushedOrbit(circle_map, -push), _PushedOrbit(circle_map, push)
+    # Where the bounds may be wide enough soon, they are looked at more often.
+    factor = 2 if budget.tolerance > 0.0 else 8
+    looks = [look for look in (_FIRST_LOOK * factor**k for k in range(60)) if look < budget.iterates]
+    for count in [*looks, budget.iterates]:
+        under.run_to(count)
+        over.run_to(count)
+        low, high = under.best_ratio(), over.best_ratio()
+        if low > high:
+            raise ConvergenceError(
+                f"the iterates prove ρ ≥ {low} and ρ ≤ {high}: the lift is computed with errors above {push:.2g} "
+                "radians, or folds unseen; give it its max_error"
+            )
+        candidate = simplest_between(low, high)
+        if candidate.denominator <= budget.max_period and under.settles(candidate) and over.settles(candidate):
+            proof = _locking_proof(circle_map, candidate, push, (under.theta, over.theta))
+            if proof is not None:
+                return RotationNumber(float(candidate), *_floats(candidate, candidate), candidate, proof)
+        if high - low <= 2.0 * budget.tolerance:
+            break
+    return _unlocked(circle_map, *_floats(low, high), count)
+
+
+class _PushedOrbit:
+    """The orbit of θ = 0 under F + push, kept in [0, 2π] with its whole turns counted apart."""
+
+    def __init__(self, circle_map: CircleMap, push: float) -> None:
+        self._lift, self._push = circle_map.scalar(), push
+        self._visited, self._laps = [0.0], [0]
+
+    @property
+    def theta(self) -> float:
+        """The latest angle."""
+        return self._visited[-1]
+
+    def run_to(self, count: int) -> None:
+        """Go on to the iterate of that number."""
+        lift, push, laps, visited = self._lift, self._push, self._laps, self._visited
+        theta, turns = visited[-1], laps[-1]
+        for _ in range(len(laps), count + 1):
+            image = lift(theta) + push
+            lap = floor(image / TWO_PI)
+            theta = image - TWO_PI * lap
+            turns += lap
+            visited.append(theta)
+            laps.append(turns)
+
+    def settles(self, ratio: Fraction) -> bool:
+        """Whether F^q - id - 2πp kept shrinking along the last half of the orbit: else q is no period of it."""
+        period, last = ratio.denominator, max(2 * ratio.denominator, len(self._laps) // 2)
+        if period + last > len(self._laps):
+            return False
+        theta, turns = np.array(self._visited[-last - period :]), np.array(self._laps[-last - period :], dtype=float)
+        gap = np.abs(theta[period:] - theta[:-period] + TWO_PI * (turns[period:] - turns[:-period] - ratio.numerator))
+        near = _SETTLED + abs(self._push)
+        return bool(gap[-1] <= max(0.9 * gap[0], near) and np.all(gap[period:] <= np.maximum(gap[:-period], near)))
+
+    def best_ratio(self) -> Fraction:
+        """The largest p/n with Fⁿ(0) ≥ 2πp if the push is down, the smallest with ≤ if it is up."""
+        up = self._push > 0.0
+        whole = np.array(self._laps[1:]) + up
+        ratio = whole / np.arange(1.0, whole.size + 1.0)
+        best = int(np.argmin(ratio) if up else np.argmax(ratio))
+        return Fraction(int(whole[best]), best + 1)
+
+
+def _locking_proof(
+    circle_map: CircleMap, ratio: Fraction, push: float, near: tuple[float, float]
+) -> LockingProof | None:
+    """Angles where F^q - id - 2πp is above 0 even for F - push, and below 0 even for F + push, if any are found."""
+    side = np.array([[1.0], [-1.0]])
+    beside = np.concatenate([-_REACH, [0.0], _REACH])
+    start, before = np.array([near]).T + beside, np.full(2, -1e9)
+    for _ in range(_ZOOMS):
+        wanted = side * _gap(circle_map, ratio, -side * push, start)
+        best, most = np.argmax(wanted, axis=1), np.max(wanted, axis=1)
+        if np.all(most > _MARGIN):
+            above, below = start[[0, 1], best].tolist()
+            return LockingProof(ratio, below, above)
+        if np.any((most <= _MARGIN) & (most <= before + 0.1 * np.abs(before))):
+            return None
+        low, high = np.maximum(best - 1, 0), np.minimum(best + 1, beside.size - 1)
+        start = np.linspace(start[[0, 1], low], start[[0, 1], high], beside.size, axis=1)
+        before = most
+    return None
+
+
+def _gap(circle_map: CircleMap, ratio: Fraction, pushes: Array, start: Array) -> Array:
+    """F^q(θ) - θ - 2πp of F + push, one push a row, radians."""
+    theta, turns = start, np.zeros(start.shape)
+    for _ in range(ratio.denominator):
+        image = circle_map(theta) + pushes
+        lap = np.floor(image / TWO_PI)
+        theta, turns = image - TWO_PI * lap, turns + lap
+    return np.asarray((theta - start) + TWO_PI * (turns - ratio.numerator))
+
+
+def _unlocked(circle_map: CircleMap, lower: float, upper: float, iterates: int) -> RotationNumber:
+    mean = birkhoff_average(circle_map, iterates=iterates)
+    estimate = Estimate(mean / TWO_PI, mean.error_bound / TWO_PI)
+    value = float(estimate) if lower <= estimate <= upper else 0.5 * (lower + upper)
+    return RotationNumber(value, lower, upper, None, None, estimate)
+
+
+# -- fractions ---------------------------------------------------------------------------------------------
+
+
+def simplest_between(low: Fraction, high: Fraction) -> Fraction:
+    """The fraction of smallest denominator in [low, high] (Stern-Brocot descent).
+
+    >>> simplest_between(Fraction(5, 17), Fraction(1, 3))
+    Fraction(1, 3)
+    """
+    if high < low:
+        raise InvalidInput(f"the interval [{low}, {high}] is empty: give low <= high")
+    whole = ceil(low)
+    if whole <= high:
+        return Fraction(whole)
+    base = floor(low)
+    return base + 1 / simplest_between(1 / (high - base), 1 / (low - base))
+
+
+def _floats(low: Fraction, high: Fraction) -> tuple[float, float]:
+    """The two as floats, rounded outward."""
+    lower, upper = float(low), float(high)
+    lower = lower if Fraction(lower) <= low else float(np.nextafter(lower, -np.inf))
+    return lower, upper if Fraction(upper) >= high else float(np.nextafter(upper, np.inf))

@@ -1,0 +1,351 @@
+"""Rotation numbers of many maps of one family at once, and over a plane of two parameters: phase diagrams."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole
+from cyclemap.checks import finite_array, positive_number, read_only, whole_number
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.estimate import LIFT
+from cyclemap.maps.families.family import ParametricLift, parametric_form
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.orbits.envelopes import is_nondecreasing
+from cyclemap.maps.orbits.rotation_number import rotation_number
+
+_CHUNK = 12_288  # maps at once: many enough to hide the cost of calls, few enough for the caches
+_EARLY = 96  # cycles after which the few maps left of all pieces are put together anew
+# After so many cycles: the longest period tried for locking, and how far beside the orbit, radians over the period.
+_TRIALS = (
+    *((16, 2, 0.5), (48, 8, 0.3), (128, 16, 0.1), (128, 16, 1e-3)),
+    *((256, 16, 0.03), (256, 16, 1e-5), (512, 24, 0.01), (512, 24, 1e-7)),
+)
+_SIDES, _ONE_MORE = np.array([[-1.0], [1.0]]), np.array([[0.0], [1.0]])
+# After so many cycles the finished maps are taken out, then at equal distances.
+_LOOKS = (16, 24, 28, 32, 36, 40, 44, 48, 56, 64, 80, 96, 128, 192, 256, 384, 512, 768, 1024)
+
+
+@dataclass(frozen=True, eq=False)
+class RotationNumbers:
+    """Rotation numbers of many nondecreasing lifts, turns a cycle; arrays of the parameters' broadcast shape.
+
+    value : the middle of [lower, upper]. lower, upper : the truth lies between them (rounded outward).
+    period, winding : q and p where ρ = p/q is proved, else 0 and 0.
+    tolerance : what was asked for; ``met`` tells where |value - truth| ≤ tolerance is proved.
+    """
+
+    value: Array
+    lower: Array
+    upper: Array
+    period: Whole
+    winding: Whole
+    tolerance: float
+
+    @property
+    def met(self) -> Mask:
+        """Where the enclosure is no wider than twice the tolerance."""
+        return np.asarray(self.upper - self.lower <= 2.0 * self.tolerance)
+
+
+def rotation_numbers(
+    family: Callable[..., CircleMap], *parameters: Any, tolerance: float = 1e-3, threads: int | None = None
+) -> RotationNumbers:
+    """The rotation numbers of ``family`` at broadcast arrays of parameters, each to within ``tolerance``.
+
+    family : a ``ParametricLift`` whose lifts are nondecreasing at all these parameters, or ``CircleMap.arnold`` or
+        ``CircleMap.moebius``, whose formulas are known.
+    tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of each enclosure.
+    threads : None takes one a processor; the numbers do not depend on it.
+
+    Every map follows two orbits, of F - e and F + e, whose whole turns p after n cycles bound ρ by p/n from below
+    and (p + 1)/n from above (Poincaré 1885); maps whose bounds are near enough drop out, most after about
+    1/√tolerance cycles. Orbits that start beside an attracting periodic orbit, on either side of it, prove
+    locking. e covers rounding and the family's ``max_error`` as in ``rotation_number``, so the enclosures are
+    proved on the same terms. Within 1/tolerance + 2 cycles every map meets the tolerance unless ρ depends so
+    steeply on a shift by e that it cannot (contractions with jumps, a large max_error): see ``met``.
+
+    Raises InvalidInput for parameters that are not finite or where F falls (its rotation numbers are an interval: see
+    ``rotation_interval``, ``rotation_plane``), ConvergenceError when the bounds contradict each other.
+
+    >>> from cyclemap.maps.families.family import ARNOLD_FAMILY
+    >>> found = rotation_numbers(ARNOLD_FAMILY, [0.1, 0.5, 0.6], 0.5)
+    >>> found.period.tolist(), bool(abs(found.value[2] - 0.602894830374585) < 1e-3)
+    ([0, 2, 0], True)
+    """
+    formula = parametric_form(family)
+    if formula is None:
+        raise InvalidInput(f"family is {family!r}: give a ParametricLift; rotation_plane takes any callable")
+    wanted = positive_number("tolerance", tolerance)
+    if wanted > 0.1:
+        raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
+    workers = (os.cpu_count() or 1) if threads is None else whole_number("threads", threads, least=1)
+    if not parameters:
+        raise InvalidInput("parameters are missing: give an array for each parameter of the family")
+    arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
+    shape = np.broadcast_shapes(*(array.shape for array in arrays))
+    flat = [np.ascontiguousarray(np.broadcast_to(array, shape)).ravel() for array in arrays]
+    lower, upper = _bounds(formula, flat, wanted, workers)
+    period = _simplest_periods(lower, np.where(lower == upper, upper, -np.inf), _most_cycles(wanted))
+    winding = np.where(period > 0, np.round(lower * period), 0.0).astype(np.int64)
+    value = np.where(period > 0, lower, 0.5 * (lower + upper))
+    found = (value, _outward(lower, -np.inf), _outward(upper, np.inf))
+    value, lower, upper = (read_only(part.reshape(shape)) for part in found)
+    period, winding = period.reshape(shape), winding.reshape(shape)
+    for whole in (period, winding):
+        whole.setflags(write=False)
+    return RotationNumbers(value, lower, upper, period, winding, wanted)
+
+
+def _bounds(family: ParametricLift, parameters: list[Array], tolerance: float, workers: int) -> tuple[Array, Array]:
+    """The best p/n below and above each rotation number, once they are near enough or after 1/tolerance cycles."""
+    size = parameters[0].size
+    lower, upper = np.full(size, -np.inf), np.full(size, np.inf)
+
+    def start(at: int) -> _Orbits:
+        return _begun(family, [values[at : at + _CHUNK] for values in parameters], at)
+
+    def advance(orbits: _Orbits, looks: list[int]) -> _Orbits:
+        return _advanced(orbits, looks, tolerance, lower, upper)
+
+    most = _most_cycles(tolerance)
+    looks = [*(look for look in _LOOKS if look < most), *range(2 * _LOOKS[-1], most, _LOOKS[-1]), most]
+    early, late = [n for n in looks if n <= _EARLY], [n for n in looks if n > _EARLY]
+    with ThreadPoolExecutor(workers) as pool:
+        left = list(pool.map(lambda at: advance(start(at), early), range(0, size, _CHUNK)))
+        if late and left:
+            list(pool.map(lambda orbits: advance(orbits, late), _rechunked(left)))
+    if np.any(lower > upper):
+        raise ConvergenceError("bounds contradict each other: the lift is computed worse than its max_error says")
+    return lower, upper
+
+
+# -- one piece of the parameters ---------------------------------------------------------------------------
+
+
+@dataclass
+class _Orbits:
+    """Maps still at work, m of them: the orbit of F - e (row 0) and of F + e (row 1), and their bounds so far.
+
+    parameters, lower, upper, place (index among all maps) : shape (m,); push (∓e), theta (in [-π, π], where sines
+    are quickest, -π at the start) and turns (whole turns so far, one more in row 1) : shape (2, m).
+    cycles : iterates done.
+    """
+
+    family: ParametricLift
+    parameters: list[Array]
+    push: Array
+    theta: Array
+    turns: Array
+    lower: Array
+    upper: Array
+    place: Whole
+    cycles: int = 0
+
+    def those(self, which: Mask) -> _Orbits:
+        """Copies of the maps where ``which`` is true."""
+        index = np.flatnonzero(which)
+        parameters = [values.take(index) for values in self.parameters]
+        push, theta, turns = (pair.take(index, axis=1) for pair in (self.push, self.theta, self.turns))
+        lower, upper, place = self.lower.take(index), self.upper.take(index), self.place.take(index)
+        return _Orbits(self.family, parameters, push, theta, turns, lower, upper, place, self.cycles)
+
+    def run_to(self, count: int, start: Array | None = None) -> None:
+        """Go on to the iterate of that number; ``start`` : where the orbits began, (2, m) in [-π, π], None for -π."""
+        laps = np.empty_like(self.theta)
+        while self.cycles < count:
+            self.cycles += 1
+            np.add(self.family.lift(self.theta, *self.parameters), self.push, out=self.theta)
+            np.multiply(self.theta, 1.0 / TWO_PI, out=laps)
+            np.rint(laps, out=laps)
+            self.turns += laps
+            laps *= TWO_PI
+            self.theta -= laps
+            whole = self.turns if start is None else self.turns - (self.theta < start)
+            np.divide(whole, self.cycles, out=laps)
+            np.maximum(self.lower, laps[0], out=self.lower)
+            np.minimum(self.upper, laps[1], out=self.upper)
+
+    def try_locking(self, width: float, longest: int, beside: float) -> None:
+        """For maps with some p/q, q ≤ ``longest``, in too wide bounds: orbits that start beside the present angles."""
+        period = _simplest_periods(self.lower, self.upper, longest)
+        open_still = (self.upper - self.lower > width) & (period > 0)
+        trial = self.those(open_still)
+        start = trial.theta + beside / period[open_still] * _SIDES
+        start -= TWO_PI * np.rint(start / TWO_PI)
+        trial.theta, trial.turns, trial.cycles = start.copy(), _ONE_MORE + np.zeros_like(start), 0
+        trial.run_to(longest, start)
+        self.lower[open_still], self.upper[open_still] = trial.lower, trial.upper
+
+
+def _begun(family: ParametricLift, parameters: list[Array], first: int) -> _Orbits:
+    """The orbits of θ = -π before the first cycle, and the check that these are nondecreasing lifts."""
+    size = parameters[0].size
+    ends = np.asarray(family.lift(np.array([[0.0], [TWO_PI]]), *parameters), dtype=np.float64)
+    if ends.shape != (2, size):
+        raise InvalidInput(f"the lift turns shapes (2, 1) and ({size},) into {ends.shape}: it must broadcast")
+    gap = np.abs(ends[1] - ends[0] - TWO_PI)
+    bad = ~(gap <= 1e-8 * (1.0 + np.abs(ends[0]))) | ~family.rises(*parameters)
+    if np.any(bad):
+        given = ", ".join(f"{values[np.argmax(bad)]:.9g}" for values in parameters)
+        raise InvalidInput(
+            f"at parameters ({given}) the map is no nondecreasing lift of degree 1: a folded one has an interval of "
+            "rotation numbers; ask rotation_interval(family(...)), or rotation_plane for many"
+        )
+    push = _SIDES * (family.max_error + LIFT * (2.0 * TWO_PI + np.abs(ends[0])))
+    theta, turns = np.full((2, size), -np.pi), _ONE_MORE + np.zeros((2, size))
+    low, high, place = np.full(size, -np.inf), np.full(size, np.inf), np.arange(first, first + size)
+    return _Orbits(family, parameters, push, theta, turns, low, high, place)
+
+
+def _advanced(orbits: _Orbits, looks: list[int], tolerance: float, lower: Array, upper: Array) -> _Orbits:
+    """Go on through the looks, writing the bounds to their places; what is left of the maps in the end."""
+    width = 2.0 * tolerance * (1.0 - 1e-9)  # a little less, so that rounding outward keeps to the tolerance
+    for look in looks:
+        if orbits.place.size == 0:
+            break
+        orbits.run_to(look)
+        for longest, beside in [trial[1:] for trial in _TRIALS if trial[0] == look]:
+            orbits.try_locking(width, longest, beside)
+        lower[orbits.place], upper[orbits.place] = orbits.lower, orbits.upper
+        orbits = orbits.those(orbits.upper - orbits.lower > width)
+    return orbits
+
+
+def _rechunked(parts: list[_Orbits]) -> list[_Orbits]:
+    """The maps left in many small pieces, put together into few large ones."""
+    parameters = [np.concatenate(values) for values in zip(*(part.parameters for part in parts), strict=True)]
+    push, theta, turns, lower, upper, place = (
+        np.concatenate([getattr(part, name) for part in parts], axis=-1)
+        for name in ("push", "theta", "turns", "lower", "upper", "place")
+    )
+    cycles = max(part.cycles for part in parts)
+    whole = _Orbits(parts[0].family, parameters, push, theta, turns, lower, upper, place, cycles)
+    index = np.arange(place.size) // _CHUNK
+    return [whole.those(index == k) for k in range(-(-place.size // _CHUNK))]
+
+
+def _most_cycles(tolerance: float) -> int:
+    """After n cycles two orbits bound ρ to 2/n: a little more than 1/tolerance are always enough."""
+    return int(np.floor(1.0 / tolerance)) + 2
+
+
+def _outward(bound: Array, side: float) -> Array:
+    """Bounds p/n as floats, moved outward by the rounding of that division."""
+    return np.where(bound == np.round(bound), bound, np.nextafter(bound, side))
+
+
+def _simplest_periods(lower: Array, upper: Array, longest: int) -> Whole:
+    """The least q ≤ longest with some p/q in [lower, upper], else 0."""
+    period = np.zeros(lower.shape, dtype=np.int64)
+    left = np.flatnonzero(lower <= upper)
+    low, high = lower[left] - 1e-12, upper[left] + 1e-12
+    for q in range(1, longest + 1):
+        if left.size == 0:
+            break
+        hit = np.ceil(low * q) <= high * q
+        period[left[hit]] = q
+        miss = np.flatnonzero(~hit)
+        left, low, high = left.take(miss), low.take(miss), high.take(miss)
+    return period
+
+
+@dataclass(frozen=True, eq=False)
+class RotationPlane:
+    """Rotation numbers over a grid of parameters, turns a cycle; arrays of shape (m, n).
+
+    first_values, second_values : shape (m,) and (n,), the parameters of rows and of columns.
+    value : the middle of [lower, upper], or what ``rotation_number`` gives for a map done by itself; where the lift
+        folds, the weighted Birkhoff average of the one orbit from θ = 0.
+    lower, upper : the truth lies between them; where the lift folds, all of its rotation interval does.
+    period, winding : q and p where ρ = p/q is proved for every orbit, else 0 and 0.
+    folded : where the lift falls somewhere, so that rotation numbers fill an interval.
+    tolerance : the half-width that was asked for where the lift does not fold.
+    """
+
+    first_values: Array
+    second_values: Array
+    value: Array
+    lower: Array
+    upper: Array
+    period: Whole
+    winding: Whole
+    folded: Mask
+    tolerance: float
+
+    def locked(self, row: int, column: int) -> Fraction | None:
+        """p/q where it is proved, else None."""
+        period = int(self.period[row, column])
+        return Fraction(int(self.winding[row, column]), period) if period else None
+
+
+def rotation_plane(
+    family: Callable[..., CircleMap], first_values: Any, second_values: Any, tolerance: float = 1e-3
+) -> RotationPlane:
+    """The rotation number of ``family(first, second)`` at every pair of the two axes.
+
+    family : any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift``, ``CircleMap.arnold``
+        and ``CircleMap.moebius`` are done many maps at once (``rotation_numbers``) where the lifts do not fold, all
+        else map by map (``rotation_number``), hundreds of times slower: write such a family as a ``ParametricLift``.
+    first_values, second_values : shape (m,) and (n,), strictly increasing or decreasing.
+    tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does not fold.
+
+    Enclosures hold on the terms of ``rotation_number``; one that is wider than the tolerance shows it by its own
+    ``lower`` and ``upper``. Inside the tongue p/q of the plane (Arnold 1965) ``period`` is q.
+
+    Raises InvalidInput for axes that are empty, not finite or not monotone, and for a map that is no CircleMap of
+    degree 1.
+
+    >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
+    >>> plane.period.tolist(), plane.locked(1, 1)
+    ([[1, 1], [2, 2]], Fraction(1, 2))
+    """
+    if not callable(family):
+        raise InvalidInput(f"family is {family!r}: give a callable of two parameters that gives a CircleMap")
+    first, second = _axis("first_values", first_values), _axis("second_values", second_values)
+    wanted = positive_number("tolerance", tolerance)
+    if wanted > 0.1:
+        raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
+    rows, columns = np.repeat(first, second.size), np.tile(second, first.size)
+    value, lower, upper = np.empty((3, rows.size))
+    period, winding = np.zeros((2, rows.size), dtype=np.int64)
+    folded, singly = np.zeros(rows.size, dtype=bool), np.ones(rows.size, dtype=bool)
+    formula = parametric_form(family)
+    if formula is not None:
+        singly = ~formula.rises(rows, columns)
+        many = rotation_numbers(formula, rows[~singly], columns[~singly], tolerance=wanted)
+        value[~singly], lower[~singly], upper[~singly] = many.value, many.lower, many.upper
+        period[~singly], winding[~singly] = many.period, many.winding
+    for place in np.flatnonzero(singly).tolist():
+        pair = float(rows[place]), float(columns[place])
+        member = family(*pair)
+        if not isinstance(member, CircleMap) or member.degree != 1:
+            raise InvalidInput(f"the family gives {member!r} at {pair}: it must be a CircleMap of degree 1")
+        one = rotation_number(member, iterates=max(16, int(np.ceil(1.0 / wanted))), tolerance=wanted)
+        value[place], lower[place], upper[place] = one.value, one.lower, one.upper
+        if one.locked is not None:
+            period[place], winding[place] = one.locked.denominator, one.locked.numerator
+        folded[place] = not is_nondecreasing(member)
+    shape = (first.size, second.size)
+    value, lower, upper = (read_only(part.reshape(shape)) for part in (value, lower, upper))
+    period, winding, folded = period.reshape(shape), winding.reshape(shape), folded.reshape(shape)
+    for part in (period, winding, folded):
+        part.setflags(write=False)
+    return RotationPlane(read_only(first), read_only(second), value, lower, upper, period, winding, folded, wanted)
+
+
+def _axis(name: str, values: Any) -> Array:
+    axis = finite_array(name, values, ndim=1)
+    if axis.size == 0:
+        raise InvalidInput(f"{name} is empty: give at least one value")
+    steps = np.diff(axis)
+    if not (np.all(steps > 0.0) or np.all(steps < 0.0)):
+        turned = int(np.argmax(steps * np.sign(axis[-1] - axis[0]) <= 0.0))
+        raise InvalidInput(f"{name} turns back after {axis[turned]:g}: give increasing or decreasing values, each once")
+    return axis

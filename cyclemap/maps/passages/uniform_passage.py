@@ -1,0 +1,386 @@
+"""Passage times and hitting probabilities under uniform noise, by collocation on panels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import lapack
+
+from cyclemap.arrays import TWO_PI, Array, Mask
+from cyclemap.errors import ConvergenceError
+from cyclemap.maps.estimate import EPS, SOLUTION, Estimate
+from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.bounded_noise import UniformNoise
+from cyclemap.maps.operator.panels import Panels, Singularities, level_steps, refined, with_ends
+from cyclemap.maps.orbits.scan import Cells, monotone_cells
+from cyclemap.maps.passages.killed_chain import Arc, arcs_between
+
+_SLIVER = 1e-12  # radians: an overlap no longer than this is none
+_GROWTH = 1e-11  # radians: a set that grows by less in a cycle has stopped
+_CYCLES = 3_000
+_CYCLES_AHEAD = 100  # a path that has not been everywhere by then may as well come everywhere
+_WIDER = 1.001  # times the noise: so a set that only comes nearer and nearer to its ends is soon closed
+
+
+@dataclass(frozen=True, eq=False)
+class Intervals:
+    """Disjoint intervals (start, end), sorted, on the line, or with ``wrapped`` on the circle (any turn)."""
+
+    start: Array
+    end: Array
+    wrapped: bool
+
+    @property
+    def length(self) -> float:
+        """Their total length."""
+        return float(np.sum(self.end - self.start))
+
+    def overlaps(self, low: Array, high: Array) -> Mask:
+        """Whether each (low, high) shares more than a point with one of the intervals."""
+        low, high = low[:, None] + _SLIVER, high[:, None] - _SLIVER
+        if not self.wrapped:
+            return np.asarray(np.any((low < self.end) & (self.start < high), axis=1))
+        # The first whole turn that lifts the interval's end above ``low`` must leave its start below ``high``.
+        turns = np.floor((low - self.end) / TWO_PI) + 1.0
+        return np.asarray(np.any(self.start + TWO_PI * turns < high, axis=1))
+
+    def hold(self, theta: Array) -> Mask:
+        """Whether each angle lies inside one of the intervals, ends left out."""
+        return self.overlaps(theta - 2.0 * _SLIVER, theta + 2.0 * _SLIVER)
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """The noisy map on a domain: the intervals inside ``domain`` from which paths go on."""
+
+    map: CircleMap
+    cells: Cells
+    halfwidth: float
+    domain: Intervals
+
+    def basin(self, target: Intervals) -> Intervals:
+        """The part of the domain from which the path is in ``target`` later on with a chance above zero.
+
+        Grown backward a cycle at a time until it stops growing: x belongs to it when (F(x) - h, F(x) + h) meets the
+        target or the basin so far. A domain that takes more than 3000 cycles to cross (a gap that opens by less
+        than about 1e-6 of its width) is left as it is then: chances there are below 1e-300.
+        """
+        found = self.before(target, _none(target.wrapped))
+        for _ in range(_CYCLES):
+            more = self.before(target, found)
+            if more.length <= found.length + _GROWTH:
+                break
+            found = more
+        return found
+
+    def ahead(self, start: float) -> Intervals:
+        """A part of the domain, and little more than need be, that paths from ``start`` stay in until they leave it."""
+        found = self._after(np.array([start]), np.array([start]), _WIDER, _none(self.domain.wrapped))
+        for _ in range(_CYCLES_AHEAD):
+            if found.length == 0.0:
+                return found
+            nodes = Reach(self.map, self.cells, self.halfwidth, found).cut(self.cells.start)
+            inside = found.hold(0.5 * (nodes[1:] + nodes[:-1]))
+            low, high = nodes[:-1][inside], nodes[1:][inside]
+            if self._after(low, high, 1.0, found).length <= found.length + _SLIVER:
+                return found
+            found = self._after(low, high, _WIDER, found)
+        return self.domain
+
+    def _after(self, low: Array, high: Array, wider: float, known: Intervals) -> Intervals:
+        """The part of the domain that is ``known`` or one cycle behind an interval [low, high] where F is monotone."""
+        ends, reach = np.stack([self.map.right(low), self.map.left(high)]), wider * self.halfwidth
+        start, end = np.append(ends.min(axis=0) - reach, known.start), np.append(ends.max(axis=0) + reach, known.end)
+        order = np.argsort(start)
+        start, end = start[order], np.maximum.accumulate(end[order])
+        apart = np.append(True, start[1:] > end[:-1])
+        wanted = Intervals(start[apart], end[np.append(apart[1:], True)], known.wrapped)
+        pieces = self.cut(np.append(wanted.start, wanted.end))
+        middle = 0.5 * (pieces[1:] + pieces[:-1])
+        return _joined(pieces, self.domain.hold(middle) & wanted.hold(middle), known.wrapped)
+
+    def before(self, target: Intervals, basin: Intervals) -> Intervals:
+        """The part of the domain whose next positions meet ``target`` or ``basin``."""
+        wanted = Intervals(np.append(target.start, basin.start), np.append(target.end, basin.end), target.wrapped)
+        pieces = self._pieces(wanted)
+        middle = self.map(0.5 * (pieces[1:] + pieces[:-1]))
+        inside = self.domain.hold(0.5 * (pieces[1:] + pieces[:-1]))
+        meets = inside & wanted.overlaps(middle - self.halfwidth, middle + self.halfwidth)
+        return _joined(pieces, meets, target.wrapped)
+
+    def without(self, part: Intervals) -> Intervals:
+        """The domain less ``part`` (some of it): what is left."""
+        pieces = np.unique(np.concatenate([self.domain.start, self.domain.end, part.start, part.end]))
+        middle = 0.5 * (pieces[1:] + pieces[:-1])
+        kept = self.domain.hold(middle) & ~part.hold(middle) & (np.diff(pieces) > _GROWTH)
+        return _joined(pieces, kept, self.domain.wrapped)
+
+    def _pieces(self, wanted: Intervals) -> Array:
+        """Ends of pieces of the domain on each of which all next positions meet the same of the intervals."""
+        ends = np.concatenate([wanted.start + self.halfwidth, wanted.start - self.halfwidth])
+        ends = np.concatenate([ends, wanted.end + self.halfwidth, wanted.end - self.halfwidth])
+        return self.cut(self.preimages(ends[np.isfinite(ends)]))
+
+    def preimages(self, levels: Array) -> Array:
+        """Angles of [0, 2π) whose images, up to whole turns, are among ``levels``; F's breaks with them."""
+        steps = level_steps(self.map, self.cells, np.mod(levels, TWO_PI))
+        return np.append(steps.theta, self.map.breaks)
+
+    def cut(self, theta: Array) -> Array:
+        """The domain's ends and all turns of ``theta`` between them, sorted."""
+        low, high = float(self.domain.start[0]), float(self.domain.end[-1])
+        first = low + np.mod(theta - low, TWO_PI)
+        inner = np.concatenate([self.domain.start, self.domain.end, first, np.mod(theta, TWO_PI)])
+        return np.unique(inner[(inner >= low) & (inner <= high)])
+
+
+def _none(wrapped: bool) -> Intervals:
+    return Intervals(np.zeros(0), np.zeros(0), wrapped)
+
+
+def _joined(pieces: Array, keep: Mask, wrapped: bool) -> Intervals:
+    """The kept pieces, neighbours joined."""
+    edge = np.diff(np.concatenate([[False], keep, [False]]).astype(np.int64))
+    return Intervals(pieces[edge == 1], pieces[edge == -1], wrapped)
+
+
+Source = Callable[[Array], Array]
+
+MAX_PANELS = 100
+RESOLUTION = 512
+_GENERATIONS = 4
+_MOST = 600  # kinks looked for
+_TOLERANCE = 1e-12
+_ACCEPTED = 0.3  # residual of the mean time
+_REFINEMENTS = 3  # of the linear solution: long times lose digits without
+
+
+def uniform_passage_time(
+    circle_map: CircleMap,
+    noise: UniformNoise,
+    start: float,
+    ends: Arc,
+    lifted: bool = False,
+    *,
+    max_panels: int = MAX_PANELS,
+) -> Estimate:
+    """Mean number of cycles until θ' = F(θ) + ξ, ξ uniform on [-h, h], from ``start`` is first outside the arc.
+
+    start : radians, inside the arc ``ends`` (start, end), which is left in the sense of ``mean_passage_time``.
+
+    T(x) = 1 + (S(F(x) + h) - S(F(x) - h))/2h, S the antiderivative of T, zero outside the arc: by collocation on
+    panels that end where T kinks (F(x) ± h at an end of the arc or at an earlier kink) or jumps (F's breaks), and
+    are cut until T's last coefficients are below 1e-12, or there are ``max_panels``.
+    inf where the path can come, with a chance above zero, to a part of the arc that the noise is too small to
+    leave: that part is found as a set of intervals.
+
+    ``error_bound``: with r a bound on the residual of the computed T, |T - computed| <= r T, since the equation's
+    kernel is positive (Collatz 1952): proved; r is twice the residual's maximum over three times as many
+    angles, and rounding, so measured. It grows like 1e-14 T, relative; ConvergenceError where it would reach T/2.
+
+    >>> time = uniform_passage_time(CircleMap.rigid(0.0), UniformNoise(0.5), 0.1, (0.0, 0.4))
+    >>> round(time, 12), time.error_bound < 1e-12  # every step leaves with chance 1 - 0.4/1.0
+    (1.666666666667, True)
+    """
+    reach = _reach(circle_map, noise, Intervals(np.array([ends[0]]), np.array([ends[1]]), not lifted), start)
+    if reach.domain.length == 0.0:
+        return Estimate(1.0, 0.0)
+    if lifted:
+        outside = Intervals(np.array([-np.inf, ends[1]]), np.array([ends[0], np.inf]), False)
+    else:
+        outside = Intervals(np.array([ends[1]]), np.array([ends[0] + TWO_PI]), True)
+    trap = reach.without(reach.basin(outside))
+    domain = reach.domain
+    if trap.length > 0.0:
+        lost = reach.basin(trap)
+        if _meets(reach, start, lost) or _meets(reach, start, trap):
+            return Estimate(np.inf, 0.0)
+        domain = Reach(circle_map, reach.cells, noise.halfwidth, reach.without(lost)).without(trap)
+    if domain.length == 0.0:
+        return Estimate(1.0, 0.0)
+    chain = _chain(reach, domain, [ends[0], ends[1]], np.ones_like, max_panels)
+    slack = _certified(chain)
+    value = chain.value(chain.law, start, np.ones_like)
+    return Estimate(value, (slack / (1.0 - slack) + SOLUTION) * value)
+
+
+def uniform_hitting_probability(
+    circle_map: CircleMap, noise: UniformNoise, start: float, arc_a: Arc, arc_b: Arc, *, max_panels: int = MAX_PANELS
+) -> Estimate:
+    """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
+
+    ``start`` lies outside both arcs, which do not overlap. The equation is that of ``uniform_passage_time`` with
+    P(F(x) + ξ in a) in place of 1. Paths that come to neither arc count as not in a; 0 is exact where the noise
+    cannot bring the path to a. ``error_bound``: the residual's bound times the mean number of cycles until an
+    arc (or a part of the circle that the noise is too small to leave) is reached.
+
+    >>> even = uniform_hitting_probability(CircleMap.rigid(0.0), UniformNoise(0.7), 0.0, (1.0, 2.0), (-2.0, -1.0))
+    >>> round(even, 12), even.error_bound < 1e-12
+    (0.5, True)
+    """
+    between = np.array(arcs_between(arc_a, arc_b))
+    rest = Intervals(between[:, 0], between[:, 1], True)
+    goal = Intervals(np.array([arc_a[0]]), np.array([arc_a[1]]), True)
+    either = Intervals(np.array([arc_a[0], arc_b[0]]), np.array([arc_a[1], arc_b[1]]), True)
+
+    def arrives(image: Array) -> Array:
+        return noise.arc_probability(arc_a[0] - image, arc_a[1] - image)
+
+    def at_once() -> Estimate:
+        value = float(arrives(circle_map(np.array([start])))[0])
+        return Estimate(value, SOLUTION * value)
+
+    reach = _reach(circle_map, noise, rest, start)
+    if reach.domain.length == 0.0:
+        return at_once()
+    if not (_meets(reach, start, goal) or _meets(reach, start, reach.basin(goal))):
+        return Estimate(0.0, 0.0)
+    trap = reach.without(reach.basin(either))
+    domain = reach.without(trap) if trap.length > 0.0 else reach.domain
+    if domain.length == 0.0:
+        return at_once()
+    chain = _chain(reach, domain, [*arc_a, *arc_b], arrives, max_panels)
+    longest = chain.value(chain.time, start, np.ones_like) / (1.0 - _certified(chain))
+    value = float(np.clip(chain.value(chain.law, start, arrives), 0.0, 1.0))
+    return Estimate(value, min(chain.residual(chain.law, arrives) * longest + SOLUTION * value, 1.0))
+
+
+def _certified(chain: _Chain) -> float:
+    """The residual of the mean time, small enough to say something."""
+    slack = chain.residual(chain.time, np.ones_like)
+    if slack > _ACCEPTED:
+        wide = float(np.sum(chain.panels.end - chain.panels.start)) / chain.halfwidth
+        raise ConvergenceError(
+            f"the passage is too long for the noise {chain.halfwidth:g}, or {chain.panels.count} panels are too few "
+            f"for where it leads, {wide:.0f} times as wide: the equation's solution leaves a residual of {slack:.2g} "
+            "(times longer than about 1e12 cycles are beyond double precision); raise the noise or shorten the arc"
+        )
+    return slack
+
+
+def _reach(circle_map: CircleMap, noise: UniformNoise, domain: Intervals, start: float) -> Reach:
+    """The noisy map where the path from ``start`` may come to: narrow noise holds it to a small part of the domain."""
+    whole = Reach(circle_map, monotone_cells(circle_map, 1, 0.0, RESOLUTION), noise.halfwidth, domain)
+    return Reach(circle_map, whole.cells, noise.halfwidth, whole.ahead(start))
+
+
+def _meets(reach: Reach, start: float, part: Intervals) -> bool:
+    image = reach.map(np.array([start]))
+    return bool(part.overlaps(image - reach.halfwidth, image + reach.halfwidth)[0])
+
+
+# -- the equation f = source(F) + K f ------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Chain:
+    """K f(x) = the integral of f over the panels within h of F(x), over 2h; ``source`` a function of F(x)."""
+
+    map: CircleMap
+    halfwidth: float
+    panels: Panels
+    wrapped: bool
+    source: Source
+    missing: float  # radians of the domain that no panel covers: slivers
+
+    @cached_property
+    def law(self) -> Array:
+        """Coefficients of the solution for ``source``."""
+        return self._solutions[:, 0]
+
+    @cached_property
+    def time(self) -> Array:
+        """Coefficients of the solution for the source 1: cycles until the domain is left."""
+        return self._solutions[:, 1]
+
+    @cached_property
+    def _solutions(self) -> Array:
+        images = self.map(self.panels.nodes)
+        system = np.eye(self.panels.size) - self.panels.coefficients(self._rows(images))
+        right = self.panels.coefficients(np.stack([self.source(images), np.ones_like(images)], axis=1))
+        factors, pivots, failed = lapack.dgetrf(system)
+        if failed:
+            return np.full(right.shape, np.inf)
+        found = np.zeros_like(right)
+        for _ in range(_REFINEMENTS):
+            found = found + lapack.dgetrs(factors, pivots, right - system @ found)[0]
+        return np.asarray(found)
+
+    def _ends(self, images: Array) -> tuple[Array, Array]:
+        """Where S is read, F ± h brought into the domain's turn, and how many whole domains lie below."""
+        at = np.concatenate([images + self.halfwidth, images - self.halfwidth])
+        origin = self.panels.start[0]
+        turns = np.floor((at - origin) / TWO_PI) if self.wrapped else np.zeros_like(at)
+        return at - TWO_PI * turns, turns
+
+    def _rows(self, images: Array) -> Array:
+        count = images.size
+        at, turns = self._ends(images)
+        sign = np.repeat([1.0, -1.0], count)
+        theta = np.append(at, np.full(2 * count, self.panels.end[-1]))
+        row = np.tile(np.arange(count), 4)
+        sums = self.panels.integral_matrix(theta, np.append(sign, sign * turns), row, count)
+        return sums / (2.0 * self.halfwidth)
+
+    def carried(self, law: Array, images: Array) -> Array:
+        """K f where F is ``images``."""
+        at, turns = self._ends(images)
+        sums = self.panels.integral(law, at) + turns * float(self.panels.mass @ law)
+        above, below = np.split(sums, 2)
+        return np.asarray((above - below) / (2.0 * self.halfwidth))
+
+    def value(self, law: Array, theta: float, source: Source) -> float:
+        """The solution at one angle, inside the domain or not."""
+        image = self.map(np.array([theta]))
+        return float((source(image) + self.carried(law, image))[0])
+
+    def residual(self, law: Array, source: Source) -> float:
+        """Twice the largest |f - source - K f| at three times as many angles, with rounding and the map's error."""
+        if not np.all(np.isfinite(law)):
+            return float("inf")
+        theta = self.panels.test_points
+        images = self.map(theta)
+        here = self.panels.value(law, theta)
+        worst = float(np.max(np.abs(here - source(images) - self.carried(law, images))))
+        largest = float(np.max(np.abs(here)))
+        rounding = 8.0 * EPS * (1.0 + np.pi / self.halfwidth) * largest
+        moved = self.map.max_error * (largest + 1.0) / self.halfwidth
+        return 2.0 * worst + rounding + moved + self.missing * largest / self.halfwidth
+
+
+def _chain(reach: Reach, domain: Intervals, marks: list[float], source: Source, most: int) -> _Chain:
+    """Panels on which the solution is resolved; ``marks`` are the ends of the arcs that matter."""
+    inner = Reach(reach.map, reach.cells, reach.halfwidth, domain)
+    edges = np.concatenate([domain.start, domain.end, np.array(marks)])
+    kinks = _kinks(inner, edges)
+
+    def chain(panels: Panels) -> _Chain:
+        missing = max(domain.length - float(np.sum(panels.end - panels.start)), 0.0)
+        return _Chain(reach.map, reach.halfwidth, panels, domain.wrapped, source, missing)
+
+    ends = np.array([domain.start[0], domain.end[-1]])
+    for more in (domain.start, domain.end, inner.cut(reach.map.breaks), kinks.upto(0).theta):
+        ends = with_ends(ends, more)
+
+    def solution(panels: Panels) -> Array:
+        trial = chain(panels)
+        return trial.law[:, None] / max(float(np.max(np.abs(trial.law))), 1.0)
+
+    return chain(refined(ends, kinks, solution, np.array([_TOLERANCE]), most, domain.hold))
+
+
+def _kinks(reach: Reach, edges: Array) -> Singularities:
+    """Angles x with F(x) ± h at an edge (generation 0), or at a kink of the generation before."""
+    theta, generation, values = np.zeros(0), np.zeros(0, dtype=np.int64), np.append(edges, reach.map.breaks)
+    for step in range(_GENERATIONS):
+        found = reach.cut(reach.preimages(np.append(values - reach.halfwidth, values + reach.halfwidth)))
+        fresh = found[~np.isin(found, theta)]
+        if theta.size + fresh.size > _MOST and step > 0:
+            break
+        theta, generation = np.append(theta, fresh), np.append(generation, np.full(fresh.size, step))
+        values = fresh
+    order = np.argsort(theta, kind="stable")
+    return Singularities(theta[order], generation[order], np.zeros(theta.size, dtype=bool))

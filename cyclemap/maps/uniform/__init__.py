@@ -1,1 +1,0 @@
-"""The transfer operator and passages under uniform noise, whose density jumps."""

@@ -1,0 +1,371 @@
+"""Long orbits: diagrams, Birkhoff averages and Lyapunov exponents."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps import (
+    CircleMap,
+    ParametricLift,
+    WrappedCauchy,
+    WrappedNormal,
+    birkhoff_average,
+    fixed_points,
+    lyapunov_exponent,
+    lyapunov_exponents,
+    orbit_diagram,
+    period_doublings,
+    periodic_orbits,
+    saddle_nodes,
+    sample_staircase,
+    transfer_operator,
+)
+from cyclemap.maps.orbits.rotation_number import orbit_angles, weighted_mean
+
+
+def of_strength(K):
+    return CircleMap.arnold(0.1, K)
+
+
+def periods(theta):
+    return [np.unique(np.round(row, 6)).size for row in theta]
+
+
+def test_the_period_doubles_where_the_multiplier_passes_minus_one():
+    [flip] = period_doublings(of_strength, (1.0, 2.4))
+    values = float(flip.parameter) + np.array([-0.05, 0.05])
+    assert periods(orbit_diagram(of_strength, values, transient=2000).theta) == [1, 2]
+
+
+@pytest.mark.slow
+def test_an_attractor_is_followed_until_its_saddle_node_from_either_side():
+    """Two wells, of which a tilt fills the shallow one first: it is seen only by a path that comes from within it."""
+
+    def tilted(p):
+        return CircleMap(lambda x: x + p - 0.1 * np.sin(x) - 0.3 * np.sin(2 * x))
+
+    values = np.linspace(-0.2, 0.3, 51)
+    up = orbit_diagram(tilted, values, cycles=1, transient=300, start=np.pi).theta[:, 0]
+    down = orbit_diagram(tilted, values[::-1], cycles=1, transient=300, start=0.0).theta[::-1, 0]
+    apart = np.abs(np.angle(np.exp(1j * (up - down)))) > 0.5
+    [last] = np.flatnonzero(np.diff(apart))
+    # Where the paths join, the shallow well ends in a saddle-node.
+    nodes = [float(found.parameter) for found in saddle_nodes(tilted, (0.1, 0.3), resolution=4)]
+    assert np.all(apart[: last + 1]) and any(values[last] < node < values[last + 1] for node in nodes)
+
+
+def test_exponents_over_a_plane_are_those_of_one_map_at_a_time():
+    omega, K = np.array([0.05, 0.1, 0.3]), np.array([0.5, 0.9])
+    found = lyapunov_exponents(CircleMap.arnold, omega[:, None], K)
+    assert found.value.shape == (3, 2)
+    single = lyapunov_exponents(lambda a, b: CircleMap.arnold(a, b), omega[:, None], K)
+    np.testing.assert_allclose(found.value, single.value, rtol=0, atol=1e-9)
+    exact = np.array([[lyapunov_exponent(CircleMap.arnold(a, b)) for b in K] for a in omega])
+    assert np.all(np.abs(found.value - exact) < 2e-3 + found.error)
+
+
+def test_a_rotation_has_none_and_a_doubling_map_has_ln_2():
+    turning = lyapunov_exponents(CircleMap.arnold, [0.1, 0.3], 0.0)
+    assert np.all(turning.value == 0.0) and np.all(turning.error == 0.0)
+    # The tent-like family x → x + s sin 2x has F'(0) = 1 + 2s: at rest on 0 the exponent is its logarithm.
+    family = ParametricLift(lambda x, s: x + s * np.sin(2 * x), lambda x, s: 1 + 2 * s * np.cos(2 * x))
+    at_rest = lyapunov_exponents(family, [-0.25, -0.5], start=0.0)
+    np.testing.assert_allclose(at_rest.value[:1], np.log(0.5), rtol=1e-14)
+    assert np.isneginf(at_rest.value[1]) and at_rest.error[1] == 0.0
+
+
+@pytest.mark.slow
+def test_chaos_agrees_with_the_long_orbit_within_the_errors():
+    found = lyapunov_exponents(CircleMap.arnold, 0.1, np.array([4.0, 5.0, 6.0]), cycles=20_000)
+    for K, value, error in zip((4.0, 5.0, 6.0), found.value, found.error, strict=True):
+        exact = lyapunov_exponent(CircleMap.arnold(0.1, K))
+        assert abs(value - exact) < error + exact.error_bound
+
+
+def test_bad_requests_are_refused():
+    with pytest.raises(InvalidInput, match="empty"):
+        orbit_diagram(of_strength, [])
+    with pytest.raises(InvalidInput, match="CircleMap"):
+        orbit_diagram(lambda K: K, [1.0])
+    with pytest.raises(InvalidInput, match="missing"):
+        lyapunov_exponents(CircleMap.arnold)
+
+
+TWO_PI = 2 * np.pi
+KNOWN = [
+    (CircleMap.moebius(0.5, 0.3), 0.262536755898823346733597549046),
+    (CircleMap.moebius(0.9, 0.45), 0.383156928981311432564754399638),
+    (CircleMap.arnold(0.6, 0.5), 0.602894830374585070928578946844),
+]
+
+
+@pytest.mark.parametrize(("circle_map", "turns"), KNOWN)
+def test_fourteen_digits_of_diophantine_rotation_numbers(circle_map, turns):
+    mean = birkhoff_average(circle_map)
+    assert abs(mean / TWO_PI - turns) < 1e-15
+    assert abs(mean - TWO_PI * turns) <= mean.error_bound < 1e-14
+
+
+@pytest.mark.parametrize(("circle_map", "turns"), KNOWN)
+def test_the_error_bound_holds_at_every_length_and_falls_faster_than_any_power(circle_map, turns):
+    means = [birkhoff_average(circle_map, iterates=n, start=1.0) for n in (100, 300, 1000, 3000, 10000)]
+    errors = [abs(mean - TWO_PI * turns) for mean in means]
+    bounds = [mean.error_bound for mean in means]
+    assert all(error <= bound for error, bound in zip(errors, bounds, strict=True))
+    assert errors[0] > 1e-9
+    assert bounds[-1] < 1e-14
+    # A hundred times better for three times the length, at least twice: faster than the fourth power.
+    steps = [a / max(b, 1e-16) for a, b in pairwise(bounds)]
+    assert sum(step > 100 for step in steps) >= 2
+
+
+def test_a_mean_over_the_invariant_law_of_a_moebius_map():
+    """E e^{iθ} under the invariant law is the fixed point z* of z → e^{iω}(z - a)/(1 - a z) inside the disc."""
+    a, omega = 0.5, 0.3
+    w = np.exp(2j * np.pi * omega)
+    roots = np.roots([a, -(1 - w), -w * a])
+    inside = roots[np.abs(roots) < 1][0]
+    moebius = CircleMap.moebius(a, omega)
+    cosine, sine = birkhoff_average(moebius, np.cos), birkhoff_average(moebius, np.sin)
+    assert abs(complex(cosine, sine) - inside) < 1e-14
+    assert cosine.error_bound < 1e-14
+
+
+@pytest.mark.slow
+def test_chaotic_orbits_have_a_bound_of_a_plain_means_size():
+    """x → 3x (mod 2π): cos has mean 0 and variance 1/2; the bound is of the order of the sampling error."""
+    tripling = CircleMap(lambda x: 3 * x, degree=3)
+    held = 0
+    for start in np.linspace(0.1, 6.0, 40):
+        mean = birkhoff_average(tripling, np.cos, start=start, iterates=4000)
+        held += abs(mean) <= 2 * mean.error_bound
+        assert mean.error_bound < 0.2
+    assert held >= 32
+
+
+def test_transients_and_minus_infinity():
+    locked = CircleMap.arnold(0.1, 0.9)
+    stable = np.arcsin(0.2 * np.pi / 0.9)
+    mean = birkhoff_average(locked, np.sin, start=3.0, iterates=16, transient=2000)
+    assert abs(mean - np.sin(stable)) < 1e-14
+    assert mean.error_bound < 1e-14
+    nothing = birkhoff_average(locked, lambda x: np.full_like(x, -np.inf), iterates=16)
+    assert nothing == -np.inf
+    assert nothing.error_bound == 0.0
+
+
+def test_orbit_angles_stay_in_one_turn_and_follow_the_map():
+    sine = CircleMap.arnold(-0.37, 0.8)
+    visited = orbit_angles(sine, -9.0, 500)
+    assert np.all((visited >= 0.0) & (visited <= TWO_PI))
+    ahead = np.mod(sine(visited[:-1]) - visited[1:] + np.pi, TWO_PI) - np.pi
+    assert np.max(np.abs(ahead)) < 1e-14
+    assert visited.size == 500
+
+
+def test_weights_sum_to_one_and_are_symmetric():
+    values = np.random.default_rng(0).normal(size=101)
+    assert abs(weighted_mean(values) - weighted_mean(values[::-1])) < 1e-15
+    assert abs(weighted_mean(np.ones(101)) - 1.0) < 1e-15
+
+
+def test_bad_input_is_refused():
+    sine = CircleMap.arnold(0.1, 0.5)
+    with pytest.raises(InvalidInput, match="degree 2"):
+        birkhoff_average(CircleMap(lambda x: 2 * x, degree=2))
+    with pytest.raises(InvalidInput, match="CircleMap"):
+        birkhoff_average(np.sin)
+    with pytest.raises(InvalidInput, match="iterates"):
+        birkhoff_average(sine, iterates=15)
+    with pytest.raises(InvalidInput, match="transient"):
+        birkhoff_average(sine, transient=-1)
+    with pytest.raises(InvalidInput, match="start"):
+        birkhoff_average(sine, start=np.nan)
+    with pytest.raises(InvalidInput, match="entry by entry"):
+        birkhoff_average(sine, lambda x: 1.0)
+    with pytest.raises(InvalidInput, match="finite"):
+        birkhoff_average(sine, lambda x: x * np.nan)
+    with pytest.raises(InvalidInput, match="at least 16"):
+        weighted_mean(np.ones(15))
+
+
+def test_known_exponents_under_noise():
+    sticky = lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.05 * TWO_PI))
+    assert abs(sticky + 0.97812914157904) < 1e-13
+    assert sticky.error_bound < 1e-12
+    solvable = lyapunov_exponent(CircleMap.moebius(0.5, 0.3), WrappedCauchy(0.9))
+    assert abs(solvable + 0.0285247244779752248) <= solvable.error_bound < 1e-12
+    assert abs(solvable + 0.0285247244779752248) < 1e-14
+
+
+def test_a_folded_map_agrees_with_monte_carlo_despite_the_singular_logarithm():
+    folded, noise = CircleMap.arnold(0.3, 3.0), WrappedNormal(0.1 * TWO_PI)
+    path = sample_staircase(folded, noise, 400_000, seed=1)
+    blocks = np.log(np.abs(folded.derivative(path.theta[:-1]))).reshape(100, -1).mean(axis=1)
+    assert abs(lyapunov_exponent(folded, noise) - blocks.mean()) < 5 * blocks.std() / 10
+
+
+def test_a_flat_piece_gives_minus_infinity():
+    flat = CircleMap.from_samples([0, 1, 2, 6], [1, 1, 1, 7.2], [0, 0, 0, 0.3])
+    assert lyapunov_exponent(flat, WrappedNormal(0.3)) == float("-inf")
+    assert lyapunov_exponent(flat) == float("-inf")
+
+
+def test_isolated_critical_points_do_not():
+    """F' = 1 - cos 2x vanishes at 0 and π; under wide noise E ln F' = ∫ ln(2 sin² x) dx/2π = -ln 2."""
+    critical = CircleMap(lambda x: x - 0.5 * np.sin(2 * x), lambda x: 2.0 * np.sin(x) ** 2)
+    found = lyapunov_exponent(critical, WrappedNormal(8.0))
+    assert abs(found + np.log(2)) <= found.error_bound < 1e-6
+
+
+@pytest.mark.parametrize("strength", [0.5, 0.99, 0.9999, 1.0, 1.0001, 1.5, 3.0])
+def test_near_critical_slopes_are_integrated_too(strength):
+    """E ln|1 - K cos θ| under a uniform law is ln((1 + √(1 - K²))/2) up to K = 1 and ln(K/2) beyond (Jensen)."""
+    found = lyapunov_exponent(CircleMap.arnold(0.3, strength), WrappedNormal(8.0))
+    known = np.log((1 + np.sqrt(1 - strength**2)) / 2) if strength <= 1 else np.log(strength / 2)
+    assert abs(found - known) <= found.error_bound < (1e-6 if strength == 1.0 else 1e-11)
+
+
+def test_a_superstable_orbit_gives_minus_infinity():
+    """x - sin x holds 0, where its slope is 0; and the sine map of K = 1 at Ω = 0 is the same map."""
+    found = lyapunov_exponent(CircleMap.arnold(0.0, 1.0))
+    assert found == float("-inf") and found.error_bound == 0.0
+
+
+def test_stable_orbits_give_their_multiplier_whatever_their_period():
+    """Every attracting orbit of period 1 to 5 of the sine map on its tongues: ln|multiplier|/n, inside the bound."""
+    found = []
+    for omega, strength, period in ((0.02, 0.9, 1), (0.5, 0.9, 2), (0.34, 1.0, 3), (0.28, 1.0, 4), (0.41, 1.0, 5)):
+        sine = CircleMap.arnold(omega, strength)
+        stable = [orbit for orbit in periodic_orbits(sine, period) if orbit.stable]
+        assert len(stable) == 1
+        exponent = lyapunov_exponent(sine)
+        known = np.log(abs(stable[0].multiplier)) / period
+        assert abs(exponent - known) <= exponent.error_bound + 1e-13
+        assert exponent.error_bound < 1e-9
+        found.append(exponent)
+    assert len(found) == 5 and max(found) < 0
+
+
+def test_slowly_attracting_orbits_are_solved_all_the_same():
+    """Just inside the tongue's edge, where 2000 cycles are too few to settle: the stable point's multiplier."""
+    sine = CircleMap.arnold(0.9 / TWO_PI - 1e-6, 0.9)
+    (stable,) = (point for point in fixed_points(sine) if point.stable)
+    found = lyapunov_exponent(sine)
+    assert abs(found - np.log(stable.multiplier)) <= found.error_bound + 1e-12
+    assert 0.99 < stable.multiplier < 1.0 and found.error_bound < 1e-9
+
+
+def test_quasi_periodic_orbits_have_exponent_zero_within_the_bound():
+    for sine in (CircleMap.arnold(0.6, 0.5), CircleMap.moebius(0.5, 0.3), CircleMap.rigid(0.1234)):
+        found = lyapunov_exponent(sine)
+        assert abs(found) <= found.error_bound + 1e-15
+        assert found.error_bound < 1e-9
+
+
+@pytest.mark.slow
+def test_a_chaotic_orbit_has_a_statistical_bound():
+    """The Blaschke product e^{i} z(z - a)/(1 - az) keeps uniform measure: its exponent is ∫ ln F' dθ/2π."""
+    a = 0.4
+    doubling = CircleMap(
+        lambda x: 2 * x + 1 + 2 * np.arctan2(a * np.sin(x), 1 - a * np.cos(x)),
+        lambda x: 1 + (1 - a * a) / (1 - 2 * a * np.cos(x) + a * a),
+        degree=2,
+    )
+    grid = TWO_PI * np.arange(400) / 400
+    known = np.mean(np.log(doubling.derivative(grid)))
+    found = lyapunov_exponent(doubling)
+    assert abs(found - known) <= found.error_bound
+    assert 1e-4 < found.error_bound < 2e-2
+    noisy = lyapunov_exponent(doubling, WrappedNormal(0.2))
+    assert abs(noisy - known) <= noisy.error_bound < 1e-12
+
+
+def test_the_doubling_map_stretches_by_two_with_and_without_noise():
+    doubling = CircleMap(lambda x: 2 * x, lambda x: np.full_like(x, 2.0), degree=2)
+    for found in (lyapunov_exponent(doubling), lyapunov_exponent(doubling, WrappedNormal(0.3))):
+        assert abs(found - np.log(2)) <= found.error_bound < 1e-13
+
+
+def test_the_maps_own_error_counts_through_the_law():
+    """With max_error = ε the bound covers what a change of F by ε cos θ, its slope left alone, does."""
+    sine, noise, epsilon = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), 1e-6
+    plain = lyapunov_exponent(sine, noise)
+    claimed = lyapunov_exponent(CircleMap(sine, sine.derivative, max_error=epsilon), noise)
+    shifted = lyapunov_exponent(CircleMap(lambda x: sine(x) + epsilon * np.cos(x), sine.derivative), noise)
+    assert claimed == plain and plain.error_bound < 1e-12
+    assert 1e-8 < abs(shifted - plain) <= claimed.error_bound <= 30 * abs(shifted - plain)
+
+
+def test_few_modes_keep_the_bound():
+    """The exponent of a folded map, singular logarithm and all, with the modes cut to a third and to a half."""
+    folded, noise = CircleMap.arnold(0.3, 3.0), WrappedNormal(0.3)
+    truth = lyapunov_exponent(folded, noise)
+    assert truth.error_bound < 1e-12
+    for modes in (8, 12, 15):
+        law = transfer_operator(folded, noise, modes=modes)
+        found = law.expectation(lambda x: np.log(np.maximum(np.abs(folded.derivative(x)), 1e-18)), folds=True)
+        assert abs(found - truth) <= found.error_bound + truth.error_bound
+        assert found.error_bound <= 100 * abs(found - truth)
+
+
+def test_a_repelling_orbit_is_not_taken_for_the_attractor():
+    """θ = 0 is a fixed point of slope -1.5 with Ω = 0, K = 2.5: only a start there stays there."""
+    sine = CircleMap.arnold(0.0, 2.5)
+    (stable,) = (orbit for period in (1, 2) for orbit in periodic_orbits(sine, period) if orbit.stable)
+    found = lyapunov_exponent(sine)
+    assert abs(found - np.log(abs(stable.multiplier)) / stable.period) <= found.error_bound + 1e-12
+    assert abs(lyapunov_exponent(sine, start=0.0) - np.log(1.5)) < 1e-14
+    assert lyapunov_exponent(sine, start=0.3, transient=10_000) == pytest.approx(found, abs=1e-12)
+
+
+@pytest.mark.slow
+def test_several_attractors_are_said():
+    """Two stable points with slopes 0.2 and 0.6: each from its own side."""
+    two = CircleMap(
+        lambda x: x - 0.3 * np.sin(2 * x) - 0.2 * np.sin(x), lambda x: 1 - 0.6 * np.cos(2 * x) - 0.2 * np.cos(x)
+    )
+    with pytest.raises(InvalidInput, match=r"several attractors: .*-1\.6\d+ .*-0\.5\d+ .*give the start"):
+        lyapunov_exponent(two)
+    assert abs(lyapunov_exponent(two, start=0.1) - np.log(0.2)) < 1e-12
+    assert abs(lyapunov_exponent(two, start=3.0) - np.log(0.6)) < 1e-12
+
+
+@pytest.mark.slow
+def test_the_error_of_differences_is_in_the_bound():
+    """The sine map without its derivative; and a constant, whose exponent is -∞."""
+    constant = lyapunov_exponent(CircleMap(lambda x: 0 * x + 1.0, degree=0))
+    assert constant == float("-inf")
+    nearly = lyapunov_exponent(CircleMap(lambda x: 1.0 + 1e-13 * np.sin(x), degree=0))
+    assert nearly.holds(np.log(1e-13 * np.cos(1.0)))
+    for omega, strength in ((0.1, 0.9), (0.6, 0.5), (0.5, 0.99), (0.0, 1.000001)):
+        exact = CircleMap.arnold(omega, strength)
+        found, known = lyapunov_exponent(CircleMap(exact)), lyapunov_exponent(exact)
+        assert abs(found - known) <= found.error_bound + known.error_bound
+        noisy, truth = (lyapunov_exponent(one, WrappedNormal(0.3)) for one in (CircleMap(exact), exact))
+        assert abs(noisy - truth) <= noisy.error_bound + truth.error_bound and noisy.error_bound < 1e-3
+
+
+def test_what_is_no_map_is_refused():
+    with pytest.raises(InvalidInput, match="leave it out"):
+        lyapunov_exponent(CircleMap.rigid(0.1), WrappedNormal(0.3), start=1.0)
+    with pytest.raises(InvalidInput, match="start"):
+        lyapunov_exponent(CircleMap.rigid(0.1), start=float("nan"))
+    with pytest.raises(InvalidInput):
+        lyapunov_exponent(np.sin)
+
+
+def test_a_lift_that_is_nowhere_smooth_is_refused_before_its_orbits_are_made():
+    """Weierstrass's sum with ab > 1 has a derivative nowhere, and few of its values tell as much."""
+    asked = []
+
+    def rough(theta):
+        asked.append(np.size(theta))
+        return theta + 0.3 + 0.5 * sum(0.5**k * np.cos(3.0**k * theta) for k in range(20))
+
+    for noise in (None, WrappedNormal(0.1)):
+        with pytest.raises(ConvergenceError, match=r"cannot be told from differences .* give the derivative"):
+            lyapunov_exponent(CircleMap(rough), noise)
+    assert sum(asked) < 40_000

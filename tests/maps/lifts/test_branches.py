@@ -1,0 +1,210 @@
+"""Branches and preimages: closed forms, polynomial roots, brute-force counts."""
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import CircleMap, branches, preimages, upper_envelope
+
+TWO_PI = 2 * np.pi
+
+
+def folded(seed, degree=1):
+    """A random trigonometric lift that folds."""
+    rng = np.random.default_rng(seed)
+    k = np.arange(1, 5)
+    c, s = rng.normal(0, 1.5, (2, 4)) / k
+    return CircleMap(
+        lambda x: degree * x + np.cos(x[..., None] * k) @ c + np.sin(x[..., None] * k) @ s,
+        lambda x: degree - np.sin(x[..., None] * k) @ (k * c) + np.cos(x[..., None] * k) @ (k * s),
+        degree=degree,
+    )
+
+
+def zigzag(degree=1):
+    """Straight branches with a fold at a kink, a kink that is none, a plateau, jumps up and down."""
+    rows = [(0.4, 1.0, 0.0, 0.5), (1.0, 1.8, 0.3, 2.0), (1.8, 2.5, 3.9, -1.0), (2.5, 3.5, 2.0, 0.0)]
+    rows += [(3.5, 5.0, 0.25, 0.5), (5.0, 0.4 + TWO_PI, 1.0, 0.1)]
+    return CircleMap.from_branches(
+        [(a, b, lambda x, p=p, q=q: p + q * x, lambda x, q=q: np.full_like(x, q)) for a, b, p, q in rows], degree=degree
+    )
+
+
+def check_tiling(circle_map, parts):
+    starts, ends = np.array([p.start for p in parts]), np.array([p.end for p in parts])
+    assert np.array_equal(ends[:-1], starts[1:]) and ends[-1] == pytest.approx(starts[0] + TWO_PI, abs=1e-14)
+    assert 0 <= starts[0] < TWO_PI
+    for part in parts:
+        assert part.start_value == pytest.approx(float(circle_map.right(part.start)), abs=2e-13)
+        assert part.end_value == pytest.approx(float(circle_map.left(part.end)), abs=2e-13)
+        x = np.linspace(part.start, part.end, 203)[1:-1]
+        assert np.all(np.diff(circle_map(x)) * part.direction > 0) or part.direction == 0
+
+
+@pytest.mark.parametrize("K", [1.001, 1.5, 3.0, 20.0])
+def test_the_sine_map_has_two_branches_cut_where_the_cosine_is_one_over_K(K):
+    made = CircleMap.arnold(0.2, K)
+    rising, falling = branches(made)
+    fold = np.arccos(1 / K)
+    np.testing.assert_allclose([rising.start, rising.end], [fold, TWO_PI - fold], rtol=0, atol=1e-12)
+    assert (rising.direction, falling.direction) == (1, -1)
+    check_tiling(made, (rising, falling))
+
+
+@pytest.mark.parametrize("made", [CircleMap.rigid(0.3), CircleMap.arnold(0, 1), CircleMap.blaschke([0.5, 0.2j, 0])])
+def test_a_monotone_map_without_jumps_is_one_branch(made):
+    (only,) = branches(made)
+    assert (only.start, only.end, only.direction) == (0.0, TWO_PI, 1)
+    assert only.end_value - only.start_value == pytest.approx(TWO_PI * made.degree, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(15))
+def test_branches_tile_one_turn_and_each_inverse_undoes_the_map_to_rounding(seed):
+    made = folded(seed, degree=seed % 4 - 1)
+    parts = branches(made)
+    check_tiling(made, parts)
+    grid = made(np.linspace(0, TWO_PI, 20001))
+    turns = np.diff(grid) > 0
+    assert len(parts) == np.count_nonzero(turns != np.roll(turns, 1)) >= 2
+    for part in parts:
+        low, high = sorted((part.start_value, part.end_value))
+        values = np.linspace(low, high, 60).reshape(3, 20)
+        theta = part.inverse(values)
+        assert theta.shape == (3, 20) and np.all((theta >= part.start) & (theta <= part.end))
+        np.testing.assert_allclose(made(theta), values, rtol=0, atol=5e-14)
+        x = np.linspace(part.start, part.end, 40)[1:-1]
+        error = np.abs(part.inverse(made(x)) - x)
+        assert np.all(error <= 3e-14 / np.abs(made.derivative(x)) + 2e-15)
+
+
+def test_kinks_cut_only_where_the_direction_changes_and_plateaus_and_jumps_always_do():
+    made = zigzag()
+    parts = branches(made)
+    check_tiling(made, parts)
+    np.testing.assert_allclose([p.start for p in parts], [0.4, 1.0, 1.8, 2.5, 3.5, 5.0], atol=1e-12)
+    assert [p.direction for p in parts] == [1, 1, -1, 0, 1, 1]
+    bent = CircleMap.from_branches(
+        [
+            (0, 2, lambda x: 0.5 * x, None),
+            (2, TWO_PI, lambda x: TWO_PI - (TWO_PI - x) * (TWO_PI - 1) / (TWO_PI - 2), None),
+        ]
+    )
+    assert bent.breaks.size == 2 and len(branches(bent)) == 1
+
+
+def test_the_upper_envelope_of_a_folded_map_has_one_plateau_as_a_branch_of_its_own():
+    made = upper_envelope(CircleMap.arnold(0.1, 2.5))
+    flat, rising = sorted(branches(made), key=lambda part: part.direction)
+    assert (flat.direction, rising.direction) == (0, 1)
+    np.testing.assert_allclose([flat.start, flat.end - TWO_PI], made.breaks[::-1], atol=1e-11)
+    with pytest.raises(InvalidInput, match="a plateau has no inverse"):
+        flat.inverse(flat.start_value)
+
+
+def test_plateaus_of_sampled_data_and_of_maps_without_derivative_are_found():
+    sampled = CircleMap.from_samples([0.0, 1.0, 2.0, 4.0, 5.0], [0.0, 1.5, 1.5, 1.5, 5.0])
+    assert [(p.direction, round(p.start, 9), round(p.end, 9)) for p in branches(sampled)] == [
+        (0, 1.0, 4.0),
+        (1, 4.0, round(1 + TWO_PI, 9)),
+    ]
+    constant = CircleMap(lambda x: np.full_like(x, 2.0), degree=0)
+    assert [p.direction for p in branches(constant)] == [0]
+
+
+def test_a_value_outside_a_branch_is_refused_with_the_range():
+    rising = branches(CircleMap.arnold(0.2, 2.0))[0]
+    with pytest.raises(InvalidInput, match=r"value 9 is outside the branch: F runs from 0\.57"):
+        rising.inverse([2.0, 9.0])
+    with pytest.raises(InvalidInput, match="finite"):
+        rising.inverse(np.nan)
+
+
+# -- preimages ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("degree", [2, 3, 7])
+def test_every_angle_has_as_many_preimages_as_the_degree_under_multiplication(degree):
+    made = CircleMap.blaschke([0] * degree)
+    for angle in [0.0, 1.0, np.pi, 6.0, -4.0, 20.0, TWO_PI]:
+        expected = np.sort(np.mod((angle + TWO_PI * np.arange(degree)) / degree, TWO_PI))
+        np.testing.assert_allclose(preimages(made, angle), expected, rtol=0, atol=2e-15)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_preimages_under_a_blaschke_product_are_the_roots_of_its_polynomial(seed):
+    """B(z) = w is Π(z - a) = w e^{-2πiΩ} Π(1 - conj(a) z): exactly k roots, all on the circle."""
+    rng = np.random.default_rng(seed)
+    zeros = rng.uniform(0, 0.8, 4) * np.exp(1j * rng.uniform(0, TWO_PI, 4))
+    made = CircleMap.blaschke(zeros, 0.17)
+    for angle in rng.uniform(0, TWO_PI, 5):
+        bottom = np.array([1.0 + 0j])
+        for a in zeros:
+            bottom = np.convolve(bottom, [-np.conj(a), 1.0])
+        roots = np.roots(np.poly(zeros) - np.exp(1j * (angle - TWO_PI * 0.17)) * bottom)
+        found = preimages(made, angle)
+        assert found.size == 4
+        np.testing.assert_allclose(found, np.sort(np.mod(np.angle(roots), TWO_PI)), rtol=0, atol=1e-11)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12))
+def test_preimages_of_folded_maps_are_as_many_as_the_crossings_on_a_fine_grid(seed):
+    made = folded(seed, degree=seed % 4 - 1) if seed < 11 else zigzag()
+    x = np.linspace(0, TWO_PI, 400_001)
+    y = made(x)
+    rng = np.random.default_rng(seed)
+    counts = set()
+    for angle in rng.uniform(0, TWO_PI, 20):
+        found = preimages(made, angle)
+        laps = np.floor((y - angle) / TWO_PI)
+        jump = np.abs(np.diff(y)) > 0.05
+        assert found.size == np.sum(np.abs(np.diff(laps))[~jump])
+        off = np.mod(made(found) - angle + np.pi, TWO_PI) - np.pi
+        np.testing.assert_allclose(off, 0.0, atol=5e-14)
+        assert np.all(np.diff(found) > 1e-9) and np.all((found >= 0) & (found < TWO_PI))
+        counts.add(found.size)
+    assert len(counts) > 1
+
+
+def test_a_fold_is_one_preimage_and_beside_its_level_there_are_two_or_none_more():
+    made = CircleMap.arnold(0.2, 2.0)
+    rising, _ = branches(made)
+    level = rising.start_value
+    assert preimages(made, level).size == 2
+    assert np.min(np.abs(preimages(made, level) - rising.start)) == 0.0
+    assert (preimages(made, level + 1e-9).size, preimages(made, level - 1e-9).size) == (3, 1)
+    sine = CircleMap(np.sin, np.cos, degree=0)
+    np.testing.assert_allclose(preimages(sine, 1.0), [np.pi / 2], atol=2e-8)
+    np.testing.assert_allclose(preimages(sine, 0.0), [0.0, np.pi], atol=1e-15)
+    assert preimages(sine, 1.5).size == 0
+
+
+def test_at_a_jump_the_value_from_the_right_is_taken_and_the_one_from_the_left_is_not():
+    made = CircleMap.from_branches([(1, 4, lambda x: 0.5 * x, None), (4, 1 + TWO_PI, lambda x: 0.5 * x + 1, None)])
+    assert preimages(made, 3.0).tolist() == [4.0]
+    assert preimages(made, 2.0).size == 0 and preimages(made, 2.5).size == 0
+    np.testing.assert_allclose(preimages(made, 2.0 - 1e-9), [4 - 2e-9], atol=1e-14)
+    assert preimages(made, 0.5).tolist() == [1.0]
+
+
+def test_each_preimage_counts_once_where_a_kink_of_a_monotone_map_or_the_end_of_the_turn_lies_on_the_level():
+    bent = CircleMap.from_branches(
+        [(0, 2, lambda x: x, None), (2, TWO_PI, lambda x: x + 0.2 * (x - 2) * (TWO_PI - x), None)]
+    )
+    assert bent.breaks.size == 2
+    for angle, theta in [(2.0, 2.0), (0.0, 0.0), (TWO_PI, 0.0)]:
+        np.testing.assert_allclose(preimages(bent, angle), [theta], atol=1e-14)
+    turned = CircleMap.rigid(0.3)
+    rng = np.random.default_rng(0)
+    start = float(turned(0.0))
+    for angle in np.concatenate([start + np.arange(-9, 9) * 4e-16, rng.uniform(-9, 9, 30)]):
+        assert preimages(turned, angle).size == 1
+
+
+def test_a_level_on_a_plateau_is_refused_and_levels_beside_it_are_not():
+    made = zigzag()
+    with pytest.raises(InvalidInput, match=r"along \[2.5, 3.5\]: the preimages cannot be listed"):
+        preimages(made, 2.0)
+    assert preimages(made, 2.0 + 1e-9).size >= 1
+    with pytest.raises(InvalidInput, match="angle"):
+        preimages(made, np.inf)

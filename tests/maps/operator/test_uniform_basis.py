@@ -1,0 +1,337 @@
+"""Uniform noise: panels, and the transfer operator on them."""
+
+import numpy as np
+import pytest
+from scipy.special import jv
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal
+from cyclemap.maps.operator.panels import ORDER, Panels, law_singularities, level_steps
+from cyclemap.maps.operator.uniform_basis import uniform_discretisation
+from cyclemap.maps.orbits.scan import monotone_cells
+
+TWO_PI = 2 * np.pi
+MIXED = Panels(np.array([0.0, 1.0, 1.5, 2.0]), np.array([1.0, 1.5, 2.0, 3.0]), np.array([False, True, True, False]))
+GAPPED = Panels(np.array([0.0, 2.0]), np.array([1.0, 2.5]), np.array([False, False]))
+
+
+def with_roots(x):
+    """Smooth outside [1, 2], with a square root on the right of 1 and a power 3/2 on the left of 2."""
+    inside = (x >= 1) & (x < 2)
+    return np.cos(x) + inside * (np.sqrt(np.abs(x - 1)) + np.abs(2 - x) ** 1.5)
+
+
+def primitive_with_roots(x):
+    y = np.clip(x, 1.0, 2.0)
+    return np.sin(x) + (y - 1) ** 1.5 / 1.5 - ((2 - y) ** 2.5 - 1) / 2.5
+
+
+def test_bent_panels_interpolate_half_integer_powers_at_their_ends():
+    law = MIXED.coefficients(with_roots(MIXED.nodes))
+    x = np.linspace(0.0, 3.0, 2_000, endpoint=False)
+    np.testing.assert_allclose(MIXED.evaluate(x) @ law, with_roots(x), rtol=0, atol=2e-14)
+    np.testing.assert_allclose(MIXED.value(law, x), MIXED.evaluate(x) @ law, rtol=0, atol=1e-14)
+    straight = Panels(MIXED.start, MIXED.end, np.zeros(4, dtype=bool))
+    poor = straight.evaluate(x) @ straight.coefficients(with_roots(straight.nodes))
+    assert np.max(np.abs(poor - with_roots(x))) > 1e-3
+
+
+def test_antiderivatives_are_exact_on_both_kinds_of_panels():
+    law = MIXED.coefficients(with_roots(MIXED.nodes))
+    x = np.array([0.0, 1e-9, 0.3, 1.0, 1.0 + 1e-8, 1.2, 1.5, 1.999, 2.0, 2.7, 3.0])
+    np.testing.assert_allclose(MIXED.integral(law, x), primitive_with_roots(x), rtol=0, atol=2e-14)
+    rows = np.array([0, 1, 1, 0, 2, 2, 0, 1, 2, 0, 1])
+    weights = np.linspace(-2.0, 3.0, 11)
+    expected = np.bincount(rows, weights * primitive_with_roots(x))
+    np.testing.assert_allclose(MIXED.integral_matrix(x, weights, rows, 3) @ law, expected, rtol=0, atol=1e-13)
+    assert abs(MIXED.mass @ law - primitive_with_roots(3.0)) < 1e-14
+
+
+def test_an_integral_stands_still_in_a_gap():
+    law = GAPPED.coefficients(np.ones(GAPPED.size))
+    x = np.array([-1.0, 0.5, 1.0, 1.7, 2.0, 2.25, 2.5, 9.0])
+    np.testing.assert_allclose(GAPPED.integral(law, x), [0, 0.5, 1, 1, 1, 1.25, 1.5, 1.5], rtol=0, atol=1e-15)
+
+
+def test_nodes_and_coordinates_are_inverse_to_each_other():
+    panel, t = MIXED.locate(MIXED.nodes)
+    np.testing.assert_array_equal(panel, np.repeat(np.arange(4), ORDER))
+    np.testing.assert_allclose(np.sort(t[:ORDER]), np.polynomial.legendre.leggauss(ORDER)[0], atol=1e-14)
+    np.testing.assert_allclose(t.reshape(4, ORDER) - t[:ORDER], 0.0, atol=1e-12)
+
+
+def test_slopes_are_the_derivatives_of_smooth_functions():
+    x = np.linspace(0.0, 3.0, 101)
+    law = MIXED.coefficients(np.sin(2 * MIXED.nodes))
+    np.testing.assert_allclose(MIXED.slope(x) @ law, 2 * np.cos(2 * x), rtol=0, atol=1e-6)
+    away = np.abs(x - 1.5) > 1e-9
+    np.testing.assert_allclose((MIXED.slope(x) @ law)[away], 2 * np.cos(2 * x[away]), rtol=0, atol=1e-9)
+
+
+def test_the_weak_derivative_is_exact_for_smooth_periodic_functions_and_for_integrals_of_rough_ones():
+    wave = TWO_PI / 3
+    law = MIXED.derivative(MIXED.coefficients(np.sin(wave * MIXED.nodes)))
+    x = np.linspace(0.05, 2.95, 60)
+    np.testing.assert_allclose(MIXED.evaluate(x) @ law, wave * np.cos(wave * x), rtol=0, atol=1e-9)
+
+    def root(theta):
+        return np.where((theta > 1) & (theta < 1.5), np.sqrt(np.abs(theta - 1) * np.abs(1.5 - theta)), 0.0)
+
+    rough = MIXED.derivative(MIXED.coefficients(root(MIXED.nodes)))
+    nodes, weights = MIXED.rule(np.zeros(0), 40)
+    # ∫ g cos θ = ∫ root sin θ, though g is infinite at both ends of its panel.
+    exact = np.sum(weights * root(nodes) * np.sin(nodes))
+    assert abs(np.sum(weights * (MIXED.evaluate(nodes) @ rough) * np.cos(nodes)) - exact) < 1e-13
+    assert abs(MIXED.mass @ rough) < 1e-15
+
+
+@pytest.mark.parametrize("cuts", [np.zeros(0), np.array([0.3, 1.2, 1.9, 2.0])])
+def test_the_rule_integrates_products_with_kinked_functions(cuts):
+    nodes, weights = MIXED.rule(cuts, 32)
+    assert nodes.size == 32 * (4 + np.sum((cuts > 0) & (cuts < 2)))
+    kinks = sum(np.abs(nodes - c) for c in cuts)
+    exact = sum((c**2 + (3 - c) ** 2) / 2 for c in cuts)
+    assert abs(np.sum(weights * kinks) - exact) < 1e-13
+    assert abs(np.sum(weights * with_roots(nodes)) - primitive_with_roots(3.0)) < 1e-13
+
+
+FOLDED = CircleMap.arnold(0.3, 3.0)
+JUMPING = CircleMap.from_samples([0, 2, 2, 4, 6], [0.7, 2.3, 1.6, 3.8, 6.5], [0.8] * 5)
+DOUBLING = CircleMap(lambda x: 2 * x, lambda x: np.full_like(x, 2.0), degree=2)
+
+
+def contraction(shift=0.0, cut=0.5):
+    """θ → (θ - cut)/2 + 1.2 + shift + 0.2 sin θ on one turn from its jump at ``cut``."""
+
+    def lift(x):
+        turn = TWO_PI * np.floor((x - cut) / TWO_PI)
+        return turn + 0.5 * (x - cut - turn) + 1.2 + shift + 0.2 * np.sin(x)
+
+    return CircleMap(lift, lambda x: 0.5 + 0.2 * np.cos(x), [cut])
+
+
+def bordered(basis):
+    return np.eye(basis.size) - basis.matrix + np.outer(basis.uniform, basis.mass)
+
+
+def stationary(basis):
+    return np.linalg.solve(bordered(basis), basis.uniform)
+
+
+def moments(basis, law):
+    return np.array([basis.moments(k) @ law for k in (1, 2, 5)])
+
+
+def central(function, step):
+    """Derivative at 0 by differences of fourth order."""
+    near, far = function(step) - function(-step), function(2 * step) - function(-2 * step)
+    return (8 * near - far) / (12 * step)
+
+
+# -- closed forms --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("h", [0.126, 0.9, 4.0, 7.5])
+def test_a_rotation_keeps_the_uniform_law_and_has_the_noises_coefficients_as_moduli(h):
+    basis = uniform_discretisation(CircleMap.rigid(0.3), UniformNoise(h))
+    law = stationary(basis)
+    np.testing.assert_allclose(basis.evaluate(np.linspace(-9, 9, 50)) @ law, 1 / TWO_PI, rtol=1e-12)
+    found = np.sort(np.abs(np.linalg.eigvals(basis.matrix)))[::-1][:7]
+    m = np.repeat(np.arange(1, 40), 2)
+    exact = np.sort(np.append(1.0, np.abs(np.sin(m * h) / (m * h))))[::-1][:7]
+    np.testing.assert_allclose(found, exact, rtol=0, atol=2e-9)
+
+
+def test_the_doubling_map_keeps_the_uniform_law():
+    basis = uniform_discretisation(DOUBLING, UniformNoise(0.2))
+    assert np.max(np.abs(basis.evaluate(np.linspace(0, TWO_PI, 99)) @ stationary(basis) - 1 / TWO_PI)) < 1e-12
+
+
+def test_a_map_that_is_constant_on_two_arcs_has_a_law_of_two_boxes():
+    """Values 1 on [0, 2.2) and 3 after it, h = 1.5: a chain of two states, whose law is p = w₁ box₁ + w₂ box₃."""
+    cut, values, h = 2.2, (1.0, 3.0), 1.5
+
+    def lift(x):
+        turn = np.floor(x / TWO_PI)
+        return TWO_PI * turn + np.where(x - TWO_PI * turn < cut, *values)
+
+    basis = uniform_discretisation(CircleMap(lift, np.zeros_like, [0.0, cut]), UniformNoise(h))
+    law = stationary(basis)
+    low = [float(UniformNoise(h).arc_probability(0 - v, cut - v)) for v in values]
+    weight = low[1] / (1 - low[0] + low[1])
+    x = np.array([-0.3, 0.7, 1.4, 1.6, 2.4, 2.6, 4.4, 4.6, 5.5])
+    exact = weight * UniformNoise(h).density(x - 1.0) + (1 - weight) * UniformNoise(h).density(x - 3.0)
+    np.testing.assert_allclose(basis.evaluate(x) @ law, exact, rtol=0, atol=1e-14)
+    assert basis.residual(law) < 1e-12
+
+
+# -- other routes --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("h", [0.5, 0.126])
+def test_a_smooth_map_agrees_with_three_hundred_fourier_modes(h):
+    omega, K, m = 0.3, 0.5, np.arange(-300, 301)
+    ring = UniformNoise(h).coefficients(m) * np.exp(-1j * m * omega * TWO_PI)
+    matrix = ring[:, None] * jv(m[:, None] - m, m[:, None] * K)
+    rest = m != 0
+    waves = np.linalg.solve(np.eye(600) - matrix[np.ix_(rest, rest)], matrix[rest, 300])
+    basis = uniform_discretisation(CircleMap.arnold(omega, K), UniformNoise(h))
+    law = stationary(basis)
+    found = np.array([basis.moments(k) @ law for k in range(1, 7)])
+    np.testing.assert_allclose(found, np.conj(waves[300:306]), rtol=0, atol=1e-13)
+    x = np.linspace(0, TWO_PI, 40)
+    exact = (1 + (np.exp(1j * np.multiply.outer(x, m[rest])) @ waves).real) / TWO_PI
+    assert np.max(np.abs(basis.evaluate(x) @ law - exact)) < 1e-12
+    assert basis.residual(law) < 1e-12
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("circle_map", "h"), [(FOLDED, 0.5), (JUMPING, 0.3), (contraction(), 0.6)])
+def test_monte_carlo_agrees_for_folds_and_jumps(circle_map, h):
+    noise, rng, count = UniformNoise(h), np.random.default_rng(4), 60_000
+    theta = rng.uniform(0, TWO_PI, count)
+    for _ in range(60):
+        theta = np.mod(circle_map(theta) + noise.sample(rng, count), TWO_PI)
+    basis = uniform_discretisation(circle_map, noise, max_panels=48)
+    law = stationary(basis)
+    edges = np.linspace(0, TWO_PI, 31)
+    share = np.diff(basis.panels.integral(law, edges))
+    found = np.histogram(theta, edges)[0] / count
+    assert np.max(np.abs(found - share) / np.sqrt(share / count + 1e-9)) < 4.5
+    assert abs(basis.mass @ law - 1) < 1e-9
+
+
+@pytest.mark.slow
+def test_trapped_laws_and_their_bound_shrink_with_more_panels():
+    """A law trapped in an arc: smooth, nowhere analytic; its error against many panels stays below the residual's."""
+    circle_map, noise, x = CircleMap.arnold(0.1, 0.9), UniformNoise(0.126), np.linspace(0, TWO_PI, 500)
+    coarse, fine = (uniform_discretisation(circle_map, noise, max_panels=k) for k in (24, 44))
+    rough, law = stationary(coarse), stationary(fine)
+    error = np.max(np.abs(coarse.evaluate(x) @ rough - fine.evaluate(x) @ law))
+    inverse = np.max(np.abs(np.linalg.inv(bordered(fine))).sum(axis=0))
+    assert fine.residual(law) < 1e-2 * coarse.residual(rough)
+    assert error < inverse * (coarse.residual(rough) + fine.residual(law))
+    outside = np.abs(np.angle(np.exp(1j * (x - 0.7728)))) > 1.0
+    assert np.max(np.abs(fine.evaluate(x[outside]) @ law)) < 1e-6
+
+
+def test_a_residual_tells_a_wrong_law():
+    basis = uniform_discretisation(CircleMap.rigid(0.1), UniformNoise(0.5))
+    nodes = basis.panels.nodes
+    wrong = basis.panels.coefficients((1 + np.cos(nodes)) / TWO_PI)
+    # L turns the wave and damps it by κ₁, so the residual's maximum is |1 - κ₁ e^{iω}|/2π.
+    kappa = np.sin(0.5) / 0.5
+    exact = abs(1 - kappa * np.exp(0.2j * np.pi)) / TWO_PI
+    assert 1.99 * exact < basis.residual(wrong) < 2.01 * exact
+
+
+# -- derivatives ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("family", "h", "panels", "tolerance"),
+    [
+        (lambda e: CircleMap.arnold(0.3 + e / TWO_PI, 0.5), 0.5, 36, 2e-8),
+        (lambda e: CircleMap.arnold(0.3 + e / TWO_PI, 3.0), 0.5, 48, 1e-6),
+        (lambda e: contraction(shift=e), 2.5, 36, 1e-9),
+    ],
+)
+def test_the_laws_derivatives_in_map_and_noise_are_those_of_its_moments(family, h, panels, tolerance):
+    """Differences of the moments of laws solved anew, folds included, where d(Lp) itself is infinite."""
+
+    def law_of(circle_map, width):
+        basis = uniform_discretisation(circle_map, UniformNoise(width), max_panels=panels)
+        return basis, stationary(basis)
+
+    basis, law = law_of(family(0.0), h)
+    still = np.zeros(basis.map.breaks.size)
+    by_map = np.linalg.solve(bordered(basis), basis.map_response(law, np.ones_like, still))
+    by_noise = np.linalg.solve(bordered(basis), basis.noise_response(law))
+    step = 4e-3
+    expected = central(lambda e: moments(*law_of(family(e), h)), step)
+    np.testing.assert_allclose(moments(basis, by_map), expected, rtol=0, atol=tolerance)
+    expected = central(lambda e: moments(*law_of(family(0.0), h + e)), step)
+    np.testing.assert_allclose(moments(basis, by_noise), expected, rtol=0, atol=tolerance)
+    assert abs(basis.mass @ by_map) < 1e-7 and abs(basis.mass @ by_noise) < 1e-7
+
+
+@pytest.mark.slow
+def test_a_moving_break_moves_the_law():
+    """F's formula counts from its break: d(break) moves the break by 1 and F itself by -1/2."""
+    h = 2.5
+
+    def law_of(cut):
+        basis = uniform_discretisation(contraction(cut=cut), UniformNoise(h), max_panels=36)
+        return basis, stationary(basis)
+
+    basis, law = law_of(0.5)
+    response = basis.map_response(law, lambda x: np.full_like(x, -0.5), np.ones(1))
+    found = moments(basis, np.linalg.solve(bordered(basis), response))
+    expected = central(lambda e: moments(*law_of(0.5 + e)), 4e-3)
+    assert np.max(np.abs(expected)) > 1e-3
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+    complex_law = law * (2 + 1j)
+    twice = basis.map_response(complex_law, lambda x: np.full_like(x, -0.5), np.ones(1))
+    np.testing.assert_allclose(twice, response * (2 + 1j), rtol=0, atol=1e-10)
+
+
+# -- the parts -----------------------------------------------------------------------------------------------
+
+
+def test_the_rule_and_the_moments_integrate_densities():
+    basis = uniform_discretisation(JUMPING, UniformNoise(0.5), max_panels=24)
+    theta, weight = basis.rule()
+    rows = basis.evaluate(theta)
+    np.testing.assert_allclose(weight @ rows, basis.mass, rtol=0, atol=1e-13)
+    np.testing.assert_allclose((weight * np.exp(40j * theta)) @ rows, basis.moments(40), rtol=0, atol=1e-12)
+    law = stationary(basis)
+    mean = weight @ (JUMPING.derivative(theta) * (rows @ law))
+    fine = np.union1d(np.linspace(0, TWO_PI, 40_001), basis.panels.start)
+    middle = 0.5 * (fine[1:] + fine[:-1])
+    values = np.concatenate([basis.evaluate(part) @ law for part in np.array_split(middle, 20)])
+    assert abs(mean - np.sum(np.diff(fine) * JUMPING.derivative(middle) * values)) < 1e-8
+
+
+def test_level_steps_count_the_crossings_of_every_level():
+    cells = monotone_cells(FOLDED, 1, 0.0, 64)
+    levels = np.linspace(-7.0, 9.0, 41)
+    steps = level_steps(FOLDED, cells, levels)
+    grid = np.linspace(0, TWO_PI, 4_001)[:-1] + 1e-5
+    checked = 0
+    for row, level in enumerate(levels):
+        mine = steps.row == row
+        counted = steps.first[row] + np.sum(steps.height[mine][:, None] * (steps.theta[mine][:, None] < grid), axis=0)
+        np.testing.assert_array_equal(counted, np.floor((FOLDED(grid) - level) / TWO_PI))
+        assert steps.first[row] + np.sum(steps.height[mine]) == steps.last[row]
+        checked += int(mine.sum())
+    assert checked > 41
+
+
+def test_singular_points_are_the_images_of_breaks_and_extrema():
+    h = 0.3
+    found = law_singularities(FOLDED, monotone_cells(FOLDED, 1, 0.0, 64), h)
+    extrema = np.array([np.arccos(1 / 3), TWO_PI - np.arccos(1 / 3)])
+    first = np.mod(np.concatenate([FOLDED(extrema) - h, FOLDED(extrema) + h]), TWO_PI)
+    roots = found.theta[found.root & (found.generation == 0)]
+    np.testing.assert_allclose(roots, np.sort(first), atol=1e-12)
+    second = np.sort(np.mod(np.concatenate([FOLDED(roots) - h, FOLDED(roots) + h]), TWO_PI))
+    np.testing.assert_allclose(found.theta[found.root & (found.generation == 1)], second, atol=1e-9)
+    assert law_singularities(CircleMap.rigid(0.4), monotone_cells(CircleMap.rigid(0.4), 1, 0.0, 64), h).theta.size == 0
+
+
+@pytest.mark.slow
+def test_two_arcs_that_the_noise_does_not_connect_still_give_an_operator():
+    bistable = CircleMap(lambda x: x - 0.4 * np.sin(2 * x), lambda x: 1 - 0.8 * np.cos(2 * x))
+    basis = uniform_discretisation(bistable, UniformNoise(0.2), max_panels=32)
+    moduli = np.sort(np.abs(np.linalg.eigvals(basis.matrix)))[::-1]
+    np.testing.assert_allclose(moduli[:2], 1.0, atol=1e-6)
+    assert moduli[2] < 0.9
+
+
+def test_other_noise_and_too_few_panels_are_refused():
+    with pytest.raises(InvalidInput, match="UniformNoise"):
+        uniform_discretisation(DOUBLING, WrappedNormal(0.2))
+    with pytest.raises(InvalidInput, match="max_panels"):
+        uniform_discretisation(DOUBLING, UniformNoise(0.2), max_panels=3)

@@ -1,0 +1,274 @@
+"""Rotation numbers: enclosures that hold the truth, proofs of locking, intervals of folded lifts."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps import (
+    CircleMap,
+    is_nondecreasing,
+    lower_envelope,
+    periodic_orbits,
+    rotation_interval,
+    rotation_number,
+    upper_envelope,
+)
+from cyclemap.maps.orbits.envelopes import largest_descent
+from cyclemap.maps.orbits.rotation_number import simplest_between
+
+TWO_PI = 2 * np.pi
+GRID = np.linspace(-9.0, 9.0, 4001)
+
+
+KNOWN = [
+    (CircleMap.moebius(0.5, 0.3), 0.262536755898823346733597549046),
+    (CircleMap.moebius(0.9, 0.45), 0.383156928981311432564754399638),
+    (CircleMap.arnold(0.6, 0.5), 0.602894830374585070928578946844),
+]
+
+
+@pytest.mark.parametrize(("circle_map", "truth"), KNOWN)
+def test_known_rotation_numbers_to_fourteen_digits(circle_map, truth):
+    found = rotation_number(circle_map)
+    assert abs(found.value - truth) < 1e-14
+    assert found.lower <= truth <= found.upper
+    assert found.upper - found.lower < 1e-8
+    assert found.locked is None
+    assert found.proof is None
+    assert abs(found.estimate - truth) <= found.estimate.error_bound < 1e-14
+
+
+def test_moebius_locks_exactly_where_theory_says():
+    rng = np.random.default_rng(21)
+    checked = 0
+    for _ in range(60):
+        a, omega = rng.uniform(0.1, 0.9), rng.uniform(0, 0.5)
+        if abs(np.sin(np.pi * omega) - a) < 1e-3:
+            continue
+        found = rotation_number(CircleMap.moebius(a, omega), iterates=2000)
+        # A rational rotation number is no locking here: the only tongue is 0/1.
+        assert (found.locked == 0) == (np.sin(np.pi * omega) < a)
+        checked += 1
+    assert checked >= 55
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "strength", "ratio"),
+    [
+        (-0.9 / TWO_PI, 0.9 / TWO_PI, 0.9, Fraction(0)),
+        (0.46301722338218515819, 1 - 0.46301722338218515819, 1.0, Fraction(1, 2)),
+        (0.46966533712136485155, 1 - 0.46966533712136485155, 0.9, Fraction(1, 2)),
+        (0.33666500673073392497, 0.36722449875089161199, 1.0, Fraction(1, 3)),
+    ],
+)
+def test_tongues_of_the_sine_map(left, right, strength, ratio):
+    for omega in (left + 1e-7, 0.5 * (left + right), right - 1e-7):
+        found = rotation_number(CircleMap.arnold(omega, strength))
+        assert found.locked == ratio
+        assert found.lower <= float(ratio) <= found.upper
+        assert periodic_orbits(CircleMap.arnold(omega, strength), ratio.denominator, ratio.numerator)
+    for omega, side in ((left - 1e-4, -1), (right + 1e-4, 1)):
+        found = rotation_number(CircleMap.arnold(omega, strength))
+        assert found.locked != ratio
+        assert (found.value - float(ratio)) * side > 0
+
+
+def test_at_a_tongue_edge_the_bounds_still_hold():
+    found = rotation_number(CircleMap.arnold(0.9 / TWO_PI, 0.9))
+    assert found.lower <= 0.0 <= found.upper
+    assert found.upper < 1e-4
+
+
+@pytest.mark.slow
+def test_the_proof_of_locking_holds_in_extended_precision_and_its_orbit_lies_between():
+    """F^q - id - 2πp, evaluated anew, is negative at ``below`` and positive at ``above``."""
+    rng = np.random.default_rng(8)
+    two_pi, checked = 2 * np.arccos(np.longdouble(-1)), 0
+    for _ in range(120):
+        omega, strength = rng.uniform(-1, 2), rng.choice([1.0, rng.uniform(0.5, 1)])
+        found = rotation_number(CircleMap.arnold(omega, strength), iterates=3000)
+        if found.locked is None:
+            continue
+        p, q = found.locked.numerator, found.locked.denominator
+        ends = []
+        for start in (found.proof.below, found.proof.above):
+            theta = np.longdouble(start)
+            for _ in range(q):
+                theta = theta + two_pi * np.longdouble(omega) - np.longdouble(strength) * np.sin(theta)
+            ends.append(float(theta - np.longdouble(start) - two_pi * p))
+        assert ends[0] < 0 < ends[1]
+        assert found.proof.ratio == found.locked
+        assert found.estimate is None
+        orbits = periodic_orbits(CircleMap.arnold(omega, strength), q, p) if q < 6 else []
+        ahead = np.mod(found.proof.below - found.proof.above, TWO_PI)
+        if orbits:
+            between = [np.mod(orbit.points - found.proof.above, TWO_PI) < ahead for orbit in orbits if orbit.stable]
+            assert np.any(between)
+            checked += 1
+    assert checked > 40
+
+
+def test_a_locked_folded_map_has_a_proof_too():
+    found = rotation_number(CircleMap.arnold(0.0, 1.3))
+    assert found.locked == 0
+    sine = CircleMap.arnold(0.0, 1.3)
+    assert sine.turn(found.proof.below) < 0.0 < sine.turn(found.proof.above)
+
+
+def test_a_tolerance_saves_iterates():
+    """The lift is asked about once an iterate and orbit: far less often when two digits are enough."""
+    asked = []
+
+    def scalar(theta):
+        asked.append(theta)
+        return theta + 2.1 - 0.5 * np.sin(theta)
+
+    sine = CircleMap.with_scalar(lambda x: x + 2.1 - 0.5 * np.sin(x), lambda x: 1 - 0.5 * np.cos(x), scalar)
+    full = rotation_number(sine, iterates=4000)
+    long, asked[:] = len(asked), []
+    short = rotation_number(sine, iterates=4000, tolerance=0.01)
+    assert len(asked) < long / 10
+    assert short.upper - short.lower <= 0.02
+    assert short.lower <= full.lower <= full.upper <= short.upper
+
+
+def test_a_lift_that_jitters_is_enclosed_by_what_it_claims():
+    """Values off by up to 1e-3 radians from a rotation: the claim of 1e-3 covers them."""
+
+    def jitter(x):
+        return 2.0 * np.mod(np.sin(x * 1e5) * 1e5, 1.0) - 1.0
+
+    noisy = CircleMap(lambda x: x + 2.4 + 1e-3 * jitter(np.mod(x, TWO_PI)), np.ones_like, max_error=1e-3)
+    found = rotation_number(noisy, iterates=2000)
+    assert found.lower <= 2.4 / TWO_PI <= found.upper
+    assert found.upper - found.lower < 2e-3
+
+
+def test_a_fold_too_narrow_to_be_seen_is_found_out_by_bounds_that_contradict_each_other():
+    """One orbit falls into a slit 1e-5 wide right at its first image, the other passes beside it."""
+
+    def slit(x):
+        base = np.mod(x, TWO_PI)
+        return x + 2.4 - 2.0 * ((base >= 2.4) & (base < 2.4 + 1e-5))
+
+    with pytest.raises(ConvergenceError, match="folds unseen"):
+        rotation_number(CircleMap(slit, np.ones_like), iterates=2000)
+
+
+def test_rigid_rotations():
+    for turns in (np.sqrt(2) - 1, 0.25, -1.75, 1 / 3, 12.1):
+        found = rotation_number(CircleMap.rigid(turns))
+        assert found.lower <= turns <= found.upper
+        assert abs(found.value - turns) < 1e-13
+
+
+@pytest.mark.slow
+def test_conjugation_and_whole_turns_leave_it_unchanged():
+    sine = CircleMap.arnold(0.37, 0.8)
+    plain = rotation_number(sine)
+    moved = rotation_number(CircleMap(lambda x: sine(x - 1.1) + 1.1, lambda x: sine.derivative(x - 1.1)))
+    lifted = rotation_number(CircleMap.arnold(2.37, 0.8))
+    assert abs(plain.value - moved.value) < 1e-12
+    assert abs(plain.value + 2 - lifted.value) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("omega", "strength", "lower", "upper"),
+    [(0.5, 3.0, Fraction(1, 6), Fraction(5, 6)), (0.3, 3.0, Fraction(0), Fraction(1, 2))],
+)
+def test_rotation_intervals_of_folded_sine_maps(omega, strength, lower, upper):
+    sine = CircleMap.arnold(omega, strength)
+    found = rotation_interval(sine)
+    assert (found.lower_number.locked, found.upper_number.locked) == (lower, upper)
+    number = rotation_number(sine)
+    assert number.lower <= float(lower) <= number.value <= float(upper) <= number.upper
+
+
+def test_every_periodic_orbit_lies_in_the_rotation_interval():
+    checked = 0
+    for omega in (0.1, 0.3, 0.62):
+        sine = CircleMap.arnold(omega, 3.0)
+        interval = rotation_interval(sine)
+        for period in range(1, 6):
+            for orbit in periodic_orbits(sine, period):
+                assert interval.lower_number.lower <= orbit.winding / period <= interval.upper_number.upper
+                checked += 1
+    assert checked > 30
+
+
+def test_envelopes_are_the_nearest_monotone_maps():
+    jumping = CircleMap.from_samples([0, 2, 2, 4, 6], [1, 2.5, 1.5, 4.2, 6.9], [1.0] * 5)
+    for folded in (CircleMap.arnold(0.3, 3.0), CircleMap.arnold(0.1, 7.5), jumping):
+        values = folded(GRID)
+        upper, lower = upper_envelope(folded), lower_envelope(folded)
+        running = np.maximum.accumulate(folded(np.linspace(-20, 9.0, 60001)))
+        np.testing.assert_allclose(upper(np.linspace(-20, 9.0, 60001))[20000:], running[20000:], atol=4e-3)
+        assert np.all(upper(GRID) >= values - 1e-12)
+        assert np.all(lower(GRID) <= values + 1e-12)
+        for envelope in (upper, lower):
+            assert np.all(np.diff(envelope(GRID)) >= -1e-12)
+            np.testing.assert_allclose(envelope(GRID + TWO_PI), envelope(GRID) + TWO_PI, atol=1e-12)
+            one = envelope.scalar()
+            np.testing.assert_allclose([one(x) for x in GRID[::40]], envelope(GRID[::40]), atol=1e-12)
+        assert not is_nondecreasing(folded)
+        assert is_nondecreasing(upper)
+
+
+def test_the_largest_descent_is_that_of_theory():
+    """Sine maps fall from -arccos(1/K) to arccos(1/K), by 2√(K² - 1) - 2 arccos(1/K); jumps by their height."""
+    for strength in (1.0, 1.5, 3.0, 9.0):
+        theory = 2 * np.sqrt(strength**2 - 1) - 2 * np.arccos(1 / strength)
+        assert abs(largest_descent(CircleMap.arnold(0.3, strength)) - theory) < 1e-12
+    for height in (-0.3, 0.4):
+        sawtooth = CircleMap.from_samples([0, 2, 2, 4], [0, 2, 2 + height, 4], [0.5] * 4)
+        assert abs(largest_descent(sawtooth) - max(0.0, -height)) < 0.05 + 1e-12
+
+
+def test_envelopes_claim_the_error_of_their_levels():
+    """Fold levels against the closed form of the sine map's extrema, F(∓arccos(1/K))."""
+    folded = CircleMap.arnold(0.3, 3.0)
+    raised, lowered = upper_envelope(folded), lower_envelope(folded)
+    crest = np.arccos(1 / 3)
+    top = -crest + TWO_PI * 0.3 + np.sqrt(8)
+    assert abs(raised(0.0) - top) <= raised.max_error + 4e-16
+    assert abs(lowered(0.0) - (TWO_PI * 0.6 - top)) <= lowered.max_error + 4e-16
+    assert 0.0 < raised.max_error < 1e-13
+
+
+def test_a_monotone_map_is_its_own_envelope():
+    sine = CircleMap.arnold(0.3, 0.9)
+    assert upper_envelope(sine) is sine
+    assert lower_envelope(sine) is sine
+
+
+def test_simplest_fraction_has_the_smallest_denominator():
+    rng = np.random.default_rng(3)
+    checked = 0
+    for _ in range(200):
+        low = Fraction(int(rng.integers(-300, 300)), int(rng.integers(1, 60)))
+        high = low + Fraction(1, int(rng.integers(1, 400)))
+        found = simplest_between(low, high)
+        assert low <= found <= high
+        for q in range(1, found.denominator):
+            assert -(-low * q // 1) > high * q
+        checked += 1
+    assert checked == 200
+
+
+def test_other_degrees_and_bad_counts_are_refused():
+    doubling = CircleMap(lambda x: 2 * x, degree=2)
+    for ask in (rotation_number, rotation_interval, upper_envelope, lower_envelope):
+        with pytest.raises(InvalidInput, match="degree"):
+            ask(doubling)
+    rigid = CircleMap.rigid(0.1)
+    for ask in (rotation_number, rotation_interval):
+        with pytest.raises(InvalidInput, match="iterates"):
+            ask(rigid, iterates=0)
+        with pytest.raises(InvalidInput, match="max_period"):
+            ask(rigid, max_period=0)
+        with pytest.raises(InvalidInput, match="tolerance"):
+            ask(rigid, tolerance=-1.0)
+        with pytest.raises(InvalidInput, match="CircleMap"):
+            ask(np.sin)

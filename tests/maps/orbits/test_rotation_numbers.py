@@ -1,0 +1,280 @@
+"""Rotation numbers of many maps at once, and over planes of parameters: phase diagrams."""
+
+import threading
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import (
+    ARNOLD_FAMILY,
+    MOEBIUS_FAMILY,
+    CircleMap,
+    ParametricLift,
+    rotation_number,
+    rotation_numbers,
+    rotation_plane,
+)
+
+TWO_PI = 2 * np.pi
+
+
+def moebius_truth(a, omega):
+    """ρ of Möbius maps, 0 ≤ Ω < 1: cos πρ = cos πΩ/√(1 - a²) off the tongue; its sine has the root's sign."""
+    beyond = np.maximum((np.sin(np.pi * omega) - a) * (np.sin(np.pi * omega) + a), 0.0)
+    angles = np.arctan2(np.sqrt(beyond), np.cos(np.pi * omega)) / np.pi
+    return np.where(beyond == 0.0, np.round(omega), angles)
+
+
+def test_a_hundred_thousand_moebius_maps_hold_the_closed_form():
+    rng = np.random.default_rng(0)
+    a, omega = rng.uniform(0, 1, 100_000), rng.uniform(0, 1, 100_000)
+    found, truth = rotation_numbers(MOEBIUS_FAMILY, a, omega, tolerance=3e-3), moebius_truth(a, omega)
+    assert np.all((found.lower <= truth + 1e-7) & (truth - 1e-7 <= found.upper))
+    sure = np.abs(np.sin(np.pi * omega) - a) > 1e-9
+    assert np.all(((found.lower <= truth + 1e-13) & (truth - 1e-13 <= found.upper))[sure])
+    assert np.all(np.abs(found.value - truth) <= 3e-3 + 1e-7)
+    assert np.all(found.met)
+    # The only tongue is 0/1, and nearly all of it is proved.
+    locked, inside = found.period > 0, np.sin(np.pi * omega) < a
+    assert np.all(inside[locked] & (found.period[locked] == 1))
+    assert np.mean(locked[inside]) > 0.95
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tolerance", [3e-2, 3e-4])
+def test_sine_maps_agree_with_long_single_runs_and_meet_the_tolerance(tolerance):
+    rng = np.random.default_rng(1)
+    omega, strength = rng.uniform(-2, 2, 240), rng.uniform(-1, 1, 240)
+    strength[:40], strength[40:80] = 1.0, 10 ** rng.uniform(-9, -2, 40)
+    omega[80:120] = strength[80:120] / TWO_PI
+    found = rotation_numbers(ARNOLD_FAMILY, omega, strength, tolerance=tolerance)
+    assert np.all(found.met)
+    assert np.max(found.upper - found.lower) <= 2 * tolerance
+    compared = 0
+    for i in range(240):
+        one = rotation_number(CircleMap.arnold(omega[i], strength[i]), iterates=3000)
+        assert found.lower[i] <= one.upper
+        assert one.lower <= found.upper[i]
+        assert abs(found.value[i] - one.value) <= tolerance + (one.upper - one.lower)
+        if found.period[i] and one.locked is not None:
+            assert one.locked == Fraction(int(found.winding[i]), int(found.period[i]))
+            compared += 1
+    assert compared >= 30
+
+
+def test_the_tongue_of_zero_is_found_exactly():
+    """0/1 of the sine family is |Ω| ≤ K/2π: proved a little inside, never proved outside."""
+    strength = np.linspace(0.05, 1.0, 40)[:, None]
+    edge = strength / TWO_PI
+    offsets = np.array([-1e-2, -1e-4, -1e-9, 1e-9, 1e-4, 1e-2])
+    found = rotation_numbers(ARNOLD_FAMILY, edge + offsets, strength)
+    assert found.value.shape == (40, 6)
+    inside = edge + offsets > 0
+    assert np.all(found.period[:, 0][inside[:, 0]] == 1)
+    assert np.sum(found.period[:, 1] == 1) >= 36
+    assert np.all(found.period[:, 3:] != 1)
+    assert np.all(found.lower[:, :3] <= 0.0)
+    assert np.all(found.upper[:, 3:] > 0.0)
+
+
+def test_the_numbers_grow_with_omega_and_turn_with_symmetry():
+    omega = np.linspace(0, 1, 2001)
+    found = rotation_numbers(ARNOLD_FAMILY, omega, 0.97)
+    assert np.all(np.maximum.accumulate(found.lower) <= found.upper)
+    mirrored = rotation_numbers(ARNOLD_FAMILY, -omega, 0.97)
+    assert np.all((mirrored.lower <= -found.lower) & (-found.upper <= mirrored.upper))
+    lifted = rotation_numbers(ARNOLD_FAMILY, omega + 7, 0.97)
+    assert np.all((lifted.lower - 1e-12 <= found.upper + 7) & (found.lower + 7 <= lifted.upper + 1e-12))
+    assert {1, 2, 3, 4, 5} <= set(found.period.tolist())
+
+
+def contraction_family(slope):
+    def lift(theta, shift):
+        turns = np.floor(theta / TWO_PI)
+        return slope * (theta - TWO_PI * turns) + TWO_PI * (shift + turns)
+
+    return ParametricLift(lift, lambda theta, shift: slope + 0.0 * theta * shift, breaks=[0.0])
+
+
+def plateau(slope, ratio):
+    """The δ where x → λx + δ (mod 1) has ρ = p/q: up to (1 - λ)(1 + Σ_k (⌊(k+1)ρ⌋ - ⌊kρ⌋) λ^k)."""
+    p, q, k = ratio.numerator, ratio.denominator, np.arange(400)
+    right = (1 - slope) * (1 + np.sum(((k + 1) * p // q - k * p // q) * slope**k))
+    left = (1 - slope) * np.sum((-(-(k + 1) * p // q) + (-k * p // q)) * slope**k)
+    return left, right
+
+
+def test_contractions_with_a_jump_hold_their_staircase():
+    ratios = [Fraction(p, q) for q in range(1, 9) for p in range(q) if np.gcd(p, q) == 1]
+    left, right = np.array([plateau(0.7, ratio) for ratio in ratios]).T
+    truth = np.array([float(ratio) for ratio in ratios])
+    assert len(ratios) == 22
+    assert np.all(right - left > 0.7**8 * 0.09)
+    for share in (1e-3, 0.3, 0.7, 1 - 1e-3):
+        found = rotation_numbers(contraction_family(0.7), left + share * (right - left), tolerance=5e-4)
+        assert np.all((found.lower <= truth) & (truth <= found.upper))
+        assert np.all(found.met)
+        proved = [Fraction(int(p), int(q)) if q else None for p, q in zip(found.winding, found.period, strict=True)]
+        assert all(a in (None, b) for a, b in zip(proved, ratios, strict=True))
+        assert sum(a == b for a, b in zip(proved, ratios, strict=True)) >= 8
+    beyond = rotation_numbers(contraction_family(0.7), right + 1e-5)
+    assert np.all(beyond.upper > truth)
+
+
+def test_a_claimed_error_widens_the_enclosures_and_unmet_ones_say_so():
+    loose = ParametricLift(ARNOLD_FAMILY.lift, nondecreasing=ARNOLD_FAMILY.nondecreasing, max_error=0.05)
+    omega = np.linspace(0.2, 0.8, 200)
+    wide, plain = rotation_numbers(loose, omega, 0.6), rotation_numbers(ARNOLD_FAMILY, omega, 0.6)
+    for shift in (-0.05, 0.05):
+        moved = rotation_numbers(ARNOLD_FAMILY, omega + shift / TWO_PI, 0.6)
+        assert np.all((wide.lower <= moved.upper) & (moved.lower <= wide.upper))
+    assert np.all(plain.met)
+    assert not np.any(wide.met[plain.period == 0])
+    assert np.median(wide.upper - wide.lower) < 0.025
+
+
+def test_the_number_of_threads_and_the_batch_do_not_change_a_number():
+    rng = np.random.default_rng(2)
+    omega, strength = rng.uniform(0, 1, 9000), rng.uniform(0, 1, 9000)
+    before = threading.active_count()
+    many = rotation_numbers(ARNOLD_FAMILY, omega, strength, threads=3)
+    single = rotation_numbers(ARNOLD_FAMILY, omega, strength, threads=1)
+    part = rotation_numbers(ARNOLD_FAMILY, omega[5000:5100], strength[5000:5100])
+    for name in ("value", "lower", "upper", "period", "winding"):
+        np.testing.assert_array_equal(getattr(many, name), getattr(single, name))
+        np.testing.assert_array_equal(getattr(many, name)[5000:5100], getattr(part, name))
+    assert threading.active_count() == before
+
+
+def test_shapes_broadcast_down_to_a_single_number():
+    one = rotation_numbers(ARNOLD_FAMILY, 0.6, 0.5)
+    assert one.value.shape == ()
+    assert abs(one.value - 0.602894830374585) < 1e-3
+    none = rotation_numbers(ARNOLD_FAMILY, np.zeros(0), 0.5)
+    assert none.value.shape == (0,)
+    grid = rotation_numbers(ARNOLD_FAMILY, np.zeros((3, 1)), np.full(4, 0.5))
+    assert grid.period.tolist() == [[1] * 4] * 3
+
+
+def test_a_parametric_lift_gives_circle_maps():
+    waves = ParametricLift(
+        lambda x, shift, size: x + shift + size * np.sin(2 * x),
+        lambda x, shift, size: 1 + 2 * size * np.cos(2 * x),
+        breaks=[1.0],
+        max_error=1e-6,
+    )
+    member = waves(0.3, 0.2)
+    assert isinstance(member, CircleMap)
+    assert member.max_error == 1e-6
+    assert member.breaks.tolist() == [1.0]
+    np.testing.assert_allclose(member.derivative(np.array([0.1, 4.0])), 1 + 0.4 * np.cos([0.2, 8.0]))
+    assert waves.rises(np.zeros(3), np.array([0.2, 0.49, 0.7])).tolist() == [True, True, False]
+    rng = np.random.default_rng(3)
+    theta = rng.uniform(-9, 9, 50)
+    for family, pair in ((ARNOLD_FAMILY, (0.3, -1.7)), (MOEBIUS_FAMILY, (0.6, 0.2))):
+        np.testing.assert_allclose(family.lift(theta, *pair), family(*pair)(theta), atol=1e-14)
+        np.testing.assert_allclose(family.derivative(theta, *pair), family(*pair).derivative(theta), rtol=1e-13)
+
+
+def test_folded_and_unfit_families_are_refused():
+    with pytest.raises(InvalidInput, match=r"\(0.5, 1.2\).*nondecreasing.*rotation_interval"):
+        rotation_numbers(ARNOLD_FAMILY, 0.5, [0.3, 1.2])
+    with pytest.raises(InvalidInput, match="nondecreasing"):
+        rotation_numbers(ParametricLift(lambda x, p: x + p * np.sin(x)), [0.2, 1.5])
+    with pytest.raises(InvalidInput, match="nondecreasing lift of degree 1"):
+        rotation_numbers(ParametricLift(lambda x, p: 2 * x + p), [0.2])
+    with pytest.raises(InvalidInput, match="broadcast"):
+        rotation_numbers(ParametricLift(lambda x, p: np.zeros(3)), [0.2])
+    with pytest.raises(InvalidInput, match="parameter 1 must be finite"):
+        rotation_numbers(ARNOLD_FAMILY, 0.1, [0.2, np.nan])
+    with pytest.raises(InvalidInput, match="ParametricLift"):
+        rotation_numbers(lambda x, p: x + p, 0.1, 0.2)
+    with pytest.raises(InvalidInput, match="parameters"):
+        rotation_numbers(ARNOLD_FAMILY)
+    for tolerance in (0.0, -1.0, 0.2, np.nan):
+        with pytest.raises(InvalidInput, match="tolerance"):
+            rotation_numbers(ARNOLD_FAMILY, 0.1, 0.2, tolerance=tolerance)
+    with pytest.raises(InvalidInput, match="threads"):
+        rotation_numbers(ARNOLD_FAMILY, 0.1, 0.2, threads=0)
+    with pytest.raises(InvalidInput, match="lift"):
+        ParametricLift(None)
+    with pytest.raises(InvalidInput, match="derivative"):
+        ParametricLift(np.add, 3.0)
+    with pytest.raises(InvalidInput, match="max_error"):
+        ParametricLift(np.add, max_error=-1.0)
+
+
+def one_by_one(omega, K):
+    """The sine family as a callable whose formula is not known."""
+    return CircleMap.arnold(omega, K)
+
+
+def test_many_at_once_and_map_by_map_agree():
+    omegas, strengths = np.linspace(0.05, 0.95, 13), np.linspace(0.1, 1.0, 5)
+    together = rotation_plane(ARNOLD_FAMILY, omegas, strengths)
+    singly = rotation_plane(one_by_one, omegas, strengths)
+    assert together.value.shape == singly.value.shape == (13, 5)
+    for plane in (together, singly):
+        assert np.all(plane.upper - plane.lower <= 2e-3 * (1 + 1e-9))
+        assert np.all((plane.lower <= plane.value) & (plane.value <= plane.upper))
+        assert not np.any(plane.folded)
+    assert np.all((together.lower <= singly.upper) & (singly.lower <= together.upper))
+    both = (together.period > 0) & (singly.period > 0)
+    assert np.sum(both) > 10
+    assert np.all((together.winding == singly.winding)[both] & (together.period == singly.period)[both])
+
+
+@pytest.mark.parametrize(("family", "known"), [(CircleMap.arnold, ARNOLD_FAMILY), (CircleMap.moebius, MOEBIUS_FAMILY)])
+def test_the_textbook_maps_are_recognised_and_done_many_at_once(family, known):
+    first, second = np.linspace(0.1, 0.9, 9), np.linspace(0.1, 0.6, 7)
+    plane, other = rotation_plane(family, first, second), rotation_plane(known, first, second)
+    for name in ("value", "lower", "upper", "period", "winding"):
+        np.testing.assert_array_equal(getattr(plane, name), getattr(other, name))
+    np.testing.assert_array_equal(rotation_numbers(family, first, 0.5).value, rotation_numbers(known, first, 0.5).value)
+
+
+@pytest.mark.parametrize("family", [ARNOLD_FAMILY, one_by_one])
+def test_folded_maps_show_their_rotation_interval(family):
+    """(Ω .5, K 3) has [1/6, 5/6] and (.3, 3) has [0, 1/2]; K = .5 beside them does not fold."""
+    plane = rotation_plane(family, [0.3, 0.5], [0.5, 3.0], tolerance=5e-3)
+    assert plane.folded.tolist() == [[False, True], [False, True]]
+    np.testing.assert_allclose(plane.lower[:, 1], [0, 1 / 6], atol=1e-15)
+    np.testing.assert_allclose(plane.upper[:, 1], [1 / 2, 5 / 6], atol=1e-15)
+    assert np.all((plane.lower <= plane.value) & (plane.value <= plane.upper))
+    assert np.all(plane.period[:, 1] == 0)
+    assert plane.locked(0, 1) is None
+
+
+def test_axes_may_descend():
+    plane = rotation_plane(one_by_one, [0.6, 0.4], [0.5, 0.7, 0.9], tolerance=0.05)
+    assert np.all(plane.value[0] > plane.value[1] - 0.1)
+
+
+def test_results_never_change():
+    plane = rotation_plane(ARNOLD_FAMILY, [0.1], [0.5])
+    for name in ("first_values", "second_values", "value", "lower", "upper", "period", "winding", "folded"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(plane, name)[...] = 0
+
+
+def test_bad_axes_and_families_are_refused():
+    good = [0.1, 0.2]
+    with pytest.raises(InvalidInput, match="first_values must be finite"):
+        rotation_plane(ARNOLD_FAMILY, [0.1, np.nan], good)
+    with pytest.raises(InvalidInput, match="second_values is empty"):
+        rotation_plane(ARNOLD_FAMILY, good, [])
+    for axis in ([0.1, 0.3, 0.2], [0.1, 0.1], [3.0, 1.0, 2.0]):
+        with pytest.raises(InvalidInput, match="turns back"):
+            rotation_plane(ARNOLD_FAMILY, axis, good)
+    with pytest.raises(InvalidInput, match="axes"):
+        rotation_plane(ARNOLD_FAMILY, [[0.1]], good)
+    with pytest.raises(InvalidInput, match="tolerance"):
+        rotation_plane(ARNOLD_FAMILY, good, good, tolerance=0.0)
+    with pytest.raises(InvalidInput, match="callable"):
+        rotation_plane(None, good, good)
+    with pytest.raises(InvalidInput, match="degree 1"):
+        rotation_plane(lambda p, q: CircleMap(lambda x: 2 * x + p + q, degree=2), good, good)
+    with pytest.raises(InvalidInput, match="must be a CircleMap"):
+        rotation_plane(lambda p, q: p + q, good, good)
