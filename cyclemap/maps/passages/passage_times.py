@@ -36,12 +36,22 @@ _STRETCH = 1.3  # bandwidth of the second solution of a response over that of th
 _MORE = 1.4  # bandwidth of the second attempt over that of the first
 
 
-def mean_passage_time(circle_map: CircleMap, noise: Noise, start: float, arc: Arc, *, lifted: bool = False) -> Estimate:
+def mean_passage_time(
+    circle_map: CircleMap,
+    noise: Noise,
+    start: float,
+    arc: Arc,
+    *,
+    lifted: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> Estimate:
     """Mean number of cycles until the path θ' = F(θ) + ξ from ``start`` is first outside ``arc``.
 
     start : radians, inside the arc. arc : (start, end), counter-clockwise, radians, length in (0, 2π).
     lifted : False counts positions mod 2π, so that a step of a whole turn comes back; True follows the
         path on the real line, where the arc may be a whole turn.
+    progress : called with the fraction done, at most, where uniform noise is resolved, which takes seconds where it
+        is narrow. An exception from it ends the work.
 
     T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels
     between the map's breaks and samples (Nyström). The system is eliminated without subtraction from the
@@ -65,18 +75,26 @@ def mean_passage_time(circle_map: CircleMap, noise: Noise, start: float, arc: Ar
     if isinstance(noise, UniformNoise):
         from cyclemap.maps.passages.uniform_passage import uniform_passage_time
 
-        return uniform_passage_time(circle_map, noise, inside, ends, lifted)
+        return uniform_passage_time(circle_map, noise, inside, ends, lifted, progress=progress)
     make = partial(arc_chain, circle_map, noise, ends, lifted)
     return _certified(make, inside, 1.0, np.zeros(2 if lifted else 1), "mean passage time")
 
 
-def hitting_probability(circle_map: CircleMap, noise: Noise, start: float, arc_a: Arc, arc_b: Arc) -> Estimate:
+def hitting_probability(
+    circle_map: CircleMap,
+    noise: Noise,
+    start: float,
+    arc_a: Arc,
+    arc_b: Arc,
+    *,
+    progress: Callable[[float], None] | None = None,
+) -> Estimate:
     """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
 
     The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start inside one of them gives
     1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x)) u(y) dy, solved and bounded as in
-    ``mean_passage_time``: small chances keep their digits too. ConvergenceError also when neither arc is reached
-    within 1e300 cycles.
+    ``mean_passage_time``, with its ``progress``: small chances keep their digits too. ConvergenceError also when
+    neither arc is reached within 1e300 cycles.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> even = hitting_probability(CircleMap.rigid(0.0), WrappedNormal(0.3), 0.0, (1.0, 2.0), (-2.0, -1.0))
@@ -92,7 +110,7 @@ def hitting_probability(circle_map: CircleMap, noise: Noise, start: float, arc_a
     if isinstance(noise, UniformNoise):
         from cyclemap.maps.passages.uniform_passage import uniform_hitting_probability
 
-        return uniform_hitting_probability(circle_map, noise, theta, a, b)
+        return uniform_hitting_probability(circle_map, noise, theta, a, b, progress=progress)
     make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
     found = _certified(make, theta, 0.0, np.array([1.0, 0.0]), "hitting probability")
     if not np.isfinite(found):

@@ -166,6 +166,7 @@ def uniform_passage_time(
     lifted: bool = False,
     *,
     max_panels: int = MAX_PANELS,
+    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """Mean number of cycles until θ' = F(θ) + ξ, ξ uniform on [-h, h], from ``start`` is first outside the arc.
 
@@ -201,14 +202,21 @@ def uniform_passage_time(
         domain = Reach(circle_map, reach.cells, noise.halfwidth, reach.without(lost)).without(trap)
     if domain.length == 0.0:
         return Estimate(1.0, 0.0)
-    chain = _chain(reach, domain, [ends[0], ends[1]], np.ones_like, max_panels)
+    chain = _chain(reach, domain, [ends[0], ends[1]], np.ones_like, max_panels, progress)
     slack = _certified(chain)
     value = chain.value(chain.law, start, np.ones_like)
     return Estimate(value, (slack / (1.0 - slack) + SOLUTION) * value)
 
 
 def uniform_hitting_probability(
-    circle_map: CircleMap, noise: UniformNoise, start: float, arc_a: Arc, arc_b: Arc, *, max_panels: int = MAX_PANELS
+    circle_map: CircleMap,
+    noise: UniformNoise,
+    start: float,
+    arc_a: Arc,
+    arc_b: Arc,
+    *,
+    max_panels: int = MAX_PANELS,
+    progress: Callable[[float], None] | None = None,
 ) -> Estimate:
     """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
 
@@ -242,7 +250,7 @@ def uniform_hitting_probability(
     domain = reach.without(trap) if trap.length > 0.0 else reach.domain
     if domain.length == 0.0:
         return at_once()
-    chain = _chain(reach, domain, [*arc_a, *arc_b], arrives, max_panels)
+    chain = _chain(reach, domain, [*arc_a, *arc_b], arrives, max_panels, progress)
     longest = chain.value(chain.time, start, np.ones_like) / (1.0 - _certified(chain))
     value = float(np.clip(chain.value(chain.law, start, arrives), 0.0, 1.0))
     return Estimate(value, min(chain.residual(chain.law, arrives) * longest + SOLUTION * value, 1.0))
@@ -351,7 +359,14 @@ class _Chain:
         return 2.0 * worst + rounding + moved + self.missing * largest / self.halfwidth
 
 
-def _chain(reach: Reach, domain: Intervals, marks: list[float], source: Source, most: int) -> _Chain:
+def _chain(
+    reach: Reach,
+    domain: Intervals,
+    marks: list[float],
+    source: Source,
+    most: int,
+    progress: Callable[[float], None] | None = None,
+) -> _Chain:
     """Panels on which the solution is resolved; ``marks`` are the ends of the arcs that matter."""
     inner = Reach(reach.map, reach.cells, reach.halfwidth, domain)
     edges = np.concatenate([domain.start, domain.end, np.array(marks)])
@@ -369,7 +384,7 @@ def _chain(reach: Reach, domain: Intervals, marks: list[float], source: Source, 
         trial = chain(panels)
         return trial.law[:, None] / max(float(np.max(np.abs(trial.law))), 1.0)
 
-    return chain(refined(ends, kinks, solution, np.array([_TOLERANCE]), most, domain.hold))
+    return chain(refined(ends, kinks, solution, np.array([_TOLERANCE]), most, domain.hold, progress))
 
 
 def _kinks(reach: Reach, edges: Array) -> Singularities:
