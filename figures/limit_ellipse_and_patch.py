@@ -14,8 +14,7 @@ from matplotlib.patches import Polygon
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.friction_scan_block import friction_ellipse_from_scans
-from cyclemap.evidence.data_blocks.scan_forces import ScanForces
+from cyclemap.evidence.data_blocks.force_blocks import ScanForces, friction_ellipse_from_scans
 from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.mechanics import EllipseFriction
 from cyclemap.views.panel_parts import legend_above

@@ -18,20 +18,19 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import optimize, stats
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
-from cyclemap.evidence.laws.linear_fit import fit_linear
-from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.evidence.laws.linear_fit import fit_linear, fourier_columns
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import Material, Pose
 
-Array = NDArray[np.float64]
 Push = Callable[[float], Sequence[float]]
 Place = tuple[float, float]
 EndPose = Callable[[float, Place, Place], Sequence[float]]

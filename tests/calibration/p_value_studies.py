@@ -11,12 +11,13 @@ from cyclemap.evidence.comparison.push_agreement import mean_error, within_error
 from cyclemap.evidence.comparison.staircase_agreement import simulated_quantity
 from cyclemap.evidence.laws.fit_map import map_of_turn
 from cyclemap.evidence.laws.wear import fit_worn_law
-from cyclemap.evidence.orientations.chain_null import chain_p_values, refit_harmonic_map
-from cyclemap.evidence.orientations.circular_law import CircularLaw
+from cyclemap.evidence.orientations.circular_distance import CircularLaw
 from cyclemap.evidence.orientations.collection_null import (
     CollectionModel,
+    chain_p_values,
     collection_p_values,
     collection_statistics,
+    refit_harmonic_map,
     simulated_ensemble,
 )
 from cyclemap.evidence.orientations.goodness_of_fit import (

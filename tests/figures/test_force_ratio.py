@@ -9,9 +9,8 @@ from drawn_figures import assert_drawn, words_of
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import RecordingNoise, pusher_friction_from_forces
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_name
-from cyclemap.evidence.pushes.push_writer import write_push_file
-from cyclemap.evidence.simulation.recorded_motion import Recording
-from cyclemap.evidence.simulation.recorded_push import record_push
+from cyclemap.evidence.pushes.push_files import write_push_file
+from cyclemap.evidence.recorded_push import Recording, record_push
 from cyclemap.figures.force_ratio import FIGURE, FOLDER, compute, draw, predicted_ratio, recorded_ratio
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.replay.shapes import butter_outline
+from cyclemap.evidence.replay.replay_table import butter_outline
 from cyclemap.mechanics import Ellipse, Polygon
 from cyclemap.mechanics.contact_curve import CornerPiece, SidePiece, contact_curve, side_coordinate
 from cyclemap.mechanics.first_touch import first_touch

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.evidence.replay.shapes import dataset_sliders
+from cyclemap.evidence.replay.replay_table import dataset_sliders
 from cyclemap.mechanics.contact_curve import contact_curve
 from cyclemap.mechanics.first_touch import first_touch, first_touches, overlaps
 

@@ -17,11 +17,10 @@ from cyclemap.evidence import (
     identify,
     push_end_block,
 )
-from cyclemap.evidence.data_blocks.scan_forces import ScanForces
+from cyclemap.evidence.data_blocks.force_blocks import ScanForces
 from cyclemap.evidence.identification.data_block import FunctionBlock, PlateBlock, Values
-from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities
-from cyclemap.evidence.identification.parameter_space import Parameter
-from cyclemap.evidence.identified.identified_curves import IdentifiedCurves, identified_curves
+from cyclemap.evidence.identification.surface_parameters import Parameter
+from cyclemap.evidence.identified_curves import Derived, IdentifiedCurves, derived_quantities, identified_curves
 from cyclemap.mechanics import EllipseFriction, Pose, Slider
 from cyclemap.views import identify_sentences as sentences
 from cyclemap.views.identify_page import identify_page

@@ -12,25 +12,22 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.block_builders import (
-    BlockChoices,
-    Built,
-    csv_part,
-    cycle_parts,
-    record_parts,
-)
-from cyclemap.evidence.data_blocks.cycle_pair_block import NODES
-from cyclemap.evidence.data_blocks.data_recognition import (
     CYCLES,
     LAYOUTS,
     RECORDS,
+    BlockChoices,
+    Built,
     DataFile,
     UnusedFile,
+    csv_part,
+    cycle_parts,
     recognise,
+    record_parts,
 )
-from cyclemap.evidence.data_blocks.scan_forces import ScanForces
-from cyclemap.evidence.identification.data_block import DataBlock
-from cyclemap.evidence.identification.shared_progress import Progress, part_of
-from cyclemap.evidence.pushes.row_selection import RowSelection, pushes_of, select_csv, select_pushes, told
+from cyclemap.evidence.data_blocks.cycle_pair_block import NODES
+from cyclemap.evidence.data_blocks.force_blocks import ScanForces
+from cyclemap.evidence.identification.data_block import DataBlock, Progress, part_of
+from cyclemap.evidence.pushes.measured_strokes import RowSelection, pushes_of, select_csv, select_pushes, told
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
 from cyclemap.whole_files import file_stem
 

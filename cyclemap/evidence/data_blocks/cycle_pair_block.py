@@ -7,19 +7,19 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.found_with import with_material
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.fourier_interpolation import interpolation
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, kept_rows
-from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SHARE_NAMES,
     SURFACE,
+    Parameter,
     SurfaceParameters,
     possible_names,
     share_names,
@@ -28,7 +28,31 @@ from cyclemap.mechanics import FoundWith, Material, PlatePressure
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
 
-Array = NDArray[np.float64]
+
+def interpolation(theta: ArrayLike, count: int) -> Array:
+    """Return the matrix (n, count) from values at 2 pi k / count to the Fourier series through them at theta (n,), rad.
+
+    >>> nodes = 2 * np.pi * np.arange(5) / 5
+    >>> bool(np.allclose(interpolation([0.3], 5) @ np.cos(2 * nodes), np.cos(0.6)))
+    True
+    """
+    off, orders = _distances(theta, count)
+    return np.asarray((1.0 + 2.0 * np.cos(off * orders).sum(axis=-1)) / count)
+
+
+def interpolation_slope(theta: ArrayLike, count: int) -> Array:
+    """Return the matrix (n, count) from values at 2 pi k / count to the slope of the series, per rad, at theta (n,)."""
+    off, orders = _distances(theta, count)
+    return np.asarray(-2.0 * (orders * np.sin(off * orders)).sum(axis=-1) / count)
+
+
+def _distances(theta: ArrayLike, count: int) -> tuple[Array, Array]:
+    """Angle of each theta from each node, (n, count, 1), and the orders (count - 1) / 2 of the series."""
+    places = 2.0 * np.pi * np.arange(count) / count
+    off = finite_array("theta", theta, ndim=1)[:, np.newaxis] - places
+    return off[..., np.newaxis], np.arange(1, (count - 1) // 2 + 1, dtype=float)
+
+
 Rows = tuple[Array, Array]
 
 SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")

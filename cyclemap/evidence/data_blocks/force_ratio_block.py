@@ -16,7 +16,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import FunctionBlock, Values
 from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, ContactSamples, contact_samples
-from cyclemap.evidence.pushes.push_record import PushRecord
+from cyclemap.evidence.pushes.push_files import PushRecord
 
 Labels = NDArray[np.int64]
 

@@ -8,14 +8,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, kept_rows
-from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SHARE_NAMES,
+    Parameter,
     SurfaceParameters,
     possible_names,
     share_names,
@@ -27,7 +28,6 @@ from cyclemap.mechanics.engine.strokes import PARAMETERS, Strokes
 from cyclemap.mechanics.first_touch import first_touches
 from cyclemap.mechanics.quasi_static import run_strokes
 
-Array = NDArray[np.float64]
 Rows = tuple[Array, Array]
 
 # Radians (extents): a tenth of what a camera sees.

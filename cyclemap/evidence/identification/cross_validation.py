@@ -8,16 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import PLANE_KINDS
-from cyclemap.evidence.identification.joint_problem import JointProblem
-from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, minimise
-from cyclemap.evidence.identification.noise_scales import NoiseLaw
-from cyclemap.evidence.identification.priors import PRIOR_KIND
+from cyclemap.evidence.identification.data_block import PLANE_KINDS, PRIOR_KIND, JointProblem
+from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, NoiseLaw, minimise
 from cyclemap.suggestions import unknown_name
 
-Array = NDArray[np.float64]
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
 _CLOSE = 1e-3
 Labels = NDArray[np.int64]

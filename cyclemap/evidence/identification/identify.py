@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,20 +12,128 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.cross_validation import (
     CrossValidation,
+    KindErrors,
     cross_validate,
     kind_errors,
     labelled_folds,
     random_folds,
 )
-from cyclemap.evidence.identification.data_block import DataBlock
+from cyclemap.evidence.identification.data_block import PRIOR_KIND, DataBlock, JointProblem, prior_block
 from cyclemap.evidence.identification.identifiability import Uncertainty, student_quantile, uncertainty
-from cyclemap.evidence.identification.identification import Estimate, Identification
-from cyclemap.evidence.identification.joint_problem import JointProblem
-from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, MultiStart, multi_start, spread_starts
-from cyclemap.evidence.identification.noise_scales import NoiseLaw
-from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
-from cyclemap.evidence.identification.priors import PRIOR_KIND, prior_block
-from cyclemap.evidence.identification.surface_parameters import SURFACE
+from cyclemap.evidence.identification.least_squares import (
+    NO_ANSWER,
+    Fit,
+    MultiStart,
+    NoiseLaw,
+    multi_start,
+    spread_starts,
+)
+from cyclemap.evidence.identification.surface_parameters import (
+    SHARE_NAMES,
+    SURFACE,
+    Parameter,
+    ParameterSpace,
+    SurfaceParameters,
+)
+from cyclemap.mechanics import EllipseFriction
+from cyclemap.suggestions import unknown_name
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One parameter.
+
+    value, lower, upper : best value and ends of its interval, in `unit`. standard_error : to first order, inf where the
+    data do not fix it. identifiable : whether the data exclude any value between the bounds. at_bound : `lower`,
+    `upper`, or empty. lower_open, upper_open : the end is a bound, not a finding.
+    """
+
+    name: str
+    description: str
+    unit: str
+    value: float
+    lower: float
+    upper: float
+    standard_error: float
+    identifiable: bool
+    at_bound: str
+    lower_open: bool
+    upper_open: bool
+
+    def __str__(self) -> str:
+        if not self.identifiable:
+            return f"{self.name} not identifiable"
+        return f"{self.name} {self.value:.4g} ({self.lower:.4g} to {self.upper:.4g})"
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """Parameters identified from data.
+
+    estimates : of the free parameters. fixed : values that were held. level : of the intervals. priors : what was
+    believed (value, standard deviation). errors : by block and
+    kind, in sample and left out. starts : what became of each start. fit : the minimum. uncertainty : to first order.
+    validation : residuals of rows left out, None if not asked for. notes : all that qualifies the result, in words.
+    problem : what was solved.
+    """
+
+    estimates: tuple[Estimate, ...]
+    fixed: Mapping[str, float]
+    level: float
+    priors: Mapping[str, tuple[float, float]]
+    errors: tuple[KindErrors, ...]
+    starts: MultiStart
+    fit: Fit
+    uncertainty: Uncertainty
+    validation: CrossValidation | None
+    notes: tuple[str, ...]
+    problem: JointProblem
+
+    def __getitem__(self, name: str) -> Estimate:
+        for estimate in self.estimates:
+            if estimate.name == name:
+                return estimate
+        raise unknown_name("identified parameter", name, [estimate.name for estimate in self.estimates])
+
+    @property
+    def converged(self) -> bool:
+        """Whether minimum and noise were found to tolerance."""
+        return self.fit.converged
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Every parameter's value by name, identified or held."""
+        return self.problem.values(self.fit.vector)
+
+    @property
+    def surface(self) -> SurfaceParameters:
+        """The identified surface; what the data were not asked about has its nominal value."""
+        return SurfaceParameters.from_values(self.values)
+
+    @property
+    def plates(self) -> dict[str, dict[str, float]]:
+        """Shares of the weight by plate; of one plate alone, which no name tells apart, under the empty name."""
+        return plate_shares(self.values)
+
+    def friction(self) -> EllipseFriction:
+        """Return the identified friction ellipse."""
+        return self.surface.to_friction()
+
+
+def plate_shares(values: Mapping[str, float]) -> dict[str, dict[str, float]]:
+    """Return the shares of the weight that values tell by plate; of a plate that no name tells apart, under the empty.
+
+    >>> plate_shares({"rim_share[hex]": 0.5, "inner_share[hex]": 0.5, "offset_x": 0.1})
+    {'hex': {'inner_share': 0.25, 'rim_share': 0.5, 'corner_share': 0.0}}
+    """
+    named = {name.partition("[")[2].rstrip("]") for name in values if name.partition("[")[0] in SHARE_NAMES}
+    found = {}
+    for plate in sorted(named):
+        tail = f"[{plate}]" if plate else ""
+        own = {name: values[name + tail] for name in SHARE_NAMES if name + tail in values}
+        found[plate] = SurfaceParameters.from_values(own).shares
+    return found
+
 
 # Fewer degrees of freedom than this make an interval rough.
 _FEW = 4.0

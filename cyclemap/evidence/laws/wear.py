@@ -10,11 +10,22 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.linear_fit import LinearFit, huber_weights
-from cyclemap.evidence.laws.order_choice import cycle_folds, nested_errors, simplest_good
-from cyclemap.evidence.laws.periodic_basis import fourier_columns
-from cyclemap.evidence.laws.periodic_law import MAX_HARMONICS, PeriodicLaw, law_of, paired_arrays
-from cyclemap.evidence.laws.periodic_noise import fit_with_scatter, scatter_weights
+from cyclemap.evidence.laws.linear_fit import (
+    LinearFit,
+    cycle_folds,
+    fourier_columns,
+    huber_weights,
+    nested_errors,
+    simplest_good,
+)
+from cyclemap.evidence.laws.periodic_law import (
+    MAX_HARMONICS,
+    PeriodicLaw,
+    fit_with_scatter,
+    law_of,
+    paired_arrays,
+    scatter_weights,
+)
 
 MAX_WEAR_DEGREE = 4
 

@@ -1,19 +1,68 @@
-"""Kuiper's and Watson's statistics of orientations, and their p-values for independent samples."""
+"""Kuiper's and Watson's statistics of orientations, Monte Carlo p-values, and those of independent samples."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_number, non_negative_number, positive_number, whole_number
+from cyclemap.checks import finite_array, finite_number, non_negative_number, positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_distance import DEFAULT_BINS
-from cyclemap.evidence.orientations.circular_law import CircularLaw, law_or_sample, orientations
-from cyclemap.evidence.orientations.p_value import PValue, monte_carlo_p_value
-from cyclemap.evidence.orientations.pooled_samples import Labels, PooledSamples, pooled_samples
+from cyclemap.evidence.orientations.circular_distance import (
+    DEFAULT_BINS,
+    CircularLaw,
+    Labels,
+    PooledSamples,
+    law_or_sample,
+    orientations,
+    pooled_samples,
+)
+
+_TIE = 1e-12  # values that differ by rounding alone count as equal, which makes p larger
+
+
+@dataclass(frozen=True, eq=False)
+class PValue:
+    """A Monte Carlo p-value and what it rests on.
+
+    value : (1 + number of simulated statistics that reach the observed one)/(runs + 1), in (0, 1] (Davison &
+        Hinkley 1997): under the null P(value ≤ a) ≤ a for any a and any number of runs.
+    runs : simulated statistics. statistic : the observed one.
+    null_quantiles : the simulated ones at the levels ``LEVELS``.
+    standard_error : of ``value`` by the finite number of runs: the posterior standard deviation of the true p
+        after a uniform prior, which is never 0.
+    """
+
+    LEVELS: ClassVar[tuple[float, ...]] = (0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)
+
+    value: float
+    runs: int
+    statistic: float
+    null_quantiles: Array
+    standard_error: float
+
+
+def monte_carlo_p_value(observed: float, simulated: Any) -> PValue:
+    """The upper-tail p-value of ``observed`` among ``simulated`` (runs,) values under the null.
+
+    Raises InvalidInput without simulated values or where a number is not finite.
+
+    >>> monte_carlo_p_value(3.0, [1.0, 2.0, 3.0, 4.0]).value
+    0.6
+    """
+    null = finite_array("simulated", simulated, ndim=1)
+    mark = finite_number("observed", observed)
+    if null.size == 0:
+        raise InvalidInput("there are no simulated values: run at least one")
+    reached = int(np.sum(null >= mark - _TIE * max(1.0, abs(mark))))
+    more, fewer, total = reached + 1, null.size - reached + 1, null.size + 2
+    error = float(np.sqrt(more * fewer / (total**2 * (total + 1))))
+    quantiles = read_only(np.quantile(null, PValue.LEVELS))
+    return PValue((1 + reached) / (null.size + 1), null.size, mark, quantiles, error)
+
 
 _TERMS = np.arange(1.0, 101.0)
 _CERTAIN = 0.1  # below it the tail is 1 to all digits: 1 - e^(-490)

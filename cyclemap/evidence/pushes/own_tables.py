@@ -19,13 +19,12 @@ from typing import Any
 from zipfile import ZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.push_files import SUFFIXES
 from cyclemap.text_files import read_text
 
-Array = NDArray[np.float64]
 Columns = dict[str, Array]
 
 EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mcap")

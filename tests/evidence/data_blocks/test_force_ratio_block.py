@@ -15,10 +15,8 @@ from cyclemap.evidence.data_blocks.force_ratio_block import (
     sliding_forces,
 )
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, contact_samples
-from cyclemap.evidence.pushes.push_record import PushRecord
-from cyclemap.evidence.pushes.push_writer import write_push_file
-from cyclemap.evidence.simulation.recorded_motion import Recording, RecordingNoise
-from cyclemap.evidence.simulation.recorded_push import record_push
+from cyclemap.evidence.pushes.push_files import PushRecord, write_push_file
+from cyclemap.evidence.recorded_push import Recording, RecordingNoise, record_push
 from cyclemap.mechanics import Slider
 
 SQUARE = Slider.mit("rect1").outline_points(4)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.data_blocks.wrench_twist_block import (
+from cyclemap.evidence.data_blocks.force_blocks import (
     FORCE_KIND,
     TORQUE_KIND,
     WrenchTwists,
@@ -14,9 +14,9 @@ from cyclemap.evidence.data_blocks.wrench_twist_block import (
     wrench_twist_block,
 )
 from cyclemap.evidence.identification.cross_validation import random_folds
+from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
 from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Slider

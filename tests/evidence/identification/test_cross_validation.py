@@ -11,11 +11,9 @@ from cyclemap.evidence.identification.cross_validation import (
     labelled_folds,
     random_folds,
 )
-from cyclemap.evidence.identification.data_block import FunctionBlock, Values
-from cyclemap.evidence.identification.joint_problem import JointProblem
+from cyclemap.evidence.identification.data_block import FunctionBlock, JointProblem, Values
 from cyclemap.evidence.identification.least_squares import fit_with_noise
-from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
-from cyclemap.evidence.identification.surface_parameters import SURFACE
+from cyclemap.evidence.identification.surface_parameters import SURFACE, Parameter, ParameterSpace
 
 X = np.linspace(0.0, 1.0, 12)
 DESIGN = np.stack([np.ones(12), X, X**2], axis=-1)

@@ -5,8 +5,7 @@ import pytest
 from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.identification.data_block import FunctionBlock
-from cyclemap.evidence.identification.joint_problem import JointProblem
+from cyclemap.evidence.identification.data_block import FunctionBlock, JointProblem
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 
 SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.evidence.data_blocks.friction_scan_block import friction_ellipse_from_scans
-from cyclemap.evidence.identification.derived_quantities import derived_quantities, sampled_surfaces
-from cyclemap.evidence.identification.identification import Identification
+from cyclemap.evidence.data_blocks.force_blocks import friction_ellipse_from_scans
+from cyclemap.evidence.identification.identify import Identification
 from cyclemap.evidence.identification.surface_parameters import SURFACE
+from cyclemap.evidence.identified_curves import derived_quantities, sampled_surfaces
 from cyclemap.mechanics import EllipseFriction
 
 LAW = EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6)

@@ -8,13 +8,11 @@ from scipy.stats import t as student
 from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import FunctionBlock, Values
+from cyclemap.evidence.identification.data_block import FunctionBlock, JointProblem, Values
 from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
 from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.least_squares import fit_with_noise
-from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
-from cyclemap.evidence.identification.surface_parameters import SURFACE
+from cyclemap.evidence.identification.surface_parameters import SURFACE, Parameter, ParameterSpace
 
 X = np.linspace(0.0, 1.0, 12)
 LINE = ParameterSpace(

@@ -7,14 +7,12 @@ import pytest
 from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, motion_block
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import FunctionBlock, Values
+from cyclemap.evidence.identification.data_block import FunctionBlock, JointProblem, Values
 from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
 from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.least_squares import Fit, fit_with_noise
-from cyclemap.evidence.identification.parameter_space import Parameter
-from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
-from cyclemap.evidence.identified.identified_material import identified_material
+from cyclemap.evidence.identification.surface_parameters import SURFACE, Parameter, SurfaceParameters
+from cyclemap.evidence.identified_material import identified_material
 
 NAMES = (*ELLIPSE, "pusher_friction", "rim_share")
 SPACE = SURFACE.select(NAMES)

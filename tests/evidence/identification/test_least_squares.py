@@ -7,10 +7,8 @@ import pytest
 from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence.identification.data_block import FunctionBlock, Values
-from cyclemap.evidence.identification.joint_problem import JointProblem
-from cyclemap.evidence.identification.least_squares import fit_with_noise, multi_start, spread_starts
-from cyclemap.evidence.identification.noise_scales import NoiseLaw
+from cyclemap.evidence.identification.data_block import FunctionBlock, JointProblem, Values
+from cyclemap.evidence.identification.least_squares import NoiseLaw, fit_with_noise, multi_start, spread_starts
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
 
 SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import FunctionBlock
+from cyclemap.evidence.identification.data_block import PRIOR_KIND, USUAL, FunctionBlock, prior_block
 from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.priors import PRIOR_KIND, USUAL, prior_block
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 
 

@@ -8,10 +8,11 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SURFACE,
+    Parameter,
+    ParameterSpace,
     SurfaceParameters,
 )
 from cyclemap.mechanics import EllipseFriction, Material

@@ -8,9 +8,9 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map
-from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.wear import fit_worn_law
-from cyclemap.evidence.theta0.theta0_pairs import read_theta0_pairs
+from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, fixed_points, sample_staircase, sample_staircases
 
 TURN = 2 * np.pi

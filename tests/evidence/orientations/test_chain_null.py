@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.orientations.chain_null import (
+from cyclemap.evidence.orientations.collection_null import (
     chain_p_value,
     chain_p_values,
     orientation_statistics,

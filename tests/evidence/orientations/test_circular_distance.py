@@ -5,8 +5,7 @@ import pytest
 from scipy.optimize import linear_sum_assignment
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_distance import circular_wasserstein, total_variation
-from cyclemap.evidence.orientations.circular_law import CircularLaw
+from cyclemap.evidence.orientations.circular_distance import CircularLaw, circular_wasserstein, total_variation
 
 TURN = 2 * np.pi
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import vonmises
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_law import CircularLaw, orientations
+from cyclemap.evidence.orientations.circular_distance import CircularLaw, orientations
 
 TURN = 2 * np.pi
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_law import CircularLaw
+from cyclemap.evidence.orientations.circular_distance import CircularLaw
 from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
 from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, sample_staircase, transfer_operator
 

@@ -8,8 +8,7 @@ from scipy.optimize import brentq
 from scipy.stats import kstest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_distance import total_variation
-from cyclemap.evidence.orientations.circular_law import CircularLaw
+from cyclemap.evidence.orientations.circular_distance import CircularLaw, pooled_samples, total_variation
 from cyclemap.evidence.orientations.goodness_of_fit import (
     kuiper_critical_value,
     kuiper_p_value,
@@ -21,7 +20,6 @@ from cyclemap.evidence.orientations.goodness_of_fit import (
     watson_statistic,
     watson_tail,
 )
-from cyclemap.evidence.orientations.pooled_samples import pooled_samples
 
 TURN = 2 * np.pi
 STATISTICS = (kuiper_statistic, watson_statistic)

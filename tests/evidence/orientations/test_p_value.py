@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.p_value import PValue, monte_carlo_p_value
+from cyclemap.evidence.orientations.goodness_of_fit import PValue, monte_carlo_p_value
 
 
 def test_it_counts_the_observed_value_among_the_simulated() -> None:

@@ -7,10 +7,9 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS, loop_on
-from cyclemap.evidence.data_blocks.fourier_interpolation import interpolation, interpolation_slope
+from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS, interpolation, interpolation_slope, loop_on
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
-from cyclemap.evidence.published.cycle_nodes import (
+from cyclemap.evidence.published_comparison import (
     CycleNodes,
     cycle_nodes,
     node_values,

@@ -7,7 +7,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.published.published_comparison import (
+from cyclemap.evidence.published_comparison import (
     DIRECTION_TOLERANCE,
     comparison_table,
     published_comparison,

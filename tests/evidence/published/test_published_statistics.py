@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.published.published_statistics import PUBLISHED, published_statistics
+from cyclemap.evidence.published_statistics import PUBLISHED, published_statistics
 from cyclemap.mechanics import Pusher, SidePush, Slider
 
 # Table III: percentages beside the RMSE of dtheta, dx, dy.

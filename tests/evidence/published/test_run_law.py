@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.published.run_law import run_law
+from cyclemap.evidence.published_statistics import run_law
 from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
 
 COUNT = 720

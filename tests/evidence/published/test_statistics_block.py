@@ -9,14 +9,14 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS, loop_on
 from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
-from cyclemap.evidence.published.cycle_nodes import node_values
-from cyclemap.evidence.published.published_statistics import published_statistics
-from cyclemap.evidence.published.statistics_block import (
+from cyclemap.evidence.published_comparison import (
     CYCLE_NOISE,
     TOLERANCES,
+    node_values,
     predicted_statistics,
     statistics_block,
 )
+from cyclemap.evidence.published_statistics import published_statistics
 
 LOOP = CollectionLoop.mit()
 NODES, CYCLES = 11, 100

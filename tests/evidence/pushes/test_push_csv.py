@@ -8,9 +8,8 @@ import pytest
 from made_pushes import PUSH_NAME, made_push, turned, write
 
 from cyclemap.errors import DataFileError
-from cyclemap.evidence.pushes.push_csv import read_push_csv
-from cyclemap.evidence.pushes.push_table import load_pushes
-from cyclemap.evidence.theta0.theta0_pairs import read_theta0_pairs
+from cyclemap.evidence.pushes.push_table import load_pushes, read_push_csv
+from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 from cyclemap.text_files import read_csv_table
 
 POSES = "x0,y0,theta0,x1,y1,theta1"

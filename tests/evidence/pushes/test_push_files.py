@@ -12,8 +12,7 @@ from made_pushes import PUSH_NAME, SCAN_NAME, made_push, made_scan, write
 
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
-from cyclemap.evidence.pushes.push_files import read_push_file
-from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
+from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file
 from cyclemap.mechanics.slider import Slider
 
 RECT1 = Slider.mit("rect1").outline_points()

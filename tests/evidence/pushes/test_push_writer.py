@@ -8,9 +8,7 @@ import pytest
 from made_pushes import PUSH_NAME, SCAN_NAME, made_push, made_scan
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.push_files import read_push_file
-from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
-from cyclemap.evidence.pushes.push_writer import record_tables, write_push_file
+from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file, record_tables, write_push_file
 
 PUSH = PushRecord.from_tables(made_push())
 SCAN = ScanRecord.from_tables(made_scan())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.replay.tip_path import BEND, tip_path
+from cyclemap.evidence.replay.replay_push import BEND, tip_path
 
 
 def table(place, time=None):

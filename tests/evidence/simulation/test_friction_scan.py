@@ -8,9 +8,8 @@ import pytest
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.pushes.push_table import load_pushes
-from cyclemap.evidence.simulation.friction_scan import SCAN_CENTRE, record_scan, scan_set
-from cyclemap.evidence.simulation.recorded_motion import Recording, RecordingNoise
-from cyclemap.evidence.simulation.simulated_collection import simulate_collection
+from cyclemap.evidence.recorded_push import SCAN_CENTRE, Recording, RecordingNoise, record_scan, scan_set
+from cyclemap.evidence.simulated_collection import simulate_collection
 
 LOOP = CollectionLoop.mit("plywood", accuracy=1e-6)
 FRICTION, WEIGHT = LOOP.material.friction, LOOP.model.weight

@@ -9,8 +9,7 @@ import pytest
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
-from cyclemap.evidence.simulation.recorded_motion import Recording, RecordingNoise
-from cyclemap.evidence.simulation.recorded_push import record_push
+from cyclemap.evidence.recorded_push import Recording, RecordingNoise, record_push
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, SidePush, Slider, WorldPush
 
 LOOP = CollectionLoop.mit("plywood", accuracy=1e-8)

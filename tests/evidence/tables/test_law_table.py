@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from made_sets import made_set, noisy_set, true_turn
 
-from cyclemap.evidence.laws.order_choice import cycle_folds
+from cyclemap.evidence.laws.linear_fit import cycle_folds
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
-from cyclemap.evidence.tables.law_table import held_out_rmse, motion_law, set_laws
-from cyclemap.evidence.tables.push_statistics import push_statistics
-from cyclemap.evidence.tables.turn_histogram import turn_histogram
+from cyclemap.evidence.tables.push_sets import push_statistics
+from cyclemap.evidence.tables.set_fit import held_out_rmse, motion_law, set_laws, turn_histogram
 
 GRID = np.linspace(0.0, 2 * np.pi, 90)
 # The paper's plywood: RMSE of the fitted law of Δθ (°), of Δx and Δy (mm): the noise put on the simulated pushes.

@@ -9,10 +9,9 @@ from made_sets import TURN, worn_pairs, worn_turn
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import fit_map
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
+from cyclemap.evidence.pushes.theta0_statistics import is_covered, turn_bins
 from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, _fitted, measured_cycle_map
-from cyclemap.evidence.theta0.covered_arcs import is_covered
-from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
-from cyclemap.evidence.theta0.theta0_statistics import turn_bins
 
 pytestmark = pytest.mark.slow
 

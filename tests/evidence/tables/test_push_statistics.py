@@ -5,7 +5,7 @@ import pytest
 from made_sets import made_set, noisy_set
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.tables.push_statistics import motion_statistics, push_statistics
+from cyclemap.evidence.tables.push_sets import motion_statistics, push_statistics
 
 # Ma & Rodriguez (2018), Table II, plywood: σ of Δθ (°), Δx, Δy (mm) and their percentages, with the means they imply.
 PUBLISHED = [(69.1, 4.74, 6.86), (36.6, 2.84, 7.75), (94.3, 8.57, 9.09)]

@@ -7,7 +7,7 @@ from scipy.stats import wasserstein_distance
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
-from cyclemap.evidence.tables.turn_histogram import turn_histogram
+from cyclemap.evidence.tables.set_fit import turn_histogram
 
 
 def fitted(seed: int = 0, count: int = 300):

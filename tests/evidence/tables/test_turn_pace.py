@@ -6,7 +6,7 @@ from made_sets import TURN, worn_pairs
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import fit_map
-from cyclemap.evidence.tables.turn_pace import full_turns, turn_pace
+from cyclemap.evidence.tables.measured_cycle_map import full_turns, turn_pace
 
 
 def rotation(turns_a_push: float, count: int = 200):

@@ -1,5 +1,7 @@
 """Measured pairs (θ0, next θ0): where the object stood before a push, and where before the next one."""
 
+from __future__ import annotations
+
 import math
 import warnings
 from collections import Counter

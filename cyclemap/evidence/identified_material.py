@@ -9,11 +9,10 @@ from dataclasses import fields, replace
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.cross_validation import KindErrors
-from cyclemap.evidence.identification.derived_quantities import sampled_values
-from cyclemap.evidence.identification.identification import Estimate, Identification, plate_shares
-from cyclemap.evidence.identification.priors import PRIOR_KIND
+from cyclemap.evidence.identification.data_block import PRIOR_KIND
+from cyclemap.evidence.identification.identify import Estimate, Identification, plate_shares
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
-from cyclemap.evidence.identified.identified_curves import worn_friction_of
+from cyclemap.evidence.identified_curves import sampled_values, worn_friction_of
 from cyclemap.mechanics import EllipseFriction, FoundWith, FrameShift, Material, MaterialPosterior, PlatePressure, Wear
 
 POSTERIOR_SAMPLES = 200
