@@ -215,7 +215,9 @@ def identified_curves(found: Identification, scans: ScanForces | None = None, se
         errors = found.fit.residuals[found.problem.block_index == number]
         plain = plain_block(block)
         if isinstance(plain, StrokeBlock):
-            turns.append(_turns(block.name, plain, errors))
+            measured = np.array([stroke.end.theta - stroke.start.theta for stroke in plain.strokes])
+            # Each stroke's last row is its turn.
+            turns.append(TurnFit(block.name, measured, measured + errors.reshape(measured.size, -1)[:, -1]))
             if len(plain.row_kinds) == 3:
                 places.append(PlaceFit(block.name, errors.reshape(-1, 3)[:, :2]))
         elif isinstance(plain, CyclePairBlock):
@@ -243,12 +245,6 @@ def worn_friction_of(found: Identification) -> EllipseFriction | None:
 def _outline(law: EllipseFriction) -> Array:
     """Traction (m, 2) over all directions of sliding, world axes."""
     return law.traction(np.stack([np.cos(_AROUND), np.sin(_AROUND)], axis=-1))
-
-
-def _turns(name: str, block: StrokeBlock, errors: Array) -> TurnFit:
-    """Turns of strokes; each stroke's last row is its turn."""
-    measured = np.array([stroke.end.theta - stroke.start.theta for stroke in block.strokes])
-    return TurnFit(name, measured, measured + errors.reshape(len(block.strokes), -1)[:, -1])
 
 
 def _cycles(name: str, block: CyclePairBlock, values: Mapping[str, float]) -> CycleFit:

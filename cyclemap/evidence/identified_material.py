@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import fields, replace
 
 from cyclemap.errors import InvalidInput
@@ -101,17 +101,12 @@ def provenance_words(found: Identification, sources: Sequence[str]) -> str:
     free = "; ".join(estimate_words(one) for one in found.estimates)
     text = f"inferred from {data}{origin}: {free}, intervals of {100 * found.level:g} %"
     if found.priors:
-        listed = ", ".join(
-            f"{name} {mean:g} +- {deviation:g}" for name, (mean, deviation) in _common(found.priors).items()
-        )
+        # Beliefs of all plates alike are told once.
+        common = {name.partition("[")[0]: belief for name, belief in found.priors.items()}
+        listed = ", ".join(f"{name} {mean:g} +- {deviation:g}" for name, (mean, deviation) in common.items())
         text += f"; believed beforehand, in SI units: {listed}"
     held = "; ".join(f"{name} {value:.4g}" for name, value in sorted(found.problem.fixed.items()))
     return text + (f"; held: {held}" if held else "")
-
-
-def _common(priors: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
-    """Beliefs by name, those of all plates alike told once."""
-    return {name.partition("[")[0]: belief for name, belief in priors.items()}
 
 
 def misfit_words(found: Identification) -> str:

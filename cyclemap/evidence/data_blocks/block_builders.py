@@ -233,20 +233,13 @@ def _add_wrenches(built: Built, path: Path, rows: CsvSelection, choices: BlockCh
     block = wrench_twist_block(data, outline, choices.loop.model.weight)
     scaled = f"torque and turning rate scaled by {1e3 * outline.extent:.2f} mm"
     built.add(path, block, f"{len(data.twist)} pairs of wrench and twist, {scaled}")
-    sources = _sources(path, surface)
-    if len(sources) > 1:
-        built.notes.append(
-            f"{path}: pairs are of several sources ({', '.join(sources)}): what stands in two counts twice"
-        )
-
-
-def _sources(path: Path, surface: str | None) -> list[str]:
-    """The sources that a table's rows of a surface name."""
     table = read_csv_table(path)
-    if "source" not in table.header:
-        return []
-    rows = [row for row in table.rows if surface is None or table.text(row, "surface") == surface]
-    return sorted({table.text(row, "source") for row in rows})
+    if "source" in table.header:
+        same = [row for row in table.rows if surface is None or table.text(row, "surface") == surface]
+        sources = sorted({table.text(row, "source") for row in same})
+        if len(sources) > 1:
+            told = f"pairs are of several sources ({', '.join(sources)}): what stands in two counts twice"
+            built.notes.append(f"{path}: {told}")
 
 
 def _add_scans(built: Built, path: Path, scans: pandas.DataFrame, choices: BlockChoices) -> None:
@@ -299,26 +292,22 @@ def _add_pushes(
     chosen = _thinned(rows, choices.most)
     if len(chosen) < len(rows):
         built.notes.append(f"{path}: every {len(rows) / len(chosen):.3g}th of {len(rows)} pushes taken")
-    kept = [(row, record) for row, record in _records(chosen, progress) if _is_straight(record)]
-    built.left_out(path, +Counter({"pushes whose tip did not go straight": len(chosen) - len(kept)}))
-    if kept:
-        pushes = [_measured_push(record, number) for number, (_, record) in enumerate(kept)]
-        _add_push_ends(built, path, _at_contacts(pushes, [row for row, _ in kept]), choices)
-        _add_forces(built, path, [record for _, record in kept], choices)
-
-
-def _records(rows: Sequence[dict[str, Any]], progress: Progress | None) -> Iterator[tuple[dict[str, Any], PushRecord]]:
-    """Each row of a table of pushes with its record, read from its file."""
-    for number, row in enumerate(rows):
+    places: list[tuple[float, float]] = []
+    pushes: list[MeasuredPush] = []
+    records: list[PushRecord] = []
+    for number, row in enumerate(chosen):
         record = read_push_file(row["path"])
         assert isinstance(record, PushRecord)
-        yield row, record
-        part_of(progress, number, len(rows))(1.0)
-
-
-def _measured_push(record: PushRecord, number: int) -> MeasuredPush:
-    first, last = record.tip_pose[0, 1:3].tolist(), record.tip_pose[-1, 1:3].tolist()
-    return MeasuredPush(Pose(*record.start), Pose(*record.end), (first[0], first[1]), (last[0], last[1]), number)
+        if _is_straight(record):
+            (x0, y0), (x1, y1) = record.tip_pose[[0, -1], 1:3].tolist()
+            pushes.append(MeasuredPush(Pose(*record.start), Pose(*record.end), (x0, y0), (x1, y1), len(pushes)))
+            places.append((row["side"], row["fraction"]))
+            records.append(record)
+        part_of(progress, number, len(chosen))(1.0)
+    built.left_out(path, +Counter({"pushes whose tip did not go straight": len(chosen) - len(records)}))
+    if records:
+        _add_push_ends(built, path, _at_contacts(pushes, places), choices)
+        _add_forces(built, path, records, choices)
 
 
 def _is_straight(record: PushRecord) -> bool:
@@ -330,9 +319,8 @@ def _is_straight(record: PushRecord) -> bool:
     return bool(np.max(np.abs(place @ (-along[1], along[0]))) <= _STRAIGHT)
 
 
-def _at_contacts(pushes: Sequence[MeasuredPush], rows: Sequence[dict[str, Any]]) -> list[MeasuredPush]:
-    """Pushes grouped by contact where there are many contacts, else by runs of repetitions."""
-    places = [(row["side"], row["fraction"]) for row in rows]
+def _at_contacts(pushes: Sequence[MeasuredPush], places: Sequence[tuple[float, float]]) -> list[MeasuredPush]:
+    """Pushes grouped by contact (side, fraction) where there are many contacts, else by runs of repetitions."""
     known = sorted(set(places))
     if len(known) >= _FEWEST_CONTACTS and not any(math.isnan(number) for place in known for number in place):
         return [replace(push, contact=known.index(place)) for push, place in zip(pushes, places, strict=True)]

@@ -83,7 +83,9 @@ def collected_blocks(
     whole_number("first cycle", first, least=0)
     loop, selection = _object(loop, dict(select or {}))
     choices = BlockChoices(loop, first, wear, whole_number("most strokes", most, least=2), nodes)
-    files, unused = _files(paths)
+    found = [recognise(path) for path in paths]
+    files = list(dict.fromkeys(file for known, _ in found for file in known))
+    unused = list(dict.fromkeys(file for _, others in found for file in others))
     built, surfaces = Built(), set[str]()
     for number, file in enumerate(files):
         surfaces |= _add(built, file, selection, choices, part_of(progress, number, len(files)))
@@ -130,16 +132,6 @@ def _object(loop: CollectionLoop, chosen: dict[str, str | float]) -> tuple[Colle
     if loop.slider.name in MIT_SHAPE_NAMES:
         return loop, RowSelection(MIT_SHAPE_NAMES, chosen)
     return loop, RowSelection(() if loop.slider.name == OWN_OUTLINE else (file_stem(loop.slider.name),), chosen)
-
-
-def _files(paths: Sequence[str | Path]) -> tuple[list[DataFile], list[UnusedFile]]:
-    found: dict[DataFile, None] = {}
-    unused: dict[UnusedFile, None] = {}
-    for path in paths:
-        files, others = recognise(path)
-        found |= dict.fromkeys(files)
-        unused |= dict.fromkeys(others)
-    return list(found), list(unused)
 
 
 def _add(

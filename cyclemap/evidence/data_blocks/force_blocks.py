@@ -19,7 +19,7 @@ from cyclemap.evidence.identification.identify import Identification, Progress, 
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters, share_names
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint
 from cyclemap.mechanics.outline import Outline
-from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
+from cyclemap.text_files import read_csv_table, require_columns
 
 if TYPE_CHECKING:
     import pandas
@@ -139,14 +139,7 @@ def friction_ellipse_from_scans(
     block = friction_scan_block(scans, weight)
     known = None if noise is None else {SCAN_KIND: noise}
     return identify(
-        [block],
-        ELLIPSE,
-        starts=4,
-        level=level,
-        folds=folds,
-        noise=known,
-        student=student,
-        progress=progress,
+        [block], ELLIPSE, starts=4, level=level, folds=folds, noise=known, student=student, progress=progress
     )
 
 
@@ -280,7 +273,9 @@ def read_wrench_twists(
         if wanted is not None:
             require_columns(table, (column,))
             rows = [row for row in rows if table.text(row, column) == wanted]
-            _refuse_none(table, rows, column, wanted)
+            if not rows:
+                known = ", ".join(sorted({table.text(row, column) for row in table.rows}))
+                raise DataFileError(f"{table.path}: no row has {column} {wanted!r}; there are {known}")
     scale = np.array([1.0, 1.0, length])
     wrench, twist = (
         np.array([[table.number(row, name) for name in names] for row in rows])
@@ -290,12 +285,6 @@ def read_wrench_twists(
         return WrenchTwists(wrench * scale, twist / scale)
     except InvalidInput as cause:
         raise DataFileError(f"{table.path}: {cause}") from cause
-
-
-def _refuse_none(table: CsvTable, rows: list[CsvRow], column: str, wanted: str) -> None:
-    if not rows:
-        known = sorted({table.text(row, column) for row in table.rows})
-        raise DataFileError(f"{table.path}: no row has {column} {wanted!r}; there are {', '.join(known)}")
 
 
 def wrench_twist_block(

@@ -111,8 +111,12 @@ def pusher_friction_from_forces(
         note = "not identifiable: only one piece of a push slides, so that nothing tells its error"
         return PusherFriction(math.nan, 0.0, math.inf, level, *counts, (note,))
     result = identify([force_ratio_block(found)], ["pusher_friction"], starts=1, level=level, student=student)
-    one = result["pusher_friction"]
-    return PusherFriction(one.value, one.lower, one.upper, level, *counts, (*_doubts(found), *result.notes))
+    one, notes = result["pusher_friction"], []
+    if sliding_pushes == 1:
+        notes.append("one push alone slides: the interval tells the scatter within it, not from push to push")
+    if np.median(found.ratio) <= 0.0:
+        notes.append("friction goes against the slip in most pieces: the forces or their signs cannot be right")
+    return PusherFriction(one.value, one.lower, one.upper, level, *counts, (*notes, *result.notes))
 
 
 def force_ratio_block(sliding: SlidingForces, name: str = "force ratios") -> FunctionBlock:
@@ -185,15 +189,11 @@ def _records(
         rim = finite_array("outline", outline, last=2, ndim=2)
         yield from ((record, rim) for record in source)
         return
-    yield from _from_files(Path(source), outline)
-
-
-def _from_files(path: Path, outline: ArrayLike | None) -> Iterator[tuple[PushRecord, Array]]:
     from cyclemap.evidence.pushes.push_files import read_push_file
     from cyclemap.evidence.pushes.push_table import load_pushes
     from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
 
-    table = load_pushes(path).table
+    table = load_pushes(source).table
     for name, file, size in zip(table["object"], table["path"], table["samples"], strict=True):
         if size == 0 or (outline is None and name not in MIT_SHAPE_NAMES):
             continue
@@ -210,13 +210,3 @@ def _unidentified(found: SlidingForces, level: float) -> PusherFriction:
     if math.isfinite(found.sticking_ratio):
         note += f"; while sticking the ratio reached {found.sticking_ratio:.3g}, and the friction is no less"
     return PusherFriction(math.nan, 0.0, math.inf, level, found.pushes, 0, 0, found.sticking, (note,))
-
-
-def _doubts(found: SlidingForces) -> list[str]:
-    """What makes the forces doubtful, in words."""
-    notes = []
-    if len(np.unique(found.push)) == 1:
-        notes.append("one push alone slides: the interval tells the scatter within it, not from push to push")
-    if np.median(found.ratio) <= 0.0:
-        notes.append("friction goes against the slip in most pieces: the forces or their signs cannot be right")
-    return notes

@@ -115,27 +115,18 @@ def cross_validate(
     vectors = np.full((count, len(problem.space)), np.nan)
     for one in range(count):
         try:
-            values = _fitted_without(problem, fit, fold == one, whole, law or NoiseLaw())
-            residuals[fold == one] = _predicted(problem, fold == one, values)
+            part = problem.subset(fold != one, whole)
+            noise = np.array([fit.noise[problem.kind_names.index(kind)] for kind in part.kind_names])
+            start = part.space.vector(whole)
+            values = part.values(minimise(part, start, noise, law or NoiseLaw(), _CLOSE).vector)
+            left_out = problem.subset(fold == one, values)
+            residuals[fold == one] = left_out.evaluate(left_out.space.vector(values))[0]
             vectors[one] = problem.space.vector(values)
         except NO_ANSWER as cause:
             failures.append(f"fold {one}: {type(cause).__name__}: {cause}")
         if progress is not None:
             progress((one + 1) / count)
     return CrossValidation(read_only(residuals), fold, read_only(vectors), tuple(failures))
-
-
-def _fitted_without(
-    problem: JointProblem, fit: Fit, out: NDArray[np.bool_], values: dict[str, float], law: NoiseLaw
-) -> dict[str, float]:
-    part = problem.subset(~out, values)
-    noise = np.array([fit.noise[problem.kind_names.index(kind)] for kind in part.kind_names])
-    return part.values(minimise(part, part.space.vector(values), noise, law, _CLOSE).vector)
-
-
-def _predicted(problem: JointProblem, out: NDArray[np.bool_], values: dict[str, float]) -> Array:
-    part = problem.subset(out, values)
-    return part.evaluate(part.space.vector(values))[0]
 
 
 def kind_errors(
@@ -151,14 +142,12 @@ def kind_errors(
             if kind == PRIOR_KIND:
                 continue
             rows = (problem.block_index == number) & (problem.kinds == kind)
-            sample, unseen, even = (_lengths(errors[rows], kind) for errors in (fit.residuals, left_out, plain))
+            told = [errors[rows] for errors in (fit.residuals, left_out, plain)]
+            # Of components the lengths of their vectors count.
+            sized = [np.hypot(one[::2], one[1::2]) if kind in PLANE_KINDS else np.abs(one) for one in told]
+            sample, unseen, even = sized
             found.append(KindErrors(block.name, kind, sample.size, *_sizes(sample), *_sizes(unseen), *_sizes(even)[:2]))
     return tuple(found)
-
-
-def _lengths(errors: Array, kind: str) -> Array:
-    """Sizes of errors (n,), nan kept; of components, the lengths (n / 2,) of their vectors."""
-    return np.hypot(errors[::2], errors[1::2]) if kind in PLANE_KINDS else np.abs(errors)
 
 
 def _sizes(errors: Array) -> tuple[float, float, float]:

@@ -261,15 +261,12 @@ class JointProblem:
             if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
                 raise ConvergenceError(f"block {block.name!r} has residuals or derivatives that are not finite")
             residuals.append(residual)
-            jacobians.append(self._by_free(block, jacobian))
+            by_free = np.zeros((len(block.groups), len(self.space)))
+            for index, name in enumerate(block.parameters):
+                if name in self.space.names:
+                    by_free[:, self.space.names.index(name)] = jacobian[:, index]
+            jacobians.append(by_free)
         return np.concatenate(residuals), np.concatenate(jacobians)
-
-    def _by_free(self, block: DataBlock, jacobian: Array) -> Array:
-        columns = np.zeros((len(block.groups), len(self.space)))
-        for index, name in enumerate(block.parameters):
-            if name in self.space.names:
-                columns[:, self.space.names.index(name)] = jacobian[:, index]
-        return columns
 
     def holding(self, name: str, value: float) -> JointProblem:
         """Return the problem with one free parameter held at a value."""
@@ -349,15 +346,10 @@ def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:
 Progress = Callable[[float], None]
 
 
-def part_of(progress: Progress | None, number: int, count: int) -> Progress:
+def part_of(progress: Progress | None, number: float, count: float) -> Progress:
     """Return the function to which part `number` of `count` (from 0) reports the fraction of it that is done.
 
     >>> part_of(print, 1, 4)(0.5)
     0.375
     """
-
-    def told(fraction: float) -> None:
-        if progress is not None:
-            progress((number + fraction) / count)
-
-    return told
+    return lambda fraction: None if progress is None else progress((number + fraction) / count)

@@ -178,10 +178,11 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
     blind = np.sqrt(np.sum(vectors[:, ~seen] ** 2, axis=1)) > 1e-4
     covariance, freedom, clustered = _variance(problem, fit, law, jacobian, inverse)
     error, plain = np.sqrt(np.maximum(np.diag(covariance), 0.0)), np.diag(inverse) / law.information
+    outer = np.outer(error, error)
     return Uncertainty(
         read_only(np.where(blind, np.inf, error * scale)),
         read_only(covariance * np.outer(scale, scale)),
-        read_only(_correlation(covariance, error)),
+        read_only(np.where(outer > 0.0, covariance / np.where(outer > 0.0, outer, 1.0), np.eye(len(error)))),
         read_only(freedom),
         read_only(np.where(plain > 0.0, error**2 / np.where(plain > 0.0, plain, 1.0), 1.0)),
         clustered,
@@ -207,11 +208,6 @@ def _variance(
     covariance, freedom = grouped_variance(told, errors, inverse, problem.groups[~belief])
     believed = jacobian[belief] @ inverse
     return *with_known_variance(covariance + by_weights, freedom, believed.T @ believed), True
-
-
-def _correlation(covariance: Array, error: Array) -> Array:
-    outer = np.outer(error, error)
-    return np.where(outer > 0.0, covariance / np.where(outer > 0.0, outer, 1.0), np.eye(len(error)))
 
 
 def _open_directions(problem: JointProblem, values: Array, vectors: Array, seen: Array) -> tuple[OpenDirection, ...]:

@@ -195,13 +195,20 @@ def identify(
     problem, taken = _problem(blocks, tuple(free), fixed or {}, space)
     for name in believed:
         problem.space[name]
-    fold = _folds(problem, folds, seed)
-    report = _Stages(progress)
-    found = multi_start(problem, spread_starts(problem, starts, seed), law, known, report.stage(0.0, 0.6))
+    fold = None
+    if isinstance(folds, Mapping):
+        fold = labelled_folds(problem, folds)
+    elif folds != 0:
+        fold = random_folds(problem, folds, seed)
+    report = progress or (lambda fraction: None)
+    # The searches are the first three fifths of the work, cross-validation the rest.
+    found = multi_start(problem, spread_starts(problem, starts, seed), law, known, lambda done: report(0.6 * done))
     fit = found.best
     errors = uncertainty(problem, fit, law)
-    validation = None if fold is None else cross_validate(problem, fit, fold, law, report.stage(0.6, 1.0))
-    report.stage(0.0, 1.0)(1.0)
+    validation = None
+    if fold is not None:
+        validation = cross_validate(problem, fit, fold, law, lambda done: report(0.6 + 0.4 * done))
+    report(1.0)
     told = zip(problem.space.parameters, fit.vector.tolist(), strict=True)
     estimates = tuple(_estimate(one, value, errors, index, level, fit) for index, (one, value) in enumerate(told))
     notes = (*taken, *_notes(found, errors, problem, estimates, validation, believed))
@@ -244,20 +251,6 @@ def _isotropic(problem: JointProblem) -> NDArray[np.float64] | None:
         return None
 
 
-class _Stages:
-    """Passes on the progress of parts of the work as progress of the whole."""
-
-    def __init__(self, progress: Progress | None) -> None:
-        self._progress = progress
-
-    def stage(self, start: float, end: float) -> Progress:
-        def told(fraction: float) -> None:
-            if self._progress is not None:
-                self._progress(start + (end - start) * fraction)
-
-        return told
-
-
 def _problem(
     blocks: Sequence[DataBlock], free: tuple[str, ...], fixed: Mapping[str, float], space: ParameterSpace
 ) -> tuple[JointProblem, tuple[str, ...]]:
@@ -274,12 +267,6 @@ def _problem(
     nominal = {name: space.nominal[name] for name in taken}
     notes = tuple(f"{name} was neither free nor given: taken as {value:.4g}" for name, value in nominal.items())
     return JointProblem(tuple(blocks), space.select(free), {**nominal, **fixed}), notes
-
-
-def _folds(problem: JointProblem, folds: Folds, seed: int) -> NDArray[np.int64] | None:
-    if isinstance(folds, Mapping):
-        return labelled_folds(problem, folds)
-    return None if folds == 0 else random_folds(problem, folds, seed)
 
 
 def _notes(

@@ -286,14 +286,11 @@ def fit_with_noise(
         change, noise = float(np.max(np.abs(np.log(new / noise)))), new
         if turn > 0 and change < _NOISE_TOLERANCE:
             break
-    finished = _finished(evaluator, fit, noise, law, fit.converged and change < _NOISE_TOLERANCE)
-    return replace(finished, known=~np.isnan(held))
-
-
-def _finished(evaluator: _Evaluator, fit: Fit, noise: Array, law: NoiseLaw, converged: bool) -> Fit:
-    evaluator.noise = noise[evaluator.problem.kind_index]
+    converged = fit.converged and change < _NOISE_TOLERANCE
     message = fit.message if converged or not fit.converged else f"the noise did not settle in {_ROUNDS} rounds"
-    return _fit(evaluator, fit.vector, noise, law, converged, message, evaluator.count)
+    evaluator.noise = noise[problem.kind_index]
+    finished = _fit(evaluator, fit.vector, noise, law, converged, message, evaluator.count)
+    return replace(finished, known=~np.isnan(held))
 
 
 def known_noise(problem: JointProblem, known: Mapping[str, float] | None) -> Array:
@@ -348,9 +345,7 @@ def multi_start(
     if not fits:
         raise ConvergenceError(f"none of {len(starts)} starts has an answer; the first: {outcomes[0].message}")
     best = min(fits, key=lambda fit: fit.deviance)
-    return MultiStart(best, tuple(outcomes), sum(_same(fit, best, problem.space.scale) for fit in fits))
-
-
-def _same(fit: Fit, best: Fit, scale: Array) -> bool:
-    near = bool(np.max(np.abs(fit.vector - best.vector) / scale, initial=0.0) < _SAME_PLACE)
-    return near or abs(fit.deviance - best.deviance) < _SAME_DEVIANCE
+    apart = [np.max(np.abs(fit.vector - best.vector) / problem.space.scale, initial=0.0) for fit in fits]
+    higher = [abs(fit.deviance - best.deviance) for fit in fits]
+    arrived = sum(d < _SAME_PLACE or h < _SAME_DEVIANCE for d, h in zip(apart, higher, strict=True))
+    return MultiStart(best, tuple(outcomes), int(arrived))

@@ -297,8 +297,10 @@ class SurfaceParameters:
             if name not in table:
                 raise unknown_name("parameter of the mechanics", name, table)
         rows = np.array([table[name] for name in names]).reshape(len(names), len(SURFACE))
-        wanted = [_index(name) for name in parameters]
-        return np.asarray(columns @ rows[:, wanted])
+        for name in parameters:
+            if name not in SURFACE.names:
+                raise unknown_name("parameter", name, SURFACE.names)
+        return np.asarray(columns @ rows[:, [SURFACE.names.index(name) for name in parameters]])
 
     def _chain_table(self) -> dict[str, Array]:
         """The derivative (k,) of each of the mechanics' parameters by SURFACE."""
@@ -344,12 +346,6 @@ def possible_names(names: tuple[str, ...], outline: Outline) -> tuple[str, ...]:
     """Return the names of unknowns without shares of the weight that the outline cannot have."""
     shares = share_names(outline)
     return tuple(name for name in names if name not in SHARE_NAMES or name in shares)
-
-
-def _index(name: str) -> int:
-    if name not in SURFACE.names:
-        raise unknown_name("parameter", name, SURFACE.names)
-    return SURFACE.names.index(name)
 
 
 # A start on a bound goes inside by this share of the way to the other one.

@@ -94,7 +94,10 @@ def chain_p_value(
     >>> p.value > 0.05, watson_p_value(p.statistic, 51) < 1e-6
     (True, True)
     """
-    chosen = {"statistic": _statistic(statistic)}
+    known = orientation_statistics()
+    if not callable(statistic) and statistic not in known:
+        raise InvalidInput(f"statistic is {statistic!r}: it must be a callable or one of {', '.join(known)}")
+    chosen = {"statistic": statistic if callable(statistic) else known[statistic]}
     return chain_p_values(theta, circle_map, noise, chosen, runs=runs, seed=seed, refit=refit)["statistic"]
 
 
@@ -118,11 +121,10 @@ def chain_p_values(
     chosen = orientation_statistics() if statistics is None else statistics
     made = transfer_operator(circle_map, noise) if operator is None else operator
     law = stationary_law(made)
-    observed = {name: float(_measured(measure, path[None], law)[0]) for name, measure in chosen.items()}
     starts = np.full(count, path[0])
     paths = sample_staircases(circle_map, noise, path.size - 1, starts, whole_number("seed", seed, least=0))
-    null = _simulated(chosen, paths, law, refit)
-    return {name: monte_carlo_p_value(observed[name], null[name]) for name in chosen}
+    own = None if refit is None else lambda one: stationary_law(transfer_operator(*refit(one)))
+    return _p_values(chosen, path, paths, law, own)
 
 
 def stationary_law(operator: TransferOperator) -> CircularLaw:
@@ -148,34 +150,6 @@ def refit_harmonic_map(path: Array, harmonics: int = HARMONICS) -> tuple[CircleM
     unwrapped = checked_path(path)
     fitted = harmonic_map(Theta0Pairs(unwrapped[:-1], unwrapped[1:]), harmonics)
     return fitted.map, WrappedNormal(fitted.sigma)
-
-
-def _simulated(
-    chosen: Mapping[str, Statistic], paths: Array, law: CircularLaw, refit: Refit | None
-) -> dict[str, Array]:
-    if refit is None:
-        return {name: _measured(measure, paths, law) for name, measure in chosen.items()}
-    laws = [stationary_law(transfer_operator(*refit(path))) for path in paths]
-    return {
-        name: np.concatenate([_measured(measure, path[None], own) for path, own in zip(paths, laws, strict=True)])
-        for name, measure in chosen.items()
-    }
-
-
-def _measured(measure: Statistic, paths: Array, law: CircularLaw) -> Array:
-    values = finite_array("the statistic's values", measure(paths, law))
-    if values.shape != (len(paths),):
-        raise InvalidInput(f"the statistic gave shape {values.shape} for {len(paths)} paths: give one value a path")
-    return values
-
-
-def _statistic(statistic: str | Statistic) -> Statistic:
-    if callable(statistic):
-        return statistic
-    known = orientation_statistics()
-    if statistic not in known:
-        raise InvalidInput(f"statistic is {statistic!r}: it must be a callable or one of {', '.join(known)}")
-    return known[statistic]
 
 
 _CELLS = 4096  # of the grid on which the images of an ensemble are counted
@@ -261,11 +235,14 @@ def collection_statistics(bins: int = DEFAULT_BINS) -> Mapping[str, CollectionSt
     law. turns : |its climb less the ensemble's mean climb|, in turns.
     """
 
-    def against_law(measure: Callable[[Array, CircularLaw], Array]) -> CollectionStatistic:
+    def against_law(measure: Statistic) -> CollectionStatistic:
         return lambda paths, ensemble: measure(paths, ensemble.law)
 
+    def turns(paths: Array, ensemble: Ensemble) -> Array:
+        return np.asarray(np.abs(paths[:, -1] - paths[:, 0] - ensemble.climb) / TWO_PI)
+
     known = {name: against_law(measure) for name, measure in orientation_statistics(bins).items()}
-    return MappingProxyType({**known, "turns": _turns_off})
+    return MappingProxyType({**known, "turns": turns})
 
 
 def collection_p_values(
@@ -312,43 +289,50 @@ def collection_p_values(
     chosen = collection_statistics() if statistics is None else statistics
     size = max(count, 200) if refit is None else _REFIT_ENSEMBLE
     known = ensemble or simulated_ensemble(model, float(path[0]), path.size, size, first_seed + 1)
-    observed = {name: float(_values(measure, path[None], known)[0]) for name, measure in chosen.items()}
     paths = model.paths(float(path[0]), path.size, count, first_seed)
-    if refit is None:
-        null = {name: _values(measure, paths, known) for name, measure in chosen.items()}
-    else:
-        null = _refitted_null(chosen, paths, refit, known.paths.shape[0], first_seed + 1, report)
+
+    def own(one: Array) -> Ensemble:
+        """An ensemble of a simulated collection's own fit, made as the measured one's was."""
+        assert refit is not None
+        return simulated_ensemble(refit(one), float(one[0]), one.size, known.paths.shape[0], first_seed + 1)
+
+    found = _p_values(chosen, path, paths, known, None if refit is None else own, report)
     report(1.0)
-    return {name: monte_carlo_p_value(observed[name], null[name]) for name in chosen}
+    return found
 
 
-def _refitted_null(
-    chosen: Mapping[str, CollectionStatistic],
+def _p_values(
+    chosen: Mapping[str, Callable[[Array, Any], Array]],
+    path: Array,
     paths: Array,
-    refit: CollectionRefit,
-    size: int,
-    seed: int,
-    report: Callable[[float], None],
-) -> dict[str, Array]:
-    """Each simulated collection against an ensemble of its own fit, made as the measured one's was."""
-    found: dict[str, list[Array]] = {name: [] for name in chosen}
-    for done, path in enumerate(paths, 1):
-        own = simulated_ensemble(refit(path), float(path[0]), path.size, size, seed)
-        for name, measure in chosen.items():
-            found[name].append(_values(measure, path[None], own))
-        report(done / len(paths))
-    return {name: np.concatenate(values) for name, values in found.items()}
+    model: Any,
+    own_model: Callable[[Array], Any] | None,
+    report: Callable[[float], None] = lambda fraction: None,
+) -> dict[str, PValue]:
+    """P-values of statistics of a path against a model among those of simulated paths (runs, n).
 
+    own_model : gives what a simulated path is set against; None: the same model as the measured one.
+    """
 
-def _values(measure: CollectionStatistic, paths: Array, ensemble: Ensemble) -> Array:
-    values = finite_array("the statistic's values", measure(paths, ensemble))
-    if values.shape != (len(paths),):
-        raise InvalidInput(f"the statistic gave shape {values.shape} for {len(paths)} paths: give one value a path")
-    return values
+    def values(some: Array, against: Any) -> dict[str, Array]:
+        found = {
+            name: finite_array("the statistic's values", measure(some, against)) for name, measure in chosen.items()
+        }
+        for one in found.values():
+            if one.shape != (len(some),):
+                raise InvalidInput(f"the statistic gave shape {one.shape} for {len(some)} paths: give one value a path")
+        return found
 
-
-def _turns_off(paths: Array, ensemble: Ensemble) -> Array:
-    return np.asarray(np.abs(paths[:, -1] - paths[:, 0] - ensemble.climb) / TWO_PI)
+    observed = values(path[None], model)
+    if own_model is None:
+        null = values(paths, model)
+    else:
+        parts = []
+        for done, one in enumerate(paths, 1):
+            parts.append(values(one[None], own_model(one)))
+            report(done / len(paths))
+        null = {name: np.concatenate([part[name] for part in parts]) for name in chosen}
+    return {name: monte_carlo_p_value(float(observed[name][0]), null[name]) for name in chosen}
 
 
 def _occupation_law(images: Array, noise: Noise) -> CircularLaw:

@@ -13,21 +13,13 @@ import numpy as np
 
 from cyclemap.arrays import shorter_way
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, load_pushes
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, column_value, load_pushes, named_column
 from cyclemap.mechanics import Pose
 from cyclemap.suggestions import unknown_name
 from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
 
-# Facts by which rows are selected, the columns of CSV files that tell them, and the factor to SI units.
-_COLUMNS: dict[str, dict[str, float | None]] = {
-    "surface": {"surface": None},
-    "object": {"object": None, "shape": None},
-    "speed": {"speed": 1.0, "v_mm_s": 1e-3},
-    "side": {"side": 1.0, "i": 1.0},
-    "fraction": {"fraction": 1.0, "s": 1.0},
-    "angle": {"angle": 1.0, "t": 1.0},
-}
-FACTS = tuple(_COLUMNS)
+# Facts of the push table by which rows are selected.
+FACTS = ("surface", "object", "speed", "side", "fraction", "angle")
 
 
 @dataclass(frozen=True)
@@ -79,13 +71,13 @@ class CsvSelection:
 def select_csv(path: Path, selection: RowSelection) -> CsvSelection:
     """Return which rows of a CSV file take part. Raises DataFileError where a fact is no number."""
     table = read_csv_table(path)
-    sources = {name: column for name in FACTS if (column := _source(table, name)) is not None}
-    needed = {name: sources[name] for name in ("surface", "object", *selection.chosen) if name in sources}
+    asked = ("surface", "object", *selection.chosen)
+    needed = {name: column for name in asked if (column := named_column(table, name)) is not None}
     picked: Counter[tuple[str, ...]] = Counter()
     left_out: Counter[str] = Counter()
     told: dict[str, set[str]] = {"surface": set(), "object": set()}
     for row in table.rows:
-        facts = {name: _fact(table, row, name, column) for name, column in needed.items()}
+        facts = {name: column_value(table, row, name) for name in needed}
         reason = selection.refusal(facts)
         if reason:
             left_out[reason] += 1
@@ -95,12 +87,6 @@ def select_csv(path: Path, selection: RowSelection) -> CsvSelection:
             values |= {str(facts[name])} if _known(facts.get(name)) else set()
     texts = tuple(dict(zip(needed.values(), key, strict=True)) for key in picked)
     return CsvSelection(texts, tuple(picked.values()), frozenset(told["surface"]), frozenset(told["object"]), left_out)
-
-
-def row_facts(table: CsvTable, row: CsvRow) -> dict[str, str | float | None]:
-    """Return what a row of a CSV file tells of its push, by FACTS; None where it does not."""
-    sources = {name: _source(table, name) for name in FACTS}
-    return {name: None if column is None else _fact(table, row, name, column) for name, column in sources.items()}
 
 
 def select_pushes(
@@ -134,17 +120,6 @@ def pushes_of(pushes: PushTable, plate: str) -> PushTable:
 def told(frame: Any, column: str) -> frozenset[str]:
     """Return the texts that a column tells."""
     return frozenset(str(value) for value in frame[column] if _known(value))
-
-
-def _source(table: CsvTable, name: str) -> str | None:
-    return next((column for column in _COLUMNS[name] if column in table.header), None)
-
-
-def _fact(table: CsvTable, row: CsvRow, name: str, column: str) -> str | float | None:
-    factor, text = _COLUMNS[name][column], table.text(row, column)
-    if factor is None or not text:
-        return text or None
-    return factor * table.number(row, column)
 
 
 def _known(value: Any) -> bool:
@@ -226,9 +201,7 @@ def read_measured_drags(path: str | Path, select: Mapping[str, str] | None = Non
     """Read drags from a CSV table with `x1,y1,th1` before and `x0n,y0n,th0n` after (m, rad), as pushes are read."""
     table = read_csv_table(path)
     require_columns(table, _DRAG_COLUMNS)
-    rows = _selected(table, select)
-    labels = range(len(rows))
-    return tuple(_drag(table, row, label) for row, label in zip(rows, labels, strict=True))
+    return tuple(_drag(table, row, label) for label, row in enumerate(_selected(table, select)))
 
 
 def _selected(table: CsvTable, select: Mapping[str, str] | None) -> list[CsvRow]:
@@ -254,11 +227,17 @@ def _contact_labels(table: CsvTable, rows: list[CsvRow], columns: tuple[str, ...
     return [number[key] for key in keys]
 
 
+def push_ends(table: CsvTable, row: CsvRow) -> tuple[Pose, Pose, Place, Place]:
+    """Return the object's poses before and after a push, angles as written, and the rod's places then (m, world)."""
+    x0, y0, theta0, x1, y1, theta1, *tip = (table.number(row, column) for column in PUSH_END_COLUMNS)
+    return Pose(x0, y0, theta0), Pose(x1, y1, theta1), (tip[0], tip[1]), (tip[2], tip[3])
+
+
 def _push(table: CsvTable, row: CsvRow, contact: int) -> MeasuredPush:
-    x0, y0, theta0, x1, y1, theta1, *tips = (table.number(row, column) for column in PUSH_END_COLUMNS)
-    end = Pose(x1, y1, theta0 + float(shorter_way(theta1 - theta0)))
+    start, end, tip_start, tip_end = push_ends(table, row)
+    lifted = Pose(end.x, end.y, start.theta + float(shorter_way(end.theta - start.theta)))
     try:
-        return MeasuredPush(Pose(x0, y0, theta0), end, (tips[0], tips[1]), (tips[2], tips[3]), contact)
+        return MeasuredPush(start, lifted, tip_start, tip_end, contact)
     except InvalidInput as cause:
         raise table.error(row.line, str(cause)) from cause
 

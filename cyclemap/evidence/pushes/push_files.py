@@ -20,8 +20,13 @@ from cyclemap.evidence.pushes.mit_names import scan_facts
 from cyclemap.text_files import LARGEST_CONTENT, read_json
 from cyclemap.whole_files import write_whole
 
+HDF5_SUFFIXES = (".h5", ".hdf5")
+SUFFIXES = (*HDF5_SUFFIXES, ".json")
 PUSH_TABLES = ("object_pose", "tip_pose", "ft_wrench")
-
+TABLES = (*PUSH_TABLES, "tip_array")
+# HDF5's numbers of the filters shuffle, gzip and fletcher32, in the only order that is read.
+_FILTERS = (2, 1, 3)
+_GZIP = 1
 # Beyond these no table-top measurement lies: a damaged number, or one in other units.
 LARGEST_POSITION = 100.0
 LARGEST_ANGLE = 1e4
@@ -137,7 +142,13 @@ class ScanRecord:
 
 def _checked_series(name: str, value: object) -> Array:
     """Return a table of (time, and three numbers) as a read-only array, or raise InvalidInput."""
-    array = _numbers(name, value)
+    try:
+        array = np.asarray(value)
+    except ValueError as cause:
+        raise InvalidInput(f"{name} has rows of different lengths; it must have 4 columns throughout") from cause
+    if array.dtype.kind not in "iuf":
+        raise InvalidInput(f"{name} holds something other than numbers (type {array.dtype}); it must hold numbers only")
+    array = array.astype(float)
     least = 1 if name == "ft_wrench" else 2
     if array.ndim != 2 or array.shape[1] != 4 or len(array) < least:
         raise InvalidInput(f"{name} has shape {array.shape}; it must have at least {least} rows of 4 columns")
@@ -152,27 +163,8 @@ def _checked_series(name: str, value: object) -> Array:
     return read_only(array)
 
 
-def _numbers(name: str, value: object) -> Array:
-    try:
-        array = np.asarray(value)
-    except ValueError as cause:
-        raise InvalidInput(f"{name} has rows of different lengths; it must have 4 columns throughout") from cause
-    if array.dtype.kind not in "iuf":
-        raise InvalidInput(f"{name} holds something other than numbers (type {array.dtype}); it must hold numbers only")
-    return array.astype(float)
-
-
 def _listed(tables: Mapping[str, object]) -> str:
     return ", ".join(sorted(tables)[:10]) or "none"
-
-
-TABLES = ("object_pose", "tip_pose", "tip_array", "ft_wrench")
-HDF5_SUFFIXES = (".h5", ".hdf5")
-SUFFIXES = (*HDF5_SUFFIXES, ".json")
-
-# HDF5's numbers of the filters shuffle, gzip and fletcher32, in the only order that is read.
-_FILTERS = (2, 1, 3)
-_GZIP = 1
 
 
 def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
@@ -189,9 +181,12 @@ def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
     """
     path = Path(path)
     try:
-        _refuse_other_scans(path)
+        is_scan = scan_facts(path) is not None
+        # Scans that also turn the object may hold all tables of a push, yet are none.
+        if path.name.startswith("record_") and not is_scan:
+            raise InvalidInput("its name begins as a friction scan's, but is not that of a straight one; leave it out")
         tables = _tables(path)
-        if scan_facts(path) is not None or ("object_pose" not in tables and "tip_array" in tables):
+        if is_scan or ("object_pose" not in tables and "tip_array" in tables):
             return ScanRecord.from_tables(tables)
         return PushRecord.from_tables(tables)
     except DataFileError:
@@ -214,10 +209,8 @@ def _tables(path: Path) -> dict[str, Any]:
         raise InvalidInput("there is no such file; check the path")
     if path.stat().st_size == 0:
         raise InvalidInput("the file is empty; restore it or remove it")
-    return _json_tables(path) if path.suffix.lower() == ".json" else _hdf5_tables(path)
-
-
-def _json_tables(path: Path) -> dict[str, Any]:
+    if path.suffix.lower() in HDF5_SUFFIXES:
+        return _hdf5_tables(path)
     content = read_json(path)
     if not isinstance(content, dict):
         raise InvalidInput(f"holds a {type(content).__name__}; it must be an object with the tables of a push")
@@ -240,13 +233,13 @@ def _hdf5_tables(path: Path) -> dict[str, Any]:
         RuntimeError,
         ValueError,
         TypeError,
-        KeyError,
         LookupError,
         MemoryError,
         AttributeError,
         zlib.error,
     ) as error:
-        raise InvalidInput(f"not a whole HDF5 file, cut short or damaged ({_first_line(error)})") from error
+        told = (str(error).splitlines() or [type(error).__name__])[0][:200]
+        raise InvalidInput(f"not a whole HDF5 file, cut short or damaged ({told})") from error
 
 
 def _hdf5_table(file: Any, name: str) -> Any:
@@ -259,20 +252,16 @@ def _hdf5_table(file: Any, name: str) -> Any:
         raise InvalidInput(f"{name} is no table kept in this file itself")
     if table.ndim != 2 or table.shape[1] != 4 or table.dtype.kind not in "iuf":
         raise InvalidInput(f"{name} is of type {table.dtype} and shape {table.shape}; it must be numbers in 4 columns")
-    _refuse_false_size(name, table)
-    return table[()]
-
-
-def _refuse_false_size(name: str, table: Any) -> None:
-    """Raise InvalidInput where a table is larger than any push's, or not in its file as it claims to be."""
     chunk, stored = math.prod(table.chunks or (1,)), int(table.id.get_storage_size())
     if 8 * max(table.size, chunk) > LARGEST_CONTENT or stored > LARGEST_CONTENT:
         raise InvalidInput(f"{name} takes more than {LARGEST_CONTENT / 1e6:.0f} MB; no push is so long: split it")
     # HDF5 reads what was never written as zeros: they would pass for poses.
-    if stored == 0 or (table.chunks and table.id.get_num_chunks() < _chunks_needed(table)):
+    needed = math.prod(-(-length // part) for length, part in zip(table.shape, table.chunks or (1, 1), strict=True))
+    if stored == 0 or (table.chunks and table.id.get_num_chunks() < needed):
         raise InvalidInput(f"{name} has rows that are not in the file; restore the file or remove it")
     if table.chunks:
         _refuse_false_packing(name, table, chunk * table.dtype.itemsize)
+    return table[()]
 
 
 def _refuse_false_packing(name: str, table: Any, room: int) -> None:
@@ -293,18 +282,6 @@ def _refuse_false_packing(name: str, table: Any, room: int) -> None:
     table.id.chunk_iter(check)
     if faults:
         raise InvalidInput(f"{name} unpacks to more than its size; restore the file or remove it")
-
-
-def _chunks_needed(table: Any) -> int:
-    return math.prod(-(-length // chunk) for length, chunk in zip(table.shape, table.chunks, strict=True))
-
-
-def _first_line(error: BaseException) -> str:
-    lines = str(error).splitlines()
-    return lines[0][:200] if lines else type(error).__name__
-
-
-SCAN_TABLES = ("tip_array", "ft_wrench")
 
 
 def write_push_file(path: str | Path, record: PushRecord | ScanRecord) -> int:
@@ -328,7 +305,10 @@ def write_push_file(path: str | Path, record: PushRecord | ScanRecord) -> int:
     if path.suffix.lower() not in SUFFIXES:
         raise InvalidInput(f"{path}: '{path.suffix}' is no suffix of push data; choose one of {', '.join(SUFFIXES)}")
     tables = record_tables(record)
-    content = _hdf5(tables) if path.suffix.lower() in HDF5_SUFFIXES else _json(tables)
+    if path.suffix.lower() in HDF5_SUFFIXES:
+        content = _hdf5(tables)
+    else:
+        content = json.dumps({name: rows.tolist() for name, rows in tables.items()}, allow_nan=False).encode()
     write_whole(path, content)
     return len(content)
 
@@ -337,7 +317,7 @@ def record_tables(record: PushRecord | ScanRecord) -> dict[str, Array]:
     """The tables of a record by their names in the files; a scan's tip is in `tip_array`."""
     if isinstance(record, PushRecord):
         return {name: getattr(record, name) for name in PUSH_TABLES}
-    return dict(zip(SCAN_TABLES, (record.tip, record.ft_wrench), strict=True))
+    return {"tip_array": record.tip, "ft_wrench": record.ft_wrench}
 
 
 def _hdf5(tables: dict[str, Array]) -> bytes:
@@ -349,7 +329,3 @@ def _hdf5(tables: dict[str, Array]) -> bytes:
             file.create_dataset(name, data=rows, chunks=rows.shape, compression="gzip", shuffle=True)
         file.flush()
         return bytes(file.id.get_file_image())
-
-
-def _json(tables: dict[str, Array]) -> bytes:
-    return json.dumps({name: rows.tolist() for name, rows in tables.items()}, allow_nan=False).encode()

@@ -31,16 +31,10 @@ from cyclemap.text_files import LARGEST_CONTENT, CsvRow, CsvTable, read_csv_tabl
 if TYPE_CHECKING:
     import pandas
 
-# A column of the push table, the names it goes by in a file, and the factor to SI units.
-_POSE_NAMES = {
-    "x0": {"x0": 1.0},
-    "y0": {"y0": 1.0},
-    "theta0": {"theta0": 1.0, "th0": 1.0, "theta0_deg": math.pi / 180.0},
-    "x1": {"x1": 1.0},
-    "y1": {"y1": 1.0},
-    "theta1": {"theta1": 1.0, "th1": 1.0, "theta1_deg": math.pi / 180.0},
-}
-_FACT_NAMES = {
+# A column of the push table, the names it goes by in a file, and the factor to SI units; None: a text.
+COLUMN_NAMES: dict[str, dict[str, float | None]] = {
+    "surface": {"surface": None},
+    "object": {"object": None, "shape": None},
     "acceleration": {"acceleration": 1.0, "a_mm_s2": 1e-3},
     "speed": {"speed": 1.0, "v_mm_s": 1e-3},
     "side": {"side": 1.0, "i": 1.0},
@@ -48,16 +42,30 @@ _FACT_NAMES = {
     "angle": {"angle": 1.0, "t": 1.0},
     "repetition": {"repetition": 1.0, "rep": 1.0},
     "length": {"length": 1.0, "push_mm": 1e-3},
-    "tip_x0": {"tip_x0": 1.0},
-    "tip_y0": {"tip_y0": 1.0},
-    "dtheta": {"dtheta": 1.0},
+    **{name: {name: 1.0} for name in ("tip_x0", "tip_y0", "x0", "y0", "x1", "y1", "dtheta", "force_ratio")},
+    "theta0": {"theta0": 1.0, "th0": 1.0, "theta0_deg": math.pi / 180.0},
+    "theta1": {"theta1": 1.0, "th1": 1.0, "theta1_deg": math.pi / 180.0},
     "theta_next": {"theta_next": 1.0, "th0n": 1.0},
-    "force_ratio": {"force_ratio": 1.0},
 }
-_TIP_NAMES = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
+_ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
+_RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
 # As a table of twenty columns they are as large as any file may be.
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
-_TEXT_NAMES = {"surface": ("surface",), "object": ("object", "shape")}
+
+
+def named_column(table: CsvTable, column: str) -> str | None:
+    """The first of the names of a column of the push table that a file's header has; None without."""
+    return next((name for name in COLUMN_NAMES[column] if name in table.header), None)
+
+
+def column_value(table: CsvTable, row: CsvRow, column: str) -> Any:
+    """What a row of a file tells for a column of the push table, SI units; NaN, of texts None, where it does not."""
+    name = named_column(table, column)
+    text = table.text(row, name) if name is not None else ""
+    factor = COLUMN_NAMES[column][name] if name is not None else next(iter(COLUMN_NAMES[column].values()))
+    if factor is None:
+        return text or None
+    return factor * table.number(row, name) if name is not None and text else math.nan
 
 
 def read_push_csv(path: str | Path) -> list[dict[str, Any]]:
@@ -78,33 +86,29 @@ def read_push_csv(path: str | Path) -> list[dict[str, Any]]:
     table = read_csv_table(path)
     if len(table.rows) > _MOST_PUSHES:
         raise DataFileError(f"{table.path}: holds more than {_MOST_PUSHES} pushes; split it")
-    if all(_source(table, names) for names in _POSE_NAMES.values()):
+    if all(named_column(table, column) for column in _ENDS):
         doubt_degrees(table, [name for name in ("theta0_deg", "theta1_deg") if name in table.header])
         return [_pose_row(table, row) for row in table.rows]
     return _pair_rows(table)
 
 
 def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
-    pose = {column: _number(table, row, names) for column, names in _POSE_NAMES.items()}
-    for column, value in pose.items():
+    found = {column: column_value(table, row, column) for column in COLUMN_NAMES}
+    for column in _ENDS:
         limit = LARGEST_ANGLE if column.startswith("theta") else LARGEST_POSITION
-        if not abs(value) <= limit:
-            raise table.error(row.line, f"{column} is {value:g}; it must be a number within {limit:g} (SI units)")
-    facts = {column: _number(table, row, names) for column, names in _FACT_NAMES.items()}
-    if all(name in table.header and table.text(row, name) for name in _TIP_NAMES):
-        x0, y0, x1, y1 = (table.number(row, name) for name in _TIP_NAMES)
-        facts["length"] = math.hypot(x1 - x0, y1 - y0)
-    texts = {column: _text(table, row, names) for column, names in _TEXT_NAMES.items()}
-    return _unknown(table) | texts | facts | pose | _motion(pose, facts)
-
-
-def _motion(pose: dict[str, float], facts: dict[str, float]) -> dict[str, float]:
-    x, y, theta, dtheta = pose["x1"] - pose["x0"], pose["y1"] - pose["y0"], pose["theta0"], facts["dtheta"]
+        if not abs(found[column]) <= limit:
+            value = f"{column} is {found[column]:g}"
+            raise table.error(row.line, f"{value}; it must be a number within {limit:g} (SI units)")
+    if all(name in table.header and table.text(row, name) for name in _RODS):
+        x0, y0, x1, y1 = (table.number(row, name) for name in _RODS)
+        found["length"] = math.hypot(x1 - x0, y1 - y0)
+    x, y, theta, dtheta = found["x1"] - found["x0"], found["y1"] - found["y0"], found["theta0"], found["dtheta"]
     if math.isnan(dtheta):
-        dtheta = float(shorter_way(pose["theta1"] - theta))
+        dtheta = float(shorter_way(found["theta1"] - theta))
     theta1, c, s = theta + dtheta, math.cos(theta), math.sin(theta)
-    ahead = theta1 + float(shorter_way(facts["theta_next"] - theta1))
-    return {"dx": c * x + s * y, "dy": c * y - s * x, "dtheta": dtheta, "theta1": theta1, "theta_next": ahead}
+    ahead = theta1 + float(shorter_way(found["theta_next"] - theta1))
+    motion = {"dx": c * x + s * y, "dy": c * y - s * x, "dtheta": dtheta, "theta1": theta1, "theta_next": ahead}
+    return _unknown(table) | found | motion
 
 
 def _pair_rows(table: CsvTable) -> list[dict[str, Any]]:
@@ -119,22 +123,6 @@ def _pair_rows(table: CsvTable) -> list[dict[str, Any]]:
 
 def _unknown(table: CsvTable) -> dict[str, Any]:
     return asdict(PushFacts()) | {"samples": 0, "path": str(table.path)}
-
-
-def _source(table: CsvTable, names: Any) -> str | None:
-    """The first of `names` that the header has."""
-    return next((name for name in names if name in table.header), None)
-
-
-def _number(table: CsvTable, row: CsvRow, names: dict[str, float]) -> float:
-    """The field times its factor; NaN where it is absent or empty."""
-    name = _source(table, names)
-    return names[name] * table.number(row, name) if name is not None and table.text(row, name) else math.nan
-
-
-def _text(table: CsvTable, row: CsvRow, names: tuple[str, ...]) -> str | None:
-    name = _source(table, names)
-    return None if name is None else table.text(row, name) or None
 
 
 _PUSH_SET = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")

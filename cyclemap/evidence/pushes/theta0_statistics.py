@@ -138,8 +138,5 @@ class MeasuredOverlay:
 def measured_overlay(pairs: Theta0Pairs, turn: Callable[[Array], Array]) -> MeasuredOverlay:
     """Summarise `pairs` against the map that turns θ (rad) by `turn(θ)` (rad)."""
     return MeasuredOverlay(
-        pairs=pairs,
-        bins=turn_bins(pairs),
-        histogram=angle_histogram(pairs.theta),
-        agreement=map_agreement(pairs, turn),
+        pairs=pairs, bins=turn_bins(pairs), histogram=angle_histogram(pairs.theta), agreement=map_agreement(pairs, turn)
     )

@@ -12,16 +12,17 @@ import numpy as np
 
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.pushes.measured_strokes import (
+    FACTS,
     LARGEST_TIP_ERROR,
     PUSH_END_COLUMNS,
     RowSelection,
-    row_facts,
+    push_ends,
     select_pushes,
     tip_error,
 )
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile, column_value
 from cyclemap.evidence.replay.replay_push import Replay, replay_push
 from cyclemap.mechanics import (
     EllipseFriction,
@@ -111,22 +112,6 @@ ACCURACY = 1e-5
 _FACTS = ("surface", "object", "speed", "acceleration", "side", "fraction", "angle", "repetition")
 # Reading the folder is this share of the work.
 _READING = 0.1
-GROUP_COLUMNS = (
-    "count",
-    "mean_error",
-    "median_error",
-    "mean_turn_error",
-    "median_turn_error",
-    "mean_motion",
-    "mean_turn",
-    "relative_error",
-    "relative_turn_error",
-    "mean_rms_error",
-    "touch_agrees",
-    "leaving_agrees",
-    "isotropic_mean_error",
-    "isotropic_mean_turn_error",
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,7 +171,7 @@ class ReplayedPushes:
             "isotropic_mean_error": mean["isotropic_error"],
             "isotropic_mean_turn_error": mean["isotropic_off"],
         }
-        return work.__class__({name: found[name] for name in GROUP_COLUMNS}).reset_index()
+        return work.__class__(found).reset_index()
 
 
 def replay_pushes(
@@ -223,7 +208,10 @@ def replay_pushes(
     runner = _Runner(dataset_sliders() if sliders is None else sliders, friction, pusher, plates, frames)
     rows: list[dict[str, Any]] = []
     replays: list[Replay] = []
-    left_out = [*found.unreadable, *(_without_push(file) for file in found.scans["path"].unique())]
+    left_out = [
+        *found.unreadable,
+        *(UnreadableFile(Path(file), "a friction scan, not a push") for file in found.scans["path"].unique()),
+    ]
     files, total, done = found.table["path"].unique(), max(len(found.table), 1), 0
     if not len(files) and left:
         raise InvalidInput(f"{path}: nothing is selected: {', '.join(f'{count} {why}' for why, count in left.items())}")
@@ -300,21 +288,16 @@ def _recorded(
     if missing := [name for name in PUSH_END_COLUMNS if name not in table.header]:
         raise InvalidInput(f"a table of poses before and after has no tip path to replay: no {', '.join(missing)}")
     for row in table.rows:
-        facts = row_facts(table, row)
+        facts = {name: column_value(table, row, name) for name in FACTS}
         if selection.refusal(facts):
             continue
-        x0, y0, th0, x1, y1, th1, *tip = (table.number(row, name) for name in PUSH_END_COLUMNS)
+        start, end, tip_start, tip_end = push_ends(table, row)
         if (astray := tip_error(table, row)) > LARGEST_TIP_ERROR:
             left_out.append(UnreadableFile(path, f"line {row.line}: the robot was {1e3 * astray:.3g} mm off its way"))
             continue
-        poses = [[0.0, x0, y0, th0], [1.0, x1, y1, th1]]
-        tips = [[0.0, tip[0], tip[1], 0.0], [1.0, tip[2], tip[3], 0.0]]
-        known = {name: value for name, value in facts.items() if value is not None}
-        yield PushFacts(**known), PushRecord(poses, tips, [[0.0, 0.0, 0.0, 0.0]])  # type: ignore[arg-type]
-
-
-def _without_push(path: str) -> UnreadableFile:
-    return UnreadableFile(Path(path), "a friction scan, not a push")
+        poses = [[0.0, start.x, start.y, start.theta], [1.0, end.x, end.y, end.theta]]
+        tips = [[0.0, *tip_start, 0.0], [1.0, *tip_end, 0.0]]
+        yield PushFacts(**facts), PushRecord(poses, tips, [[0.0, 0.0, 0.0, 0.0]])  # type: ignore[arg-type]
 
 
 def _row(path: Path, facts: PushFacts, replay: Replay, isotropic: Replay) -> dict[str, Any]:

@@ -67,11 +67,7 @@ class SetLaws:
 
 
 def set_laws(
-    pushes: PushSet,
-    *,
-    harmonics: int | None = None,
-    seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    pushes: PushSet, *, harmonics: int | None = None, seed: int = 0, progress: Callable[[float], None] | None = None
 ) -> SetLaws:
     """Fit the three laws of a set; a law that cannot be fitted has its ``problem`` instead.
 

@@ -5,12 +5,7 @@ import pytest
 from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.identification.cross_validation import (
-    cross_validate,
-    kind_errors,
-    labelled_folds,
-    random_folds,
-)
+from cyclemap.evidence.identification.cross_validation import cross_validate, kind_errors, labelled_folds, random_folds
 from cyclemap.evidence.identification.data_block import FunctionBlock, JointProblem, Values
 from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE, Parameter, ParameterSpace

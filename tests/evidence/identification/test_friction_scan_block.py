@@ -9,11 +9,7 @@ from stand_ins import ELLIPSE, complex_traction
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.data_blocks.force_blocks import (
-    SCAN_KIND,
-    friction_ellipse_from_scans,
-    friction_scan_block,
-)
+from cyclemap.evidence.data_blocks.force_blocks import SCAN_KIND, friction_ellipse_from_scans, friction_scan_block
 from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
 from cyclemap.evidence.identification.least_squares import fit_with_noise

@@ -9,11 +9,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS, interpolation, interpolation_slope, loop_on
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
-from cyclemap.evidence.published_comparison import (
-    CycleNodes,
-    cycle_nodes,
-    node_values,
-)
+from cyclemap.evidence.published_comparison import CycleNodes, cycle_nodes, node_values
 
 SURFACE = SurfaceParameters(
     ellipticity_x=0.1,

@@ -6,11 +6,7 @@ from pathlib import Path
 import pytest
 
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.measured_strokes import (
-    MeasuredPush,
-    read_measured_drags,
-    read_measured_pushes,
-)
+from cyclemap.evidence.pushes.measured_strokes import MeasuredPush, read_measured_drags, read_measured_pushes
 from cyclemap.mechanics import Pose
 
 HEADER = "surface,shape,i,s,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1,tip_err_mm"

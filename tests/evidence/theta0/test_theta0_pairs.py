@@ -83,10 +83,7 @@ def test_byte_order_mark_crlf_blanks_and_capitals_are_harmless(csv) -> None:
         ("\n\n", "the file is empty"),
         ("theta0_deg,theta_next_deg\n", "line 1: a header but no rows"),
         ("angle,next\n1,2\n", "line 1: the header is angle,next; it must be rep,theta0_accum_deg"),
-        (
-            "rep,theta0_accum_deg\n1,2\n",
-            "line 1: column theta0_mod360_deg, dtheta_to_next_deg, flag is missing",
-        ),
+        ("rep,theta0_accum_deg\n1,2\n", "line 1: column theta0_mod360_deg, dtheta_to_next_deg, flag is missing"),
         ("theta_next_deg\n1\n", "line 1: column theta0_deg is missing"),
         ("theta0_deg,theta_next_deg\n1,2\n3,four\n", "line 3: theta_next_deg is 'four'"),
         ("theta0_deg,theta_next_deg\n1,2\nnan,4\n", "line 3: theta0_deg is 'nan'"),
@@ -100,14 +97,8 @@ def test_byte_order_mark_crlf_blanks_and_capitals_are_harmless(csv) -> None:
         (b"theta0_deg\n\xff\xfe\n", "byte 11 is not UTF-8"),
         ('theta0_deg\n"1\n2\n', "mend the quotes"),
         (HEADER + "0,10,10,5,jump\n1,15,15,,\n", "line 3: no row without a flag"),
-        (
-            HEADER + "0,10,10,5,\n1,16,16,,\n",
-            "line 2: dtheta_to_next_deg is 5, the next row says 6; a row is missing",
-        ),
-        (
-            HEADER + "0,10,10,5,\n1,15,25,,\n",
-            "line 3: theta0_accum_deg and theta0_mod360_deg disagree (15 and 25)",
-        ),
+        (HEADER + "0,10,10,5,\n1,16,16,,\n", "line 2: dtheta_to_next_deg is 5, the next row says 6; a row is missing"),
+        (HEADER + "0,10,10,5,\n1,15,25,,\n", "line 3: theta0_accum_deg and theta0_mod360_deg disagree (15 and 25)"),
         (HEADER + "0,10,10,5,\n1,15,15\n", "line 3: 3 of 5 fields"),
         (HEADER + "0,10,10,5,\n1,15,15,5,\n", "line 3: the last row has a next θ0: the file is cut off"),
     ],

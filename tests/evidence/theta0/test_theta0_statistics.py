@@ -6,13 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence import (
-    Theta0Pairs,
-    angle_histogram,
-    map_agreement,
-    measured_overlay,
-    turn_bins,
-)
+from cyclemap.evidence import Theta0Pairs, angle_histogram, map_agreement, measured_overlay, turn_bins
 
 TURN = 2 * np.pi
 
