@@ -172,15 +172,11 @@ ROWS = {
     "evidence": (
         ("pushes", "laws", "orientations", "tables", "comparison"),
         ("pushes", "replay"),
-        ("pushes", "tables", "identification", "data_blocks"),
+        ("pushes", "laws", "tables", "identification", "data_blocks"),
     ),
     "resets": (("monitor", "design", "protocol"),),
 }
-PARTS_SHARED: dict[str, set[str]] = {
-    "maps": {"arcs", "estimate", "quadrature"},
-    "evidence": set(),
-    "resets": set(),
-}
+PARTS_SHARED: dict[str, set[str]] = {"maps": {"arcs", "estimate", "quadrature"}, "evidence": set(), "resets": set()}
 
 
 def allowed(place: str, part: str) -> set[str]:

@@ -15,9 +15,9 @@ from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
 from cyclemap.evidence.data_blocks.force_blocks import ScanForces
 from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock
 from cyclemap.evidence.identification.data_block import plain_block
-from cyclemap.evidence.identification.identifiability import student_quantile
 from cyclemap.evidence.identification.identify import Identification
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import EllipseFriction
 
 DRAWS = 2000

@@ -52,7 +52,11 @@ class DirectionAgreement:
 
 
 def direction_agreement(
-    path: Array, zones: tuple[SlowZone, ...], ensemble: Ensemble, null: Array, bandwidth: float = DEFAULT_BANDWIDTH
+    path: Array,
+    zones: tuple[SlowZone, ...],
+    ensemble: Ensemble,
+    null: Array,
+    bandwidth: float = DEFAULT_BANDWIDTH,
 ) -> DirectionAgreement:
     """Match the predicted ``zones`` with the modes of ``path`` (n,) rad.
 

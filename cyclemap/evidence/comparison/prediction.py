@@ -70,7 +70,12 @@ class Prediction:
 
 
 def as_prediction(
-    given: Any, noise: Noise | None, last: int, *, tolerance: float = 1e-6, progress: Progress | None = None
+    given: Any,
+    noise: Noise | None,
+    last: int,
+    *,
+    tolerance: float = 1e-6,
+    progress: Progress | None = None,
 ) -> Prediction:
     """Bring a prediction of pushes up to ``last`` to one form.
 

@@ -52,7 +52,10 @@ class StaircaseAgreement:
 
 
 def staircase_agreement(
-    path: Array, null: Array, summary: StaircaseSummary | None, progress: Callable[[float], None] | None = None
+    path: Array,
+    null: Array,
+    summary: StaircaseSummary | None,
+    progress: Callable[[float], None] | None = None,
 ) -> StaircaseAgreement:
     """Set the path (n,) rad, unwrapped, beside simulated ones ``null`` (runs, n), from the same start.
 

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_number, read_only
-from cyclemap.errors import InvalidInput
+from cyclemap.checks import read_only
 from cyclemap.evidence.identification.data_block import PRIOR_KIND, JointProblem
 from cyclemap.evidence.identification.least_squares import Fit, NoiseLaw
 
@@ -222,17 +221,3 @@ def _open_directions(problem: JointProblem, values: Array, vectors: Array, seen:
         signed = vector * np.sign(vector[order[0]]) * problem.space.scale
         found.append(OpenDirection(names, tuple(float(signed[index]) for index in order), float(error)))
     return tuple(found)
-
-
-def student_quantile(level: float, freedom: float) -> float:
-    """Return t such that a Student variable lies within -t and t with probability `level`.
-
-    >>> round(student_quantile(0.95, 10_000_000), 4)
-    1.96
-    """
-    from scipy.special import stdtrit
-
-    probability = finite_number("level", level)
-    if not 0.0 < probability < 1.0:
-        raise InvalidInput(f"level is {level!r}; it must be a probability between 0 and 1, such as 0.95")
-    return float(stdtrit(freedom, 0.5 + 0.5 * probability))

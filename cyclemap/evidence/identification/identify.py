@@ -19,7 +19,7 @@ from cyclemap.evidence.identification.cross_validation import (
     random_folds,
 )
 from cyclemap.evidence.identification.data_block import PRIOR_KIND, DataBlock, JointProblem, prior_block
-from cyclemap.evidence.identification.identifiability import Uncertainty, student_quantile, uncertainty
+from cyclemap.evidence.identification.identifiability import Uncertainty, uncertainty
 from cyclemap.evidence.identification.least_squares import (
     NO_ANSWER,
     Fit,
@@ -35,6 +35,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     ParameterSpace,
     SurfaceParameters,
 )
+from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import EllipseFriction
 from cyclemap.suggestions import unknown_name
 

@@ -141,9 +141,8 @@ def fit_map(
     law = fit_periodic_law(angles, images - angles, **options)
     if cycle is None:
         return FittedMap(law)
-    return FittedMap(
-        law, fit_worn_law(angles, images - angles, cycle, degree=wear_degree, max_degree=max_wear_degree, **options)
-    )
+    wear = fit_worn_law(angles, images - angles, cycle, degree=wear_degree, max_degree=max_wear_degree, **options)
+    return FittedMap(law, wear)
 
 
 def map_of_turn(law: PeriodicLaw) -> CircleMap:
@@ -184,17 +183,12 @@ class HarmonicMap:
     @property
     def map(self) -> CircleMap:
         """The fitted map as a lift of degree 1."""
-        return CircleMap(self._lift, self._slope)
-
-    def _lift(self, theta: Array) -> Array:
-        return np.asarray(theta + fourier_columns(theta, self.cosine.size - 1) @ self._coefficients)
-
-    def _slope(self, theta: Array) -> Array:
-        return np.asarray(1.0 + fourier_slopes(theta, self.cosine.size - 1) @ self._coefficients)
-
-    @property
-    def _coefficients(self) -> Array:
-        return np.append(self.cosine[0], np.stack([self.cosine[1:], self.sine[1:]], axis=-1).ravel())
+        order = self.cosine.size - 1
+        coefficients = np.append(self.cosine[0], np.stack([self.cosine[1:], self.sine[1:]], axis=-1).ravel())
+        return CircleMap(
+            lambda theta: np.asarray(theta + fourier_columns(theta, order) @ coefficients),
+            lambda theta: np.asarray(1.0 + fourier_slopes(theta, order) @ coefficients),
+        )
 
 
 def harmonic_map(pairs: Theta0Pairs, harmonics: int = HARMONICS) -> HarmonicMap:

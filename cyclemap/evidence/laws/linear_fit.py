@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.checks import read_only, whole_number
+from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 
 
@@ -151,6 +151,20 @@ def _long_run(moments: Array) -> Array:
         shared = moments[lag:].T @ moments[:-lag]
         total += (1.0 - lag / (lags + 1.0)) * (shared + shared.T)
     return np.asarray(total)
+
+
+def student_quantile(level: float, freedom: float) -> float:
+    """Return t such that a Student variable lies within -t and t with probability `level`.
+
+    >>> round(student_quantile(0.95, 10_000_000), 4)
+    1.96
+    """
+    from scipy.special import stdtrit
+
+    probability = finite_number("level", level)
+    if not 0.0 < probability < 1.0:
+        raise InvalidInput(f"level is {level!r}; it must be a probability between 0 and 1, such as 0.95")
+    return float(stdtrit(freedom, 0.5 + 0.5 * probability))
 
 
 FOLDS = 10

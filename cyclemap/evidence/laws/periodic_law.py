@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, finite_number, read_only, whole_number
+from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import (
     LinearFit,
@@ -23,6 +23,7 @@ from cyclemap.evidence.laws.linear_fit import (
     lag_correlation,
     nested_errors,
     simplest_good,
+    student_quantile,
     weighted_least_squares,
 )
 
@@ -211,27 +212,6 @@ class LawBand:
         return self.centre + self.halfwidth
 
 
-def law_band(theta: Array, level: float, centre: Array, standard_error: Array, noise: Array, free: int) -> LawBand:
-    """Student's bands with ``free`` degrees of freedom: centre ± t·se and centre ± t·√(se² + noise²).
-
-    Exact for independent normal scatter of constant size about a law of the fitted order; else close for many values.
-
-    Raises InvalidInput for a level outside (0, 1).
-
-    >>> one = np.array([1.0])
-    >>> band = law_band(np.array([0.0]), 0.95, one, 0.0 * one, one, free=10_000_000)
-    >>> band.upper.round(4).tolist()
-    [2.96]
-    """
-    from scipy.special import stdtrit
-
-    probability = finite_number("level", level)
-    if not 0.0 < probability < 1.0:
-        raise InvalidInput(f"level is {level!r}; it must be a probability between 0 and 1, such as 0.95")
-    quantile = float(stdtrit(free, 0.5 + 0.5 * probability))
-    return LawBand(theta, probability, centre, quantile * standard_error, quantile * np.hypot(standard_error, noise))
-
-
 MAX_HARMONICS = 12
 
 
@@ -313,10 +293,16 @@ class PeriodicLaw:
         return np.asarray(np.exp(0.5 * (columns @ self.log_variance)))
 
     def band(self, theta: Any, level: float = 0.95) -> LawBand:
-        """The bands of the mean and of one new value at θ; see ``LawBand``. Errors of the order are not in them."""
+        """Student's bands at θ, centre ± t·se of the mean and ± t·√(se² + noise²) of one new value; see ``LawBand``.
+
+        Exact for independent normal scatter of constant size about a law of the fitted order, else close for many
+        values; errors of the order are not in them. Raises InvalidInput for a level outside (0, 1).
+        """
         angles = finite_array("theta", theta)
-        free = self.count - self.coefficients.size
-        return law_band(angles, level, self(angles), self.standard_error(angles), self.noise(angles), free)
+        quantile = student_quantile(level, self.count - self.coefficients.size)
+        error = self.standard_error(angles)
+        halfwidth = quantile * np.hypot(error, self.noise(angles))
+        return LawBand(angles, float(level), self(angles), quantile * error, halfwidth)
 
 
 def fit_periodic_law(

@@ -110,7 +110,11 @@ def fit_worn_law(
     2.0
     """
     angles, values = paired_arrays("value", theta, value)
-    cycles = _checked_cycles(cycle, values.size)
+    cycles = finite_array("cycle", cycle, ndim=1)
+    if cycles.size != values.size:
+        raise InvalidInput(f"cycle has {cycles.size} entries for {values.size} pairs; give one a pair")
+    if np.ptp(cycles) == 0.0:
+        raise InvalidInput(f"every cycle is {cycles[0]:g}; wear needs cycles that differ")
     first, last = float(cycles.min()), float(cycles.max())
     orders = (_candidates("harmonics", harmonics, max_harmonics), _candidates("degree", degree, max_degree))
     polynomials = _polynomials(cycles, first, last, max(orders[1]))
@@ -120,40 +124,19 @@ def fit_worn_law(
         design = _worn_columns(angles, polynomials[:, : power + 1], order)
         fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, robust, correlated, seed)
         weight = scatter_weights(angles, log_variance)
-    return _worn_law(fit, log_variance, values, (first, last), (order, power), table)
-
-
-def _worn_law(
-    fit: LinearFit,
-    log_variance: Array,
-    values: Array,
-    ends: tuple[float, float],
-    orders: tuple[int, int],
-    table: Array | None,
-) -> WornLaw:
-    order, power = orders
     shape = (2 * order + 1, power + 1)
     coefficients = read_only(fit.coefficients.reshape(shape).T)
     covariance = read_only(fit.covariance.reshape(shape + shape).transpose(1, 0, 3, 2))
     plain = LinearFit(coefficients[0], covariance[0, :, 0, :], fit.residuals, fit.sigma)
     whole = law_of(plain, log_variance, values, None)
-    middle = WornLaw(coefficients, *ends, whole, covariance).at(0.5 * sum(ends))
-    return WornLaw(coefficients, *ends, middle, covariance, table)
+    middle = WornLaw(coefficients, first, last, whole, covariance).at(0.5 * (first + last))
+    return WornLaw(coefficients, first, last, middle, covariance, table)
 
 
 def _candidates(name: str, given: int | None, most: int) -> list[int]:
     if given is not None:
         return [whole_number(name, given, least=0)]
     return list(range(whole_number(f"max_{name}", most, least=0) + 1))
-
-
-def _checked_cycles(cycle: ArrayLike, count: int) -> Array:
-    cycles = finite_array("cycle", cycle, ndim=1)
-    if cycles.size != count:
-        raise InvalidInput(f"cycle has {cycles.size} entries for {count} pairs; give one a pair")
-    if np.ptp(cycles) == 0.0:
-        raise InvalidInput(f"every cycle is {cycles[0]:g}; wear needs cycles that differ")
-    return cycles
 
 
 def _polynomials(cycles: Array, first: float, last: float, degree: int) -> Array:

@@ -76,28 +76,18 @@ def turn_pace(
     runs, sign = whole_number("runs", runs, least=1), 1.0 if path[-1] >= path[0] else -1.0
     places = full_turns(path, level)
     measured = np.diff(cycle[places])
-    quantiles = [
-        _predicted(fitted, (float(path[place]), float(cycle[place])), sign * level, sign, float(taken), runs, seed + k)
-        for k, (place, taken) in enumerate(zip(places[:-1], measured, strict=True))
-    ]
+    quantiles = []
+    for k, (place, taken) in enumerate(zip(places[:-1], measured, strict=True)):
+        start, patience = float(path[place]), int(_PATIENCE * float(taken)) + _LEAST
+        # A turn begins a little past its mark: by so much less it has to climb to the next.
+        past = np.remainder(sign * start - sign * level, TWO_PI)
+        paths = fitted.paths(np.full(runs, start), patience, first=float(cycle[place]), seed=seed + k)
+        reached = sign * (paths - start) >= TWO_PI - past
+        pushes = np.where(reached.any(axis=1), np.argmax(reached, axis=1), np.inf)
+        quantiles.append(np.quantile(pushes, [0.025, 0.5, 0.975], method="inverted_cdf"))
     low, middle, high = np.array(quantiles).reshape(-1, 3).T
     return TurnPace(cycle[places[:-1]], measured, middle, low, high)
 
-
-def _predicted(
-    fitted: FittedMap, begun: tuple[float, float], mark: float, sign: float, taken: float, runs: int, seed: int
-) -> Array:
-    """The 2.5, 50 and 97.5 % points of the pushes until the next mark, from the angle where the turn began."""
-    start, cycle = begun
-    # A turn begins a little past its mark: by so much less it has to climb to the next.
-    past = np.remainder(sign * start - mark, TWO_PI)
-    paths = fitted.paths(np.full(runs, start), int(_PATIENCE * taken) + _LEAST, first=cycle, seed=seed)
-    reached = sign * (paths - start) >= TWO_PI - past
-    pushes = np.where(reached.any(axis=1), np.argmax(reached, axis=1), np.inf)
-    return np.asarray(np.quantile(pushes, [0.025, 0.5, 0.975], method="inverted_cdf"))
-
-
-FULL_TURN = 2 * np.pi
 
 # Early and late are told an eighth of the run from its ends: polynomials are least certain at the very ends.
 EARLY, LATE = 0.125, 0.875
@@ -247,7 +237,7 @@ def map_state(pairs: Theta0Pairs, fitted: FittedMap, share: float) -> MapState:
     worn = fitted.wear
     cycle = float("nan") if worn is None else worn.first + share * (worn.last - worn.first)
     law = fitted.law if worn is None else worn.at(cycle)
-    theta = FULL_TURN * np.arange(_GRID) / _GRID
+    theta = TWO_PI * np.arange(_GRID) / _GRID
     seen, turn, error = is_covered(pairs.theta, theta), law(theta), _turn_error(pairs, fitted, law, theta)
     sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)
 
@@ -290,7 +280,7 @@ def _scatter_places(pairs: Theta0Pairs, fitted: FittedMap) -> tuple[tuple[float,
 
     Of fewer pairs in all, the largest crowds count.
     """
-    theta = FULL_TURN * np.arange(_GRID) / _GRID
+    theta = TWO_PI * np.arange(_GRID) / _GRID
     near = _near(pairs, theta)
     crowd = near.sum(axis=1)
     told = np.flatnonzero(is_covered(pairs.theta, theta) & (crowd > 0))
@@ -313,7 +303,7 @@ def _near(pairs: Theta0Pairs, theta: Array) -> NDArray[np.bool_]:
 
 
 def _nearest(theta: float) -> int:
-    return round(theta / FULL_TURN * _GRID) % _GRID
+    return round(theta / TWO_PI * _GRID) % _GRID
 
 
 def _least(values: Array, places: NDArray[np.int64]) -> int:
@@ -359,7 +349,7 @@ def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) ->
 
 def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> WornForecast | None:
     path, cycle = pairs.path, pairs.path_cycle
-    if path is None or cycle is None or fitted.wear is None or np.any(np.diff(cycle) <= 0.0):
+    if pairs.cycle is None or path is None or cycle is None or fitted.wear is None or np.any(np.diff(cycle) <= 0.0):
         return None
     last = int(cycle[-1] - cycle[0])
     begin = int(np.searchsorted(cycle, cycle[0] + WORN_IN * last))
@@ -367,40 +357,26 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
     whole = fitted.paths(np.full(runs, path[0]), last, float(cycle[0]), seed + 1)
     if np.mean(is_covered(pairs.theta, whole)) < _INSIDE:
         return None
-    tv, apart, chance = _distances(path, whole)
+    # Angles that stand for all paths.
+    pooled = whole[:, :: max(1, whole.size // _POOLED)].ravel()
+    # Full turns climbed in cycles that no fitted pair covers.
+    left_out = path[-1] - path[begin] - float(np.sum(pairs.turn[pairs.cycle >= cycle[begin]]))
+    around = TWO_PI * np.arange(_GRID) / _GRID
+    fastest = float(around[np.argmax(np.abs(fitted.map.turn(around)))])
     lower, upper = np.quantile(whole, [0.025, 0.975], axis=0)
     return WornForecast(
         first_cycle=float(cycle[begin]),
-        measured_turns=float(path[-1] - path[begin]) / FULL_TURN,
-        left_out_turns=_left_out(pairs, path, cycle, begin),
-        turns=(counted[:, -1] - counted[:, 0]) / FULL_TURN,
+        measured_turns=float(path[-1] - path[begin]) / TWO_PI,
+        left_out_turns=float(left_out) / TWO_PI,
+        turns=(counted[:, -1] - counted[:, 0]) / TWO_PI,
         measured=np.interp(cycle[0] + np.arange(last + 1.0), cycle, path),
         run=whole[0],
         lower=lower,
         upper=upper,
         measured_histogram=angle_histogram(path),
         histogram=angle_histogram(whole.ravel()),
-        total_variation=tv,
-        wasserstein=apart,
-        run_distances=chance,
-        pace=turn_pace(fitted, path, cycle, _fastest(fitted), runs, seed + 2),
+        total_variation=float(total_variation(path, whole.ravel())),
+        wasserstein=float(circular_wasserstein(path, pooled)),
+        run_distances=np.array([float(circular_wasserstein(one, pooled)) for one in whole[:_COMPARED]]),
+        pace=turn_pace(fitted, path, cycle, fastest, runs, seed + 2),
     )
-
-
-def _left_out(pairs: Theta0Pairs, path: Array, cycle: Array, begin: int) -> float:
-    """Full turns climbed from the entry ``begin`` on in cycles that no fitted pair covers."""
-    assert pairs.cycle is not None
-    covered = float(np.sum(pairs.turn[pairs.cycle >= cycle[begin]]))
-    return float(path[-1] - path[begin] - covered) / FULL_TURN
-
-
-def _distances(path: Array, paths: Array) -> tuple[float, float, Array]:
-    """Total variation and Wasserstein distance of the path from all paths, and the latter of each of them."""
-    pooled = paths[:, :: max(1, paths.size // _POOLED)].ravel()
-    each = np.array([float(circular_wasserstein(one, pooled)) for one in paths[:_COMPARED]])
-    return float(total_variation(path, paths.ravel())), float(circular_wasserstein(path, pooled)), each
-
-
-def _fastest(fitted: FittedMap) -> float:
-    theta = FULL_TURN * np.arange(_GRID) / _GRID
-    return float(theta[np.argmax(np.abs(fitted.map.turn(theta)))])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -294,27 +295,16 @@ def fit_set(
     """
     report = progress or (lambda fraction: None)
     laws = set_laws(pushes, harmonics=harmonics, seed=seed, progress=lambda share: report(0.3 * share))
-    histogram = _histogram(laws, seed)
+    histogram, turns = None, laws.dtheta
+    if turns.law is not None and turns.law.total_std != 0.0:
+        histogram = turn_histogram(turns.theta, turns.value, turns.law, seed=seed)
     report(0.4)
-    cycle_map, problem = _cycle_map(pushes, harmonics, wear, seed, lambda share: report(0.4 + 0.6 * share))
+    cycle_map, problem = None, "no push has a known next θ0" if pushes.pairs is None else None
+    if pushes.pairs is not None:
+        options: dict[str, Any] = {"harmonics": harmonics, "wear": wear, "seed": seed}
+        try:
+            cycle_map = measured_cycle_map(pushes.pairs, **options, progress=lambda share: report(0.4 + 0.6 * share))
+        except (InvalidInput, ConvergenceError) as error:
+            problem = str(error)
     report(1.0)
     return SetFit(pushes, push_statistics(pushes), laws, histogram, cycle_map, problem)
-
-
-def _histogram(laws: SetLaws, seed: int) -> TurnHistogram | None:
-    found = laws.dtheta
-    if found.law is None or found.law.total_std == 0.0:
-        return None
-    return turn_histogram(found.theta, found.value, found.law, seed=seed)
-
-
-def _cycle_map(
-    pushes: PushSet, harmonics: int | None, wear: bool, seed: int, progress: Callable[[float], None]
-) -> tuple[MeasuredCycleMap | None, str | None]:
-    if pushes.pairs is None:
-        return None, "no push has a known next θ0"
-    try:
-        found = measured_cycle_map(pushes.pairs, harmonics=harmonics, wear=wear, seed=seed, progress=progress)
-    except (InvalidInput, ConvergenceError) as error:
-        return None, str(error)
-    return found, None

@@ -15,10 +15,11 @@ from cyclemap.evidence.data_blocks.force_blocks import (
 )
 from cyclemap.evidence.identification.cross_validation import random_folds
 from cyclemap.evidence.identification.data_block import JointProblem
-from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
+from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE
+from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Slider
 
 SQUARE = Slider.mit("rect1").outline

@@ -11,9 +11,10 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.data_blocks.force_blocks import SCAN_KIND, friction_ellipse_from_scans, friction_scan_block
 from cyclemap.evidence.identification.data_block import JointProblem
-from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
+from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
+from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.evidence.recorded_push import RecordingNoise
 from cyclemap.evidence.simulated_collection import simulate_collection

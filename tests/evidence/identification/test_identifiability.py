@@ -9,10 +9,11 @@ from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import FunctionBlock, JointProblem, Values
-from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
+from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE, Parameter, ParameterSpace
+from cyclemap.evidence.laws.linear_fit import student_quantile
 
 X = np.linspace(0.0, 1.0, 12)
 LINE = ParameterSpace(

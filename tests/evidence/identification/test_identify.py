@@ -8,11 +8,12 @@ from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, motion_block
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import FunctionBlock, JointProblem, Values
-from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
+from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.least_squares import Fit, fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE, Parameter, SurfaceParameters
 from cyclemap.evidence.identified_material import identified_material
+from cyclemap.evidence.laws.linear_fit import student_quantile
 
 NAMES = (*ELLIPSE, "pusher_friction", "rim_share")
 SPACE = SURFACE.select(NAMES)

@@ -7,11 +7,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.published_comparison import (
-    DIRECTION_TOLERANCE,
-    comparison_table,
-    published_comparison,
-)
+from cyclemap.evidence.published_comparison import DIRECTION_TOLERANCE, comparison_table, published_comparison
 from cyclemap.mechanics import Material, load_material, material_names
 
 INFERRED = ("abs", "delrin", "pu")
