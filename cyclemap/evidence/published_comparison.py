@@ -11,7 +11,7 @@ from types import MappingProxyType
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, read_only, whole_number
+from cyclemap.checks import whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.errors import InvalidInput
@@ -32,34 +32,19 @@ NODE_OUTPUTS = ("cycle_turn", "push_turn", "push_dx", "push_dy")
 NODES = 47
 
 
-@dataclass(frozen=True, eq=False)
-class CycleNodes:
-    """Cycles at orientations 2 pi k / m.
+def cycle_nodes(surface: SurfaceParameters, loop: CollectionLoop, count: int = NODES) -> tuple[Array, Array]:
+    """Run cycles of `loop` on an identified surface at orientations 2 pi k / count, count odd.
 
-    values (m, 4) : NODE_OUTPUTS of each. jacobian (m, 4, k) : their derivatives by the k CYCLE_UNKNOWNS.
-    """
-
-    values: Array
-    jacobian: Array
-
-    def __post_init__(self) -> None:
-        values = read_only(finite_array("values", self.values, last=len(NODE_OUTPUTS), ndim=2))
-        if values.shape[0] % 2 == 0:
-            raise InvalidInput(f"{values.shape[0]} nodes: their number must be odd, for a real Fourier series")
-        object.__setattr__(self, "values", values)
-        object.__setattr__(self, "jacobian", read_only(self.jacobian))
-
-
-def cycle_nodes(surface: SurfaceParameters, loop: CollectionLoop, count: int = NODES) -> CycleNodes:
-    """Run `count` cycles (odd) of `loop` on an identified surface, with exact derivatives.
-
+    Returns their NODE_OUTPUTS (count, 4) and the exact derivatives of these by the k CYCLE_UNKNOWNS (count, 4, k).
     Raises what the mechanics raise where they have no answer.
     """
     theta = 2.0 * np.pi * np.arange(whole_number("count", count, least=9)) / count
+    if count % 2 == 0:
+        raise InvalidInput(f"{count} nodes: their number must be odd, for a real Fourier series")
     runs, by_unknowns = cycles_by_unknowns(surface, loop, theta)
     values = np.column_stack([runs.theta_next[0] - theta, runs.push_turn[0], runs.push_displacement[0]])
     rows = [CYCLE_OUTPUTS.index(name) for name in ("theta_next", *NODE_OUTPUTS[1:])]
-    return CycleNodes(values, by_unknowns[:, rows])
+    return values, by_unknowns[:, rows]
 
 
 def node_values(loop: CollectionLoop, count: int = NODES) -> Array:
@@ -139,13 +124,16 @@ def predicted_statistics(
     The run has `cycles` cycles with normal noise `sigma` (rad) each; see `run_law`. The variance of a quantity is that
     of its noiseless value over the law of θ0, plus the published squared error about a law of θ0 (Table III).
     """
-    theta, between = _grid(len(values))
+    theta = 2.0 * np.pi * np.arange(GRID) / GRID
+    between = _interpolation(len(values))
     turn, *pushes = between @ values[:, :1], *(between @ values[:, 1:]).T
     law = run_law(turn[:, 0], sigma, cycles, published.start)
     motions = np.array(pushes)
     mean = motions @ law
     variance = (motions - mean[:, np.newaxis]) ** 2 @ law + np.square(published.rmse)
     there = np.array(published.directions)
+    nearness = np.cos(theta[:, np.newaxis] - there)
+    first_share = float(law[np.argmax(nearness, axis=1) == 0].sum()) if there.size > 1 else float("nan")
     return PredictedStatistics(
         theta,
         law,
@@ -154,8 +142,8 @@ def predicted_statistics(
         np.sqrt(variance),
         interpolation(there, len(values)) @ values[:, 0],
         1.0 + interpolation_slope(there, len(values)) @ values[:, 0],
-        _first_share(theta, law, there),
-        float(law[(np.cos(theta[:, np.newaxis] - there) >= np.cos(NEAR)).any(axis=1)].sum()),
+        first_share,
+        float(law[(nearness >= np.cos(NEAR)).any(axis=1)].sum()),
     )
 
 
@@ -175,15 +163,18 @@ def statistics_block(
     law of θ0 is differenced through the nodes, to first order, without further mechanics. Give `noise=TOLERANCES` to
     `identify`: so few numbers cannot tell their own scatter.
     """
-    kinds = _kinds(published, nodes)
+    directions, told = len(published.directions), published.first_share is not None
+    kinds = [*MEAN_KINDS, *STD_KINDS, *[STILL_KIND] * directions, *[SLOPE_KIND] * directions]
+    kinds += [ADVANCE_KIND] * (nodes * published.always_advancing) + [SHARE_KIND] * told
+    kinds += [THERE_KIND] * published.only_there
 
     def function(values: Values) -> tuple[Array, Array]:
-        found = cycle_nodes(SurfaceParameters.from_values(values), loop, nodes)
-        rows = _rows(found.values, published, sigma, cycles)
+        found, by_unknowns = cycle_nodes(SurfaceParameters.from_values(values), loop, nodes)
+        rows = _rows(found, published, sigma, cycles)
         jacobian = np.empty((rows.size, len(CYCLE_UNKNOWNS)))
         for index, name in enumerate(CYCLE_UNKNOWNS):
             step = _STEP * SURFACE[name].scale
-            moved = found.values + step * found.jacobian[..., index]
+            moved = found + step * by_unknowns[..., index]
             jacobian[:, index] = (_rows(moved, published, sigma, cycles) - rows) / step
         return rows, jacobian
 
@@ -191,19 +182,8 @@ def statistics_block(
     return FunctionBlock(name, CYCLE_UNKNOWNS, function, np.arange(len(kinds)), np.array(kinds))
 
 
-def _kinds(published: PublishedStatistics, nodes: int) -> list[str]:
-    many, told = len(published.directions), published.first_share is not None
-    kinds = [*MEAN_KINDS, *STD_KINDS, *[STILL_KIND] * many, *[SLOPE_KIND] * many]
-    return [
-        *kinds,
-        *[ADVANCE_KIND] * (nodes * published.always_advancing),
-        *[SHARE_KIND] * told,
-        *[THERE_KIND] * published.only_there,
-    ]
-
-
 def _rows(values: Array, published: PublishedStatistics, sigma: float, cycles: int) -> Array:
-    """Predicted minus published, in the order of `_kinds`."""
+    """Predicted minus published, in the order of `statistics_block`."""
     found = predicted_statistics(values, published, sigma, cycles)
     parts = [found.mean - published.mean, found.std - published.std, found.turn_there]
     parts.append(np.maximum(found.slope_there - STEEPEST, 0.0))
@@ -216,18 +196,10 @@ def _rows(values: Array, published: PublishedStatistics, sigma: float, cycles: i
     return np.concatenate(parts)
 
 
-def _first_share(theta: Array, law: Array, directions: Array) -> float:
-    if directions.size < 2:
-        return float("nan")
-    nearness = np.cos(theta[:, np.newaxis] - directions)
-    return float(law[np.argmax(nearness, axis=1) == 0].sum())
-
-
 @lru_cache(maxsize=4)
-def _grid(count: int) -> tuple[Array, Array]:
-    """Angles (GRID,) and the matrix (GRID, count) from nodes to them."""
-    theta = 2.0 * np.pi * np.arange(GRID) / GRID
-    return theta, interpolation(theta, count)
+def _interpolation(count: int) -> Array:
+    """The matrix (GRID, count) from nodes to angles of the grid: the same for every fit of a block."""
+    return interpolation(2.0 * np.pi * np.arange(GRID) / GRID, count)
 
 
 # A histogram of θ0 has a peak where it exceeds the even one by this factor.

@@ -155,7 +155,11 @@ def run_law(turn: Array, sigma: float, cycles: int, start: float | None = None) 
     [0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125]
     """
     turns = finite_array("turn", turn, ndim=1)
-    step, matrix = _first_law(turns.size, start), _noisy_map(turns, positive_number("sigma", sigma))
+    step, matrix = np.full(turns.size, 1.0 / turns.size), _noisy_map(turns, positive_number("sigma", sigma))
+    if start is not None:
+        off = 2.0 * np.pi * np.arange(turns.size) / turns.size - start
+        step = np.exp(-0.5 * (((off + np.pi) % (2.0 * np.pi) - np.pi) / START_SPREAD) ** 2)
+        step /= step.sum()
     total = np.zeros(turns.size)
     for done in range(1, whole_number("cycles", cycles, least=1) + 1):
         total += step
@@ -183,12 +187,3 @@ def _noisy_map(turn: Array, sigma: float) -> Any:
     rows = (nearest[:, np.newaxis] + offsets) % count
     columns = np.broadcast_to(np.arange(count)[:, np.newaxis], rows.shape)
     return csr_array((weight.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))
-
-
-def _first_law(count: int, start: float | None) -> Array:
-    if start is None:
-        return np.full(count, 1.0 / count)
-    off = 2.0 * np.pi * np.arange(count) / count - start
-    off = (off + np.pi) % (2.0 * np.pi) - np.pi
-    law = np.exp(-0.5 * (off / START_SPREAD) ** 2)
-    return np.asarray(law / law.sum())

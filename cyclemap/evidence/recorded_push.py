@@ -59,14 +59,6 @@ class RecordingNoise:
         return generator.standard_normal((count, 3)) * (self.force, self.force, self.force * lever)
 
 
-@dataclass(frozen=True, eq=False)
-class Clock:
-    """Times of samples: `seen`, as recorded (seconds since 1970), and `elapsed`, the same since the record began."""
-
-    seen: Array
-    elapsed: Array
-
-
 @dataclass(frozen=True)
 class Recording:
     """How a stroke is recorded.
@@ -84,14 +76,14 @@ class Recording:
     def __post_init__(self) -> None:
         object.__setattr__(self, "speed", positive_number("speed of the rod", self.speed))
 
-    def clock(self, seconds: float, lag: float = 0.0) -> Clock:
-        """Samples at 250 Hz from `lag` on until `seconds` are past.
+    def clock(self, seconds: float, lag: float = 0.0) -> tuple[Array, Array]:
+        """Times of samples at 250 Hz from `lag` on until `seconds` are past: as recorded, and since the record began.
 
-        `elapsed` is made of the recorded times, which a double holds to a quarter of a microsecond only.
+        The latter are made of the recorded times, which a double holds to a quarter of a microsecond only.
         """
         count = math.ceil(seconds * SAMPLES_PER_SECOND) + 1
         seen = self.start + (lag + np.arange(count) / SAMPLES_PER_SECOND)
-        return Clock(seen, seen - self.start)
+        return seen, seen - self.start
 
 
 # The rod starts this far (m) before it touches.
@@ -117,24 +109,21 @@ def record_push(push: PushResult, distance: float, recording: Recording, generat
     came, over 48 pushes of four shapes, within 4 micrometres, 4e-6 rad and 0.2 mN of a run ten times finer.
     """
     seconds = recorded_seconds(distance, recording.speed)
-    object_clock, tip_clock, wrench_clock = (recording.clock(seconds, lag) for lag in (0.0, TIP_LAG, WRENCH_LAG))
+    object_time, tip_time, wrench_time = (recording.clock(seconds, lag) for lag in (0.0, TIP_LAG, WRENCH_LAG))
     course = _Course(push, distance, recording.speed)
-    pose = course.states(object_clock.elapsed)[:, _POSE] + (*recording.target, 0.0)
+    pose = course.states(object_time[1])[:, _POSE] + (*recording.target, 0.0)
     pose += recording.noise.of_poses(len(pose), generator)
     pose[:, 2] = shorter_way(pose[:, 2])
-    state = course.states(wrench_clock.elapsed)
-    wrench = _wrench_on_rod(state) + recording.noise.of_wrenches(len(state), recording.rod_radius, generator)
-    tip = course.rod(tip_clock.elapsed) + recording.target
-    return PushRecord(
-        np.column_stack([object_clock.seen, pose]),
-        np.column_stack([tip_clock.seen, tip, np.zeros(len(tip))]),
-        np.column_stack([wrench_clock.seen, wrench]),
-    )
-
-
-def _wrench_on_rod(state: Array) -> Array:
+    state = course.states(wrench_time[1])
     force, lever = -state[:, _FORCE], state[:, _LEVER]
-    return np.column_stack([force, lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]])
+    wrench = np.column_stack([force, lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]])
+    wrench += recording.noise.of_wrenches(len(state), recording.rod_radius, generator)
+    tip = course.rod(tip_time[1]) + recording.target
+    return PushRecord(
+        np.column_stack([object_time[0], pose]),
+        np.column_stack([tip_time[0], tip, np.zeros(len(tip))]),
+        np.column_stack([wrench_time[0], wrench]),
+    )
 
 
 class _Course:
@@ -219,12 +208,12 @@ def record_scan(
     """
     way = np.array([math.cos(direction), math.sin(direction)])
     seconds = 2.0 * REST_SECONDS + SCAN_STROKE / recording.speed
-    tip, sensor = recording.clock(seconds), recording.clock(seconds, WRENCH_LAG)
-    travel = np.clip(recording.speed * (tip.elapsed - REST_SECONDS), 0.0, SCAN_STROKE) - SCAN_STROKE / 2.0
+    (tip_seen, tip_time), (seen, time) = recording.clock(seconds), recording.clock(seconds, WRENCH_LAG)
+    travel = np.clip(recording.speed * (tip_time - REST_SECONDS), 0.0, SCAN_STROKE) - SCAN_STROKE / 2.0
     force = -weight * friction.traction(way)
-    moving = (sensor.elapsed >= REST_SECONDS) & (sensor.elapsed <= seconds - REST_SECONDS)
+    moving = (time >= REST_SECONDS) & (time <= seconds - REST_SECONDS)
     wrench = np.outer(moving, [*force, 0.0]) + recording.noise.of_wrenches(len(moving), recording.rod_radius, generator)
     return ScanRecord(
-        np.column_stack([tip.seen, SCAN_CENTRE + np.outer(travel, way), np.zeros(len(travel))]),
-        np.column_stack([sensor.seen, wrench]),
+        np.column_stack([tip_seen, SCAN_CENTRE + np.outer(travel, way), np.zeros(len(travel))]),
+        np.column_stack([seen, wrench]),
     )

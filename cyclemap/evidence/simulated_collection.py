@@ -82,10 +82,6 @@ class CollectionPlan:
         if self.suffix not in SUFFIXES:
             raise InvalidInput(f"suffix is {self.suffix!r}; choose one of {', '.join(SUFFIXES)}")
         object.__setattr__(self, "speed", Recording(self.speed).speed)
-        self._check_cycles()
-
-    def _check_cycles(self) -> None:
-        """One entry a cycle, and the loops alike but for their pushes and way-points."""
         for name in ("cycle_loops", "gripper_turns"):
             given = getattr(self, name)
             if given is not None and len(given) != self.cycles:
@@ -133,20 +129,20 @@ class CollectionPlan:
 
     def recording(self, cycle: int) -> Recording:
         """How the push of `cycle` is recorded."""
-        start = FIRST_CLOCK + cycle * self._period
-        return Recording(self.speed, start, self.noise, self.loop.pusher.radius)
-
-    @cached_property
-    def _period(self) -> float:
-        """Whole seconds from one record to the next."""
+        # Whole seconds from one record to the next.
         longest = max(loop.push.distance for loop in self.cycle_loops or (self.loop,))
-        return math.ceil(2.0 * recorded_seconds(longest, self.speed) + _HANDLING_SECONDS)
+        period = math.ceil(2.0 * recorded_seconds(longest, self.speed) + _HANDLING_SECONDS)
+        return Recording(self.speed, FIRST_CLOCK + cycle * period, self.noise, self.loop.pusher.radius)
 
     def arguments(self) -> Arguments:
         """Everything that the files depend on, by name: numbers and texts; long texts are cut to a hash."""
         loop, noise = self.loop, self.noise
         wear = loop.material.wear if self.wear_to is None else self.wear_to.friction
         parts = {field.name: getattr(loop, field.name) for field in fields(loop) if field.name != "material"}
+        by_cycle: Arguments = {}
+        if self.cycle_loops is not None or self.gripper_turns is not None:
+            told = [(one.push, one.reset) for one in self.cycle_loops or ()], self.gripper_turns
+            by_cycle["cycle_by_cycle"] = hashlib.sha256(repr(told).encode()).hexdigest()
         return {
             "version": version("cyclemap"),
             "cycles": self.cycles,
@@ -164,15 +160,8 @@ class CollectionPlan:
             "noise_force_n": noise.force,
             "scans": self.scans,
             "suffix": self.suffix,
-            **self._cycle_arguments(),
+            **by_cycle,
         }
-
-    def _cycle_arguments(self) -> Arguments:
-        """What is done cycle by cycle, as a hash; nothing where all cycles are alike."""
-        if self.cycle_loops is None and self.gripper_turns is None:
-            return {}
-        told = [(loop.push, loop.reset) for loop in self.cycle_loops or ()], self.gripper_turns
-        return {"cycle_by_cycle": hashlib.sha256(repr(told).encode()).hexdigest()}
 
 
 def _short(text: str) -> str:
@@ -200,21 +189,23 @@ class CollectionFolder:
     def __init__(self, folder: str | Path, plan: CollectionPlan) -> None:
         self.folder, self.plan = Path(folder), plan
         self.surface, self.shape = file_stem(plan.loop.material.name), file_stem(plan.loop.slider.name)
-        self._begin(plan.arguments())
-
-    def _begin(self, arguments: Arguments) -> None:
+        arguments = plan.arguments()
         record, unfinished = self.folder / FILE_NAME, f".*{UNFINISHED_SUFFIX}"
         begun = record.is_file()
         if begun:
-            found = read_toml(record).get(SIMULATION)
-            _refuse_other(self.folder, arguments, found if isinstance(found, dict) else {})
+            table = read_toml(record).get(SIMULATION)
+            found = table if isinstance(table, dict) else {}
+            others = [name for name in {**arguments, **found} if arguments.get(name) != found.get(name)]
+            if others:
+                told = "; ".join(f"{name} is {found.get(name)} there and {arguments.get(name)} here" for name in others)
+                asked = f"{self.folder} holds a collection that was asked for otherwise: {told}"
+                raise InvalidInput(f"{asked}. Choose another folder")
         elif self.folder.is_dir() and not all(path.match(unfinished) for path in self.folder.iterdir()):
             raise InvalidInput(f"{self.folder} holds other files; give a new or empty folder for the collection")
         for path in self.folder.rglob(unfinished):
             path.unlink(missing_ok=True)
-        if begun:
-            return
-        write_whole(record, self._record(arguments).encode())
+        if not begun:
+            write_whole(record, self._record(arguments).encode())
 
     def _record(self, arguments: Arguments) -> str:
         """The loop as every command reads it, and what was asked; that alone for a loop that no setting can say."""
@@ -287,13 +278,6 @@ def _number(line: bytes) -> float | None:
         return plain_number(found[1].decode()) if found else None
     except ValueError:
         return None
-
-
-def _refuse_other(folder: Path, arguments: Arguments, recorded: dict[str, object]) -> None:
-    names = [name for name in {**arguments, **recorded} if arguments.get(name) != recorded.get(name)]
-    if names:
-        told = "; ".join(f"{name} is {recorded.get(name)} there and {arguments.get(name)} here" for name in names)
-        raise InvalidInput(f"{folder} holds a collection that was asked for otherwise: {told}. Choose another folder")
 
 
 # Longest step (m) of a recorded push, as a share of its travel: between the steps the record is interpolated.

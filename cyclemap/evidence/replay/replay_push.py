@@ -14,7 +14,6 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK
 from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.evidence.replay.stroke_chain import (
-    ChainRun,
     clearing_shift,
     cut_curve,
     is_cut_curve,
@@ -225,7 +224,11 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
     path, start = tip_path(record.tip_pose), Pose(*record.start)
     first = (path.start[0] + offset[0], path.start[1] + offset[1])
     shift = clearing_shift(model, start, first) + offset
-    run = _run(model, start, path.corners + shift)
+    outline = model.slider.outline
+    if isinstance(outline, Polygon) and is_cut_curve(outline):
+        run = push_curve_along(model, cut_curve(outline), start, path.corners + shift)
+    else:
+        run = push_along(model, start, path.corners + shift)
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
     travel = path.travel_at(record.object_pose[:, 0])
     predicted, tip = run.pose_at(travel), path.place_at(travel) + shift
@@ -247,13 +250,6 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
         touched=run.touched,
         left=run.left,
     )
-
-
-def _run(model: QuasiStaticModel, start: Pose, corners: Array) -> ChainRun:
-    outline = model.slider.outline
-    if isinstance(outline, Polygon) and is_cut_curve(outline):
-        return push_curve_along(model, cut_curve(outline), start, corners)
-    return push_along(model, start, corners)
 
 
 def _end_gap(model: QuasiStaticModel, poses: Array, tip: Array) -> float:

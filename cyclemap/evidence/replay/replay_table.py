@@ -202,6 +202,8 @@ def replay_pushes(
     cannot be read - is listed in `not_replayed` with the reason. Raises InvalidInput where there is no push data at
     `path`, or none that is selected.
     """
+    import pandas
+
     report, chosen = progress or (lambda fraction: None), dict(select or {})
     selection = RowSelection((str(chosen["object"]),) if "object" in chosen else (), chosen)
     found, left = select_pushes(Path(path), selection, True, lambda fraction: report(_READING * fraction))
@@ -231,7 +233,7 @@ def replay_pushes(
             left_out.append(UnreadableFile(Path(name), str(error)))
     report(1.0)
     left_out.sort(key=lambda entry: entry.path)
-    return ReplayedPushes(_frame(rows), tuple(replays), tuple(left_out))
+    return ReplayedPushes(pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS)), tuple(replays), tuple(left_out))
 
 
 class _Runner:
@@ -333,9 +335,3 @@ REPLAY_COLUMNS = (
     "measured_turn", "predicted_turn", "shift", "start_gap", "straightness", "strokes", "touched", "left",
     "touch_agrees", "leaving_agrees", "path",
 )  # fmt: skip
-
-
-def _frame(rows: list[dict[str, Any]]) -> pandas.DataFrame:
-    import pandas
-
-    return pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS))

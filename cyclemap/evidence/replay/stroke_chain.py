@@ -67,7 +67,12 @@ def rod_gap(model: QuasiStaticModel, pose: Pose, place: tuple[float, float]) -> 
     offset = rod - place_on
     distance = float(np.hypot(*offset))
     inside = bool(outline.contains(rod))
-    outward = _outward(offset, corners[edge + 1] - corners[edge], inside)
+    outward = -offset if inside else offset
+    if distance < 1e-12:
+        # On the outline itself the edge's own normal points out.
+        along = corners[edge + 1] - corners[edge]
+        outward = np.array([along[1], -along[0]])
+    outward = outward / np.hypot(*outward)
     gap = (-distance if inside else distance) - model.pusher.radius
     return gap, np.array(Pose(theta=pose.theta).to_world(*outward))
 
@@ -90,14 +95,6 @@ def clearing_shift(model: QuasiStaticModel, pose: Pose, place: tuple[float, floa
         f"the rod starts {1e3 * np.hypot(*shift):.3g} mm inside the object, more than the {1e3 * LARGEST_SHIFT:.0f} mm "
         "that a calibration may be off: check the object's outline and the rod's radius"
     )
-
-
-def _outward(offset: Array, edge: Array, inside: bool) -> Array:
-    """Unit normal that points out of the object; on the outline itself the edge's own."""
-    length = float(np.hypot(*offset))
-    if length < 1e-12:
-        return np.asarray(np.array([edge[1], -edge[0]]) / np.hypot(*edge))
-    return np.asarray((-offset if inside else offset) / length)
 
 
 # Between its samples a predicted pose is taken to be straight: half a millimetre leaves under a micrometre.
