@@ -26,7 +26,7 @@ identify, Identification, Parameter, ParameterSpace, SurfaceParameters : maximum
 identified_material : the answer as a material
 DataBlock, FunctionBlock, CyclePairBlock : data of one sort and their prediction
 push_end_block, drag_turn_block, friction_scan_block, wrench_twist_block, collected_blocks : blocks by sort, or all
-friction_ellipse_from_scans, pusher_friction_from_forces, PusherFriction, contact_force_ratio : from forces alone
+friction_ellipse_from_scans, contact_force_ratio : from forces alone
 
 Comparing
 ---------
@@ -35,11 +35,10 @@ replay_pushes, ReplayedPushes, replay_push, Replay : recorded pushes, run again 
 published_comparison, comparison_table : beside what is published of MIT's pushes
 compare_orientations, OrientationComparison : a path beside a stationary distribution
 collection_p_values, CollectionModel, simulated_ensemble : p-values of a path by simulated collections
-chain_p_value, chain_p_values, permutation_p_value, PValue : of one statistic, several, and of two samples
+chain_p_value, chain_p_values, PValue : of one statistic, and of several
 CircularLaw, kernel_modes : a tabulated distribution; maxima of an estimated density
 circular_wasserstein, total_variation : distances
-kuiper_statistic, kuiper_p_value, kuiper_critical_value : Kuiper's test
-watson_statistic, watson_p_value, watson_critical_value : Watson's test
+kuiper_statistic, watson_statistic : of orientations against a distribution
 
 Making
 ------
@@ -64,7 +63,6 @@ if TYPE_CHECKING:
         read_wrench_twists,
         wrench_twist_block,
     )
-    from cyclemap.evidence.data_blocks.force_ratio_block import PusherFriction, pusher_friction_from_forces
     from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
     from cyclemap.evidence.identification.data_block import DataBlock, FunctionBlock
     from cyclemap.evidence.identification.identify import Identification, identify
@@ -90,16 +88,7 @@ if TYPE_CHECKING:
         refit_harmonic_map,
         simulated_ensemble,
     )
-    from cyclemap.evidence.orientations.goodness_of_fit import (
-        PValue,
-        kuiper_critical_value,
-        kuiper_p_value,
-        kuiper_statistic,
-        permutation_p_value,
-        watson_critical_value,
-        watson_p_value,
-        watson_statistic,
-    )
+    from cyclemap.evidence.orientations.goodness_of_fit import PValue, kuiper_statistic, watson_statistic
     from cyclemap.evidence.orientations.orientation_comparison import (
         OrientationComparison,
         compare_orientations,
@@ -166,7 +155,6 @@ __all__ = [
     "PushSet",
     "PushStatistics",
     "PushTable",
-    "PusherFriction",
     "RecordingNoise",
     "Replay",
     "ReplayedPushes",
@@ -205,22 +193,18 @@ __all__ = [
     "identified_material",
     "identify",
     "kernel_modes",
-    "kuiper_critical_value",
-    "kuiper_p_value",
     "kuiper_statistic",
     "load_pushes",
     "map_agreement",
     "measured_cycle_map",
     "measured_overlay",
     "measured_staircase",
-    "permutation_p_value",
     "probe",
     "probe_pushes",
     "published_comparison",
     "push_end_block",
     "push_sets",
     "push_statistics",
-    "pusher_friction_from_forces",
     "read_measured_drags",
     "read_measured_pushes",
     "read_push_file",
@@ -236,8 +220,6 @@ __all__ = [
     "total_variation",
     "turn_bins",
     "turn_histogram",
-    "watson_critical_value",
-    "watson_p_value",
     "watson_statistic",
     "wrench_twist_block",
 ]

@@ -229,12 +229,6 @@ class PublishedComparison:
         return _distance(np.array(self.published.directions), self.peaks)
 
     @property
-    def unexpected(self) -> Array:
-        """Stable directions (rad) that are not published: further than 15 degrees from any that is."""
-        far = _distance(self.stable, np.array(self.published.directions))
-        return self.stable[far > DIRECTION_TOLERANCE]
-
-    @property
     def sentence(self) -> str:
         """Means, spreads and directions, predicted and published, in words."""
         pairs = zip(("turn", "dx", "dy"), ("deg", "mm", "mm"), *self._numbers(), strict=True)

@@ -18,6 +18,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock, blocks_of_cycles
 from cyclemap.evidence.data_blocks.force_blocks import (
+    SCAN_FIELDS,
     TWIST_COLUMNS,
     WRENCH_COLUMNS,
     ScanForces,
@@ -243,7 +244,7 @@ def _add_wrenches(built: Built, path: Path, rows: CsvSelection, choices: BlockCh
 
 
 def _add_scans(built: Built, path: Path, scans: pandas.DataFrame, choices: BlockChoices) -> None:
-    columns = [scans[name].to_numpy(dtype=float) for name in ScanForces.columns()]
+    columns = [scans[name].to_numpy(dtype=float) for name in SCAN_FIELDS]
     known = np.all(np.isfinite(columns), axis=0)
     built.left_out(path, +Counter({"friction scans without direction or force": int(np.sum(~known))}))
     if np.any(known):
@@ -251,7 +252,7 @@ def _add_scans(built: Built, path: Path, scans: pandas.DataFrame, choices: Block
         direction, along, across = (column[known] for column in columns)
         found = ScanForces(direction, along, across, weight)
         built.scans.append(found)
-        table = {name: getattr(found, name) for name in ScanForces.columns()}
+        table = {name: getattr(found, name) for name in SCAN_FIELDS}
         built.add(path, friction_scan_block(table, weight), f"{np.sum(known)} friction scans, weight {weight:.3g} N")
 
 

@@ -15,7 +15,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.identification.data_block import FunctionBlock, Values, checked_labels
-from cyclemap.evidence.identification.identify import Identification, Progress, identify
+from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters, share_names
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint
 from cyclemap.mechanics.outline import Outline
@@ -23,6 +23,10 @@ from cyclemap.text_files import read_csv_table, require_columns
 
 if TYPE_CHECKING:
     import pandas
+
+
+# Columns of a table of friction scans.
+SCAN_FIELDS = ("direction", "force_along", "force_across")
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +45,7 @@ class ScanForces:
     weight: float
 
     def __post_init__(self) -> None:
-        for name in ("direction", "force_along", "force_across"):
+        for name in SCAN_FIELDS:
             object.__setattr__(self, name, read_only(finite_array(name, getattr(self, name), ndim=1)))
         positive_number("weight", self.weight)
         if not self.direction.shape == self.force_along.shape == self.force_across.shape:
@@ -50,13 +54,8 @@ class ScanForces:
     @classmethod
     def joined(cls, parts: Sequence[ScanForces]) -> ScanForces:
         """Return several sets of scans of one object as one."""
-        direction, along, across = (np.concatenate([getattr(part, name) for part in parts]) for name in cls.columns())
+        direction, along, across = (np.concatenate([getattr(part, name) for part in parts]) for name in SCAN_FIELDS)
         return cls(direction, along, across, parts[0].weight)
-
-    @staticmethod
-    def columns() -> tuple[str, str, str]:
-        """Names of the columns, as a table of scans has them."""
-        return "direction", "force_along", "force_across"
 
     @property
     def traction(self) -> Array:
@@ -68,7 +67,6 @@ class ScanForces:
 
 ELLIPSE = SURFACE.names[:5]
 SCAN_KIND = "scan force (N)"
-SCAN_FIELDS = ("direction", "force_along", "force_across")
 # An ellipse off its centre has five numbers, a direction gives two: fewer groups cannot tell their own scatter.
 FEWEST_GROUPS = 4
 # Directions (rad) as near as this are one.
@@ -77,9 +75,7 @@ _SAME_DIRECTION = 1e-6
 _ROUND = 1e-2
 
 
-def friction_scan_block(
-    scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float, name: str = "friction scans"
-) -> FunctionBlock:
+def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> FunctionBlock:
     """Return friction scans as a block of data.
 
     scans : columns `direction` (rad, of the motion in the world), `force_along` and `force_across` (N, of the rod on
@@ -105,20 +101,13 @@ def friction_scan_block(
         force, jacobian = _predicted(values, direction, load)
         return force - measured, jacobian
 
-    return FunctionBlock(name, ELLIPSE, function, _row_groups(direction), np.full(len(measured), SCAN_KIND))
+    return FunctionBlock("friction scans", ELLIPSE, function, _row_groups(direction), np.full(len(measured), SCAN_KIND))
 
 
 def friction_ellipse_from_scans(
-    scans: pandas.DataFrame | Mapping[str, ArrayLike],
-    weight: float,
-    *,
-    level: float = 0.95,
-    folds: int = 0,
-    noise: float | None = None,
-    student: float | None = None,
-    progress: Progress | None = None,
+    scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float, noise: float | None = None
 ) -> Identification:
-    """Identify the friction ellipse from friction scans alone; arguments as in `friction_scan_block` and `identify`.
+    """Identify the friction ellipse from friction scans alone; arguments as in `friction_scan_block`.
 
     noise : N, of a scan's force component, if it is known. Intervals are by covariance: the law is nearly linear. Over
     200 seeded sets of 4 to 72 directions, twice each, intervals of 95 % held the truth in 90 to 99 %, also where the
@@ -138,9 +127,7 @@ def friction_ellipse_from_scans(
     """
     block = friction_scan_block(scans, weight)
     known = None if noise is None else {SCAN_KIND: noise}
-    return identify(
-        [block], ELLIPSE, starts=4, level=level, folds=folds, noise=known, student=student, progress=progress
-    )
+    return identify([block], ELLIPSE, starts=4, noise=known)
 
 
 def _columns(scans: Any) -> tuple[Array, Array, Array]:
@@ -245,7 +232,7 @@ class WrenchTwists:
         """(n,) W, that the pusher gives."""
         return np.asarray(np.sum(self.wrench * self.twist, axis=1))
 
-    def contact_pieces(self, outline: Outline, pieces: int = CONTACT_PIECES) -> Labels:
+    def contact_pieces(self, outline: Outline) -> Labels:
         """Return on which of equally long pieces of the outline (n,) the pusher touched; -1 where that cannot be.
 
         A single pusher's force passes through its contact: the line of action enters the outline there, as seen along
@@ -255,7 +242,8 @@ class WrenchTwists:
         place = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(rim, axis=0).T))])
         found = [_entry(rim, place, *row) for row in self.wrench.tolist()]
         share = np.array(found) / place[-1]
-        return np.where(np.isnan(share), -1, np.minimum(np.nan_to_num(share) * pieces, pieces - 1)).astype(np.int64)
+        piece = np.minimum(np.nan_to_num(share) * CONTACT_PIECES, CONTACT_PIECES - 1)
+        return np.where(np.isnan(share), -1, piece).astype(np.int64)
 
 
 def read_wrench_twists(
@@ -288,7 +276,7 @@ def read_wrench_twists(
 
 
 def wrench_twist_block(
-    data: WrenchTwists, outline: Outline, weight: float, groups: Labels | None = None, name: str = "wrenches"
+    data: WrenchTwists, outline: Outline, weight: float, groups: Labels | None = None
 ) -> FunctionBlock:
     """Return pairs of wrench and twist as a block of data that depends on `friction_scale` and shares of the weight.
 
@@ -325,9 +313,9 @@ def wrench_twist_block(
         by_mechanics = np.column_stack([force, *(mean * part.ravel() for part in by_shares)])
         return force - measured, surface.chain(by_mechanics, parameters, parameters)
 
-    labels = data.contact_pieces(outline) if groups is None else checked_labels(name, groups, len(data.twist))
+    labels = data.contact_pieces(outline) if groups is None else checked_labels("wrenches", groups, len(data.twist))
     kinds = np.tile([FORCE_KIND, FORCE_KIND, TORQUE_KIND], len(data.twist))
-    return FunctionBlock(name, parameters, function, np.repeat(labels, 3), kinds)
+    return FunctionBlock("wrenches", parameters, function, np.repeat(labels, 3), kinds)
 
 
 def _wrench_parts(outline: Outline, twist: Array, names: tuple[str, ...]) -> list[Array]:

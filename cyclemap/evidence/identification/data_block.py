@@ -294,7 +294,7 @@ class JointProblem:
 PRIOR_KIND = "prior (standard deviations)"
 
 
-def prior_block(beliefs: Mapping[str, tuple[float, float]], name: str = "priors") -> FunctionBlock:
+def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> FunctionBlock:
     """Return beliefs (value, standard deviation) about parameters by name, in SI units, as a block of data.
 
     A row is the parameter's distance from the believed value in standard deviations; its noise is known to be 1: give
@@ -312,7 +312,7 @@ def prior_block(beliefs: Mapping[str, tuple[float, float]], name: str = "priors"
     def function(values: Values) -> tuple[Array, Array]:
         return (np.array([values[key] for key in names]) - centre) / width, np.diag(1.0 / width)
 
-    return FunctionBlock(name, names, function, np.arange(len(names)), np.full(len(names), PRIOR_KIND))
+    return FunctionBlock("priors", names, function, np.arange(len(names)), np.full(len(names), PRIOR_KIND))
 
 
 # What is usual: how anisotropic floors are, rods and rings of steel on steel, how plates press, how well the frames of

@@ -116,7 +116,7 @@ _NOISE_TOLERANCE = 5e-3
 _FIRST, _LATER = 1e-2, 1e-5
 # Evaluations after which half of a search counts as done: how many it takes is not known before.
 _HALF_WAY = 15
-_ROUNDS = 40
+_ROUNDS, _MOST = 40, 200
 # A start arrived at the best optimum if its deviance is as low, or its parameters are the same in their scales.
 _SAME_DEVIANCE, _SAME_PLACE = 0.01, 1e-3
 _ON_BOUND = 1e-3
@@ -198,18 +198,16 @@ class _Evaluator:
         return self.at(vector)[1] / self.noise[:, None]
 
 
-def minimise(
-    problem: JointProblem, start: Array, noise: Array, law: NoiseLaw, tolerance: float = 1e-8, most: int = 200
-) -> Fit:
+def minimise(problem: JointProblem, start: Array, noise: Array, law: NoiseLaw, tolerance: float = 1e-8) -> Fit:
     """Minimise the deviance at given noise (kinds,) from a start (k,) by a trust region within the bounds.
 
     Raises what the model raises at the start itself. Points without an answer on the way shorten the step
-    (Branch, Coleman & Li 1999, as in `scipy.optimize.least_squares`). `most` bounds the evaluations.
+    (Branch, Coleman & Li 1999, as in `scipy.optimize.least_squares`).
     """
-    return _minimise(_Evaluator(problem), start, noise, law, tolerance, most)
+    return _minimise(_Evaluator(problem), start, noise, law, tolerance)
 
 
-def _minimise(evaluator: _Evaluator, start: Array, noise: Array, law: NoiseLaw, tolerance: float, most: int) -> Fit:
+def _minimise(evaluator: _Evaluator, start: Array, noise: Array, law: NoiseLaw, tolerance: float) -> Fit:
     from scipy.optimize import least_squares
 
     space, before = evaluator.problem.space, evaluator.count
@@ -228,7 +226,7 @@ def _minimise(evaluator: _Evaluator, start: Array, noise: Array, law: NoiseLaw, 
         ftol=tolerance,
         xtol=tolerance,
         gtol=1e-12,
-        max_nfev=most,
+        max_nfev=_MOST,
     )
     return _fit(evaluator, found.x, noise, law, found.status > 0, found.message, evaluator.count - before)
 
@@ -280,7 +278,7 @@ def fit_with_noise(
     least = noise_floor(problem, residuals) if floor is None else floor
     noise = np.where(np.isnan(held), np.maximum(root_mean_square(problem, residuals), least), held)
     for turn in range(_ROUNDS):
-        fit = _minimise(evaluator, vector, noise, law, _FIRST if turn == 0 else _LATER, 200)
+        fit = _minimise(evaluator, vector, noise, law, _FIRST if turn == 0 else _LATER)
         vector = fit.vector
         new = estimated_noise(problem, fit.residuals, fit.jacobian, noise, law, least, held)
         change, noise = float(np.max(np.abs(np.log(new / noise)))), new

@@ -255,10 +255,6 @@ class SurfaceParameters:
         inner = left * (1.0 - self.corner_share) * self.inner_share
         return {"inner_share": inner, "rim_share": self.rim_share, "corner_share": left * self.corner_share}
 
-    def pusher(self, radius: float = Pusher().radius) -> Pusher:
-        """Return the rod of a radius (m) with this friction."""
-        return Pusher(radius, self.pusher_friction)
-
     def friction_jacobian(self) -> Array:
         """Return d FRICTION_NAMES / d (friction_scale, ellipticity_x, _y, offset_x, _y), (5, 5).
 

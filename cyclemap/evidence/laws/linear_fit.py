@@ -187,8 +187,8 @@ class OrderScores:
     chosen: int
 
 
-def cycle_folds(count: int, seed: int, folds: int = FOLDS) -> NDArray[np.int64]:
-    """The fold (0 ... folds - 1) of each of ``count`` values in order of recording: shape (count,).
+def cycle_folds(count: int, seed: int) -> NDArray[np.int64]:
+    """The fold (0 to 9) of each of ``count`` values in order of recording: shape (count,).
 
     Neighbours in time stand at nearly the same angle and share their errors, so they are left out together (Roberts
     et al. 2017): the record is cut into blocks of successive values, five a fold where it is long enough, and the
@@ -199,11 +199,11 @@ def cycle_folds(count: int, seed: int, folds: int = FOLDS) -> NDArray[np.int64]:
     >>> np.bincount(cycle_folds(100, seed=0)).tolist()
     [10, 10, 10, 10, 10, 10, 10, 10, 10, 10]
     """
-    if count < 2 * folds:
-        raise InvalidInput(f"{count} pairs are too few to choose an order by {folds} folds; give the order yourself")
+    if count < 2 * FOLDS:
+        raise InvalidInput(f"{count} pairs are too few to choose an order by {FOLDS} folds; give the order yourself")
     whole_number("seed", seed, least=0)
-    blocks = folds * max(1, min(BLOCKS_A_FOLD, count // (SMALLEST_BLOCK * folds)))
-    dealt = np.random.default_rng(seed).permutation(np.arange(blocks) % folds)
+    blocks = FOLDS * max(1, min(BLOCKS_A_FOLD, count // (SMALLEST_BLOCK * FOLDS)))
+    dealt = np.random.default_rng(seed).permutation(np.arange(blocks) % FOLDS)
     return np.asarray(dealt[np.arange(count) * blocks // count], dtype=np.int64)
 
 

@@ -269,11 +269,6 @@ class PeriodicLaw:
         """The RMSE in per cent of the mean value (Ma & Rodriguez 2018, Tables II and III); inf for a mean of 0."""
         return 100.0 * self.rmse / abs(self.mean) if self.mean != 0.0 else float("inf")
 
-    @property
-    def total_percent(self) -> float:
-        """The standard deviation of the values in per cent of their mean; inf for a mean of 0."""
-        return 100.0 * self.total_std / abs(self.mean) if self.mean != 0.0 else float("inf")
-
     def __call__(self, theta: Any) -> Array:
         """The law at θ (radians, any shape)."""
         return np.asarray(fourier_columns(theta, self.harmonics) @ self.coefficients)

@@ -105,75 +105,6 @@ def orientations(name: str, sample: Any, single: bool = False) -> Array:
     return np.asarray(np.where(wrapped >= TWO_PI, 0.0, wrapped))
 
 
-Labels = NDArray[np.bool_]
-
-
-@dataclass(frozen=True, eq=False)
-class PooledSamples:
-    """Two samples in one sorted list.
-
-    angles : (k,) the distinct angles in [0, 2π), sorted. ties : (k,) how many of the pooled sample are at each.
-    first : (n + m,) True where the sorted pooled angle is of the first sample. size : n, of the first sample.
-
-    Everything asked of it takes ``labels`` (..., n + m): True for the n angles that count as the first sample, so
-    that permutations go through together.
-    """
-
-    angles: Array
-    ties: Array
-    first: Labels
-    size: int
-
-    def differences(self, labels: Labels) -> Array:
-        """F - G just after each distinct angle, shape (..., k); F of the labelled, G of the others."""
-        last = np.cumsum(self.ties).astype(np.int64)
-        labelled = np.cumsum(labels, axis=-1)[..., last - 1]
-        return np.asarray(labelled / self.size - (last - labelled) / (self.first.size - self.size))
-
-    def wasserstein(self, labels: Labels) -> Array:
-        """∫ |F - G - median(F - G)| dθ, exactly (Rabin, Delon & Gousseau 2011), shape (...)."""
-        gaps = np.diff(np.append(self.angles, self.angles[0] + TWO_PI))
-        levels = self.differences(labels)
-        order = np.argsort(levels, axis=-1)
-        half = np.cumsum(gaps[order], axis=-1) >= np.pi
-        at = np.take_along_axis(order, np.argmax(half, axis=-1)[..., None], axis=-1)
-        return np.asarray(np.abs(levels - np.take_along_axis(levels, at, axis=-1)) @ gaps)
-
-    def kuiper(self, labels: Labels) -> Array:
-        """max(F - G) - min(F - G), shape (...)."""
-        return np.asarray(np.ptp(self.differences(labels), axis=-1))
-
-    def watson(self, labels: Labels) -> Array:
-        """nm/N² Σ (d - mean d)² over the pooled sample, d = F - G (Watson 1962), shape (...)."""
-        levels, total = self.differences(labels), self.first.size
-        centred = levels - (levels @ self.ties)[..., None] / total
-        return np.asarray(np.square(centred) @ self.ties * (self.size * (total - self.size) / total**2))
-
-    def total_variation(self, labels: Labels, bins: int) -> Array:
-        """½ Σ |share of the labelled - share of the others| over equal bins of [0, 2π), shape (...)."""
-        place = bin_index(np.repeat(self.angles, self.ties.astype(np.int64)), bins)
-        member = (place[:, None] == np.arange(bins)).astype(float)
-        shares = labels / self.size - ~labels / (self.first.size - self.size)
-        return np.asarray(0.5 * np.sum(np.abs(shares @ member), axis=-1))
-
-
-def pooled_samples(first: Any, second: Any) -> PooledSamples:
-    """Pool two samples (n,) and (m,) of orientations, radians, any turn.
-
-    Raises InvalidInput where one is empty, not finite or not a list.
-
-    >>> pooled = pooled_samples([0.0, 1.0], [1.0, 2.0])
-    >>> pooled.differences(pooled.first).tolist()
-    [0.5, 0.5, 0.0]
-    """
-    mine, other = orientations("the sample", first, single=True), orientations("the second sample", second, single=True)
-    together = np.concatenate([mine, other])
-    angles, ties = np.unique(together, return_counts=True)
-    labels = np.argsort(together, kind="stable") < mine.size
-    labels.setflags(write=False)
-    return PooledSamples(read_only(angles), read_only(ties), labels, mine.size)
-
-
 def bin_index(angles: Array, bins: int) -> NDArray[np.int64]:
     """Which of ``bins`` equal bins of [0, 2π) each angle in it lies in; InvalidInput for fewer than one bin."""
     count = whole_number("bins", bins, least=1)
@@ -210,13 +141,22 @@ def circular_wasserstein(sample: Any, law: Any) -> Array:
     """
     given = law_or_sample(law)
     if not isinstance(given, CircularLaw):
-        pooled = pooled_samples(sample, given)
-        return pooled.wasserstein(pooled.first)[()]
+        return _between_samples(orientations("the sample", sample, single=True), given)
     angles = orientations("the sample", sample)
     rows = angles.reshape(-1, angles.shape[-1])
     block = max(1, _BLOCK // (rows.shape[1] + given.cells))
     found = [_wasserstein_rows(rows[at : at + block], given) for at in range(0, len(rows), block)]
     return np.concatenate(found).reshape(angles.shape[:-1])[()]
+
+
+def _between_samples(first: Array, second: Array) -> Array:
+    """∫ |F - G - median(F - G)| dθ, exactly; F - G is constant from one angle of either sample to the next."""
+    angles = np.unique(np.concatenate([first, second]))
+    shares = [np.searchsorted(np.sort(one), angles, side="right") / one.size for one in (first, second)]
+    levels, gaps = shares[0] - shares[1], np.diff(angles, append=angles[0] + TWO_PI)
+    order = np.argsort(levels)
+    median = levels[order[np.argmax(np.cumsum(gaps[order]) >= np.pi)]]
+    return np.asarray(np.abs(levels - median) @ gaps)[()]
 
 
 def _wasserstein_rows(rows: Array, law: CircularLaw) -> Array:
@@ -271,8 +211,9 @@ def total_variation(sample: Any, law: Any, bins: int = DEFAULT_BINS) -> Array:
     """
     given = law_or_sample(law)
     if not isinstance(given, CircularLaw):
-        pooled = pooled_samples(sample, given)
-        return pooled.total_variation(pooled.first, bins)[()]
+        pair = orientations("the sample", sample, single=True), given
+        first, second = (np.bincount(bin_index(one, bins), minlength=bins) / one.size for one in pair)
+        return np.asarray(0.5 * np.sum(np.abs(first - second)))[()]
     angles = orientations("the sample", sample)
     rows = bin_index(angles, bins).reshape(-1, angles.shape[-1])
     flat = rows + bins * np.arange(len(rows))[:, None]

@@ -87,12 +87,10 @@ def chain_p_value(
     Raises InvalidInput for a path or counts that cannot be used, ConvergenceError where a stationary law is not known
     to a tenth of the uniform density; what ``refit`` raises passes through.
 
-    >>> from cyclemap.evidence.orientations.goodness_of_fit import watson_p_value
     >>> model = CircleMap.rigid(0.0), WrappedNormal(0.2)
     >>> path = sample_staircases(*model, 50, [0.0])[0]
-    >>> p = chain_p_value(path, *model, "watson", runs=99)
-    >>> p.value > 0.05, watson_p_value(p.statistic, 51) < 1e-6
-    (True, True)
+    >>> chain_p_value(path, *model, "watson", runs=99).value > 0.05
+    True
     """
     known = orientation_statistics()
     if not callable(statistic) and statistic not in known:

@@ -181,18 +181,16 @@ class MeasuredDrag:
     contact: int = 0
 
 
-def read_measured_pushes(
-    path: str | Path, select: Mapping[str, str] | None = None, largest_tip_error: float = LARGEST_TIP_ERROR
-) -> tuple[MeasuredPush, ...]:
+def read_measured_pushes(path: str | Path, select: Mapping[str, str] | None = None) -> tuple[MeasuredPush, ...]:
     """Read pushes from a CSV table with `x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1` (m, rad).
 
     select : texts that columns must have, such as {"surface": "abs", "shape": "rect1"}. Rows whose `tip_err_mm`, where
-    there is such a column, exceeds `largest_tip_error` (m) are left out. Columns `i` and `s` (side, fraction), where
+    there is such a column, exceeds 5 mm are left out. Columns `i` and `s` (side, fraction), where
     present, label the contact. Raises DataFileError naming file, line and mend; InvalidInput where no row is selected.
     """
     table = read_csv_table(path)
     require_columns(table, PUSH_END_COLUMNS)
-    rows = [row for row in _selected(table, select) if tip_error(table, row) <= largest_tip_error]
+    rows = [row for row in _selected(table, select) if tip_error(table, row) <= LARGEST_TIP_ERROR]
     labels = _contact_labels(table, rows, ("i", "s"))
     return tuple(_push(table, row, label) for row, label in zip(rows, labels, strict=True))
 

@@ -53,7 +53,7 @@ DEFAULT_BINS = 72
 
 @dataclass(frozen=True, eq=False)
 class TurnBins:
-    """The median turn in equal bins of θ0; only bins that hold at least `fewest` pairs are listed.
+    """The median turn in equal bins of θ0; only bins that hold at least three pairs are listed.
 
     centre : (k,) rad in [0, 2π). median : (k,) rad. count : (k,) pairs.
     """
@@ -81,11 +81,11 @@ class MapAgreement:
     bin_rms: float
 
 
-def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS, fewest: int = 3) -> TurnBins:
+def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:
     """Median turn of the pairs in `bins` equal bins of θ0 over [0, 2π)."""
     index = _bin_index(pairs.theta, bins)
     count = np.bincount(index, minlength=bins)
-    filled = np.flatnonzero(count >= fewest)
+    filled = np.flatnonzero(count >= 3)
     median = np.array([np.median(pairs.turn[index == k]) for k in filled])
     return TurnBins((filled + 0.5) * TWO_PI / bins, median, count[filled])
 

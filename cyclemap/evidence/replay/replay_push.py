@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, positive_number, read_only
+from cyclemap.checks import finite_array, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK
 from cyclemap.evidence.pushes.push_files import PushRecord
@@ -69,8 +69,8 @@ class TipPath:
         return np.stack([np.interp(travel, at, self.corners[:, axis]) for axis in (0, 1)], axis=-1)
 
 
-def tip_path(tip_pose: Array, bend: float = BEND) -> TipPath:
-    """Return the chain of straight strokes that stays within `bend` (m) of a recorded tip.
+def tip_path(tip_pose: Array) -> TipPath:
+    """Return the chain of straight strokes that stays within 0.3 mm of a recorded tip.
 
     tip_pose : (m, 3 or more): time (s), x (m), y (m), and what else is recorded. The corners are recorded places,
     chosen by halving at the farthest place (Ramer 1972; Douglas & Peucker 1973). Raises InvalidInput where the tip
@@ -82,7 +82,7 @@ def tip_path(tip_pose: Array, bend: float = BEND) -> TipPath:
     """
     table = finite_array("tip pose", tip_pose, ndim=2)
     place = table[:, 1:3]
-    corners = _corners(place, positive_number("bend", bend))
+    corners = _corners(place)
     travel = _travel(place, corners)
     if travel[-1] < SHORTEST_PATH:
         raise InvalidInput(f"the tip moves {1e3 * travel[-1]:.2g} mm: it pushes nothing")
@@ -98,13 +98,13 @@ def _from_chord(place: Array) -> Array:
     return np.asarray(np.hypot(*(offset - share[:, None] * chord).T))
 
 
-def _corners(place: Array, bend: float) -> list[int]:
+def _corners(place: Array) -> list[int]:
     kept, spans = {0, len(place) - 1}, [(0, len(place) - 1)]
     while spans:
         first, last = spans.pop()
         off = _from_chord(place[first : last + 1])
         farthest = int(off.argmax())
-        if off[farthest] > bend:
+        if off[farthest] > BEND:
             kept.add(first + farthest)
             spans += [(first, first + farthest), (first + farthest, last)]
     return sorted(kept)

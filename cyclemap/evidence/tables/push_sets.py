@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array, shorter_way
-from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
@@ -62,12 +61,10 @@ class PushSet:
         return bool(np.isfinite(self.dtheta).any())
 
 
-def push_sets(
-    pushes: PushTable, select: Mapping[str, str | float] | None = None, fewest: int = FEWEST
-) -> tuple[PushSet, ...]:
+def push_sets(pushes: PushTable, select: Mapping[str, str | float] | None = None) -> tuple[PushSet, ...]:
     """Part the pushes into sets pushed alike: same folder (or CSV table), surface, object, speed and contact.
 
-    Where no set of a folder has ``fewest`` pushes, no push was repeated there often enough: its sets are then pooled
+    Where no set of a folder has 20 pushes, no push was repeated there often enough: its sets are then pooled
     over the contacts, and say so in ``contacts``.
     select : columns of ``SURROUNDINGS`` and ``CONTACT`` with the one value to keep, SI units and radians.
 
@@ -79,7 +76,7 @@ def push_sets(
     for home in dict.fromkeys(homes):
         rows = table[[other == home for other in homes]]
         parts = _parted(rows, (*SURROUNDINGS, *CONTACT))
-        repeated = any(len(part) >= fewest for part in parts)
+        repeated = any(len(part) >= FEWEST for part in parts)
         gathered += [(home, part) for part in (parts if repeated else _parted(rows, SURROUNDINGS))]
     names = _names([(Path(home), _shared_facts(part)) for home, part in gathered])
     return tuple(_push_set(name, Path(home), part) for name, (home, part) in zip(names, gathered, strict=True))
@@ -223,12 +220,11 @@ def motion_statistics(value: ArrayLike) -> MotionStatistics:
     return MotionStatistics(known.size, float(np.mean(known)), float(np.std(known, ddof=1)))
 
 
-def push_statistics(pushes: PushSet, fewest: int = FEWEST_FOR_SPREAD) -> PushStatistics:
-    """The set's row of the table; with fewer than ``fewest`` pushes of known motion it has a problem and no numbers."""
-    least = max(2, whole_number("fewest", fewest, least=0))
+def push_statistics(pushes: PushSet) -> PushStatistics:
+    """The set's row of the table; with fewer than five pushes of known motion it has a problem and no numbers."""
     known = int(np.sum(np.isfinite(pushes.dtheta)))
-    if known < least:
-        reason = f"too few pushes with a known end for a spread: {known} of {least}"
+    if known < FEWEST_FOR_SPREAD:
+        reason = f"too few pushes with a known end for a spread: {known} of {FEWEST_FOR_SPREAD}"
         return PushStatistics(pushes.name, pushes.count, None, None, None, reason)
     dtheta, dx, dy = (motion_statistics(getattr(pushes, quantity)) for quantity in QUANTITIES)
     return PushStatistics(pushes.name, pushes.count, dtheta, dx, dy)

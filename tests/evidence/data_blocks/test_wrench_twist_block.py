@@ -91,7 +91,7 @@ def test_the_place_of_contact_is_where_the_force_enters_the_outline() -> None:
     force = 2.0 * inward + 0.3 * edge
     torque = point[:, 0] * force[:, 1] - point[:, 1] * force[:, 0]
     data = WrenchTwists(np.column_stack([force, torque]), np.column_stack([0.01 * inward, np.zeros(40)]))
-    assert data.contact_pieces(SQUARE, 40).tolist() == list(range(40))
+    assert data.contact_pieces(SQUARE).tolist() == list(range(40))
     missing = WrenchTwists([[1.0, 0.0, 0.2], [0.0, 0.0, 1.0]], [[0.01, 0.0, 0.0], [0.0, 0.0, 0.1]])
     assert missing.contact_pieces(SQUARE).tolist() == [-1, -1]
 

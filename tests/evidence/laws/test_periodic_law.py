@@ -231,7 +231,6 @@ def test_scaling_the_values_scales_the_law_and_leaves_percentages() -> None:
     assert large.rmse == pytest.approx(1000.0 * one.rmse, rel=1e-9)
     assert large.percent == pytest.approx(one.percent, rel=1e-9)
     assert one.percent == pytest.approx(100 * 0.05 / np.mean(value), rel=0.1)
-    assert one.total_percent == pytest.approx(100 * np.std(value, ddof=1) / np.mean(value), rel=1e-12)
     assert one.count == 400
 
 

@@ -9,13 +9,6 @@ from cyclemap.evidence.orientations.collection_null import (
     chain_p_values,
     orientation_statistics,
     refit_harmonic_map,
-    stationary_law,
-)
-from cyclemap.evidence.orientations.goodness_of_fit import (
-    kuiper_p_value,
-    kuiper_statistic,
-    watson_p_value,
-    watson_statistic,
 )
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircases, transfer_operator
 
@@ -63,22 +56,6 @@ def test_under_the_chain_the_level_of_the_wasserstein_distance_holds(paths) -> N
     ]
     assert len(values) == 200
     assert 0.06 <= np.mean(np.array(values) <= 0.1) <= 0.15
-
-
-def test_p_values_for_independent_samples_are_badly_wrong_there(operator, paths) -> None:
-    law = stationary_law(operator)
-    kuiper = [kuiper_p_value(float(value), LENGTH) for value in kuiper_statistic(paths, law)]
-    watson = [watson_p_value(float(value), LENGTH) for value in watson_statistic(paths, law)]
-    assert np.mean(np.array(kuiper) < 0.1) > 0.6
-    assert np.mean(np.array(watson) < 0.1) > 0.6
-
-
-def test_for_a_chain_without_memory_both_agree() -> None:
-    """κ = e^(-50) of a noise of 10 rad: orientations are independent and uniform."""
-    map_, noise = CircleMap.arnold(0.1, 0.5), WrappedNormal(10.0)
-    path = sample_staircases(map_, noise, 99, [0.0], seed=3)[0]
-    found = chain_p_value(path, map_, noise, "kuiper", runs=2000)
-    assert found.value == pytest.approx(kuiper_p_value(found.statistic, 100), abs=4 * found.standard_error + 0.005)
 
 
 @pytest.mark.parametrize("name", ["wasserstein", "total_variation", "kuiper", "watson"])
