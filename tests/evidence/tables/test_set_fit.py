@@ -1,9 +1,11 @@
-"""Laws of Δθ, Δx, Δy over θ0: made sets, the mechanics of plywood with noise, and sets that fix no law."""
+"""The laws of a set and its histogram: what they explain, and what chance alone makes."""
 
 import numpy as np
 import pytest
 from made_sets import made_set, noisy_set, true_turn
+from scipy.stats import wasserstein_distance
 
+from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.linear_fit import cycle_folds
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
 from cyclemap.evidence.tables.push_sets import push_statistics
@@ -104,3 +106,79 @@ def test_a_set_that_fixes_no_law_says_so_and_does_not_fail(theta, told) -> None:
     assert told in laws.problem
     assert np.isnan(laws.dtheta.cross_validated_rmse)
     assert np.isnan(laws.dtheta.explained)
+
+
+def fitted(seed: int = 0, count: int = 300):
+    pushes = noisy_set(seed, count)
+    return pushes, fit_periodic_law(pushes.theta, pushes.dtheta, harmonics=2)
+
+
+def test_predicted_counts_are_those_of_many_draws_of_theta0_projected_through_the_law() -> None:
+    pushes, law = fitted()
+    found = turn_histogram(pushes.theta, pushes.dtheta, law, runs=2)
+    rng, draws = np.random.default_rng(1), 400_000
+    theta = rng.choice(pushes.theta, draws)
+    drawn = np.clip(law(theta) + law.noise(theta) * rng.standard_normal(draws), found.edges[0], found.edges[-1])
+    counts = np.histogram(drawn, found.edges)[0] * 300 / draws
+    assert np.max(np.abs(counts - found.predicted)) < 0.15
+    assert np.sum(found.predicted) == pytest.approx(300.0)
+
+
+def test_the_law_alone_puts_every_orientation_where_the_law_does() -> None:
+    pushes, law = fitted()
+    found = turn_histogram(pushes.theta, pushes.dtheta, law, runs=2)
+    assert np.allclose(found.law_alone, np.histogram(law(pushes.theta), found.edges)[0])
+    assert np.array_equal(found.measured, np.histogram(pushes.dtheta, found.edges)[0])
+    assert found.count == 300
+    share = 0.5 * np.sum(np.abs(found.measured - found.law_alone)) / 300
+    assert found.law_alone_total_variation == pytest.approx(share)
+    exact = wasserstein_distance(pushes.dtheta, law(pushes.theta))
+    assert found.law_alone_distance == pytest.approx(exact, rel=0.02)
+
+
+def test_a_constant_added_to_the_values_and_a_change_of_unit_change_no_share() -> None:
+    pushes, law = fitted()
+    moved = fit_periodic_law(pushes.theta, 5.0 + 57.0 * pushes.dtheta, harmonics=2)
+    one = turn_histogram(pushes.theta, pushes.dtheta, law, runs=5)
+    other = turn_histogram(pushes.theta, 5.0 + 57.0 * pushes.dtheta, moved, runs=5)
+    assert other.total_variation == pytest.approx(one.total_variation, abs=1e-9)
+    assert other.distance == pytest.approx(57.0 * one.distance, rel=1e-9)
+
+
+def test_p_values_of_a_right_law_are_uniform_though_it_was_fitted_to_the_same_pushes() -> None:
+    values = []
+    for seed in range(60):
+        pushes, law = fitted(seed, 120)
+        values.append(turn_histogram(pushes.theta, pushes.dtheta, law, bins=20, runs=19, seed=seed).chance.value)
+    assert len(values) == 60
+    for level in (0.1, 0.25, 0.5):
+        share, error = np.mean(np.array(values) <= level), np.sqrt(level * (1.0 - level) / 60)
+        assert abs(share - level) < 3.0 * error
+
+
+def test_a_law_that_misses_two_lumps_is_told_from_chance() -> None:
+    rng = np.random.default_rng(2)
+    theta = rng.uniform(0.0, 2 * np.pi, 300)
+    value = true_turn(theta) + 0.1 * rng.choice([-1.0, 1.0], 300) + 0.01 * rng.standard_normal(300)
+    found = turn_histogram(theta, value, fit_periodic_law(theta, value, harmonics=2), runs=99)
+    assert found.total_variation > found.chance_total_variation
+    assert found.chance.value == pytest.approx(0.01)
+
+
+def test_a_law_without_scatter_of_its_own_still_has_a_histogram() -> None:
+    theta = np.linspace(0.0, 6.0, 50)
+    law = fit_periodic_law(theta, true_turn(theta), harmonics=2)
+    found = turn_histogram(theta, true_turn(theta), law, runs=3)
+    assert found.law_alone_total_variation <= 0.04
+
+
+def test_bad_input_is_refused_by_name() -> None:
+    pushes, law = fitted()
+    with pytest.raises(InvalidInput, match="all values are 1"):
+        turn_histogram(np.arange(30.0), np.ones(30), fit_periodic_law(np.arange(30.0), np.ones(30), harmonics=0))
+    with pytest.raises(InvalidInput, match="bins must be at least 2"):
+        turn_histogram(pushes.theta, pushes.dtheta, law, bins=1)
+    with pytest.raises(InvalidInput, match="runs must be at least 1"):
+        turn_histogram(pushes.theta, pushes.dtheta, law, runs=0)
+    with pytest.raises(InvalidInput, match="entries"):
+        turn_histogram(pushes.theta[1:], pushes.dtheta, law)
