@@ -268,11 +268,6 @@ class JointProblem:
             jacobians.append(by_free)
         return np.concatenate(residuals), np.concatenate(jacobians)
 
-    def holding(self, name: str, value: float) -> JointProblem:
-        """Return the problem with one free parameter held at a value."""
-        others = self.space.select(tuple(other for other in self.space.names if other != name))
-        return replace(self, space=others, fixed={**self.fixed, name: value})
-
     def subset(self, keep: ArrayLike, values: Mapping[str, float]) -> JointProblem:
         """Return the problem of the groups of which `keep` (n,), bool by row, holds a row; empty blocks drop out.
 

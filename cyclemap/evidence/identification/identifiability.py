@@ -148,19 +148,14 @@ class Uncertainty:
     """Errors of a fit to first order.
 
     standard_error (k,) : inf for a parameter that the data do not fix. covariance (k, k), correlation (k, k) : without
-    what is open. freedom (k,) : degrees of freedom for Student's t. inflation (k,) : variance over that of the inverse
-    information. clustered : whether rows share groups. open : what the data do not fix.
-    influence (k,) : standardised change of the residuals by one scale of each parameter.
+    what is open. freedom (k,) : degrees of freedom for Student's t. open : what the data do not fix.
     """
 
     standard_error: Array
     covariance: Array
     correlation: Array
     freedom: Array
-    inflation: Array
-    clustered: bool
     open: tuple[OpenDirection, ...]
-    influence: Array
 
 
 def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) -> Uncertainty:
@@ -175,38 +170,33 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
     seen = values > _RANK * np.max(values, initial=0.0)
     inverse = vectors[:, seen] / values[seen] @ vectors[:, seen].T
     blind = np.sqrt(np.sum(vectors[:, ~seen] ** 2, axis=1)) > 1e-4
-    covariance, freedom, clustered = _variance(problem, fit, law, jacobian, inverse)
-    error, plain = np.sqrt(np.maximum(np.diag(covariance), 0.0)), np.diag(inverse) / law.information
+    covariance, freedom = _variance(problem, fit, law, jacobian, inverse)
+    error = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     outer = np.outer(error, error)
     return Uncertainty(
         read_only(np.where(blind, np.inf, error * scale)),
         read_only(covariance * np.outer(scale, scale)),
         read_only(np.where(outer > 0.0, covariance / np.where(outer > 0.0, outer, 1.0), np.eye(len(error)))),
         read_only(freedom),
-        read_only(np.where(plain > 0.0, error**2 / np.where(plain > 0.0, plain, 1.0), 1.0)),
-        clustered,
         _open_directions(problem, law.information * values, vectors, seen),
-        read_only(np.linalg.norm(jacobian, axis=0)),
     )
 
 
-def _variance(
-    problem: JointProblem, fit: Fit, law: NoiseLaw, jacobian: Array, inverse: Array
-) -> tuple[Array, Array, bool]:
-    """Covariance (k, k) and its freedom (k,), all standardised, and whether rows share groups."""
+def _variance(problem: JointProblem, fit: Fit, law: NoiseLaw, jacobian: Array, inverse: Array) -> tuple[Array, Array]:
+    """Covariance (k, k) and its freedom (k,), all standardised."""
     kinds, information = problem.kind_index, law.information
     known = np.zeros(len(fit.noise), dtype=bool) if fit.known is None else fit.known
     by_weights = weight_variance(jacobian, inverse, kinds, known) / information
     if len(np.unique(problem.groups)) == len(problem.groups):
         freedom = independent_freedom(jacobian, inverse, kinds, known)
-        return inverse / information + 2.0 * by_weights, freedom, False
+        return inverse / information + 2.0 * by_weights, freedom
     scaled = fit.residuals / fit.noise[kinds]
     # A belief counts by its deviation, which is known, not by how far off it happened to be.
     belief = problem.kinds == PRIOR_KIND
     told, errors = jacobian[~belief], (law.weight(scaled**2) * scaled / information)[~belief]
     covariance, freedom = grouped_variance(told, errors, inverse, problem.groups[~belief])
     believed = jacobian[belief] @ inverse
-    return *with_known_variance(covariance + by_weights, freedom, believed.T @ believed), True
+    return with_known_variance(covariance + by_weights, freedom, believed.T @ believed)
 
 
 def _open_directions(problem: JointProblem, values: Array, vectors: Array, seen: Array) -> tuple[OpenDirection, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
@@ -15,7 +15,6 @@ from cyclemap.evidence.identification.cross_validation import (
     KindErrors,
     cross_validate,
     kind_errors,
-    labelled_folds,
     random_folds,
 )
 from cyclemap.evidence.identification.data_block import PRIOR_KIND, DataBlock, JointProblem, prior_block
@@ -141,7 +140,6 @@ _FEW = 4.0
 # A parameter whose error is above this share of its belief's deviation was hardly told by the data.
 _TOLD = 0.8
 
-Folds = int | Mapping[str, ArrayLike]
 Progress = Callable[[float], None]
 Beliefs = Mapping[str, tuple[float, float]]
 
@@ -154,7 +152,7 @@ def identify(
     priors: Beliefs | None = None,
     starts: int = 8,
     level: float = 0.95,
-    folds: Folds = 0,
+    folds: int = 0,
     noise: Mapping[str, float] | None = None,
     student: float | None = None,
     space: ParameterSpace = SURFACE,
@@ -173,7 +171,7 @@ def identify(
     priors : beliefs (value, standard deviation) about free parameters, in SI units; see `usual_beliefs`.
     starts : searches, the first from the natural start, the rest spread about it (seeded).
     level : of the intervals, value -+ t standard errors, cut at the bounds; errors of rows of one group may be alike.
-    folds : 0, a number of random folds of every block's groups, or labels of rows by block name (leave one label out).
+    folds : 0, or a number of random folds of every block's groups.
     noise : sizes of kinds of noise that are known; all others are estimated.
     student : degrees of freedom of Student noise, for data with outliers; None: normal.
     progress : called with the fraction done.
@@ -196,11 +194,7 @@ def identify(
     problem, taken = _problem(blocks, tuple(free), fixed or {}, space)
     for name in believed:
         problem.space[name]
-    fold = None
-    if isinstance(folds, Mapping):
-        fold = labelled_folds(problem, folds)
-    elif folds != 0:
-        fold = random_folds(problem, folds, seed)
+    fold = None if folds == 0 else random_folds(problem, folds, seed)
     report = progress or (lambda fraction: None)
     # The searches are the first three fifths of the work, cross-validation the rest.
     found = multi_start(problem, spread_starts(problem, starts, seed), law, known, lambda done: report(0.6 * done))

@@ -130,7 +130,7 @@ class Fit:
     deviance : -2 log likelihood up to a constant, sum of rho + 2 log noise over the rows. residuals (n,),
     jacobian (n, k) : there, in the data's units. gradient : largest slope of half the deviance by one scale of a
     parameter, not counting those that push into a bound. on_bounds : names of parameters on a bound. converged :
-    minimum and noise both found to tolerance. message : why the search ended. evaluations : of the model.
+    minimum and noise both found to tolerance. message : why the search ended.
     """
 
     vector: Array
@@ -142,7 +142,6 @@ class Fit:
     on_bounds: tuple[str, ...]
     converged: bool
     message: str
-    evaluations: int
     known: NDArray[np.bool_] | None = None
 
 
@@ -210,12 +209,12 @@ def minimise(problem: JointProblem, start: Array, noise: Array, law: NoiseLaw, t
 def _minimise(evaluator: _Evaluator, start: Array, noise: Array, law: NoiseLaw, tolerance: float) -> Fit:
     from scipy.optimize import least_squares
 
-    space, before = evaluator.problem.space, evaluator.count
+    space = evaluator.problem.space
     evaluator.noise = noise[evaluator.problem.kind_index]
     inside = _strictly_inside(start, space.lower, space.upper)
     evaluator.at(inside)
     if len(space) == 0:
-        return _fit(evaluator, inside, noise, law, True, "nothing is free", evaluator.count - before)
+        return _fit(evaluator, inside, noise, law, True, "nothing is free")
     found = least_squares(
         evaluator.scaled_residuals,
         inside,
@@ -228,7 +227,7 @@ def _minimise(evaluator: _Evaluator, start: Array, noise: Array, law: NoiseLaw, 
         gtol=1e-12,
         max_nfev=_MOST,
     )
-    return _fit(evaluator, found.x, noise, law, found.status > 0, found.message, evaluator.count - before)
+    return _fit(evaluator, found.x, noise, law, found.status > 0, found.message)
 
 
 def _strictly_inside(vector: Array, lower: Array, upper: Array) -> Array:
@@ -236,9 +235,7 @@ def _strictly_inside(vector: Array, lower: Array, upper: Array) -> Array:
     return np.asarray(np.clip(vector, lower + 1e-9 * width, upper - 1e-9 * width))
 
 
-def _fit(
-    evaluator: _Evaluator, vector: Array, noise: Array, law: NoiseLaw, converged: bool, message: str, evaluations: int
-) -> Fit:
+def _fit(evaluator: _Evaluator, vector: Array, noise: Array, law: NoiseLaw, converged: bool, message: str) -> Fit:
     problem, (residuals, jacobian) = evaluator.problem, evaluator.at(vector)
     space, scaled = problem.space, residuals / evaluator.noise
     rho, weight, _ = law.loss(scaled**2)
@@ -255,7 +252,6 @@ def _fit(
         tuple(name for name, on in zip(space.names, low | high, strict=True) if on),
         converged,
         message,
-        evaluations,
     )
 
 
@@ -287,7 +283,7 @@ def fit_with_noise(
     converged = fit.converged and change < _NOISE_TOLERANCE
     message = fit.message if converged or not fit.converged else f"the noise did not settle in {_ROUNDS} rounds"
     evaluator.noise = noise[problem.kind_index]
-    finished = _fit(evaluator, fit.vector, noise, law, converged, message, evaluator.count)
+    finished = _fit(evaluator, fit.vector, noise, law, converged, message)
     return replace(finished, known=~np.isnan(held))
 
 

@@ -122,13 +122,6 @@ class ParameterSpace:
         kept = [new.pop(parameter.name, parameter) for parameter in self.parameters]
         return ParameterSpace((*kept, *new.values()))
 
-    def bounded(self, name: str, lower: float, upper: float) -> ParameterSpace:
-        """Return the space with other bounds for one parameter; its start moves to their middle if it falls outside."""
-        old = self[name]
-        start = old.start if lower < old.start < upper else 0.5 * (lower + upper)
-        nominal = min(max(self.nominal[name], lower), upper)
-        return self.extended(replace(old, lower=lower, upper=upper, start=start, nominal=nominal))
-
     def vector(self, values: Mapping[str, float]) -> Array:
         """Return the values (k,) in this order. Raises InvalidInput for one that is missing or not finite."""
         missing = [name for name in self.names if name not in values]

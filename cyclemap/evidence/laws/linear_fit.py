@@ -177,13 +177,12 @@ class OrderScores:
     """How well laws of several orders predict values left out.
 
     orders : (k,) harmonics. rmse : (k,) root of the mean squared error of prediction, in the unit of the values.
-    excess_error : (k,) standard error of the difference of mean squared errors from the best order's, over the folds.
-    chosen : the simplest order whose mean squared error exceeds the least by no more than that standard error.
+    chosen : the simplest order whose mean squared error exceeds the least by no more than the standard error of the
+    difference, over the folds.
     """
 
     orders: NDArray[np.int64]
     rmse: Array
-    excess_error: Array
     chosen: int
 
 
@@ -224,8 +223,8 @@ def nested_errors(design: Array, value: Array, sizes: NDArray[np.int64], fold: N
     return errors
 
 
-def simplest_good(errors: Array, sizes: NDArray[np.int64], fold: NDArray[np.int64]) -> tuple[int, Array, Array]:
-    """The one-standard-error rule (Breiman et al. 1984) with paired differences: (index, mean, error (k,)).
+def simplest_good(errors: Array, sizes: NDArray[np.int64], fold: NDArray[np.int64]) -> tuple[int, Array]:
+    """The one-standard-error rule (Breiman et al. 1984) with paired differences: (index, mean (k,)).
 
     errors : (n, k) of each value under each candidate; sizes : (k,) coefficients of each. The candidate with
     fewest coefficients is taken whose mean error exceeds the least by no more than the standard error, over the folds,
@@ -243,13 +242,12 @@ def simplest_good(errors: Array, sizes: NDArray[np.int64], fold: NDArray[np.int6
     floor = 1e-26 * np.max(np.abs(mean[np.isfinite(mean)]))
     good = np.flatnonzero(mean - mean[best] <= spread + floor)
     good = good[np.isfinite(mean[good])]
-    return int(good[np.argmin(sizes[good])]), mean, np.where(np.isfinite(mean), spread, np.inf)
+    return int(good[np.argmin(sizes[good])]), mean
 
 
 def choose_harmonics(design: Array, value: Array, fold: NDArray[np.int64]) -> OrderScores:
     """Score the orders 0, 1, ... that ``design`` (columns of ``fourier_columns``) holds, and choose."""
     sizes = np.arange(1, design.shape[1] + 1, 2)
     errors = nested_errors(design, value, sizes, fold)
-    chosen, mean, spread = simplest_good(errors, sizes, fold)
-    orders = np.arange(sizes.size)
-    return OrderScores(orders, read_only(np.sqrt(mean)), read_only(spread), chosen)
+    chosen, mean = simplest_good(errors, sizes, fold)
+    return OrderScores(np.arange(sizes.size), read_only(np.sqrt(mean)), chosen)

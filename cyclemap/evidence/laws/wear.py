@@ -174,6 +174,6 @@ def _chosen(
         design = _worn_columns(angles, polynomials[:, : power + 1], max(waves))
         errors.append(nested_errors(design * root[:, np.newaxis], values * root, size, fold))
         sizes.append(size)
-    chosen, mean, _ = simplest_good(np.hstack(errors), np.concatenate(sizes), fold)
+    chosen, mean = simplest_good(np.hstack(errors), np.concatenate(sizes), fold)
     table = read_only(np.sqrt(mean).reshape(len(powers), len(waves)))
     return table, waves[chosen % len(waves)], powers[chosen // len(waves)]

@@ -172,10 +172,7 @@ FEWEST_FOR_SPREAD = 5
 
 @dataclass(frozen=True)
 class MotionStatistics:
-    """Mean and standard deviation (n - 1 in its divisor) of one quantity: Δθ in rad, Δx or Δy in m.
-
-    mean_error : standard error of the mean, std/√n, for pushes that are independent: those of a staircase are not.
-    """
+    """Mean and standard deviation (n - 1 in its divisor) of one quantity: Δθ in rad, Δx or Δy in m."""
 
     count: int
     mean: float
@@ -185,11 +182,6 @@ class MotionStatistics:
     def percent(self) -> float:
         """The standard deviation in per cent of the mean's size; inf for a mean of 0."""
         return 100.0 * self.std / abs(self.mean) if self.mean != 0.0 else float("inf")
-
-    @property
-    def mean_error(self) -> float:
-        """The standard error of the mean."""
-        return float(self.std / np.sqrt(self.count))
 
 
 @dataclass(frozen=True)

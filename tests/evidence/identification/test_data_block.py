@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, motion_block
+from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.identification.data_block import PRIOR_KIND, USUAL, FunctionBlock, JointProblem, prior_block
@@ -33,16 +33,6 @@ def test_equal_labels_in_two_blocks_are_two_groups_and_equal_kinds_share_their_n
     problem = JointProblem((force_block(6), force_block(4, name="second")), SURFACE.select(ELLIPSE), {})
     assert len(np.unique(problem.groups)) == 10
     assert problem.kind_names == ("force (1)",)
-
-
-def test_a_parameter_held_leaves_the_columns_and_keeps_its_value() -> None:
-    problem = JointProblem((motion_block(),), SURFACE.select(MOTION), {})
-    vector = problem.space.vector(TRUTH)
-    held = problem.holding("offset_y", TRUTH["offset_y"])
-    assert held.space.names == tuple(name for name in MOTION if name != "offset_y")
-    whole, part = problem.evaluate(vector), held.evaluate(np.delete(vector, MOTION.index("offset_y")))
-    assert np.array_equal(whole[0], part[0])
-    assert np.array_equal(np.delete(whole[1], MOTION.index("offset_y"), axis=1), part[1])
 
 
 def test_a_parameter_whose_data_leave_is_held() -> None:

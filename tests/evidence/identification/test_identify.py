@@ -1,6 +1,7 @@
 """Identification gives back what made the data, its intervals hold as often as they say, and it tells its doubts."""
 
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -131,7 +132,7 @@ def test_a_block_brings_parameters_of_its_own() -> None:
 
 
 def test_a_value_on_its_bound_says_which() -> None:
-    space = SURFACE.bounded("rim_share", 0.45, 0.9)
+    space = SURFACE.extended(replace(SURFACE["rim_share"], lower=0.45, upper=0.9, start=0.675, nominal=0.45))
     found = identify(blocks(0.005), NAMES, starts=2, space=space)
     assert found["rim_share"].at_bound == "lower"
     assert found["rim_share"].lower_open

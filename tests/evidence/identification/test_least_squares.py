@@ -1,6 +1,7 @@
 """Least squares finds parameters exactly, weighs kinds by their noise, and survives starts without an answer."""
 
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -89,7 +90,8 @@ def test_turning_the_world_turns_the_answer() -> None:
 
 
 def test_a_truth_beyond_a_bound_ends_on_it_and_says_so() -> None:
-    problem = JointProblem((force_block(), motion_block()), SPACE.bounded("rim_share", 0.45, 0.9), {})
+    narrow = replace(SPACE["rim_share"], lower=0.45, upper=0.9, start=0.675, nominal=0.45)
+    problem = JointProblem((force_block(), motion_block()), SPACE.extended(narrow), {})
     fit = fit_with_noise(problem, problem.space.start)
     assert fit.on_bounds == ("rim_share",)
     assert abs(fit.vector[-1] - 0.45) < 1e-3
