@@ -89,11 +89,6 @@ def sampled_values(found: Identification, count: int = DRAWS, seed: int = 0) -> 
     return tuple(drawn)
 
 
-def sampled_surfaces(found: Identification, count: int = DRAWS, seed: int = 0) -> tuple[SurfaceParameters, ...]:
-    """Return the surfaces of `sampled_values`."""
-    return tuple(SurfaceParameters.from_values(values) for values in sampled_values(found, count, seed))
-
-
 def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0) -> tuple[Derived, ...]:
     """Return axis ratio, directions and sizes of the friction ellipse as far as their parameters are free.
 
@@ -101,7 +96,7 @@ def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0)
     by Hotelling's test, its direction is not known and its size has its least value, 1 or 0, for a lower end: drawn
     vectors never are zero.
     """
-    laws = [surface.to_friction() for surface in sampled_surfaces(found, draws, seed)]
+    laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, draws, seed)]
     free, best = set(found.problem.space.names), found.friction()
     told = []
     for name, (description, period, quantity) in _QUANTITIES.items():
@@ -208,7 +203,7 @@ class IdentifiedCurves:
 
 def identified_curves(found: Identification, scans: ScanForces | None = None, seed: int = 0) -> IdentifiedCurves:
     """Compute what is drawn of an identification; `scans` : the forces of its friction scans."""
-    laws = [surface.to_friction() for surface in sampled_surfaces(found, _BAND_DRAWS, seed)]
+    laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, _BAND_DRAWS, seed)]
     worn = worn_friction_of(found)
     turns, places, cycles = [], [], []
     for number, block in enumerate(found.problem.blocks):

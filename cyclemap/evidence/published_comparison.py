@@ -277,7 +277,13 @@ def published_comparison(
     given = published or published_statistics(surface.name.split("-")[0])
     loop = worn_loop(CollectionLoop.mit(surface), 0.5 * PUBLISHED_CYCLES)
     found = predicted_statistics(node_values(loop), given, sigma)
-    return PublishedComparison(surface.name, given, found, _stable(found), _peaks(found))
+    # Where the turn falls through zero, by linear interpolation.
+    ahead, law = np.roll(found.turn, -1), found.law
+    falls = np.flatnonzero((found.turn > 0.0) & (ahead <= 0.0))
+    places = found.theta[falls] + found.theta[1] * found.turn[falls] / (found.turn[falls] - ahead[falls])
+    stable = places[np.argsort(-law[falls])] % (2.0 * np.pi)
+    tops = np.flatnonzero((law >= np.roll(law, 1)) & (law > np.roll(law, -1)) & (law * law.size > PEAK))
+    return PublishedComparison(surface.name, given, found, stable, found.theta[tops[np.argsort(-law[tops])]])
 
 
 def comparison_table(comparisons: Iterable[PublishedComparison]) -> str:
@@ -290,22 +296,6 @@ def comparison_table(comparisons: Iterable[PublishedComparison]) -> str:
             lines.append(f"  {name:16}{f'{mean:.1f} +- {std:.2f}':>18}{f'{at:.1f} +- {by:.2f}':>18}")
         lines.append(f"  {one._directions()}")
     return "\n".join(lines)
-
-
-def _stable(found: PredictedStatistics) -> Array:
-    """Where the turn falls through zero, by linear interpolation, the most visited first."""
-    ahead = np.roll(found.turn, -1)
-    index = np.flatnonzero((found.turn > 0.0) & (ahead <= 0.0))
-    spacing = found.theta[1]
-    places = found.theta[index] + spacing * found.turn[index] / (found.turn[index] - ahead[index])
-    return np.asarray(places[np.argsort(-found.law[index])] % (2.0 * np.pi))
-
-
-def _peaks(found: PredictedStatistics) -> Array:
-    law = found.law
-    top = (law >= np.roll(law, 1)) & (law > np.roll(law, -1)) & (law * law.size > PEAK)
-    index = np.flatnonzero(top)
-    return np.asarray(found.theta[index[np.argsort(-law[index])]])
 
 
 def _distance(angles: Array, others: Array) -> Array:

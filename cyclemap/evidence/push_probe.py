@@ -154,24 +154,20 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
     design = fourier_columns(angles, order)
     fits = [fit_linear(design, column) for column in moved.T]
     noise = np.array([max(fit.sigma, _ROUNDING) for fit in fits])
-    found = tuple(
-        _harmonic(name, number, fit.coefficients, fit.covariance, angles.size - design.shape[1])
-        for name, fit in zip(OUTCOMES, fits, strict=True)
-        for number in range(1, order + 1)
-    )
+    found = []
+    for name, fit in zip(OUTCOMES, fits, strict=True):
+        for number in range(1, order + 1):
+            rows = slice(2 * number - 1, 2 * number + 1)
+            length = _length(fit.coefficients[rows], fit.covariance[rows, rows], angles.size - design.shape[1])
+            found.append(Harmonic(name, number, *length))
     values, covariance, explained = _ellipse(angles, moved, noise, loop)
     vector = Anisotropy.of_components(values)
     free = 3 * angles.size - 7
     return Probe(
-        loop, angles, moved, found, _p_value(moved, fits, noise, order), noise, vector,
+        loop, angles, moved, tuple(found), _p_value(moved, fits, noise, order), noise, vector,
         tuple(math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free)),  # type: ignore[arg-type]
         _length(values[:2], covariance[:2, :2], free), explained,
     )  # fmt: skip
-
-
-def _harmonic(outcome: str, order: int, coefficients: Array, covariance: Array, free: int) -> Harmonic:
-    rows = slice(2 * order - 1, 2 * order + 1)
-    return Harmonic(outcome, order, *_length(coefficients[rows], covariance[rows, rows], free))
 
 
 def _length(vector: Array, covariance: Array, free: int) -> tuple[float, float, float]:

@@ -37,7 +37,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     read_measured_pushes,
 )
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, UnreadableFile
 from cyclemap.evidence.tables.push_sets import PushSet, push_sets
 from cyclemap.mechanics import Pose
 from cyclemap.text_files import read_csv_table
@@ -66,15 +66,7 @@ class DataFile:
     sort: str
 
 
-@dataclass(frozen=True)
-class UnusedFile:
-    """A file that tells nothing of a surface, and why."""
-
-    path: Path
-    reason: str
-
-
-def recognise(path: str | Path) -> tuple[tuple[DataFile, ...], tuple[UnusedFile, ...]]:
+def recognise(path: str | Path) -> tuple[tuple[DataFile, ...], tuple[UnreadableFile, ...]]:
     """Return what a file, folder or tree holds; a file may hold two sorts, files of no known kind are passed over.
 
     Raises InvalidInput where there is nothing at `path`.
@@ -86,7 +78,7 @@ def recognise(path: str | Path) -> tuple[tuple[DataFile, ...], tuple[UnusedFile,
         return _file(place)
     below = sorted(Path(folder, name) for folder, _, names in os.walk(place) for name in names)
     found: list[DataFile] = []
-    unused: list[UnusedFile] = []
+    unused: list[UnreadableFile] = []
     if any(file.suffix.lower() in SUFFIXES for file in below):
         found.append(DataFile(place, RECORDS))
     for file in below:
@@ -95,22 +87,22 @@ def recognise(path: str | Path) -> tuple[tuple[DataFile, ...], tuple[UnusedFile,
             found += sorts
             unused += not_used
     if not found and not unused:
-        unused.append(UnusedFile(place, "the folder holds no .h5, .json or .csv file"))
+        unused.append(UnreadableFile(place, "the folder holds no .h5, .json or .csv file"))
     return tuple(found), tuple(unused)
 
 
-def _file(path: Path) -> tuple[tuple[DataFile, ...], tuple[UnusedFile, ...]]:
+def _file(path: Path) -> tuple[tuple[DataFile, ...], tuple[UnreadableFile, ...]]:
     if path.suffix.lower() in SUFFIXES:
         return (DataFile(path, RECORDS),), ()
     if path.suffix.lower() != CSV_SUFFIX:
-        return (), (UnusedFile(path, f"a file of another kind ({path.suffix or 'no suffix'})"),)
+        return (), (UnreadableFile(path, f"a file of another kind ({path.suffix or 'no suffix'})"),)
     try:
         header = read_csv_table(path).header
     except DataFileError as error:
-        return (), (UnusedFile(path, str(error).removeprefix(f"{path}").lstrip(":, ")),)
+        return (), (UnreadableFile(path, str(error).removeprefix(f"{path}").lstrip(":, ")),)
     sorts = csv_sorts(header)
     if not sorts:
-        return (), (UnusedFile(path, f"a CSV table of unknown columns ({', '.join(header[:8])})"),)
+        return (), (UnreadableFile(path, f"a CSV table of unknown columns ({', '.join(header[:8])})"),)
     return tuple(DataFile(path, sort) for sort in sorts), ()
 
 

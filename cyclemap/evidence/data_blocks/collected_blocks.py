@@ -18,7 +18,6 @@ from cyclemap.evidence.data_blocks.block_builders import (
     BlockChoices,
     Built,
     DataFile,
-    UnusedFile,
     csv_part,
     cycle_parts,
     recognise,
@@ -28,6 +27,7 @@ from cyclemap.evidence.data_blocks.cycle_pair_block import NODES
 from cyclemap.evidence.data_blocks.force_blocks import ScanForces
 from cyclemap.evidence.identification.data_block import DataBlock, Progress, part_of
 from cyclemap.evidence.pushes.measured_strokes import RowSelection, pushes_of, select_csv, select_pushes, told
+from cyclemap.evidence.pushes.push_table import UnreadableFile
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
 from cyclemap.whole_files import file_stem
 
@@ -171,7 +171,7 @@ def _add(
 def _check(
     paths: Sequence[str | Path],
     built: Built,
-    unused: Sequence[UnusedFile],
+    unused: Sequence[UnreadableFile],
     surfaces: set[str],
     slider: Slider,
     chosen: Mapping[str, str | float],

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, read_only, whole_number
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.pushes.theta0_statistics import bin_index
 
 Density = Callable[[Array], Array]
 
@@ -103,14 +103,6 @@ def orientations(name: str, sample: Any, single: bool = False) -> Array:
     wrapped = np.mod(angles, TWO_PI)
     # An angle a hair below 0 wraps to exactly 2π.
     return np.asarray(np.where(wrapped >= TWO_PI, 0.0, wrapped))
-
-
-def bin_index(angles: Array, bins: int) -> NDArray[np.int64]:
-    """Which of ``bins`` equal bins of [0, 2π) each angle in it lies in; InvalidInput for fewer than one bin."""
-    count = whole_number("bins", bins, least=1)
-    if count > 1_000_000:
-        raise InvalidInput(f"bins is {bins}: more than a million bins hold no counts; use fewer")
-    return np.minimum((angles * (count / TWO_PI)).astype(np.int64), count - 1)
 
 
 DEFAULT_BINS = 36

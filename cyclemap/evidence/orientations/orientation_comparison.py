@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import positive_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.orientations.circular_distance import DEFAULT_BINS, orientations
@@ -60,7 +60,7 @@ def nearest_modes(targets: Array, modes: Array) -> Array:
 
 def angle_between(first: Array, second: Array) -> Array:
     """second - first, taken the shorter way round: in [-π, π), radians."""
-    return np.asarray(np.mod(second - first + np.pi, TWO_PI) - np.pi)
+    return shorter_way(second - first)
 
 
 _EIGENVALUES = 25  # 1 and the 24 slowest

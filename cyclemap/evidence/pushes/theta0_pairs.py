@@ -14,7 +14,7 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.errors import DoubtfulInput, InvalidInput
-from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
+from cyclemap.text_files import CsvTable, read_csv_table, require_columns
 
 STAIRCASE_COLUMNS = ("rep", "theta0_accum_deg", "theta0_mod360_deg", "dtheta_to_next_deg", "flag")
 PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
@@ -114,7 +114,9 @@ def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
 def _from_staircase(table: CsvTable) -> Theta0Pairs:
     require_columns(table, STAIRCASE_COLUMNS)
     path = np.array([table.number(row, "theta0_accum_deg") for row in table.rows])
-    turns = np.array([_staircase_turn(table, row) for row in table.rows])
+    # Empty where there is no next one.
+    column = "dtheta_to_next_deg"
+    turns = np.array([table.number(row, column) if table.text(row, column) else np.nan for row in table.rows])
     number = np.array([table.number(row, "rep") for row in table.rows])
     _check_staircase(table, number, path, turns)
     flags = np.array([table.text(row, "flag") for row in table.rows])
@@ -125,11 +127,6 @@ def _from_staircase(table: CsvTable) -> Theta0Pairs:
     dropped = Counter(flag for flag in flags.tolist() if flag)
     theta_next, reasons = theta + np.deg2rad(turns[kept]), dict(dropped)
     return Theta0Pairs(theta, theta_next, np.deg2rad(path), reasons, number[kept], number)
-
-
-def _staircase_turn(table: CsvTable, row: CsvRow) -> float:
-    """Degrees to the next θ0; NaN where the field is empty because there is no next one."""
-    return table.number(row, "dtheta_to_next_deg") if table.text(row, "dtheta_to_next_deg") else np.nan
 
 
 def _check_staircase(table: CsvTable, number: Array, path: Array, turns: Array) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array
+from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 
@@ -83,7 +83,7 @@ class MapAgreement:
 
 def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:
     """Median turn of the pairs in `bins` equal bins of θ0 over [0, 2π)."""
-    index = _bin_index(pairs.theta, bins)
+    index = bin_index(pairs.theta, bins)
     count = np.bincount(index, minlength=bins)
     filled = np.flatnonzero(count >= 3)
     median = np.array([np.median(pairs.turn[index == k]) for k in filled])
@@ -98,7 +98,7 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
     """
     if theta.size == 0:
         raise InvalidInput("no direction to make a histogram of; give at least one")
-    count = np.bincount(_bin_index(theta, bins), minlength=bins)
+    count = np.bincount(bin_index(theta, bins), minlength=bins)
     return AngleHistogram(np.linspace(0.0, TWO_PI, bins + 1), count * (bins / TWO_PI) / theta.size)
 
 
@@ -114,11 +114,13 @@ def map_agreement(pairs: Theta0Pairs, turn: Callable[[Array], Array], bins: int 
     return MapAgreement(pairs.theta.size, over_pairs, medians.centre.size, over_bins)
 
 
-def _bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
-    if bins < 1:
-        raise InvalidInput(f"bins is {bins}; it must be at least 1")
+def bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
+    """Which of ``bins`` equal bins over [0, 2π) each angle (rad, any turn) lies in; InvalidInput for fewer than one."""
+    count = whole_number("bins", bins, least=1)
+    if count > 1_000_000:
+        raise InvalidInput(f"bins is {bins}: more than a million bins hold no counts; use fewer")
     # An angle a hair below 0 wraps to exactly 2π and would fall past the last bin.
-    return np.minimum((np.mod(theta, TWO_PI) * (bins / TWO_PI)).astype(np.int64), bins - 1)
+    return np.minimum((np.mod(theta, TWO_PI) * (count / TWO_PI)).astype(np.int64), count - 1)
 
 
 def _root_mean_square(values: Array) -> float:

@@ -195,26 +195,22 @@ def turn_histogram(
     (400, True)
     """
     angles, values = paired_arrays("value", theta, value)
-    edges = _edges(angles, values, law, whole_number("bins", bins, least=2))
-    measured = np.histogram(values, edges)[0]
     centre, noise = law(angles), law.noise(angles)
+    reach = _MARGIN * noise
+    low, high = min(np.min(values), np.min(centre - reach)), max(np.max(values), np.max(centre + reach))
+    if not high - low > 1e-12 * max(abs(low), abs(high)):
+        raise InvalidInput(f"all values are {values[0]:g}: there is no histogram to compare")
+    edges = np.linspace(low, high, whole_number("bins", bins, least=2) + 1)
+    measured = np.histogram(values, edges)[0]
     grid = np.linspace(edges[0], edges[-1], FINER * bins + 1)
     spread, alone, seen = _mixture(grid, centre, noise), _empirical(grid, centre), _empirical(grid, values)
     in_bins = [cumulative[::FINER] for cumulative in (seen, spread, alone)]
     observed, bare = _bin_distance(*in_bins[:2]), _bin_distance(*in_bins[::2])
     null = _chance(angles, law, grid[::FINER], whole_number("runs", runs, least=1), seed)
     predicted, bare_counts = (read_only(values.size * np.diff(cumulative)) for cumulative in in_bins[1:])
-    apart, bare_apart = _area(grid, seen, spread), _area(grid, seen, alone)
+    apart, bare_apart = (float(np.trapezoid(np.abs(seen - other), grid)) for other in (spread, alone))
     chance = monte_carlo_p_value(observed, null)
     return TurnHistogram(read_only(edges), measured, predicted, bare_counts, observed, bare, apart, bare_apart, chance)
-
-
-def _edges(angles: Array, values: Array, law: PeriodicLaw, bins: int) -> Array:
-    centre, reach = law(angles), _MARGIN * law.noise(angles)
-    low, high = min(np.min(values), np.min(centre - reach)), max(np.max(values), np.max(centre + reach))
-    if not high - low > 1e-12 * max(abs(low), abs(high)):
-        raise InvalidInput(f"all values are {values[0]:g}: there is no histogram to compare")
-    return np.linspace(low, high, bins + 1)
 
 
 def _empirical(grid: Array, values: Array) -> Array:
@@ -234,11 +230,6 @@ def _mixture(grid: Array, centre: Array, noise: Array) -> Array:
 def _bin_distance(first: Array, second: Array) -> float:
     """Total variation of two distribution functions given at the edges of the bins."""
     return float(0.5 * np.sum(np.abs(np.diff(first - second))))
-
-
-def _area(grid: Array, first: Array, second: Array) -> float:
-    """∫ |F - G| by the trapezoidal rule on the grid."""
-    return float(np.trapezoid(np.abs(first - second), grid))
 
 
 def _chance(angles: Array, law: PeriodicLaw, edges: Array, runs: int, seed: int) -> Array:

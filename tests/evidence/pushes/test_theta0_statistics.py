@@ -53,7 +53,7 @@ def test_histogram_counts_an_angle_in_its_own_bin(angle, bin_index) -> None:
 def test_empty_histogram_and_no_bins_are_refused() -> None:
     with pytest.raises(InvalidInput, match="at least one"):
         angle_histogram(np.array([]))
-    with pytest.raises(InvalidInput, match="bins is 0"):
+    with pytest.raises(InvalidInput, match="bins must be at least 1"):
         angle_histogram(np.array([1.0]), 0)
 
 
