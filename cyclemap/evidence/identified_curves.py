@@ -104,8 +104,10 @@ def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0)
             continue
         value, sample = quantity(best), np.array([quantity(law) for law in laws])
         if period:
-            one = _direction(name, description, value, sample, period, found.level)
-            told.append(replace(one, known=one.known and not _may_vanish(found, name)))
+            around = value + (sample - value + 0.5 * period) % period - 0.5 * period
+            lower, upper = _quantiles(around, found.level)
+            known = upper - lower < _ALL_AROUND * found.level * period and not _may_vanish(found, name)
+            told.append(Derived(name, description, "rad", value, lower, upper, period, known))
         else:
             lower, upper = _quantiles(sample, found.level)
             least = {"axis_ratio": 1.0, "offset_size": 0.0}.get(name)
@@ -113,13 +115,6 @@ def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0)
                 lower = least
             told.append(Derived(name, description, "1", value, min(lower, value), max(upper, value)))
     return tuple(told)
-
-
-def _direction(name: str, description: str, value: float, sample: Array, period: float, level: float) -> Derived:
-    around = value + (sample - value + 0.5 * period) % period - 0.5 * period
-    lower, upper = _quantiles(around, level)
-    known = upper - lower < _ALL_AROUND * level * period
-    return Derived(name, description, "rad", value, lower, upper, period, known)
 
 
 def _may_vanish(found: Identification, name: str) -> bool:

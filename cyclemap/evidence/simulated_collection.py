@@ -198,22 +198,20 @@ class CollectionFolder:
             others = [name for name in {**arguments, **found} if arguments.get(name) != found.get(name)]
             if others:
                 told = "; ".join(f"{name} is {found.get(name)} there and {arguments.get(name)} here" for name in others)
-                asked = f"{self.folder} holds a collection that was asked for otherwise: {told}"
-                raise InvalidInput(f"{asked}. Choose another folder")
+                otherwise = f"{self.folder} holds a collection that was asked for otherwise: {told}"
+                raise InvalidInput(f"{otherwise}. Choose another folder")
         elif self.folder.is_dir() and not all(path.match(unfinished) for path in self.folder.iterdir()):
             raise InvalidInput(f"{self.folder} holds other files; give a new or empty folder for the collection")
         for path in self.folder.rglob(unfinished):
             path.unlink(missing_ok=True)
         if not begun:
-            write_whole(record, self._record(arguments).encode())
-
-    def _record(self, arguments: Arguments) -> str:
-        """The loop as every command reads it, and what was asked; that alone for a loop that no setting can say."""
-        asked, noise = {SIMULATION: arguments}, self.plan.noise.turn or None
-        try:
-            return collection_text(self.plan.loop, noise=noise, more=asked, comments=_COMMENTS)
-        except InvalidInput as error:
-            return toml_text(asked, (*_COMMENTS, f"Not told here: object, push and reset, for {error}"))
+            asked = {SIMULATION: arguments}
+            try:
+                # The loop as every command reads it; without it where no setting can say it.
+                text = collection_text(plan.loop, noise=plan.noise.turn or None, more=asked, comments=_COMMENTS)
+            except InvalidInput as error:
+                text = toml_text(asked, (*_COMMENTS, f"Not told here: object, push and reset, for {error}"))
+            write_whole(record, text.encode())
 
     def push_path(self, cycle: int) -> Path:
         """Where the push of `cycle` is kept."""

@@ -62,14 +62,6 @@ NODES = 48
 ACCURACY = 1e-6
 
 
-def worn_parameters() -> tuple[Parameter, ...]:
-    """The unknowns of the friction ellipse at the end of the data, where it wears."""
-    return tuple(
-        replace(SURFACE[name], name=f"worn_{name}", description=f"{SURFACE[name].description}, at the end of the data")
-        for name in SHAPE
-    )
-
-
 @dataclass(frozen=True, eq=False)
 class CyclePairBlock:
     """Measured turns of whole cycles, rad, set against the cycle map of a loop.
@@ -117,7 +109,9 @@ class CyclePairBlock:
     @property
     def own_parameters(self) -> tuple[Parameter, ...]:
         """The ellipse at the end of the data, if the surface wears."""
-        return () if self.share is None else worn_parameters()
+        worn = () if self.share is None else SHAPE
+        told = [(SURFACE[name], f"{SURFACE[name].description}, at the end of the data") for name in worn]
+        return tuple(replace(one, name=f"worn_{one.name}", description=words) for one, words in told)
 
     @property
     def groups(self) -> Labels:
@@ -179,13 +173,9 @@ def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
     """Return the loop on an identified surface, with the rod, rim and ring that were identified along with it."""
     shares = {name: share for name, share in surface.shares.items() if name in share_names(loop.slider.outline)}
     plate = PlatePressure(loop.slider.name, **shares)
-    material = Material("identified", surface.to_friction(), found_with=found_with(surface), plates=(plate,))
+    found = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
+    material = Material("identified", surface.to_friction(), found_with=found, plates=(plate,))
     return with_material(replace(loop, accuracy=ACCURACY), material)
-
-
-def found_with(surface: SurfaceParameters) -> FoundWith:
-    """Return what a surface says of rod and ring."""
-    return FoundWith(surface.pusher_friction, surface.pin_friction_radius)
 
 
 def blocks_of_cycles(count: int, length: int = 25) -> Labels:

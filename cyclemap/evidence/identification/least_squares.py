@@ -268,7 +268,12 @@ def fit_with_noise(
     `known` : noise of some kinds by name, taken as given. `floor` : least noise (kinds,).
     Raises what the model raises at the start, and ConvergenceError where a kind's noise cannot be told.
     """
-    law, held = law or NoiseLaw(), known_noise(problem, known)
+    law, given = law or NoiseLaw(), known or {}
+    for kind, size in given.items():
+        if kind not in problem.kind_names:
+            raise unknown_name("kind of noise", kind, problem.kind_names)
+        positive_number(f"noise of {kind!r}", size)
+    held = np.array([given.get(kind, np.nan) for kind in problem.kind_names], dtype=float)
     evaluator, vector = _Evaluator(problem, progress), _strictly_inside(start, problem.space.lower, problem.space.upper)
     residuals, _ = evaluator.at(vector)
     least = noise_floor(problem, residuals) if floor is None else floor
@@ -285,15 +290,6 @@ def fit_with_noise(
     evaluator.noise = noise[problem.kind_index]
     finished = _fit(evaluator, fit.vector, noise, law, converged, message)
     return replace(finished, known=~np.isnan(held))
-
-
-def known_noise(problem: JointProblem, known: Mapping[str, float] | None) -> Array:
-    """Return the given noise of each kind (kinds,), nan where it is to be estimated."""
-    for kind, size in (known or {}).items():
-        if kind not in problem.kind_names:
-            raise unknown_name("kind of noise", kind, problem.kind_names)
-        positive_number(f"noise of {kind!r}", size)
-    return np.array([(known or {}).get(kind, np.nan) for kind in problem.kind_names], dtype=float)
 
 
 def spread_starts(problem: JointProblem, count: int, seed: int) -> Array:

@@ -351,35 +351,27 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
     >>> space["pusher_friction"].nominal, space["rim_share"].nominal
     (0.15, 0.0)
     """
-    values = _loop_values(loop)
+    if isinstance(loop.footprint, PointFootprint):
+        raise InvalidInput("identification takes the exact footprint: leave footprint=grid out")
+    values = SurfaceParameters.from_friction(
+        loop.material.friction,
+        pusher_friction=loop.pusher.friction,
+        **share_unknowns(loop.footprint or PatchFootprint(loop.slider.outline)),
+        pin_friction_radius=loop.reset.pin_friction_radius,
+    ).values()
     if start is None:
         return ParameterSpace(tuple(replace(one, nominal=values[one.name]) for one in SURFACE.parameters))
     friction = SurfaceParameters.from_friction(start.friction).values()
     values |= {name: friction[name] for name in SURFACE.names[:5]}
-    found = {field.name: getattr(start.found_with, field.name) for field in fields(start.found_with)}
-    told = {name: value for name, value in found.items() if value is not None}
     pressure = start.pressure_of(loop.slider.name)
     if pressure is not None:
         values |= share_unknowns(PatchFootprint(loop.slider.outline, **pressure.shares))  # type: ignore[arg-type]
-    values |= {name: value for name, value in told.items() if name in SURFACE.names}
-    return ParameterSpace(tuple(_from(one, values[one.name]) for one in SURFACE.parameters))
-
-
-def _loop_values(loop: CollectionLoop) -> dict[str, float]:
-    if isinstance(loop.footprint, PointFootprint):
-        raise InvalidInput("identification takes the exact footprint: leave footprint=grid out")
-    footprint = loop.footprint or PatchFootprint(loop.slider.outline)
-    surface = SurfaceParameters.from_friction(
-        loop.material.friction,
-        pusher_friction=loop.pusher.friction,
-        **share_unknowns(footprint),
-        pin_friction_radius=loop.reset.pin_friction_radius,
-    )
-    return surface.values()
-
-
-def _from(parameter: Parameter, value: float) -> Parameter:
-    """The parameter with its search starting from a value, or a little inside the bound it lies on."""
-    margin = _INSIDE * (parameter.upper - parameter.lower)
-    start = min(max(value, parameter.lower + margin), parameter.upper - margin)
-    return replace(parameter, start=start, nominal=value)
+    found = {field.name: getattr(start.found_with, field.name) for field in fields(start.found_with)}
+    values |= {name: value for name, value in found.items() if value is not None and name in SURFACE.names}
+    searched = []
+    for one in SURFACE.parameters:
+        # A search begins at the value, or a little inside the bound that it lies on.
+        margin, value = _INSIDE * (one.upper - one.lower), values[one.name]
+        inside = min(max(value, one.lower + margin), one.upper - margin)
+        searched.append(replace(one, start=inside, nominal=value))
+    return ParameterSpace(tuple(searched))

@@ -338,9 +338,12 @@ def fit_periodic_law(
         design = fourier_columns(angles, whole_number("harmonics", harmonics, least=0))
         fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, robust, correlated, seed)
         return law_of(fit, log_variance, values, None)
-    weight = np.ones(values.size)
+    weight, fold = np.ones(values.size), cycle_folds(values.size, seed)
+    highest = min(most, (values.size - int(np.bincount(fold).max()) - 2) // 2)
     for _ in range(1 if noise_harmonics == 0 else 2):
-        scores = _scores(angles, values, most, robust, weight, seed)
+        columns = fourier_columns(angles, highest)
+        root = np.sqrt(huber_weights(columns, values) if robust else weight)
+        scores = choose_harmonics(columns * root[:, np.newaxis], values * root, fold)
         design = fourier_columns(angles, scores.chosen)
         fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, robust, correlated, seed)
         weight = scatter_weights(angles, log_variance)
@@ -371,10 +374,3 @@ def paired_arrays(name: str, theta: ArrayLike, value: ArrayLike) -> tuple[Array,
             f"theta and {name} have {angles.size} and {values.size} entries; give equally many, one or more"
         )
     return angles, values
-
-
-def _scores(angles: Array, values: Array, most: int, robust: bool, weight: Array, seed: int) -> OrderScores:
-    fold = cycle_folds(values.size, seed)
-    columns = fourier_columns(angles, min(most, (values.size - int(np.bincount(fold).max()) - 2) // 2))
-    root = np.sqrt(huber_weights(columns, values) if robust else weight)
-    return choose_harmonics(columns * root[:, np.newaxis], values * root, fold)

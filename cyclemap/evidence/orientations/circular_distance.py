@@ -49,7 +49,14 @@ class CircularLaw:
         if not callable(self.density):
             raise InvalidInput(f"density is {self.density!r}: give a vectorised callable of angles in radians")
         count = whole_number("cells", self.cells, least=8)
-        values = _checked_density(self.density, np.linspace(0.0, TWO_PI, 2 * count + 1))
+        angles = np.linspace(0.0, TWO_PI, 2 * count + 1)
+        values = finite_array("the density's values", self.density(angles))
+        if values.shape != angles.shape:
+            raise InvalidInput(f"the density gave shape {values.shape} for {angles.shape}: it must be vectorised")
+        worst = int(np.argmin(values))
+        if values[worst] < _NEGATIVE:
+            raise InvalidInput(f"the density is {values[worst]:g} at {angles[worst]:g} rad: it must not be negative")
+        values = np.maximum(values, 0.0)
         parts = (values[:-2:2] + 4.0 * values[1::2] + values[2::2]) * (TWO_PI / (6.0 * count))
         total = float(np.sum(parts))
         if abs(total - 1.0) > _MASS_ERROR:
@@ -76,16 +83,6 @@ class CircularLaw:
         """Probability of each of ``bins`` equal bins over [0, 2π)."""
         inner = self.cumulative(np.arange(bins) * (TWO_PI / bins))
         return np.diff(np.append(inner, 1.0))
-
-
-def _checked_density(density: Density, angles: Array) -> Array:
-    values = finite_array("the density's values", density(angles))
-    if values.shape != angles.shape:
-        raise InvalidInput(f"the density gave shape {values.shape} for {angles.shape}: it must be vectorised")
-    worst = int(np.argmin(values))
-    if values[worst] < _NEGATIVE:
-        raise InvalidInput(f"the density is {values[worst]:g} at {angles[worst]:g} rad: it must not be negative")
-    return np.maximum(values, 0.0)
 
 
 def law_or_sample(law: Any) -> CircularLaw | Array:
