@@ -34,9 +34,8 @@ def identified_material(
 
     sources : what the data were, for the provenance. last_cycle : the number of cycles behind the first after which a
     surface that wears is the worn one. plate : the object whose pressure was identified, where it is one alone.
-    seed : of the samples of the posterior.
-    What the data do not depend on is left open in `found_with`.
-    Raises InvalidInput for an empty name.
+    seed : of the samples of the posterior. What the data do not depend on is left open in `found_with`. Raises
+    InvalidInput for an empty name.
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")

@@ -154,9 +154,8 @@ def _row_groups(direction: Array) -> NDArray[np.int64]:
 def _predicted(values: Values, direction: Array, weight: float) -> tuple[Array, Array]:
     """Forces (2 n,), along then across for each scan, and their derivatives by ELLIPSE (2 n, 5).
 
-    With E = ((ellipticity_x, ellipticity_y), (ellipticity_y, -ellipticity_x)) the ellipse's shape matrix is
-    mean^2 expm(E) = mean^2 A, and the traction along u is mean (offset + A u / sqrt(u A u)): smooth in all, a circle
-    included.
+    With E = ((ellipticity_x, ellipticity_y), (ellipticity_y, -ellipticity_x)) the ellipse's shape matrix is mean^2
+    expm(E) = mean^2 A, and the traction along u is mean (offset + A u / sqrt(u A u)): smooth in all, a circle included.
     """
     surface = SurfaceParameters.from_values(values)
     way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)

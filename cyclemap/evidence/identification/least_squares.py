@@ -74,9 +74,8 @@ def estimated_noise(
 
     The redundancy of a kind is its number of rows less their share in fixing the parameters, the trace of the hat
     matrix; repeated with a fit in between, this leads to restricted maximum likelihood (Foerstner 1979). Rows count as
-    the noise found makes them count. `held`
-    (kinds,) is noise that is known, nan elsewhere. Raises ConvergenceError where the parameters follow all rows of a
-    kind, so that its noise cannot be told.
+    the noise found makes them count. `held` (kinds,) is noise that is known, nan elsewhere. Raises ConvergenceError
+    where the parameters follow all rows of a kind, so that its noise cannot be told.
     """
     index, count = problem.kind_index, len(problem.kind_names)
     scaled = residuals / noise[index]

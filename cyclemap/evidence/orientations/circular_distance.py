@@ -26,10 +26,9 @@ class CircularLaw:
     density : vectorised callable of angles in [0, 2π] (radians), per radian, period 2π.
     cells : equal cells of the table; 2·cells + 1 densities are evaluated.
 
-    The distribution function is integrated by Simpson's rule and is a monotone cubic inside each cell (slopes
-    limited as by Fritsch & Carlson 1980): error O(h⁴), h = 2π/cells, for a smooth positive density, O(h³) where it
-    touches 0, O(h) beside a jump.
-    The table is rescaled to mass 1.
+    The distribution function is integrated by Simpson's rule and is a monotone cubic inside each cell (slopes limited
+    as by Fritsch & Carlson 1980): error O(h⁴), h = 2π/cells, for a smooth positive density, O(h³) where it touches 0,
+    O(h) beside a jump. The table is rescaled to mass 1.
 
     Raises InvalidInput where the density is not finite, negative, not vectorised, or further than 1 % from
     integrating to 1.

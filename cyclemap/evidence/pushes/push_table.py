@@ -147,16 +147,14 @@ class UnreadableFile:
 class PushTable:
     """Pushes and friction scans, a row each, and the files that could not be read.
 
-    table : a row a push. `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`, `fraction`,
-        `angle` (rad), `repetition`: from the file's name. `length` (m): of the rod's path, which begins at
-        `tip_x0`, `tip_y0` (m, world). `x0`, `y0` (m),
-        `theta0` (rad): first pose in the world.
-        `x1`, `y1`, `theta1`: last pose, theta1 = theta0 + dtheta. `dx`, `dy` (m): displacement in the object's
-        initial frame. `dtheta` (rad): its turn, counted along the series, so never wrapped. `theta_next` (rad): start
-        of the next repetition of the same set (same folder or CSV table, same facts), on the lift nearest to theta1; so
-        theta_next - theta0 is the turn of the cycle where the drag back turns by less than half a turn.
-        `force_ratio`: median of |tangential| over normal contact force (see `contact_force_ratio`).
-        `samples`: poses of the object, 0 in a CSV table. `path`: the file.
+    table : a row a push. `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`, `fraction`, `angle`
+        (rad), `repetition`: from the file's name. `length` (m): of the rod's path, which begins at `tip_x0`, `tip_y0`
+        (m, world). `x0`, `y0` (m), `theta0` (rad): first pose in the world. `x1`, `y1`, `theta1`: last pose, theta1 =
+        theta0 + dtheta. `dx`, `dy` (m): displacement in the object's initial frame. `dtheta` (rad): its turn, counted
+        along the series, so never wrapped. `theta_next` (rad): start of the next repetition of the same set (same
+        folder or CSV table, same facts), on the lift nearest to theta1; so theta_next - theta0 is the turn of the cycle
+        where the drag back turns by less than half a turn. `force_ratio`: median of |tangential| over normal contact
+        force (see `contact_force_ratio`). `samples`: poses of the object, 0 in a CSV table. `path`: the file.
     scans : a row a friction scan. `direction` (rad) of the motion in the world, by the name; `force_along` and
         `force_across` (N): of the rod on the object, along its motion and to the left of it (see `scan_forces`);
         `ratio`: force_across / force_along, zero where friction is isotropic; `samples`: wrenches; the rest as above.

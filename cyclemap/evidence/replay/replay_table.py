@@ -141,9 +141,8 @@ class ReplayedPushes:
 
         `count`; `mean_error`, `median_error` (m) and `mean_turn_error`, `median_turn_error` (rad, without sign) at the
         end; `mean_motion` (m), `mean_turn` (rad, without sign) as measured; `relative_error`, `relative_turn_error`:
-        mean error over mean motion; `mean_rms_error` (m);
-        `isotropic_mean_error`, `isotropic_mean_turn_error`: what isotropic friction misses;
-        `touch_agrees`, `leaving_agrees`: shares of the pushes.
+        mean error over mean motion; `mean_rms_error` (m); `isotropic_mean_error`, `isotropic_mean_turn_error`: what
+        isotropic friction misses; `touch_agrees`, `leaving_agrees`: shares of the pushes.
         """
         for column in columns:
             if column not in self.table.columns:
