@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.special import kolmogorov
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.orientations.circular_distance import CircularLaw
@@ -14,6 +15,7 @@ from cyclemap.evidence.orientations.collection_null import (
     refit_harmonic_map,
     simulated_ensemble,
 )
+from cyclemap.evidence.orientations.goodness_of_fit import watson_statistic
 from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, sample_staircase, sample_staircases, transfer_operator
 
 # A slow sine map, second eigenvalue 0.90: neighbours are strongly correlated.
@@ -60,6 +62,12 @@ def test_under_the_chain_the_level_of_the_wasserstein_distance_holds(paths) -> N
     ]
     assert len(values) == 200
     assert 0.06 <= np.mean(np.array(values) <= 0.1) <= 0.15
+
+
+def test_formulas_for_independent_orientations_are_badly_wrong_there(operator, paths) -> None:
+    """Watson's law of U² for many independent orientations (1961) is Kolmogorov's at π√U²."""
+    statistic = watson_statistic(paths, CircularLaw(operator.density))
+    assert np.mean(kolmogorov(np.pi * np.sqrt(statistic)) < 0.1) > 0.6
 
 
 @pytest.mark.parametrize("name", ["wasserstein", "total_variation", "kuiper", "watson"])
