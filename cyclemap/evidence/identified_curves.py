@@ -23,6 +23,15 @@ from cyclemap.mechanics import EllipseFriction
 DRAWS = 2000
 # A direction whose draws spread over more than this share of their circle is not known.
 _ALL_AROUND = 0.9
+_NEEDS = {
+    "axis_ratio": {"ellipticity_x", "ellipticity_y"},
+    "axis_direction": {"ellipticity_x", "ellipticity_y"},
+    "offset_size": {"offset_x", "offset_y"},
+    "offset_direction": {"offset_x", "offset_y"},
+    "mean_friction": {"friction_scale"},
+}
+_AROUND = np.linspace(0.0, 2.0 * np.pi, 181)
+_BAND_DRAWS = 200
 
 
 @dataclass(frozen=True)
@@ -53,13 +62,6 @@ _QUANTITIES: dict[str, tuple[str, float, Callable[[EllipseFriction], float]]] = 
     ),
     "offset_direction": ("direction of the ellipse's centre", 2.0 * math.pi, lambda law: _offset(law)[1]),
     "mean_friction": ("mean friction coefficient", 0.0, lambda law: math.sqrt(law.mu_a * law.mu_b)),
-}
-_NEEDS = {
-    "axis_ratio": {"ellipticity_x", "ellipticity_y"},
-    "axis_direction": {"ellipticity_x", "ellipticity_y"},
-    "offset_size": {"offset_x", "offset_y"},
-    "offset_direction": {"offset_x", "offset_y"},
-    "mean_friction": {"friction_scale"},
 }
 
 
@@ -140,10 +142,6 @@ def _offset(law: EllipseFriction) -> tuple[float, float]:
     """Size over mean radius, and direction (rad) in the world, of the ellipse's centre."""
     mean = math.sqrt(law.mu_a * law.mu_b)
     return math.hypot(law.m0, law.n0) / mean, math.atan2(law.n0, law.m0) + law.phi
-
-
-_AROUND = np.linspace(0.0, 2.0 * np.pi, 181)
-_BAND_DRAWS = 200
 
 
 @dataclass(frozen=True, eq=False)

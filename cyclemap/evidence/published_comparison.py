@@ -30,6 +30,44 @@ from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS
 # What a node holds: the turn of the whole cycle (rad), then turn (rad) and displacement (m) of the push.
 NODE_OUTPUTS = ("cycle_turn", "push_turn", "push_dx", "push_dy")
 NODES = 47
+# Scatter of measured plywood cycles about a smooth map (rad); on the other materials it is not known.
+CYCLE_NOISE = float(np.deg2rad(1.1))
+GRID = 480
+MEAN_KINDS = ("mean turn (rad)", "mean dx (m)", "mean dy (m)")
+STD_KINDS = ("std of turn (rad)", "std of dx (m)", "std of dy (m)")
+STILL_KIND, SLOPE_KIND = "turn at a stable direction (rad)", "slope at a stable direction"
+THERE_KIND = "share of cycles near the directions"
+ADVANCE_KIND, SHARE_KIND = "turn where none is stable (rad)", "share of the first direction"
+# How near a prediction is asked to come. Means: about a third of what the mechanics miss on single measured pushes;
+# spreads: about a tenth. A direction read off a histogram is good to some 8 degrees; the turn about it changes by less
+# than a tenth of that.
+TOLERANCES = MappingProxyType(
+    {
+        MEAN_KINDS[0]: float(np.deg2rad(1.2)),
+        MEAN_KINDS[1]: 1.5e-3,
+        MEAN_KINDS[2]: 3e-3,
+        STD_KINDS[0]: float(np.deg2rad(0.5)),
+        STD_KINDS[1]: 0.4e-3,
+        STD_KINDS[2]: 1e-3,
+        STILL_KIND: float(np.deg2rad(0.6)),
+        SLOPE_KIND: 0.05,
+        ADVANCE_KIND: float(np.deg2rad(0.5)),
+        SHARE_KIND: 0.05,
+        THERE_KIND: 0.1,
+    }
+)
+# Where no other peak is seen, at least this share of the cycles lies within so many rad of one of the directions.
+MOST, NEAR = 0.9, float(np.deg2rad(30.0))
+# A slope above this at a stable direction, and a turn (rad) below this where none is stable, count as misses.
+# The paper's "changes very regularly" leaves no place where the object lingers.
+STEEPEST, SLOWEST = 0.95, float(np.deg2rad(3.0))
+# Share of a parameter's scale by which the law of orientations is differenced.
+_STEP = 1e-5
+# A histogram of θ0 has a peak where it exceeds the even one by this factor.
+PEAK = 1.5
+# A direction that is read off a histogram is not known better (rad).
+DIRECTION_TOLERANCE = float(np.deg2rad(15.0))
+_UNITS = np.array([180.0 / np.pi, 1e3, 1e3])
 
 
 def cycle_nodes(surface: SurfaceParameters, loop: CollectionLoop, count: int = NODES) -> tuple[Array, Array]:
@@ -56,43 +94,6 @@ def node_values(loop: CollectionLoop, count: int = NODES) -> Array:
     theta = 2.0 * np.pi * np.arange(whole_number("count", count, least=9)) / count
     runs = loop.cycles(theta)
     return np.column_stack([runs.theta_next - theta, runs.push_turn, runs.push_displacement])
-
-
-# Scatter of measured plywood cycles about a smooth map (rad); on the other materials it is not known.
-CYCLE_NOISE = float(np.deg2rad(1.1))
-GRID = 480
-
-MEAN_KINDS = ("mean turn (rad)", "mean dx (m)", "mean dy (m)")
-STD_KINDS = ("std of turn (rad)", "std of dx (m)", "std of dy (m)")
-STILL_KIND, SLOPE_KIND = "turn at a stable direction (rad)", "slope at a stable direction"
-THERE_KIND = "share of cycles near the directions"
-ADVANCE_KIND, SHARE_KIND = "turn where none is stable (rad)", "share of the first direction"
-
-# How near a prediction is asked to come. Means: about a third of what the mechanics miss on single measured pushes;
-# spreads: about a tenth. A direction read off a histogram is good to some 8 degrees; the turn about it changes by less
-# than a tenth of that.
-TOLERANCES = MappingProxyType(
-    {
-        MEAN_KINDS[0]: float(np.deg2rad(1.2)),
-        MEAN_KINDS[1]: 1.5e-3,
-        MEAN_KINDS[2]: 3e-3,
-        STD_KINDS[0]: float(np.deg2rad(0.5)),
-        STD_KINDS[1]: 0.4e-3,
-        STD_KINDS[2]: 1e-3,
-        STILL_KIND: float(np.deg2rad(0.6)),
-        SLOPE_KIND: 0.05,
-        ADVANCE_KIND: float(np.deg2rad(0.5)),
-        SHARE_KIND: 0.05,
-        THERE_KIND: 0.1,
-    }
-)
-# Where no other peak is seen, at least this share of the cycles lies within so many rad of one of the directions.
-MOST, NEAR = 0.9, float(np.deg2rad(30.0))
-# A slope above this at a stable direction, and a turn (rad) below this where none is stable, count as misses.
-# The paper's "changes very regularly" leaves no place where the object lingers.
-STEEPEST, SLOWEST = 0.95, float(np.deg2rad(3.0))
-# Share of a parameter's scale by which the law of orientations is differenced.
-_STEP = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,13 +201,6 @@ def _rows(values: Array, published: PublishedStatistics, sigma: float, cycles: i
 def _interpolation(count: int) -> Array:
     """The matrix (GRID, count) from nodes to angles of the grid: the same for every fit of a block."""
     return interpolation(2.0 * np.pi * np.arange(GRID) / GRID, count)
-
-
-# A histogram of θ0 has a peak where it exceeds the even one by this factor.
-PEAK = 1.5
-# A direction that is read off a histogram is not known better (rad).
-DIRECTION_TOLERANCE = float(np.deg2rad(15.0))
-_UNITS = np.array([180.0 / np.pi, 1e3, 1e3])
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,6 +26,12 @@ SOURCE = "Ma & Rodriguez 2018, Tables II and III and the text on stable directio
 PUBLISHED_CYCLES = 2000
 
 Triple = tuple[float, float, float]
+# A run that starts in a named direction starts within this standard deviation of it (rad): it is read off a histogram.
+START_SPREAD = float(np.deg2rad(10.0))
+# Standard deviations of noise beyond which it counts as zero.
+_REACH = 7.0
+# Every so many cycles it is seen whether the law has settled: whether no share changes any more by the second number.
+_CHECKED, _STILL = 50, 1e-14
 
 
 @dataclass(frozen=True)
@@ -128,14 +134,6 @@ PUBLISHED = MappingProxyType(
         ),
     }
 )
-
-
-# A run that starts in a named direction starts within this standard deviation of it (rad): it is read off a histogram.
-START_SPREAD = float(np.deg2rad(10.0))
-# Standard deviations of noise beyond which it counts as zero.
-_REACH = 7.0
-# Every so many cycles it is seen whether the law has settled: whether no share changes any more by the second number.
-_CHECKED, _STILL = 50, 1e-14
 
 
 def run_law(turn: Array, sigma: float, cycles: int, start: float | None = None) -> Array:

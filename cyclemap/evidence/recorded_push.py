@@ -26,6 +26,15 @@ TIP_LAG, WRENCH_LAG = 0.009, 0.011
 FIRST_CLOCK = 1_451_606_400.0
 # Where the reset brings the ring to, (x, y) in the robot's frame, m.
 MIT_TARGET = (0.350, -0.030)
+# The rod starts this far (m) before it touches.
+APPROACH = 0.001
+# Object's x, y, theta; the rod's force on it, x and y; the contact point from the rod's centre, x and y.
+_POSE, _FORCE, _LEVER = slice(0, 3), slice(3, 5), slice(5, 7)
+# As in the dataset: 120 mm through this place (m, robot's frame), every five degrees, twice each.
+SCAN_CENTRE = (0.350, -0.018)
+SCAN_STROKE = 0.120
+SCAN_STEP_DEGREES = 5
+SCAN_REPETITIONS = 2
 
 
 @dataclass(frozen=True)
@@ -84,12 +93,6 @@ class Recording:
         count = math.ceil(seconds * SAMPLES_PER_SECOND) + 1
         seen = self.start + (lag + np.arange(count) / SAMPLES_PER_SECOND)
         return seen, seen - self.start
-
-
-# The rod starts this far (m) before it touches.
-APPROACH = 0.001
-# Object's x, y, theta; the rod's force on it, x and y; the contact point from the rod's centre, x and y.
-_POSE, _FORCE, _LEVER = slice(0, 3), slice(3, 5), slice(5, 7)
 
 
 def recorded_seconds(distance: float, speed: float) -> float:
@@ -176,13 +179,6 @@ def _spline(path: Array, rows: Array) -> Callable[[Array], Array]:
     if np.count_nonzero(kept) < 2:
         return lambda travel: np.broadcast_to(rows[-1], (len(travel), rows.shape[1]))
     return CubicSpline(path[kept], rows[kept])  # type: ignore[no-any-return]
-
-
-# As in the dataset: 120 mm through this place (m, robot's frame), every five degrees, twice each.
-SCAN_CENTRE = (0.350, -0.018)
-SCAN_STROKE = 0.120
-SCAN_STEP_DEGREES = 5
-SCAN_REPETITIONS = 2
 
 
 def scan_set(surface: str, shape: str, speed: float) -> Iterator[ScanFacts]:

@@ -45,6 +45,12 @@ TURN, INSTRUMENTS, SCANS = 0, 1, 2
 # Seconds between two records besides the way back, which takes as long as the push: time to get in and out of the ring.
 _HANDLING_SECONDS = 10.0
 _LONGEST_ARGUMENT = 500
+# Neither is a kind of file that readers of push data look at.
+TRUTH_FILE = "true_theta0.txt"
+_COMMENTS = ("The collection that these data are of; [simulation] is what was asked when they were made.",)
+PUSH_FOLDER, SCAN_FOLDER = "normal", "friction_scan"
+# Longest step (m) of a recorded push, as a share of its travel: between the steps the record is interpolated.
+_RECORDED = 60
 
 
 @dataclass(frozen=True)
@@ -170,12 +176,6 @@ def _short(text: str) -> str:
     return f"{text[:60]}... (sha256 {hashlib.sha256(text.encode()).hexdigest()})"
 
 
-# Neither is a kind of file that readers of push data look at.
-TRUTH_FILE = "true_theta0.txt"
-_COMMENTS = ("The collection that these data are of; [simulation] is what was asked when they were made.",)
-PUSH_FOLDER, SCAN_FOLDER = "normal", "friction_scan"
-
-
 class CollectionFolder:
     """A folder that holds one collection, begun or complete.
 
@@ -276,10 +276,6 @@ def _number(line: bytes) -> float | None:
         return plain_number(found[1].decode()) if found else None
     except ValueError:
         return None
-
-
-# Longest step (m) of a recorded push, as a share of its travel: between the steps the record is interpolated.
-_RECORDED = 60
 
 
 @dataclass(frozen=True)

@@ -57,6 +57,15 @@ LAYOUTS = (
     "(theta0_deg), or of wrenches and twists (fx,fy,m_over_rho,vx,vy,w_times_rho)"
 )
 
+# Cycles that follow each other have errors alike: they form groups of this many, or smaller ones where data are few.
+_LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
+# With pushes at fewer contacts than this each push is a group of its own.
+_FEWEST_CONTACTS = 8
+# A push whose tip strays further from a straight line (m) is another experiment.
+_STRAIGHT = 2e-3
+# Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
+_FEWEST_PIECES, _FEWEST_CYCLES = 3, 5
+
 
 @dataclass(frozen=True)
 class DataFile:
@@ -122,16 +131,6 @@ def csv_sorts(header: tuple[str, ...]) -> tuple[str, ...]:
     if any(columns >= names for names in _ORIENTATIONS) or (not sorts and columns >= _START | _END):
         sorts.append(CYCLES)
     return tuple(sorts)
-
-
-# Cycles that follow each other have errors alike: they form groups of this many, or smaller ones where data are few.
-_LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
-# With pushes at fewer contacts than this each push is a group of its own.
-_FEWEST_CONTACTS = 8
-# A push whose tip strays further from a straight line (m) is another experiment.
-_STRAIGHT = 2e-3
-# Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
-_FEWEST_PIECES, _FEWEST_CYCLES = 3, 5
 
 
 @dataclass(frozen=True)

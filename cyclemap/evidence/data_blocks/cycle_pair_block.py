@@ -28,6 +28,13 @@ from cyclemap.mechanics import FoundWith, Material, PlatePressure
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
 
+Rows = tuple[Array, Array]
+SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
+CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", *SHARE_NAMES, "pin_friction_radius")
+# Cycles are computed at this many angles and interpolated between by a Fourier series.
+NODES = 48
+ACCURACY = 1e-6
+
 
 def interpolation(theta: ArrayLike, count: int) -> Array:
     """Return the matrix (n, count) from values at 2 pi k / count to the Fourier series through them at theta (n,), rad.
@@ -51,15 +58,6 @@ def _distances(theta: ArrayLike, count: int) -> tuple[Array, Array]:
     places = 2.0 * np.pi * np.arange(count) / count
     off = finite_array("theta", theta, ndim=1)[:, np.newaxis] - places
     return off[..., np.newaxis], np.arange(1, (count - 1) // 2 + 1, dtype=float)
-
-
-Rows = tuple[Array, Array]
-
-SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
-CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", *SHARE_NAMES, "pin_friction_radius")
-# Cycles are computed at this many angles and interpolated between by a Fourier series.
-NODES = 48
-ACCURACY = 1e-6
 
 
 @dataclass(frozen=True, eq=False)

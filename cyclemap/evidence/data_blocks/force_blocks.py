@@ -27,6 +27,23 @@ if TYPE_CHECKING:
 
 # Columns of a table of friction scans.
 SCAN_FIELDS = ("direction", "force_along", "force_across")
+ELLIPSE = SURFACE.names[:5]
+SCAN_KIND = "scan force (N)"
+# An ellipse off its centre has five numbers, a direction gives two: fewer groups cannot tell their own scatter.
+FEWEST_GROUPS = 4
+# Directions (rad) as near as this are one.
+_SAME_DIRECTION = 1e-6
+# Below this log axis ratio the series has all digits, the quotient has not.
+_ROUND = 1e-2
+Labels = NDArray[np.int64]
+FORCE_KIND, TORQUE_KIND = "wrench force (N)", "wrench torque over radius (N)"
+WRENCH_COLUMNS = ("fx", "fy", "m_over_rho")
+TWIST_COLUMNS = ("vx", "vy", "w_times_rho")
+# Pieces of the outline that count as one place of contact each: 9 mm on a square of 90 mm.
+CONTACT_PIECES = 40
+_POINTS = 720
+# Of the weight, that its parts are computed with: the rest may have to lean under it.
+_SHARE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,16 +80,6 @@ class ScanForces:
         way = np.stack([np.cos(self.direction), np.sin(self.direction)], axis=-1)
         left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
         return np.asarray((self.force_along[:, None] * way + self.force_across[:, None] * left) / self.weight)
-
-
-ELLIPSE = SURFACE.names[:5]
-SCAN_KIND = "scan force (N)"
-# An ellipse off its centre has five numbers, a direction gives two: fewer groups cannot tell their own scatter.
-FEWEST_GROUPS = 4
-# Directions (rad) as near as this are one.
-_SAME_DIRECTION = 1e-6
-# Below this log axis ratio the series has all digits, the quotient has not.
-_ROUND = 1e-2
 
 
 def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> FunctionBlock:
@@ -189,18 +196,6 @@ def _shape(x: float, y: float) -> tuple[Array, tuple[Array, Array]]:
         at * (quotient * one + slope * exponent) + quotient * unit for at, unit in zip((x, y), units, strict=True)
     )
     return math.cosh(ratio) * one + quotient * exponent, (first, second)
-
-
-Labels = NDArray[np.int64]
-
-FORCE_KIND, TORQUE_KIND = "wrench force (N)", "wrench torque over radius (N)"
-WRENCH_COLUMNS = ("fx", "fy", "m_over_rho")
-TWIST_COLUMNS = ("vx", "vy", "w_times_rho")
-# Pieces of the outline that count as one place of contact each: 9 mm on a square of 90 mm.
-CONTACT_PIECES = 40
-_POINTS = 720
-# Of the weight, that its parts are computed with: the rest may have to lean under it.
-_SHARE = 0.1
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,25 @@ Values = Mapping[str, float]
 
 # Kinds whose rows are the two components of a vector, one behind the other.
 PLANE_KINDS = ("push place (m)", "scan force (N)", "wrench force (N)")
+PRIOR_KIND = "prior (standard deviations)"
+# What is usual: how anisotropic floors are, rods and rings of steel on steel, how plates press, how well the frames of
+# a robot and a camera agree. Wide enough that data which know better overrule it.
+USUAL = MappingProxyType(
+    {
+        "ellipticity_x": (0.0, 0.2),
+        "ellipticity_y": (0.0, 0.2),
+        "offset_x": (0.0, 0.15),
+        "offset_y": (0.0, 0.15),
+        "pusher_friction": (0.15, 0.05),
+        "rim_share": (0.2, 0.3),
+        "corner_share": (0.1, 0.3),
+        "inner_share": (0.2, 0.4),
+        "pin_friction_radius": (1.5e-3, 1e-3),
+        "tip_offset_x": (0.0, 1.5e-3),
+        "tip_offset_y": (0.0, 1.5e-3),
+    }
+)
+Progress = Callable[[float], None]
 
 
 class DataBlock(Protocol):
@@ -286,9 +305,6 @@ class JointProblem:
         return JointProblem(tuple(parts), space, {**self.fixed, **idle})
 
 
-PRIOR_KIND = "prior (standard deviations)"
-
-
 def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> FunctionBlock:
     """Return beliefs (value, standard deviation) about parameters by name, in SI units, as a block of data.
 
@@ -310,25 +326,6 @@ def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> FunctionBlock:
     return FunctionBlock("priors", names, function, np.arange(len(names)), np.full(len(names), PRIOR_KIND))
 
 
-# What is usual: how anisotropic floors are, rods and rings of steel on steel, how plates press, how well the frames of
-# a robot and a camera agree. Wide enough that data which know better overrule it.
-USUAL = MappingProxyType(
-    {
-        "ellipticity_x": (0.0, 0.2),
-        "ellipticity_y": (0.0, 0.2),
-        "offset_x": (0.0, 0.15),
-        "offset_y": (0.0, 0.15),
-        "pusher_friction": (0.15, 0.05),
-        "rim_share": (0.2, 0.3),
-        "corner_share": (0.1, 0.3),
-        "inner_share": (0.2, 0.4),
-        "pin_friction_radius": (1.5e-3, 1e-3),
-        "tip_offset_x": (0.0, 1.5e-3),
-        "tip_offset_y": (0.0, 1.5e-3),
-    }
-)
-
-
 def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:
     """Return what is usual (value, standard deviation) of those parameters of which it is known, of any plate.
 
@@ -336,9 +333,6 @@ def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:
     {'rim_share[hex]': (0.2, 0.3)}
     """
     return {name: USUAL[plain] for name in names if (plain := name.partition("[")[0]) in USUAL}
-
-
-Progress = Callable[[float], None]
 
 
 def part_of(progress: Progress | None, number: float, count: float) -> Progress:

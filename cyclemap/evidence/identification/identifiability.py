@@ -15,6 +15,12 @@ from cyclemap.evidence.identification.least_squares import Fit, NoiseLaw
 Labels = NDArray[np.int64]
 
 _NORMAL = 1e9
+# A direction is open if its standard error, in the parameters' scales, exceeds this.
+OPEN = 3.0
+# Information below this share of the largest is rounding.
+_RANK = 1e-12
+# Least part of a parameter in a combination for it to be named.
+_NAMED = 0.3
 
 
 def independent_freedom(jacobian: Array, inverse: Array, kinds: Labels, known: ArrayLike = False) -> Array:
@@ -113,14 +119,6 @@ def _grouped_freedom(own: Array, pull: Array, inverse: Array) -> Array:
 def _degrees(above: Array, below: Array) -> Array:
     """The ratio, between one and so many that Student is normal."""
     return np.clip(above / np.maximum(below, 1e-300), 1.0, _NORMAL)
-
-
-# A direction is open if its standard error, in the parameters' scales, exceeds this.
-OPEN = 3.0
-# Information below this share of the largest is rounding.
-_RANK = 1e-12
-# Least part of a parameter in a combination for it to be named.
-_NAMED = 0.3
 
 
 @dataclass(frozen=True, eq=False)

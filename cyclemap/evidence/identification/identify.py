@@ -38,6 +38,13 @@ from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import EllipseFriction
 from cyclemap.suggestions import unknown_name
 
+# Fewer degrees of freedom than this make an interval rough.
+_FEW = 4.0
+# A parameter whose error is above this share of its belief's deviation was hardly told by the data.
+_TOLD = 0.8
+Progress = Callable[[float], None]
+Beliefs = Mapping[str, tuple[float, float]]
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -133,15 +140,6 @@ def plate_shares(values: Mapping[str, float]) -> dict[str, dict[str, float]]:
         own = {name: values[name + tail] for name in SHARE_NAMES if name + tail in values}
         found[plate] = SurfaceParameters.from_values(own).shares
     return found
-
-
-# Fewer degrees of freedom than this make an interval rough.
-_FEW = 4.0
-# A parameter whose error is above this share of its belief's deviation was hardly told by the data.
-_TOLD = 0.8
-
-Progress = Callable[[float], None]
-Beliefs = Mapping[str, tuple[float, float]]
 
 
 def identify(

@@ -20,6 +20,18 @@ _LEAST_NOISE = 1e-9
 _LEAST_REDUNDANCY = 0.5
 # The noise of given residuals stands still at a change below this share, which takes a dozen rounds.
 _WEIGHTINGS, _SETTLED = 100, 1e-4
+# What the mechanics raise at parameters for which they have no answer.
+NO_ANSWER = (ConvergenceError, UnsupportedContact, InvalidInput)
+# The noise counts as found when no kind changes by more than this share: parameters then move by less than a twentieth
+# of their standard errors. The first round need not be close, since its weights are not.
+_NOISE_TOLERANCE = 5e-3
+_FIRST, _LATER = 1e-2, 1e-5
+# Evaluations after which half of a search counts as done: how many it takes is not known before.
+_HALF_WAY = 15
+_ROUNDS, _MOST = 40, 200
+# A start arrived at the best optimum if its deviance is as low, or its parameters are the same in their scales.
+_SAME_DEVIANCE, _SAME_PLACE = 0.01, 1e-3
+_ON_BOUND = 1e-3
 
 
 @dataclass(frozen=True)
@@ -104,21 +116,6 @@ def _leverage(jacobian: Array) -> Array:
     left, values, _ = np.linalg.svd(columns, full_matrices=False)
     kept = values > 1e-10 * np.max(values, initial=0.0)
     return np.asarray(np.sum(left[:, kept] ** 2, axis=1))
-
-
-# What the mechanics raise at parameters for which they have no answer.
-NO_ANSWER = (ConvergenceError, UnsupportedContact, InvalidInput)
-
-# The noise counts as found when no kind changes by more than this share: parameters then move by less than a twentieth
-# of their standard errors. The first round need not be close, since its weights are not.
-_NOISE_TOLERANCE = 5e-3
-_FIRST, _LATER = 1e-2, 1e-5
-# Evaluations after which half of a search counts as done: how many it takes is not known before.
-_HALF_WAY = 15
-_ROUNDS, _MOST = 40, 200
-# A start arrived at the best optimum if its deviance is as low, or its parameters are the same in their scales.
-_SAME_DEVIANCE, _SAME_PLACE = 0.01, 1e-3
-_ON_BOUND = 1e-3
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,14 @@ from cyclemap.mechanics import Ellipse, EllipseFriction, Material, PatchFootprin
 from cyclemap.mechanics.outline import Outline
 from cyclemap.suggestions import unknown_name
 
+FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
+SHARE_NAMES = ("rim_share", "corner_share", "inner_share")
+# An ellipse rounder than this (log of the axis ratio) counts as this round: phi then stays defined, and no motion or
+# force changes by more than a millionth.
+ROUNDEST = 1e-6
+# A start on a bound goes inside by this share of the way to the other one.
+_INSIDE = 0.01
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -133,13 +141,6 @@ class ParameterSpace:
         """Return the values (k,) by name."""
         return {name: float(value) for name, value in zip(self.names, vector, strict=True)}
 
-
-FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
-SHARE_NAMES = ("rim_share", "corner_share", "inner_share")
-
-# An ellipse rounder than this (log of the axis ratio) counts as this round: phi then stays defined, and no motion or
-# force changes by more than a millionth.
-ROUNDEST = 1e-6
 
 SURFACE = ParameterSpace(
     (
@@ -335,10 +336,6 @@ def possible_names(names: tuple[str, ...], outline: Outline) -> tuple[str, ...]:
     """Return the names of unknowns without shares of the weight that the outline cannot have."""
     shares = share_names(outline)
     return tuple(name for name in names if name not in SHARE_NAMES or name in shares)
-
-
-# A start on a bound goes inside by this share of the way to the other one.
-_INSIDE = 0.01
 
 
 def starting_space(loop: CollectionLoop, start: Material | None = None) -> ParameterSpace:

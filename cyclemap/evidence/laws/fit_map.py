@@ -32,6 +32,9 @@ from cyclemap.maps import (
 
 # Radians: the blend between a drifting map's cycles stays this near the law; far below any measured scatter.
 BLEND_TOLERANCE = 1e-4
+HARMONICS = 6
+# Radians: no angle is measured better than this.
+LEAST_SCATTER = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,9 +167,6 @@ def map_of_turn(law: PeriodicLaw) -> CircleMap:
     return CircleMap.with_scalar(lambda theta: theta + law(theta), lambda theta: 1.0 + law.slope(theta), scalar)
 
 
-HARMONICS = 6
-
-
 @dataclass(frozen=True, eq=False)
 class HarmonicMap:
     """The map θ → θ + c_0 + Σ_k c_k cos kθ + s_k sin kθ that fits measured pairs best, in least squares.
@@ -203,10 +203,6 @@ def harmonic_map(pairs: Theta0Pairs, harmonics: int = HARMONICS) -> HarmonicMap:
     """
     law = fit_periodic_law(pairs.theta, pairs.turn, harmonics=whole_number("harmonics", harmonics, least=0))
     return HarmonicMap(read_only(law.cosine), read_only(law.sine), law.sigma, law.count)
-
-
-# Radians: no angle is measured better than this.
-LEAST_SCATTER = 1e-9
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,15 @@ from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 
+# Huber's constant: 95 % of the efficiency of least squares where the residuals are normal.
+HUBER = 1.345
+# Median absolute deviation of a normal law, in standard deviations.
+NORMAL_MAD = 0.6744897501960817
+MAX_ROUNDS = 200
+FOLDS = 10
+BLOCKS_A_FOLD = 5
+SMALLEST_BLOCK = 8
+
 
 def fourier_columns(theta: Any, harmonics: int) -> Array:
     """The columns 1, cos θ, sin θ, cos 2θ, sin 2θ, ...: shape (..., 2·harmonics + 1) for θ (...) in radians.
@@ -42,13 +51,6 @@ def _columns(theta: Any, harmonics: int, even: Any, odd: Any, constant: float) -
     made[..., 1::2] = even(multiples, order)
     made[..., 2::2] = odd(multiples, order)
     return made
-
-
-# Huber's constant: 95 % of the efficiency of least squares where the residuals are normal.
-HUBER = 1.345
-# Median absolute deviation of a normal law, in standard deviations.
-NORMAL_MAD = 0.6744897501960817
-MAX_ROUNDS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,11 +167,6 @@ def student_quantile(level: float, freedom: float) -> float:
     if not 0.0 < probability < 1.0:
         raise InvalidInput(f"level is {level!r}; it must be a probability between 0 and 1, such as 0.95")
     return float(stdtrit(freedom, 0.5 + 0.5 * probability))
-
-
-FOLDS = 10
-BLOCKS_A_FOLD = 5
-SMALLEST_BLOCK = 8
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,6 +34,7 @@ MAX_ROUNDS = 500
 ROUNDING = 1e-12
 # e to this is far beyond any ratio of variances, and its square is still a number.
 _LARGEST_EXPONENT = 300.0
+MAX_HARMONICS = 12
 
 
 def fit_with_scatter(
@@ -210,9 +211,6 @@ class LawBand:
     def upper(self) -> Array:
         """Upper edge of the prediction band."""
         return self.centre + self.halfwidth
-
-
-MAX_HARMONICS = 12
 
 
 @dataclass(frozen=True, eq=False)

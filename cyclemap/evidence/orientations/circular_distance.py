@@ -17,6 +17,9 @@ Density = Callable[[Array], Array]
 
 _MASS_ERROR = 0.01  # a density that jumps is integrated to about a thousandth; one in other units is far off
 _NEGATIVE = -1e-3 / TWO_PI  # rounding and truncated series dip below zero, but never that far
+DEFAULT_BINS = 36
+_BLOCK = 1 << 20  # entries of a table worked on at a time
+_HALVINGS = 34  # the integral is flat in the median: its error is of second order in what is left of the bracket
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,12 +102,6 @@ def orientations(name: str, sample: Any, single: bool = False) -> Array:
     wrapped = np.mod(angles, TWO_PI)
     # An angle a hair below 0 wraps to exactly 2π.
     return np.asarray(np.where(wrapped >= TWO_PI, 0.0, wrapped))
-
-
-DEFAULT_BINS = 36
-
-_BLOCK = 1 << 20  # entries of a table worked on at a time
-_HALVINGS = 34  # the integral is flat in the median: its error is of second order in what is left of the bracket
 
 
 def circular_wasserstein(sample: Any, law: Any) -> Array:

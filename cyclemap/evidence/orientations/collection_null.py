@@ -39,6 +39,8 @@ from cyclemap.maps import (
 
 Statistic = Callable[[Array, CircularLaw], Array]
 Refit = Callable[[Array], tuple[CircleMap, Noise]]
+_CELLS = 4096  # of the grid on which the images of an ensemble are counted
+_REFIT_ENSEMBLE = 40  # paths of the ensemble of each refitted model
 
 
 def orientation_statistics(bins: int = DEFAULT_BINS) -> Mapping[str, Statistic]:
@@ -148,10 +150,6 @@ def refit_harmonic_map(path: Array, harmonics: int = HARMONICS) -> tuple[CircleM
     unwrapped = checked_path(path)
     fitted = harmonic_map(Theta0Pairs(unwrapped[:-1], unwrapped[1:]), harmonics)
     return fitted.map, WrappedNormal(fitted.sigma)
-
-
-_CELLS = 4096  # of the grid on which the images of an ensemble are counted
-_REFIT_ENSEMBLE = 40  # paths of the ensemble of each refitted model
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,7 @@ DEFAULT_BANDWIDTH = 0.1  # rad, about 6 degrees
 _LEAST_RISE = 0.1 / TWO_PI  # a tenth of the uniform density
 _REACH = 8.5  # bandwidth times harmonics, beyond which the kernel's coefficients are below 1e-15
 _NARROWEST = 0.002
+_EIGENVALUES = 25  # 1 and the 24 slowest
 
 
 def kernel_modes(theta: Any, bandwidth: float = DEFAULT_BANDWIDTH) -> Array:
@@ -61,9 +62,6 @@ def nearest_modes(targets: Array, modes: Array) -> Array:
 def angle_between(first: Array, second: Array) -> Array:
     """second - first, taken the shorter way round: in [-π, π), radians."""
     return shorter_way(second - first)
-
-
-_EIGENVALUES = 25  # 1 and the 24 slowest
 
 
 @dataclass(frozen=True, eq=False)

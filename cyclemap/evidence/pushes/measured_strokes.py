@@ -20,6 +20,12 @@ from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_column
 
 # Facts of the push table by which rows are selected.
 FACTS = ("surface", "object", "speed", "side", "fraction", "angle")
+Place = tuple[float, float]
+# The robot was further than this from where it was sent: the push is not the one that was asked for.
+LARGEST_TIP_ERROR = 5e-3
+PUSH_END_COLUMNS = ("x0", "y0", "th0", "x1", "y1", "th1", "tip_x0", "tip_y0", "tip_x1", "tip_y1")
+_DRAG_COLUMNS = ("x1", "y1", "th1", "x0n", "y0n", "th0n")
+_CONTACT_COLUMNS = ("i", "s", "t")
 
 
 @dataclass(frozen=True)
@@ -130,15 +136,6 @@ def _equal(value: Any, wanted: str | float) -> bool:
     if isinstance(wanted, str) or isinstance(value, str):
         return str(value) == str(wanted)
     return math.isclose(float(value), wanted, rel_tol=1e-6, abs_tol=1e-9)
-
-
-Place = tuple[float, float]
-
-# The robot was further than this from where it was sent: the push is not the one that was asked for.
-LARGEST_TIP_ERROR = 5e-3
-PUSH_END_COLUMNS = ("x0", "y0", "th0", "x1", "y1", "th1", "tip_x0", "tip_y0", "tip_x1", "tip_y1")
-_DRAG_COLUMNS = ("x1", "y1", "th1", "x0n", "y0n", "th0n")
-_CONTACT_COLUMNS = ("i", "s", "t")
 
 
 @dataclass(frozen=True)

@@ -51,6 +51,14 @@ _ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
 _RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
 # As a table of twenty columns they are as large as any file may be.
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
+_PUSH_SET = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
+_POSES = ("x0", "y0", "theta0", "x1", "y1", "theta1", "dx", "dy", "dtheta")
+_TIP = ("tip_x0", "tip_y0")
+PUSH_COLUMNS = (*_PUSH_SET, "repetition", "length", *_TIP, *_POSES, "theta_next", "force_ratio", "samples", "path")
+_SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
+SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
+CSV_SUFFIX = ".csv"
+_TEXT = ("surface", "object", "path")
 
 
 def named_column(table: CsvTable, column: str) -> str | None:
@@ -123,16 +131,6 @@ def _pair_rows(table: CsvTable) -> list[dict[str, Any]]:
 
 def _unknown(table: CsvTable) -> dict[str, Any]:
     return asdict(PushFacts()) | {"samples": 0, "path": str(table.path)}
-
-
-_PUSH_SET = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
-_POSES = ("x0", "y0", "theta0", "x1", "y1", "theta1", "dx", "dy", "dtheta")
-_TIP = ("tip_x0", "tip_y0")
-PUSH_COLUMNS = (*_PUSH_SET, "repetition", "length", *_TIP, *_POSES, "theta_next", "force_ratio", "samples", "path")
-_SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
-SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
-CSV_SUFFIX = ".csv"
-_TEXT = ("surface", "object", "path")
 
 
 @dataclass(frozen=True)

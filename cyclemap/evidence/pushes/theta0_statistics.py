@@ -17,6 +17,7 @@ from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 GAP = float(np.radians(20.0))
 # What lies this near an end of an arc is taken with it.
 _EDGE = float(np.radians(1.0))
+DEFAULT_BINS = 72
 
 
 def covered_arcs(measured: ArrayLike) -> tuple[tuple[float, float], ...]:
@@ -46,9 +47,6 @@ def is_covered(measured: ArrayLike, theta: ArrayLike) -> NDArray[np.bool_]:
     angles = finite_array("theta", theta)
     inside = [np.mod(angles - low + _EDGE, TWO_PI) <= high - low + 2 * _EDGE for low, high in covered_arcs(measured)]
     return np.asarray(np.any(inside, axis=0))
-
-
-DEFAULT_BINS = 72
 
 
 @dataclass(frozen=True, eq=False)

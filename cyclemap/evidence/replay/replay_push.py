@@ -28,6 +28,8 @@ from cyclemap.mechanics.outline import Polygon
 BEND = 0.3e-3
 # A tip that goes less far than this does not push.
 SHORTEST_PATH = 1e-3
+# An object that has moved this far (m, at its rim) moves; recorded poses at rest tremble by less.
+_MOVED = 0.5e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,10 +122,6 @@ def _travel(place: Array, corners: list[int]) -> Array:
             along = (place[first : last + 1] - place[first]) @ (chord / length)
             travel[first : last + 1] = travel[first] + np.clip(along, 0.0, length)
     return np.maximum.accumulate(travel)
-
-
-# An object that has moved this far (m, at its rim) moves; recorded poses at rest tremble by less.
-_MOVED = 0.5e-3
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,6 +71,19 @@ _QUARTER = (
 # there. It scales the forces alone, never the motion.
 _PLATE_DENSITY = 0.8374 / 0.0081
 _BUTTER_INERTIA = 0.003019
+# The rod, and its friction with the objects as measured in pushes of the dataset.
+DATASET_PUSHER = Pusher(friction=0.25)
+# A thousandth of a degree: far below what a replay is off by.
+ACCURACY = 1e-5
+_FACTS = ("surface", "object", "speed", "acceleration", "side", "fraction", "angle", "repetition")
+# Reading the folder is this share of the work.
+_READING = 0.1
+REPLAY_COLUMNS = (
+    *_FACTS, "error", "turn_error", "isotropic_error", "isotropic_turn_error",
+    "rms_error", "rms_turn_error", "measured_motion", "predicted_motion",
+    "measured_turn", "predicted_turn", "shift", "start_gap", "straightness", "strokes", "touched", "left",
+    "touch_agrees", "leaving_agrees", "path",
+)  # fmt: skip
 
 
 def butter_outline() -> Polygon:
@@ -103,15 +116,6 @@ def dataset_sliders() -> dict[str, Slider]:
     11
     """
     return {**{name: Slider.mit(name) for name in MIT_SHAPE_NAMES}, "butter": butter_slider()}
-
-
-# The rod, and its friction with the objects as measured in pushes of the dataset.
-DATASET_PUSHER = Pusher(friction=0.25)
-# A thousandth of a degree: far below what a replay is off by.
-ACCURACY = 1e-5
-_FACTS = ("surface", "object", "speed", "acceleration", "side", "fraction", "angle", "repetition")
-# Reading the folder is this share of the work.
-_READING = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -326,11 +330,3 @@ def _row(path: Path, facts: PushFacts, replay: Replay, isotropic: Replay) -> dic
         "leaving_agrees": replay.leaving_agrees,
         "path": str(path),
     }
-
-
-REPLAY_COLUMNS = (
-    *_FACTS, "error", "turn_error", "isotropic_error", "isotropic_turn_error",
-    "rms_error", "rms_turn_error", "measured_motion", "predicted_motion",
-    "measured_turn", "predicted_turn", "shift", "start_gap", "straightness", "strokes", "touched", "left",
-    "touch_agrees", "leaving_agrees", "path",
-)  # fmt: skip

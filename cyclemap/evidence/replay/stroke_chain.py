@@ -21,6 +21,30 @@ from cyclemap.mechanics.outline import Outline, Polygon
 from cyclemap.mechanics.quasi_static import run_strokes
 from cyclemap.mechanics.trajectory import Course
 
+# More than this is no offset of a calibration: the record and the outline do not fit each other.
+LARGEST_SHIFT = 5e-3
+# Curved outlines are cut into pieces of a thousandth of their size: gaps are exact to 0.1 micrometre.
+_PIECES = 3600
+# What is left between rod and object after a shift.
+_CLEARANCE = 1e-7
+_MOST_SHIFTS = 10
+# Between its samples a predicted pose is taken to be straight: half a millimetre leaves under a micrometre.
+SAMPLE_SPACING = 0.5e-3
+# Gaps of touching rods are known to this, m.
+_ROUNDING = 1e-7
+# A polygon none of whose corners turns by more than this (rad) is a curve cut up: those of objects turn by far more.
+LARGEST_BEND = math.radians(20.0)
+# Pieces that each side is cut into; what the curve bends within one is no error, for its normal is interpolated.
+_FINER = 8
+# Rod travel (m) over which the outline is taken to be straight.
+STEP = 2e-3
+# Gaps under this (m) are contact; a rod that moves away is looked for again after the second.
+_CONTACT, _APART = 1e-7, 1e-5
+# A rod whose direction has less than this of the normal in it does not near the object.
+_NEARING = 1e-6
+# The chord is a side as long as it need be, in units of the footprint.
+_ENDLESS = 1e3
+
 
 @dataclass(frozen=True, eq=False)
 class ChainRun:
@@ -38,15 +62,6 @@ class ChainRun:
     def pose_at(self, travel: Array) -> Array:
         """Return the poses (..., 3) at travels (...), m."""
         return np.stack([np.interp(travel, self.travel, self.pose[:, column]) for column in range(3)], axis=-1)
-
-
-# More than this is no offset of a calibration: the record and the outline do not fit each other.
-LARGEST_SHIFT = 5e-3
-# Curved outlines are cut into pieces of a thousandth of their size: gaps are exact to 0.1 micrometre.
-_PIECES = 3600
-# What is left between rod and object after a shift.
-_CLEARANCE = 1e-7
-_MOST_SHIFTS = 10
 
 
 def rod_gap(model: QuasiStaticModel, pose: Pose, place: tuple[float, float]) -> tuple[float, Array]:
@@ -97,12 +112,6 @@ def clearing_shift(model: QuasiStaticModel, pose: Pose, place: tuple[float, floa
     )
 
 
-# Between its samples a predicted pose is taken to be straight: half a millimetre leaves under a micrometre.
-SAMPLE_SPACING = 0.5e-3
-# Gaps of touching rods are known to this, m.
-_ROUNDING = 1e-7
-
-
 def push_along(model: QuasiStaticModel, pose: Pose, corners: Array) -> ChainRun:
     """Push the object from `pose` with a rod that goes straight from corner to corner, (k, 2), m, world frame.
 
@@ -144,12 +153,6 @@ def _stroke(
     if touch is None or touch[0] * model.unit >= length:
         return None
     return touch[0] * model.unit, model.push(pose, WorldPush(place, direction, length), SAMPLE_SPACING)
-
-
-# A polygon none of whose corners turns by more than this (rad) is a curve cut up: those of objects turn by far more.
-LARGEST_BEND = math.radians(20.0)
-# Pieces that each side is cut into; what the curve bends within one is no error, for its normal is interpolated.
-_FINER = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,16 +206,6 @@ def cut_curve(outline: Polygon) -> CutCurve:
     tangent = spline(at, 1)
     normal = np.column_stack([tangent[:, 1], -tangent[:, 0]]) / np.hypot(*tangent.T)[:, None]
     return CutCurve(spline(at), normal)
-
-
-# Rod travel (m) over which the outline is taken to be straight.
-STEP = 2e-3
-# Gaps under this (m) are contact; a rod that moves away is looked for again after the second.
-_CONTACT, _APART = 1e-7, 1e-5
-# A rod whose direction has less than this of the normal in it does not near the object.
-_NEARING = 1e-6
-# The chord is a side as long as it need be, in units of the footprint.
-_ENDLESS = 1e3
 
 
 class _Course:

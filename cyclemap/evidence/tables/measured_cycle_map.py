@@ -23,6 +23,22 @@ from cyclemap.maps import Orbit, fixed_points, slow_passages
 DEFAULT_RUNS = 200
 # A predicted turn is followed for this many times the pushes that the measured one took, and some.
 _PATIENCE, _LEAST = 3, 60
+# Early and late are told an eighth of the run from its ends: polynomials are least certain at the very ends.
+EARLY, LATE = 0.125, 0.875
+# From here on the turns are counted: a new surface wears in during the first quarter.
+WORN_IN = 0.25
+_GRID = 1440
+# Fewer cycles than these pass any place too seldom to tell wear from scatter.
+FEWEST_FOR_WEAR = 100
+# Residuals within 10 degrees tell by how much a law is off there; where their mean is this many standard errors from
+# 0, it is: by chance some window of the circle is in one fit of twenty.
+_MISFIT_REACH, _MISFIT = float(np.radians(10.0)), 3.0
+# Scatter is told where so many pairs, or as many as there are anywhere, lie as near.
+_CROWD = 10
+# Paths that lie less often than this where orientations were measured foretell nothing.
+_INSIDE = 0.98
+# Orientations that stand for all paths, and paths whose distance from these is measured.
+_POOLED, _COMPARED = 20_000, 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,24 +103,6 @@ def turn_pace(
         quantiles.append(np.quantile(pushes, [0.025, 0.5, 0.975], method="inverted_cdf"))
     low, middle, high = np.array(quantiles).reshape(-1, 3).T
     return TurnPace(cycle[places[:-1]], measured, middle, low, high)
-
-
-# Early and late are told an eighth of the run from its ends: polynomials are least certain at the very ends.
-EARLY, LATE = 0.125, 0.875
-# From here on the turns are counted: a new surface wears in during the first quarter.
-WORN_IN = 0.25
-_GRID = 1440
-# Fewer cycles than these pass any place too seldom to tell wear from scatter.
-FEWEST_FOR_WEAR = 100
-# Residuals within 10 degrees tell by how much a law is off there; where their mean is this many standard errors from
-# 0, it is: by chance some window of the circle is in one fit of twenty.
-_MISFIT_REACH, _MISFIT = float(np.radians(10.0)), 3.0
-# Scatter is told where so many pairs, or as many as there are anywhere, lie as near.
-_CROWD = 10
-# Paths that lie less often than this where orientations were measured foretell nothing.
-_INSIDE = 0.98
-# Orientations that stand for all paths, and paths whose distance from these is measured.
-_POOLED, _COMPARED = 20_000, 40
 
 
 @dataclass(frozen=True)

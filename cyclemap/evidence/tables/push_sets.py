@@ -26,6 +26,9 @@ FEWEST = 20
 SURROUNDINGS = ("surface", "object", "acceleration", "speed")
 CONTACT = ("side", "fraction", "angle")
 _TEXT = ("surface", "object")
+QUANTITIES = ("dtheta", "dx", "dy")
+# Two values have a spread; nobody should quote that of fewer than this many.
+FEWEST_FOR_SPREAD = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,11 +166,6 @@ def _facts_name(facts: Mapping[str, Any]) -> str:
     letters |= {"fraction": ("s", 1.0), "angle": ("t", 1.0)}
     told = {letter: facts[key] * unit for key, (letter, unit) in letters.items() if key in facts}
     return " ".join(f"{letter}={value:g}" for letter, value in told.items() if letter != "a" or value)
-
-
-QUANTITIES = ("dtheta", "dx", "dy")
-# Two values have a spread; nobody should quote that of fewer than this many.
-FEWEST_FOR_SPREAD = 5
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,11 @@ from cyclemap.evidence.tables.push_sets import FEWEST, QUANTITIES, PushSet, Push
 
 # Below this many pushes the scatter is taken constant: its dependence on the angle cannot be told from chance.
 FEWEST_FOR_SCATTER = 100
+DEFAULT_BINS = 40
+DEFAULT_RUNS = 200
+# Points of the distribution functions in a bin, for their distance.
+FINER = 4
+_MARGIN = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,13 +130,6 @@ def held_out_rmse(law: PeriodicLaw, theta: ArrayLike, value: ArrayLike, seed: in
     size = np.array([columns.shape[1]])
     errors = nested_errors(columns * root[:, np.newaxis], values * root, size, cycle_folds(values.size, seed))[:, 0]
     return float(np.sqrt(np.mean(errors / weight)))
-
-
-DEFAULT_BINS = 40
-DEFAULT_RUNS = 200
-# Points of the distribution functions in a bin, for their distance.
-FINER = 4
-_MARGIN = 3.0
 
 
 @dataclass(frozen=True, eq=False)
