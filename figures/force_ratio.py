@@ -18,7 +18,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.force_ratio_block import SLIDING, STICKING, SlidingForces, sliding_forces
 from cyclemap.evidence.pushes.contact_forces import contact_samples
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
-from cyclemap.evidence.pushes.push_record import PushRecord
+from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.mechanics import (
     MIT_SHAPE_NAMES,
     Slider,

@@ -14,8 +14,7 @@ from matplotlib.patches import Polygon
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.friction_scan_block import friction_ellipse_from_scans
-from cyclemap.evidence.data_blocks.scan_forces import ScanForces
+from cyclemap.evidence.data_blocks.force_blocks import SCAN_FIELDS, ScanForces, friction_ellipse_from_scans
 from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.mechanics import EllipseFriction
 from cyclemap.views.panel_parts import legend_above
@@ -78,14 +77,14 @@ def measured_scans(measured: MeasuredFolder, surface: str, weight: float) -> Sca
     folders = [] if home is None else sorted({path.parent for path in home.rglob("record_*")})
     tables = [load_pushes(folder).scans for folder in folders]
     parts = [scans[(scans["surface"] == surface) & (scans["object"] == "rect1")].dropna() for scans in tables]
-    columns = [[part[name].to_numpy() for name in ScanForces.columns()] for part in parts if len(part)]
+    columns = [[part[name].to_numpy() for name in SCAN_FIELDS] for part in parts if len(part)]
     found = [ScanForces(direction, along, across, weight) for direction, along, across in columns]
     count = sum(len(part.direction) for part in found)
     return ScanForces.joined(found) if count >= _FEWEST_SCANS else None
 
 
 def _fitted(scans: ScanForces) -> EllipseFriction:
-    columns = {name: getattr(scans, name) for name in ScanForces.columns()}
+    columns = {name: getattr(scans, name) for name in SCAN_FIELDS}
     return friction_ellipse_from_scans(columns, scans.weight).friction()
 
 

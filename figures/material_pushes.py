@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cyclemap.evidence import PushSet
-from cyclemap.evidence.published.published_statistics import (
+from cyclemap.evidence.published_statistics import (
     PublishedStatistics,
     published_statistics,
 )

@@ -7,8 +7,7 @@ from pathlib import Path
 
 from cyclemap.errors import DataFileError
 from cyclemap.evidence.pushes.mit_names import push_facts
-from cyclemap.evidence.pushes.push_files import SUFFIXES, read_push_file
-from cyclemap.evidence.pushes.push_record import PushRecord
+from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 
 
 def push_file_names(folder: Path) -> list[Path]:

@@ -13,10 +13,10 @@ from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
-from cyclemap.evidence.published.published_statistics import published_statistics
+from cyclemap.evidence.published_statistics import published_statistics
 from cyclemap.evidence.pushes.mit_names import push_facts
-from cyclemap.evidence.pushes.push_record import PushRecord
-from cyclemap.evidence.simulation.recorded_motion import MIT_TARGET
+from cyclemap.evidence.pushes.push_files import PushRecord
+from cyclemap.evidence.recorded_push import MIT_TARGET
 from cyclemap.evidence.tables.push_sets import PushSet
 from cyclemap.maps import DriftingMap, sample_staircase
 

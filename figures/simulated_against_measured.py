@@ -14,8 +14,8 @@ from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
-from cyclemap.evidence.published.published_statistics import published_statistics
-from cyclemap.evidence.theta0.overlay import MeasuredOverlay, measured_overlay
+from cyclemap.evidence.published_statistics import published_statistics
+from cyclemap.evidence.pushes.theta0_statistics import MeasuredOverlay, measured_overlay
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import grid_footprint
 from cyclemap.views.panel_parts import legend_above

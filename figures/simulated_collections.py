@@ -14,7 +14,7 @@ from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence import PushSet, SetLaws, Theta0Pairs, set_laws
-from cyclemap.evidence.published.published_statistics import (
+from cyclemap.evidence.published_statistics import (
     PUBLISHED_CYCLES,
     PublishedStatistics,
     published_statistics,

@@ -24,7 +24,7 @@ from cyclemap.evidence import (
     read_theta0_pairs,
     turn_bins,
 )
-from cyclemap.evidence.laws.harmonic_map import HARMONICS
+from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.maps import (
     CircleMap,
     SlowPassage,

@@ -8,7 +8,7 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.evidence import PushStatistics, push_statistics
-from cyclemap.evidence.published.published_statistics import PUBLISHED_CYCLES
+from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES
 
 from .exhibit import PaperTable
 from .material_pushes import QUANTITIES, MaterialPushes, absent, material_pushes

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cyclemap.evidence import SetLaws
-from cyclemap.evidence.published.published_statistics import PUBLISHED_CYCLES
-from cyclemap.evidence.tables.law_table import MotionLaw
+from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES
+from cyclemap.evidence.tables.set_fit import MotionLaw
 
 from .exhibit import PaperTable
 from .material_pushes import QUANTITIES, MaterialPushes, absent, material_pushes

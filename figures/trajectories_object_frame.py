@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
 from cyclemap.arrays import Array
-from cyclemap.evidence.published.published_statistics import published_statistics
+from cyclemap.evidence.published_statistics import published_statistics
 from cyclemap.views.style import QUIET, new_figure, picture_style
 
 from .exhibit import PaperFigure

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
 from cyclemap.arrays import Array
-from cyclemap.evidence.orientations.orientation_modes import angle_between
-from cyclemap.evidence.theta0.theta0_statistics import angle_histogram
+from cyclemap.evidence.orientations.orientation_comparison import angle_between
+from cyclemap.evidence.pushes.theta0_statistics import angle_histogram
 from cyclemap.views.style import FORCE, QUIET, new_figure, picture_style
 
 from .exhibit import PaperFigure

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.evidence import TurnHistogram, turn_histogram
-from cyclemap.evidence.tables.law_table import MotionLaw, motion_law
+from cyclemap.evidence.tables.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_panels import draw_turn_histogram
 from cyclemap.views.panel_parts import say
 from cyclemap.views.style import picture_style

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
-from cyclemap.evidence.tables.law_table import MotionLaw
+from cyclemap.evidence.tables.set_fit import MotionLaw
 from cyclemap.views.fit_panels import CIRCLE, draw_law
 from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import INK, QUIET

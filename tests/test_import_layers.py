@@ -170,22 +170,13 @@ ROWS = {
         ("lifts", "orbits", "algebra", "rotation", "noise", "uniform", "passages", "operator", "staircases"),
     ),
     "evidence": (
-        ("theta0", "laws", "orientations", "tables"),
-        ("theta0", "pushes", "replay"),
-        ("theta0", "pushes", "simulation"),
-        ("theta0", "pushes", "tables"),
-        ("theta0", "pushes", "tables", "identification", "data_blocks", "identified"),
-        ("theta0", "pushes", "identification", "data_blocks", "published"),
-        ("theta0", "laws", "orientations", "tables", "comparison"),
-        ("theta0", "pushes", "comparison"),
+        ("pushes", "laws", "orientations", "tables", "comparison"),
+        ("pushes", "replay"),
+        ("pushes", "laws", "tables", "identification", "data_blocks"),
     ),
     "resets": (("monitor", "design", "protocol"),),
 }
-PARTS_SHARED: dict[str, set[str]] = {
-    "maps": {"arcs", "estimate", "quadrature"},
-    "evidence": set(),
-    "resets": set(),
-}
+PARTS_SHARED: dict[str, set[str]] = {"maps": {"arcs", "estimate", "quadrature"}, "evidence": set(), "resets": set()}
 
 
 def allowed(place: str, part: str) -> set[str]:

@@ -14,7 +14,7 @@ ROOMS = ("maps", "mechanics", "collection", "evidence", "sweeps", "resets")
 # Functions that are called like the module they are in.
 NAMESAKES = (
     *("collection.batch_experiment", "collection.fingerprint", "collection.portrait", "collection.staircase_forecast"),
-    *("evidence.measured_staircase", "sweeps.run_sweep", "sweeps.sweep_curves"),
+    *("sweeps.run_sweep", "sweeps.sweep_curves"),
 )
 
 

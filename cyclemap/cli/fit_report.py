@@ -8,14 +8,10 @@ from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, number, numbers
 from cyclemap.evidence import PushTable
-from cyclemap.evidence.tables.law_table import MotionLaw, SetLaws
-from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPlace, WornForecast
-from cyclemap.evidence.tables.push_statistics import MotionStatistics, PushStatistics
-from cyclemap.evidence.tables.set_fit import SetFit
-from cyclemap.evidence.tables.turn_histogram import TurnHistogram
-from cyclemap.evidence.tables.turn_pace import TurnPace
-from cyclemap.evidence.theta0.covered_arcs import covered_arcs
-from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram
+from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
+from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPace, TurnPlace, WornForecast
+from cyclemap.evidence.tables.push_sets import MotionStatistics, PushStatistics
+from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, SetLaws, TurnHistogram
 
 UNITS = {"dtheta": ("deg", math.degrees(1.0)), "dx": ("mm", 1000.0), "dy": ("mm", 1000.0)}
 # Facts of a set by their names in the report, and the factor to its units.

@@ -7,9 +7,9 @@ from rich.table import Table
 
 from cyclemap.cli.json_report import Json, number
 from cyclemap.evidence.identification.cross_validation import KindErrors
-from cyclemap.evidence.identification.derived_quantities import Derived
-from cyclemap.evidence.identification.identification import Estimate, Identification
-from cyclemap.evidence.identified.identified_material import readable_kind, readable_unit
+from cyclemap.evidence.identification.identify import Estimate, Identification
+from cyclemap.evidence.identified_curves import Derived
+from cyclemap.evidence.identified_material import readable_kind, readable_unit
 from cyclemap.mechanics import EllipseFriction, Material
 
 # How units are named in the report.

@@ -24,7 +24,7 @@ from cyclemap.evidence.comparison.push_agreement import (
     mean_distances,
 )
 from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
-from cyclemap.evidence.orientations.p_value import PValue
+from cyclemap.evidence.orientations.goodness_of_fit import PValue
 from cyclemap.maps import StepComparison, WrappedNormal
 from cyclemap.views import compare_sentences as sentences
 from cyclemap.views.compare_page import compare_page

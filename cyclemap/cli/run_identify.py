@@ -22,14 +22,11 @@ from cyclemap.collection.loop_settings import loop_tables
 from cyclemap.collection.setting_table import NOISE_KEY
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
-from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities
-from cyclemap.evidence.identification.identification import Identification
-from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.parameter_space import ParameterSpace
-from cyclemap.evidence.identification.priors import usual_beliefs
-from cyclemap.evidence.identification.starting_space import starting_space
-from cyclemap.evidence.identified.identified_curves import identified_curves
-from cyclemap.evidence.identified.identified_material import identified_material
+from cyclemap.evidence.identification.data_block import usual_beliefs
+from cyclemap.evidence.identification.identify import Identification, identify
+from cyclemap.evidence.identification.surface_parameters import ParameterSpace, starting_space
+from cyclemap.evidence.identified_curves import Derived, derived_quantities, identified_curves
+from cyclemap.evidence.identified_material import identified_material
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material_text import material_toml
 from cyclemap.plain_text import plain_number

@@ -14,8 +14,7 @@ from cyclemap.cli.run_fit import reasons_of, selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.errors import CycleMapError
-from cyclemap.evidence.replay.replay_table import DATASET_PUSHER, ReplayedPushes, replay_pushes
-from cyclemap.evidence.replay.shapes import dataset_sliders
+from cyclemap.evidence.replay.replay_table import DATASET_PUSHER, ReplayedPushes, dataset_sliders, replay_pushes
 from cyclemap.views.replay_page import replay_headline, replay_page
 from cyclemap.views.style import render
 from cyclemap.whole_files import write_whole

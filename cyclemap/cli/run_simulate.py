@@ -12,8 +12,8 @@ from cyclemap.cli.settings import ChosenCollection, chosen_collection
 from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
-from cyclemap.evidence.simulation.simulated_collection import SimulatedCollection, simulate_collection
+from cyclemap.evidence.recorded_push import RecordingNoise
+from cyclemap.evidence.simulated_collection import SimulatedCollection, simulate_collection
 from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import load_material
 

@@ -26,7 +26,7 @@ identify, Identification, Parameter, ParameterSpace, SurfaceParameters : maximum
 identified_material : the answer as a material
 DataBlock, FunctionBlock, CyclePairBlock : data of one sort and their prediction
 push_end_block, drag_turn_block, friction_scan_block, wrench_twist_block, collected_blocks : blocks by sort, or all
-friction_ellipse_from_scans, pusher_friction_from_forces, PusherFriction, contact_force_ratio : from forces alone
+friction_ellipse_from_scans, contact_force_ratio : from forces alone
 
 Comparing
 ---------
@@ -35,11 +35,10 @@ replay_pushes, ReplayedPushes, replay_push, Replay : recorded pushes, run again 
 published_comparison, comparison_table : beside what is published of MIT's pushes
 compare_orientations, OrientationComparison : a path beside a stationary distribution
 collection_p_values, CollectionModel, simulated_ensemble : p-values of a path by simulated collections
-chain_p_value, chain_p_values, permutation_p_value, PValue : of one statistic, several, and of two samples
+chain_p_value, chain_p_values, PValue : of one statistic, and of several
 CircularLaw, kernel_modes : a tabulated distribution; maxima of an estimated density
 circular_wasserstein, total_variation : distances
-kuiper_statistic, kuiper_p_value, kuiper_critical_value : Kuiper's test
-watson_statistic, watson_p_value, watson_critical_value : Watson's test
+kuiper_statistic, watson_statistic : of orientations against a distribution
 
 Making
 ------
@@ -57,40 +56,45 @@ if TYPE_CHECKING:
     from cyclemap.evidence.comparison.verdicts import Verdict
     from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
     from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
-    from cyclemap.evidence.data_blocks.force_ratio_block import PusherFriction, pusher_friction_from_forces
-    from cyclemap.evidence.data_blocks.friction_scan_block import friction_ellipse_from_scans, friction_scan_block
-    from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
-    from cyclemap.evidence.data_blocks.wrench_twist_block import WrenchTwists, read_wrench_twists, wrench_twist_block
-    from cyclemap.evidence.identification.data_block import DataBlock, FunctionBlock
-    from cyclemap.evidence.identification.identification import Identification
-    from cyclemap.evidence.identification.identify import identify
-    from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
-    from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
-    from cyclemap.evidence.identified.identified_material import identified_material
-    from cyclemap.evidence.laws.fit_map import FittedMap, fit_map
-    from cyclemap.evidence.laws.harmonic_map import HarmonicMap, harmonic_map
-    from cyclemap.evidence.laws.law_bands import LawBand
-    from cyclemap.evidence.laws.order_choice import OrderScores
-    from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
-    from cyclemap.evidence.laws.wear import WornLaw, fit_worn_law
-    from cyclemap.evidence.measured_staircase import MeasuredStaircase, measured_staircase
-    from cyclemap.evidence.orientations.chain_null import chain_p_value, chain_p_values, refit_harmonic_map
-    from cyclemap.evidence.orientations.circular_distance import circular_wasserstein, total_variation
-    from cyclemap.evidence.orientations.circular_law import CircularLaw
-    from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
-    from cyclemap.evidence.orientations.goodness_of_fit import (
-        kuiper_critical_value,
-        kuiper_p_value,
-        kuiper_statistic,
-        permutation_p_value,
-        watson_critical_value,
-        watson_p_value,
-        watson_statistic,
+    from cyclemap.evidence.data_blocks.force_blocks import (
+        WrenchTwists,
+        friction_ellipse_from_scans,
+        friction_scan_block,
+        read_wrench_twists,
+        wrench_twist_block,
     )
-    from cyclemap.evidence.orientations.orientation_comparison import OrientationComparison, compare_orientations
-    from cyclemap.evidence.orientations.orientation_modes import kernel_modes
-    from cyclemap.evidence.orientations.p_value import PValue
-    from cyclemap.evidence.published.published_comparison import comparison_table, published_comparison
+    from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
+    from cyclemap.evidence.identification.data_block import DataBlock, FunctionBlock
+    from cyclemap.evidence.identification.identify import Identification, identify
+    from cyclemap.evidence.identification.surface_parameters import Parameter, ParameterSpace, SurfaceParameters
+    from cyclemap.evidence.identified_material import identified_material
+    from cyclemap.evidence.laws.fit_map import (
+        FittedMap,
+        HarmonicMap,
+        MeasuredStaircase,
+        fit_map,
+        harmonic_map,
+        measured_staircase,
+    )
+    from cyclemap.evidence.laws.linear_fit import OrderScores
+    from cyclemap.evidence.laws.periodic_law import LawBand, PeriodicLaw, fit_periodic_law
+    from cyclemap.evidence.laws.wear import WornLaw, fit_worn_law
+    from cyclemap.evidence.orientations.circular_distance import CircularLaw, circular_wasserstein, total_variation
+    from cyclemap.evidence.orientations.collection_null import (
+        CollectionModel,
+        chain_p_value,
+        chain_p_values,
+        collection_p_values,
+        refit_harmonic_map,
+        simulated_ensemble,
+    )
+    from cyclemap.evidence.orientations.goodness_of_fit import PValue, kuiper_statistic, watson_statistic
+    from cyclemap.evidence.orientations.orientation_comparison import (
+        OrientationComparison,
+        compare_orientations,
+        kernel_modes,
+    )
+    from cyclemap.evidence.published_comparison import comparison_table, published_comparison
     from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes, simulated_push
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
     from cyclemap.evidence.pushes.measured_strokes import (
@@ -99,30 +103,26 @@ if TYPE_CHECKING:
         read_measured_drags,
         read_measured_pushes,
     )
-    from cyclemap.evidence.pushes.push_files import read_push_file
-    from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
+    from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file
     from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, load_pushes
-    from cyclemap.evidence.replay.replay_push import Replay, replay_push
-    from cyclemap.evidence.replay.replay_table import ReplayedPushes, replay_pushes
-    from cyclemap.evidence.replay.shapes import dataset_sliders
-    from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
-    from cyclemap.evidence.simulation.simulated_collection import SimulatedCollection, simulate_collection
-    from cyclemap.evidence.tables.law_table import SetLaws, set_laws
-    from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
-    from cyclemap.evidence.tables.push_sets import PushSet, push_sets
-    from cyclemap.evidence.tables.push_statistics import PushStatistics, push_statistics
-    from cyclemap.evidence.tables.set_fit import SetFit, fit_set
-    from cyclemap.evidence.tables.turn_histogram import TurnHistogram, turn_histogram
-    from cyclemap.evidence.theta0.overlay import MeasuredOverlay, measured_overlay
-    from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
-    from cyclemap.evidence.theta0.theta0_statistics import (
+    from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
+    from cyclemap.evidence.pushes.theta0_statistics import (
         AngleHistogram,
         MapAgreement,
+        MeasuredOverlay,
         TurnBins,
         angle_histogram,
         map_agreement,
+        measured_overlay,
         turn_bins,
     )
+    from cyclemap.evidence.recorded_push import RecordingNoise
+    from cyclemap.evidence.replay.replay_push import Replay, replay_push
+    from cyclemap.evidence.replay.replay_table import ReplayedPushes, dataset_sliders, replay_pushes
+    from cyclemap.evidence.simulated_collection import SimulatedCollection, simulate_collection
+    from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
+    from cyclemap.evidence.tables.push_sets import PushSet, PushStatistics, push_sets, push_statistics
+    from cyclemap.evidence.tables.set_fit import SetFit, SetLaws, TurnHistogram, fit_set, set_laws, turn_histogram
 else:
     import_on_first_use(__name__)
 
@@ -155,7 +155,6 @@ __all__ = [
     "PushSet",
     "PushStatistics",
     "PushTable",
-    "PusherFriction",
     "RecordingNoise",
     "Replay",
     "ReplayedPushes",
@@ -194,22 +193,18 @@ __all__ = [
     "identified_material",
     "identify",
     "kernel_modes",
-    "kuiper_critical_value",
-    "kuiper_p_value",
     "kuiper_statistic",
     "load_pushes",
     "map_agreement",
     "measured_cycle_map",
     "measured_overlay",
     "measured_staircase",
-    "permutation_p_value",
     "probe",
     "probe_pushes",
     "published_comparison",
     "push_end_block",
     "push_sets",
     "push_statistics",
-    "pusher_friction_from_forces",
     "read_measured_drags",
     "read_measured_pushes",
     "read_push_file",
@@ -225,8 +220,6 @@ __all__ = [
     "total_variation",
     "turn_bins",
     "turn_histogram",
-    "watson_critical_value",
-    "watson_p_value",
     "watson_statistic",
     "wrench_twist_block",
 ]

@@ -18,20 +18,19 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import optimize, stats
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
-from cyclemap.evidence.laws.linear_fit import fit_linear
-from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.evidence.laws.linear_fit import fit_linear, fourier_columns
 from cyclemap.maps import fixed_points
 from cyclemap.mechanics import Material, Pose
 
-Array = NDArray[np.float64]
 Push = Callable[[float], Sequence[float]]
 Place = tuple[float, float]
 EndPose = Callable[[float, Place, Place], Sequence[float]]
@@ -155,24 +154,20 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
     design = fourier_columns(angles, order)
     fits = [fit_linear(design, column) for column in moved.T]
     noise = np.array([max(fit.sigma, _ROUNDING) for fit in fits])
-    found = tuple(
-        _harmonic(name, number, fit.coefficients, fit.covariance, angles.size - design.shape[1])
-        for name, fit in zip(OUTCOMES, fits, strict=True)
-        for number in range(1, order + 1)
-    )
+    found = []
+    for name, fit in zip(OUTCOMES, fits, strict=True):
+        for number in range(1, order + 1):
+            rows = slice(2 * number - 1, 2 * number + 1)
+            length = _length(fit.coefficients[rows], fit.covariance[rows, rows], angles.size - design.shape[1])
+            found.append(Harmonic(name, number, *length))
     values, covariance, explained = _ellipse(angles, moved, noise, loop)
     vector = Anisotropy.of_components(values)
     free = 3 * angles.size - 7
     return Probe(
-        loop, angles, moved, found, _p_value(moved, fits, noise, order), noise, vector,
+        loop, angles, moved, tuple(found), _p_value(moved, fits, noise, order), noise, vector,
         tuple(math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free)),  # type: ignore[arg-type]
         _length(values[:2], covariance[:2, :2], free), explained,
     )  # fmt: skip
-
-
-def _harmonic(outcome: str, order: int, coefficients: Array, covariance: Array, free: int) -> Harmonic:
-    rows = slice(2 * order - 1, 2 * order + 1)
-    return Harmonic(outcome, order, *_length(coefficients[rows], covariance[rows, rows], free))
 
 
 def _length(vector: Array, covariance: Array, free: int) -> tuple[float, float, float]:

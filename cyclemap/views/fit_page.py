@@ -8,10 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.tables.law_table import MotionLaw
 from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap
-from cyclemap.evidence.tables.set_fit import SetFit
-from cyclemap.evidence.tables.turn_histogram import TurnHistogram
+from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
 from cyclemap.views.fit_panels import (
     draw_directions,
     draw_law,

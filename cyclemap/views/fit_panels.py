@@ -9,11 +9,9 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarForm
 
 from cyclemap.arrays import Array
 from cyclemap.evidence import LawBand
-from cyclemap.evidence.tables.law_table import MotionLaw
-from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, WornForecast
-from cyclemap.evidence.tables.turn_histogram import TurnHistogram
-from cyclemap.evidence.tables.turn_pace import TurnPace
-from cyclemap.evidence.theta0.covered_arcs import is_covered
+from cyclemap.evidence.pushes.theta0_statistics import is_covered
+from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPace, WornForecast
+from cyclemap.evidence.tables.set_fit import MotionLaw, TurnHistogram
 from cyclemap.views.panel_parts import legend_above, orbit_marker, say, stability
 from cyclemap.views.record_panels import PER_DEGREE, draw_measured_histogram, draw_staircase
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, degree_axis

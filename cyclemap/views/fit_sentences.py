@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.evidence.tables.law_table import MotionLaw
+from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
 from cyclemap.evidence.tables.measured_cycle_map import (
     FEWEST_FOR_WEAR,
     MapState,
@@ -13,10 +13,7 @@ from cyclemap.evidence.tables.measured_cycle_map import (
     TurnPlace,
     WornForecast,
 )
-from cyclemap.evidence.tables.set_fit import SetFit
-from cyclemap.evidence.tables.turn_histogram import TurnHistogram
-from cyclemap.evidence.theta0.covered_arcs import covered_arcs
-from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram
+from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
 from cyclemap.views.sentences import angle, number
 
 SIGNS = {"dtheta": "Δθ", "dx": "Δx", "dy": "Δy"}

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
-from cyclemap.evidence.identification.identification import Identification
-from cyclemap.evidence.identified.identified_curves import IdentifiedCurves
+from cyclemap.evidence.identification.identify import Identification
+from cyclemap.evidence.identified_curves import IdentifiedCurves
 from cyclemap.views.identify_panels import (
     draw_cycles,
     draw_ellipse,

@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.ticker import MaxNLocator
 
-from cyclemap.evidence.identification.identification import Estimate
-from cyclemap.evidence.identified.identified_curves import CycleFit, IdentifiedCurves, PlaceFit, TurnFit
-from cyclemap.evidence.identified.identified_material import readable_unit
+from cyclemap.evidence.identification.identify import Estimate
+from cyclemap.evidence.identified_curves import CycleFit, IdentifiedCurves, PlaceFit, TurnFit
+from cyclemap.evidence.identified_material import readable_unit
 from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, degree_axis
 

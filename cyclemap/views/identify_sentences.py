@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from cyclemap.evidence.identification.derived_quantities import Derived
-from cyclemap.evidence.identification.identification import Identification
-from cyclemap.evidence.identified.identified_material import misfit_words, readable_kind
+from cyclemap.evidence.identification.identify import Identification
+from cyclemap.evidence.identified_curves import Derived
+from cyclemap.evidence.identified_material import misfit_words, readable_kind
 from cyclemap.views.sentences import angle
 
 

@@ -11,20 +11,13 @@ from cyclemap.evidence.comparison.push_agreement import mean_error, within_error
 from cyclemap.evidence.comparison.staircase_agreement import simulated_quantity
 from cyclemap.evidence.laws.fit_map import map_of_turn
 from cyclemap.evidence.laws.wear import fit_worn_law
-from cyclemap.evidence.orientations.chain_null import chain_p_values, refit_harmonic_map
-from cyclemap.evidence.orientations.circular_law import CircularLaw
 from cyclemap.evidence.orientations.collection_null import (
     CollectionModel,
+    chain_p_values,
     collection_p_values,
     collection_statistics,
+    refit_harmonic_map,
     simulated_ensemble,
-)
-from cyclemap.evidence.orientations.goodness_of_fit import (
-    kuiper_p_value,
-    kuiper_statistic,
-    permutation_p_value,
-    watson_p_value,
-    watson_statistic,
 )
 from cyclemap.maps import (
     CircleMap,
@@ -54,29 +47,6 @@ Found = dict[str, np.ndarray]
 def gathered(rows: list[dict[str, float | None]]) -> Found:
     """Each p-value over the simulations, those left out where there was too little to test."""
     return {name: np.array([row[name] for row in rows if row[name] is not None], dtype=float) for name in rows[0]}
-
-
-def independent_samples(count: int, runs: int, seed: int) -> Found:
-    """Kuiper's and Watson's closed p-values, and permutation, for samples of a cardioid law."""
-    rng = np.random.default_rng(seed)
-    law = CircularLaw(lambda theta: (1.0 + 0.5 * np.cos(theta)) / TWO_PI)
-
-    def sample(size: int) -> np.ndarray:
-        return np.interp(rng.uniform(size=size), law.masses, law.knots)
-
-    rows = []
-    for k in range(count):
-        one, other = sample(LENGTH), sample(200)
-        rows.append(
-            {
-                "Kuiper, independent": kuiper_p_value(float(kuiper_statistic(one, law)), LENGTH),
-                "Watson, independent": watson_p_value(float(watson_statistic(one, law)), LENGTH),
-                "Kuiper, permutation": permutation_p_value(one, other, "kuiper", runs=runs, seed=k).value,
-                "Watson, permutation": permutation_p_value(one, other, "watson", runs=runs, seed=k).value,
-                "Wasserstein, permutation": permutation_p_value(one, other, "wasserstein", runs=runs, seed=k).value,
-            }
-        )
-    return gathered(rows)
 
 
 def mean_errors(count: int, runs: int, seed: int) -> Found:
@@ -167,7 +137,6 @@ def steps(count: int, runs: int, seed: int, kind: str = "ghost") -> Found:
 
 # Name: (study, simulations of the null of each p-value). Refits are slow: fewer simulations.
 STUDIES: dict[str, tuple[Callable[[int, int, int], Found], int]] = {
-    "independent": (independent_samples, 199),
     "bias": (mean_errors, 1),
     "chain": (chain, 99),
     "chain-refitted": (partial(chain, refitted=True), 99),

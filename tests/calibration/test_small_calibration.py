@@ -7,7 +7,7 @@ from rejection_table import HEADER, rejection_rate, row, uniformity
 
 RUNS = 100
 # Simulations of each null: what takes a second or two.
-QUICK = {"independent": 39, "chain": 19, "ghost": 1, "well": 1}
+QUICK = {"chain": 19, "ghost": 1, "well": 1}
 
 
 def highest_share(level: float, count: int) -> float:

@@ -7,13 +7,14 @@ import pytest
 from drawn_figures import assert_drawn, words_of
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.evidence import RecordingNoise, pusher_friction_from_forces
+from cyclemap.evidence import RecordingNoise, identify, read_push_file
+from cyclemap.evidence.data_blocks.force_ratio_block import force_ratio_block, sliding_forces
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_name
-from cyclemap.evidence.pushes.push_writer import write_push_file
-from cyclemap.evidence.simulation.recorded_motion import Recording
-from cyclemap.evidence.simulation.recorded_push import record_push
+from cyclemap.evidence.pushes.push_files import write_push_file
+from cyclemap.evidence.recorded_push import Recording, record_push
 from cyclemap.figures.force_ratio import FIGURE, FOLDER, compute, draw, predicted_ratio, recorded_ratio
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.mechanics import Slider
 
 
 @pytest.fixture(scope="module")
@@ -128,8 +129,9 @@ def test_the_recorded_push_of_the_data_slides_near_a_fifth_and_sticks_below(meas
     assert found.recorded is not None and found.recorded.files == 51
     assert found.recorded.name == "hex on abs, 50 mm/s"
     name = "motion_surface=abs_shape=hex_a=0_v=50_i=4.000_s=0.700_t=0.349.h5"
-    whole = pusher_friction_from_forces(measured_data / FOLDER / name)
-    assert whole.sliding_samples == found.recorded.forces.samples.sum()
+    forces = sliding_forces([(read_push_file(measured_data / FOLDER / name), Slider.mit("hex").outline_points(360))])
+    assert forces.samples.sum() == found.recorded.forces.samples.sum()
+    whole = identify([force_ratio_block(forces)], ["pusher_friction"], starts=1)["pusher_friction"]
     assert found.recorded.friction == pytest.approx(whole.value, abs=0.02)
     assert np.mean(np.abs(found.recorded.ratio[found.recorded.sticking]) < found.recorded.friction) > 0.8
     assert_drawn(draw(found), 2)

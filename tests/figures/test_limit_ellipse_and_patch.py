@@ -8,11 +8,10 @@ from drawn_figures import assert_drawn, words_of
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import RecordingNoise
-from cyclemap.evidence.data_blocks.scan_forces import ScanForces
+from cyclemap.evidence.data_blocks.force_blocks import ScanForces
 from cyclemap.evidence.pushes.mit_names import scan_name
-from cyclemap.evidence.pushes.push_writer import write_push_file
-from cyclemap.evidence.simulation.friction_scan import record_scan, scan_set
-from cyclemap.evidence.simulation.recorded_motion import Recording
+from cyclemap.evidence.pushes.push_files import write_push_file
+from cyclemap.evidence.recorded_push import Recording, record_scan, scan_set
 from cyclemap.figures.limit_ellipse_and_patch import (
     FIGURE,
     compute,

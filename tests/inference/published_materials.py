@@ -15,12 +15,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from cyclemap.cli.output import progress_bar
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS
+from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.priors import usual_beliefs
-from cyclemap.evidence.identified.identified_material import identified_material
-from cyclemap.evidence.published.published_comparison import comparison_table, published_comparison
-from cyclemap.evidence.published.published_statistics import SOURCE, published_statistics
-from cyclemap.evidence.published.statistics_block import TOLERANCES, statistics_block
+from cyclemap.evidence.identified_material import identified_material
+from cyclemap.evidence.published_comparison import TOLERANCES, comparison_table, published_comparison, statistics_block
+from cyclemap.evidence.published_statistics import SOURCE, published_statistics
 from cyclemap.mechanics import Material
 from cyclemap.mechanics.material_text import material_toml
 from cyclemap.whole_files import write_whole

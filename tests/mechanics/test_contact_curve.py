@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.replay.shapes import dataset_sliders
+from cyclemap.evidence.replay.replay_table import dataset_sliders
 from cyclemap.mechanics import Ellipse, Polygon
 from cyclemap.mechanics.contact_curve import CornerPiece, SidePiece, contact_curve, side_coordinate
 from cyclemap.mechanics.first_touch import first_touch, first_touches

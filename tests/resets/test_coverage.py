@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.maps import CircleMap
 from cyclemap.resets.monitor.coverage import CELLS, Coverage, Crowding, next_action
 

@@ -17,11 +17,10 @@ from cyclemap.evidence import (
     identify,
     push_end_block,
 )
-from cyclemap.evidence.data_blocks.scan_forces import ScanForces
+from cyclemap.evidence.data_blocks.force_blocks import SCAN_FIELDS, ScanForces
 from cyclemap.evidence.identification.data_block import FunctionBlock, PlateBlock, Values
-from cyclemap.evidence.identification.derived_quantities import Derived, derived_quantities
-from cyclemap.evidence.identification.parameter_space import Parameter
-from cyclemap.evidence.identified.identified_curves import IdentifiedCurves, identified_curves
+from cyclemap.evidence.identification.surface_parameters import Parameter
+from cyclemap.evidence.identified_curves import Derived, IdentifiedCurves, derived_quantities, identified_curves
 from cyclemap.mechanics import EllipseFriction, Pose, Slider
 from cyclemap.views import identify_sentences as sentences
 from cyclemap.views.identify_page import identify_page
@@ -52,7 +51,7 @@ def found() -> Identification:
     loop = CollectionLoop.mit("isotropic")
     cycles = CyclePairBlock("cycles", loop, theta, 0.1 + 0 * theta, np.arange(12), np.linspace(0, 1, 12), 9)
     measured = scans()
-    table = {name: getattr(measured, name) for name in ScanForces.columns()}
+    table = {name: getattr(measured, name) for name in SCAN_FIELDS}
     blocks = [
         friction_scan_block(table, WEIGHT),
         cycles,

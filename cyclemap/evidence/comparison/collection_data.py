@@ -19,8 +19,8 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.collection.own_object import first_contact
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, load_pushes
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.tables.push_sets import selected_pushes
-from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.mechanics import SidePush, material_names
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.text_files import read_csv_table

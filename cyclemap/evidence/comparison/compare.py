@@ -32,9 +32,9 @@ from cyclemap.evidence.orientations.collection_null import (
     collection_statistics,
     simulated_ensemble,
 )
-from cyclemap.evidence.orientations.p_value import PValue
+from cyclemap.evidence.orientations.goodness_of_fit import PValue
 from cyclemap.evidence.pushes.push_table import PushTable
-from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import Noise, StaircaseSummary, predict_staircase
 
 # A collection shorter than this has no steps or modes worth a test.

@@ -13,13 +13,13 @@ from cyclemap.collection import CollectionLoop, isotropic_twin
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.evidence.comparison.prediction import Prediction
 from cyclemap.evidence.comparison.push_agreement import mean_error, within_error
-from cyclemap.evidence.laws.harmonic_map import HARMONICS
-from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.evidence.laws.fit_map import HARMONICS
+from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
 from cyclemap.evidence.orientations.collection_null import Ensemble
-from cyclemap.evidence.orientations.p_value import PValue
-from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
-from cyclemap.evidence.theta0.theta0_statistics import MapAgreement, TurnBins, turn_bins
+from cyclemap.evidence.orientations.goodness_of_fit import PValue
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
+from cyclemap.evidence.pushes.theta0_statistics import MapAgreement, TurnBins, turn_bins
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,13 +9,13 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.evidence.orientations.collection_null import Ensemble
-from cyclemap.evidence.orientations.orientation_modes import (
+from cyclemap.evidence.orientations.goodness_of_fit import PValue, monte_carlo_p_value
+from cyclemap.evidence.orientations.orientation_comparison import (
     DEFAULT_BANDWIDTH,
     angle_between,
     kernel_modes,
     nearest_modes,
 )
-from cyclemap.evidence.orientations.p_value import PValue, monte_carlo_p_value
 from cyclemap.maps import SlowZone
 
 # Orientations of the ensemble from which the predicted modes are taken.

@@ -9,8 +9,8 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import read_only
 from cyclemap.evidence.orientations.collection_null import Ensemble
-from cyclemap.evidence.orientations.p_value import PValue
-from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram, angle_histogram
+from cyclemap.evidence.orientations.goodness_of_fit import PValue
+from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, angle_histogram
 
 ORIENTATION_TESTS = ("wasserstein", "total_variation", "kuiper", "watson")
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.evidence.orientations.p_value import PValue, monte_carlo_p_value
+from cyclemap.evidence.orientations.goodness_of_fit import PValue, monte_carlo_p_value
 from cyclemap.maps import StaircaseSummary, StepComparison, Steps, compare_steps, find_steps
 
 # The share of simulated collections within the range that is told.

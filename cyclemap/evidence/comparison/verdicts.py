@@ -12,7 +12,7 @@ from cyclemap.evidence.comparison.direction_agreement import DirectionAgreement,
 from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
 from cyclemap.evidence.comparison.push_agreement import Distances, QuantityAgreement
 from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
-from cyclemap.evidence.orientations.p_value import PValue
+from cyclemap.evidence.orientations.goodness_of_fit import PValue
 
 # A prediction is rejected below this p-value.
 LEVEL = 0.05

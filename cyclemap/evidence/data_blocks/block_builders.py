@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -14,28 +15,47 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock, blocks_of_cycles
-from cyclemap.evidence.data_blocks.data_recognition import DRAG_BACKS, PUSH_ENDS, DataFile
+from cyclemap.evidence.data_blocks.force_blocks import (
+    SCAN_FIELDS,
+    TWIST_COLUMNS,
+    WRENCH_COLUMNS,
+    ScanForces,
+    friction_scan_block,
+    read_wrench_twists,
+    wrench_twist_block,
+)
 from cyclemap.evidence.data_blocks.force_ratio_block import force_ratio_block, sliding_forces
-from cyclemap.evidence.data_blocks.friction_scan_block import friction_scan_block
-from cyclemap.evidence.data_blocks.scan_forces import ScanForces
 from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, drag_turn_block, push_end_block
-from cyclemap.evidence.data_blocks.wrench_twist_block import read_wrench_twists, wrench_twist_block
-from cyclemap.evidence.identification.data_block import DataBlock, PlateBlock
-from cyclemap.evidence.identification.shared_progress import Progress, part_of
+from cyclemap.evidence.identification.data_block import DataBlock, PlateBlock, Progress, part_of
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
-from cyclemap.evidence.pushes.measured_strokes import MeasuredPush, read_measured_drags, read_measured_pushes
-from cyclemap.evidence.pushes.push_files import read_push_file
-from cyclemap.evidence.pushes.push_record import PushRecord
-from cyclemap.evidence.pushes.push_table import PushTable
-from cyclemap.evidence.pushes.row_selection import CsvSelection
+from cyclemap.evidence.pushes.measured_strokes import (
+    CsvSelection,
+    MeasuredPush,
+    read_measured_drags,
+    read_measured_pushes,
+)
+from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, UnreadableFile
 from cyclemap.evidence.tables.push_sets import PushSet, push_sets
 from cyclemap.mechanics import Pose
 from cyclemap.text_files import read_csv_table
 
 if TYPE_CHECKING:
     import pandas
+
+PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = "push ends", "drag-backs", "wrenches", "cycles", "records"
+
+_START, _END = ({"x0", "y0", "th0"}, {"x1", "y1", "th1"})
+_TIP = {"tip_x0", "tip_y0", "tip_x1", "tip_y1"}
+_RESET = {"x0n", "y0n", "th0n"}
+_ORIENTATIONS = ({"theta0_accum_deg"}, {"theta0_deg"})
+LAYOUTS = (
+    "files of the MIT layout (.h5, .json), or a CSV table with the columns of poses and tip "
+    "(x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1), of drag-backs (x1,y1,th1,x0n,y0n,th0n), of orientations "
+    "(theta0_deg), or of wrenches and twists (fx,fy,m_over_rho,vx,vy,w_times_rho)"
+)
 
 # Cycles that follow each other have errors alike: they form groups of this many, or smaller ones where data are few.
 _LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
@@ -45,6 +65,72 @@ _FEWEST_CONTACTS = 8
 _STRAIGHT = 2e-3
 # Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
 _FEWEST_PIECES, _FEWEST_CYCLES = 3, 5
+
+
+@dataclass(frozen=True)
+class DataFile:
+    """A CSV file, or a file or folder of the MIT layout, and the sort of data it holds."""
+
+    path: Path
+    sort: str
+
+
+def recognise(path: str | Path) -> tuple[tuple[DataFile, ...], tuple[UnreadableFile, ...]]:
+    """Return what a file, folder or tree holds; a file may hold two sorts, files of no known kind are passed over.
+
+    Raises InvalidInput where there is nothing at `path`.
+    """
+    place = Path(path)
+    if not place.exists():
+        raise InvalidInput(f"{place}: there is nothing there; give a file or a folder of data")
+    if not place.is_dir():
+        return _file(place)
+    below = sorted(Path(folder, name) for folder, _, names in os.walk(place) for name in names)
+    found: list[DataFile] = []
+    unused: list[UnreadableFile] = []
+    if any(file.suffix.lower() in SUFFIXES for file in below):
+        found.append(DataFile(place, RECORDS))
+    for file in below:
+        if file.suffix.lower() == CSV_SUFFIX:
+            sorts, not_used = _file(file)
+            found += sorts
+            unused += not_used
+    if not found and not unused:
+        unused.append(UnreadableFile(place, "the folder holds no .h5, .json or .csv file"))
+    return tuple(found), tuple(unused)
+
+
+def _file(path: Path) -> tuple[tuple[DataFile, ...], tuple[UnreadableFile, ...]]:
+    if path.suffix.lower() in SUFFIXES:
+        return (DataFile(path, RECORDS),), ()
+    if path.suffix.lower() != CSV_SUFFIX:
+        return (), (UnreadableFile(path, f"a file of another kind ({path.suffix or 'no suffix'})"),)
+    try:
+        header = read_csv_table(path).header
+    except DataFileError as error:
+        return (), (UnreadableFile(path, str(error).removeprefix(f"{path}").lstrip(":, ")),)
+    sorts = csv_sorts(header)
+    if not sorts:
+        return (), (UnreadableFile(path, f"a CSV table of unknown columns ({', '.join(header[:8])})"),)
+    return tuple(DataFile(path, sort) for sort in sorts), ()
+
+
+def csv_sorts(header: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the sorts of data that a CSV header announces.
+
+    >>> csv_sorts(("surface", "x1", "y1", "th1", "x0n", "y0n", "th0n"))
+    ('drag-backs',)
+    """
+    columns, sorts = set(header), []
+    if columns >= _START | _END | _TIP:
+        sorts.append(PUSH_ENDS)
+    if columns >= _END | _RESET:
+        sorts.append(DRAG_BACKS)
+    if columns >= {*WRENCH_COLUMNS, *TWIST_COLUMNS}:
+        sorts.append(WRENCHES)
+    if any(columns >= names for names in _ORIENTATIONS) or (not sorts and columns >= _START | _END):
+        sorts.append(CYCLES)
+    return tuple(sorts)
 
 
 @dataclass(frozen=True)
@@ -139,24 +225,17 @@ def _add_wrenches(built: Built, path: Path, rows: CsvSelection, choices: BlockCh
     block = wrench_twist_block(data, outline, choices.loop.model.weight)
     scaled = f"torque and turning rate scaled by {1e3 * outline.extent:.2f} mm"
     built.add(path, block, f"{len(data.twist)} pairs of wrench and twist, {scaled}")
-    sources = _sources(path, surface)
-    if len(sources) > 1:
-        built.notes.append(
-            f"{path}: pairs are of several sources ({', '.join(sources)}): what stands in two counts twice"
-        )
-
-
-def _sources(path: Path, surface: str | None) -> list[str]:
-    """The sources that a table's rows of a surface name."""
     table = read_csv_table(path)
-    if "source" not in table.header:
-        return []
-    rows = [row for row in table.rows if surface is None or table.text(row, "surface") == surface]
-    return sorted({table.text(row, "source") for row in rows})
+    if "source" in table.header:
+        same = [row for row in table.rows if surface is None or table.text(row, "surface") == surface]
+        sources = sorted({table.text(row, "source") for row in same})
+        if len(sources) > 1:
+            told = f"pairs are of several sources ({', '.join(sources)}): what stands in two counts twice"
+            built.notes.append(f"{path}: {told}")
 
 
 def _add_scans(built: Built, path: Path, scans: pandas.DataFrame, choices: BlockChoices) -> None:
-    columns = [scans[name].to_numpy(dtype=float) for name in ScanForces.columns()]
+    columns = [scans[name].to_numpy(dtype=float) for name in SCAN_FIELDS]
     known = np.all(np.isfinite(columns), axis=0)
     built.left_out(path, +Counter({"friction scans without direction or force": int(np.sum(~known))}))
     if np.any(known):
@@ -164,7 +243,7 @@ def _add_scans(built: Built, path: Path, scans: pandas.DataFrame, choices: Block
         direction, along, across = (column[known] for column in columns)
         found = ScanForces(direction, along, across, weight)
         built.scans.append(found)
-        table = {name: getattr(found, name) for name in ScanForces.columns()}
+        table = {name: getattr(found, name) for name in SCAN_FIELDS}
         built.add(path, friction_scan_block(table, weight), f"{np.sum(known)} friction scans, weight {weight:.3g} N")
 
 
@@ -205,26 +284,22 @@ def _add_pushes(
     chosen = _thinned(rows, choices.most)
     if len(chosen) < len(rows):
         built.notes.append(f"{path}: every {len(rows) / len(chosen):.3g}th of {len(rows)} pushes taken")
-    kept = [(row, record) for row, record in _records(chosen, progress) if _is_straight(record)]
-    built.left_out(path, +Counter({"pushes whose tip did not go straight": len(chosen) - len(kept)}))
-    if kept:
-        pushes = [_measured_push(record, number) for number, (_, record) in enumerate(kept)]
-        _add_push_ends(built, path, _at_contacts(pushes, [row for row, _ in kept]), choices)
-        _add_forces(built, path, [record for _, record in kept], choices)
-
-
-def _records(rows: Sequence[dict[str, Any]], progress: Progress | None) -> Iterator[tuple[dict[str, Any], PushRecord]]:
-    """Each row of a table of pushes with its record, read from its file."""
-    for number, row in enumerate(rows):
+    places: list[tuple[float, float]] = []
+    pushes: list[MeasuredPush] = []
+    records: list[PushRecord] = []
+    for number, row in enumerate(chosen):
         record = read_push_file(row["path"])
         assert isinstance(record, PushRecord)
-        yield row, record
-        part_of(progress, number, len(rows))(1.0)
-
-
-def _measured_push(record: PushRecord, number: int) -> MeasuredPush:
-    first, last = record.tip_pose[0, 1:3].tolist(), record.tip_pose[-1, 1:3].tolist()
-    return MeasuredPush(Pose(*record.start), Pose(*record.end), (first[0], first[1]), (last[0], last[1]), number)
+        if _is_straight(record):
+            (x0, y0), (x1, y1) = record.tip_pose[[0, -1], 1:3].tolist()
+            pushes.append(MeasuredPush(Pose(*record.start), Pose(*record.end), (x0, y0), (x1, y1), len(pushes)))
+            places.append((row["side"], row["fraction"]))
+            records.append(record)
+        part_of(progress, number, len(chosen))(1.0)
+    built.left_out(path, +Counter({"pushes whose tip did not go straight": len(chosen) - len(records)}))
+    if records:
+        _add_push_ends(built, path, _at_contacts(pushes, places), choices)
+        _add_forces(built, path, records, choices)
 
 
 def _is_straight(record: PushRecord) -> bool:
@@ -236,9 +311,8 @@ def _is_straight(record: PushRecord) -> bool:
     return bool(np.max(np.abs(place @ (-along[1], along[0]))) <= _STRAIGHT)
 
 
-def _at_contacts(pushes: Sequence[MeasuredPush], rows: Sequence[dict[str, Any]]) -> list[MeasuredPush]:
-    """Pushes grouped by contact where there are many contacts, else by runs of repetitions."""
-    places = [(row["side"], row["fraction"]) for row in rows]
+def _at_contacts(pushes: Sequence[MeasuredPush], places: Sequence[tuple[float, float]]) -> list[MeasuredPush]:
+    """Pushes grouped by contact (side, fraction) where there are many contacts, else by runs of repetitions."""
     known = sorted(set(places))
     if len(known) >= _FEWEST_CONTACTS and not any(math.isnan(number) for place in known for number in place):
         return [replace(push, contact=known.index(place)) for push, place in zip(pushes, places, strict=True)]

@@ -12,25 +12,22 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import OWN_OUTLINE
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.block_builders import (
-    BlockChoices,
-    Built,
-    csv_part,
-    cycle_parts,
-    record_parts,
-)
-from cyclemap.evidence.data_blocks.cycle_pair_block import NODES
-from cyclemap.evidence.data_blocks.data_recognition import (
     CYCLES,
     LAYOUTS,
     RECORDS,
+    BlockChoices,
+    Built,
     DataFile,
-    UnusedFile,
+    csv_part,
+    cycle_parts,
     recognise,
+    record_parts,
 )
-from cyclemap.evidence.data_blocks.scan_forces import ScanForces
-from cyclemap.evidence.identification.data_block import DataBlock
-from cyclemap.evidence.identification.shared_progress import Progress, part_of
-from cyclemap.evidence.pushes.row_selection import RowSelection, pushes_of, select_csv, select_pushes, told
+from cyclemap.evidence.data_blocks.cycle_pair_block import NODES
+from cyclemap.evidence.data_blocks.force_blocks import ScanForces
+from cyclemap.evidence.identification.data_block import DataBlock, Progress, part_of
+from cyclemap.evidence.pushes.measured_strokes import RowSelection, pushes_of, select_csv, select_pushes, told
+from cyclemap.evidence.pushes.push_table import UnreadableFile
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
 from cyclemap.whole_files import file_stem
 
@@ -86,7 +83,9 @@ def collected_blocks(
     whole_number("first cycle", first, least=0)
     loop, selection = _object(loop, dict(select or {}))
     choices = BlockChoices(loop, first, wear, whole_number("most strokes", most, least=2), nodes)
-    files, unused = _files(paths)
+    found = [recognise(path) for path in paths]
+    files = list(dict.fromkeys(file for known, _ in found for file in known))
+    unused = list(dict.fromkeys(file for _, others in found for file in others))
     built, surfaces = Built(), set[str]()
     for number, file in enumerate(files):
         surfaces |= _add(built, file, selection, choices, part_of(progress, number, len(files)))
@@ -135,16 +134,6 @@ def _object(loop: CollectionLoop, chosen: dict[str, str | float]) -> tuple[Colle
     return loop, RowSelection(() if loop.slider.name == OWN_OUTLINE else (file_stem(loop.slider.name),), chosen)
 
 
-def _files(paths: Sequence[str | Path]) -> tuple[list[DataFile], list[UnusedFile]]:
-    found: dict[DataFile, None] = {}
-    unused: dict[UnusedFile, None] = {}
-    for path in paths:
-        files, others = recognise(path)
-        found |= dict.fromkeys(files)
-        unused |= dict.fromkeys(others)
-    return list(found), list(unused)
-
-
 def _add(
     built: Built, file: DataFile, selection: RowSelection, choices: BlockChoices, progress: Progress
 ) -> frozenset[str]:
@@ -182,7 +171,7 @@ def _add(
 def _check(
     paths: Sequence[str | Path],
     built: Built,
-    unused: Sequence[UnusedFile],
+    unused: Sequence[UnreadableFile],
     surfaces: set[str],
     slider: Slider,
     chosen: Mapping[str, str | float],

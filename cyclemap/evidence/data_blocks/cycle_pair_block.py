@@ -7,19 +7,19 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.found_with import with_material
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.fourier_interpolation import interpolation
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, kept_rows
-from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SHARE_NAMES,
     SURFACE,
+    Parameter,
     SurfaceParameters,
     possible_names,
     share_names,
@@ -28,9 +28,7 @@ from cyclemap.mechanics import FoundWith, Material, PlatePressure
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
 
-Array = NDArray[np.float64]
 Rows = tuple[Array, Array]
-
 SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
 CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", *SHARE_NAMES, "pin_friction_radius")
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
@@ -38,12 +36,28 @@ NODES = 48
 ACCURACY = 1e-6
 
 
-def worn_parameters() -> tuple[Parameter, ...]:
-    """The unknowns of the friction ellipse at the end of the data, where it wears."""
-    return tuple(
-        replace(SURFACE[name], name=f"worn_{name}", description=f"{SURFACE[name].description}, at the end of the data")
-        for name in SHAPE
-    )
+def interpolation(theta: ArrayLike, count: int) -> Array:
+    """Return the matrix (n, count) from values at 2 pi k / count to the Fourier series through them at theta (n,), rad.
+
+    >>> nodes = 2 * np.pi * np.arange(5) / 5
+    >>> bool(np.allclose(interpolation([0.3], 5) @ np.cos(2 * nodes), np.cos(0.6)))
+    True
+    """
+    off, orders = _distances(theta, count)
+    return np.asarray((1.0 + 2.0 * np.cos(off * orders).sum(axis=-1)) / count)
+
+
+def interpolation_slope(theta: ArrayLike, count: int) -> Array:
+    """Return the matrix (n, count) from values at 2 pi k / count to the slope of the series, per rad, at theta (n,)."""
+    off, orders = _distances(theta, count)
+    return np.asarray(-2.0 * (orders * np.sin(off * orders)).sum(axis=-1) / count)
+
+
+def _distances(theta: ArrayLike, count: int) -> tuple[Array, Array]:
+    """Angle of each theta from each node, (n, count, 1), and the orders (count - 1) / 2 of the series."""
+    places = 2.0 * np.pi * np.arange(count) / count
+    off = finite_array("theta", theta, ndim=1)[:, np.newaxis] - places
+    return off[..., np.newaxis], np.arange(1, (count - 1) // 2 + 1, dtype=float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +107,9 @@ class CyclePairBlock:
     @property
     def own_parameters(self) -> tuple[Parameter, ...]:
         """The ellipse at the end of the data, if the surface wears."""
-        return () if self.share is None else worn_parameters()
+        worn = () if self.share is None else SHAPE
+        told = [(SURFACE[name], f"{SURFACE[name].description}, at the end of the data") for name in worn]
+        return tuple(replace(one, name=f"worn_{one.name}", description=words) for one, words in told)
 
     @property
     def groups(self) -> Labels:
@@ -155,13 +171,9 @@ def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
     """Return the loop on an identified surface, with the rod, rim and ring that were identified along with it."""
     shares = {name: share for name, share in surface.shares.items() if name in share_names(loop.slider.outline)}
     plate = PlatePressure(loop.slider.name, **shares)
-    material = Material("identified", surface.to_friction(), found_with=found_with(surface), plates=(plate,))
+    found = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
+    material = Material("identified", surface.to_friction(), found_with=found, plates=(plate,))
     return with_material(replace(loop, accuracy=ACCURACY), material)
-
-
-def found_with(surface: SurfaceParameters) -> FoundWith:
-    """Return what a surface says of rod and ring."""
-    return FoundWith(surface.pusher_friction, surface.pin_friction_radius)
 
 
 def blocks_of_cycles(count: int, length: int = 25) -> Labels:

@@ -8,26 +8,26 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, kept_rows
-from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SHARE_NAMES,
+    Parameter,
     SurfaceParameters,
     possible_names,
     share_names,
 )
 from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
-from cyclemap.mechanics import PatchFootprint, Pose, QuasiStaticModel, Slider
+from cyclemap.mechanics import PatchFootprint, Pose, Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.cycle_batch import derivative_units
 from cyclemap.mechanics.engine.strokes import PARAMETERS, Strokes
 from cyclemap.mechanics.first_touch import first_touches
 from cyclemap.mechanics.quasi_static import run_strokes
 
-Array = NDArray[np.float64]
 Rows = tuple[Array, Array]
 
 # Radians (extents): a tenth of what a camera sees.
@@ -91,7 +91,7 @@ class StrokeBlock:
         return replace(self, strokes=strokes, labels=self.labels[keep])
 
 
-def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider, name: str = "push ends") -> StrokeBlock:
+def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider) -> StrokeBlock:
     """Return the block of where pushes ended: place (m) and orientation (rad), grouped by contact.
 
     Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have them in the frame of
@@ -100,20 +100,22 @@ def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider, name: str = "
     parameters = (*possible_names(PUSH_UNKNOWNS, slider.outline), *(parameter.name for parameter in TIP_OFFSET))
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
     labels = np.array([push.contact for push in pushes], dtype=np.int64)
-    return StrokeBlock(name, parameters, tuple(pushes), _push_misfit, kinds, labels, slider, TIP_OFFSET)
+    return StrokeBlock("push ends", parameters, tuple(pushes), _push_misfit, kinds, labels, slider, TIP_OFFSET)
 
 
-def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, name: str = "drag-backs") -> StrokeBlock:
+def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider) -> StrokeBlock:
     """Return the block of how far drags turned the object (rad), each ring going straight to where it ended."""
     labels = np.array([drag.contact for drag in drags], dtype=np.int64)
     parameters = possible_names(DRAG_UNKNOWNS, slider.outline)
-    return StrokeBlock(name, parameters, tuple(drags), _drag_misfit, ("drag turn (rad)",), labels, slider)
+    return StrokeBlock("drag-backs", parameters, tuple(drags), _drag_misfit, ("drag turn (rad)",), labels, slider)
 
 
 def surface_model(surface: SurfaceParameters, slider: Slider, accuracy: float = ACCURACY) -> QuasiStaticModel:
     """Return the model of a slider on a surface, the shares of its weight as the surface says."""
     footprint = PatchFootprint(slider.outline, **surface.shares, centre=slider.centre_of_mass)
-    return QuasiStaticModel(slider, surface.to_friction(), surface.pusher(), footprint, accuracy)
+    return QuasiStaticModel(
+        slider, surface.to_friction(), Pusher(friction=surface.pusher_friction), footprint, accuracy
+    )
 
 
 def predicted_push_ends(

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import PLANE_KINDS
-from cyclemap.evidence.identification.joint_problem import JointProblem
-from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, minimise
-from cyclemap.evidence.identification.noise_scales import NoiseLaw
-from cyclemap.evidence.identification.priors import PRIOR_KIND
-from cyclemap.suggestions import unknown_name
+from cyclemap.evidence.identification.data_block import PLANE_KINDS, PRIOR_KIND, JointProblem
+from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, NoiseLaw, minimise
 
-Array = NDArray[np.float64]
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
 _CLOSE = 1e-3
 Labels = NDArray[np.int64]
@@ -28,13 +24,11 @@ class CrossValidation:
     """Errors of prediction of rows that were left out.
 
     residuals (n,) : predicted minus measured, nan where a row was never left out or its fold had no answer.
-    fold (n,) : the fold each row left with, -1 for none. vectors (folds, k) : parameters fitted without each fold.
-    failures : folds without an answer, and why.
+    fold (n,) : the fold each row left with, -1 for none. failures : folds without an answer, and why.
     """
 
     residuals: Array
     fold: Labels
-    vectors: Array
     failures: tuple[str, ...]
 
 
@@ -77,31 +71,6 @@ def random_folds(problem: JointProblem, folds: int, seed: int = 0) -> Labels:
     return fold[problem.groups]
 
 
-def labelled_folds(problem: JointProblem, labels: Mapping[str, ArrayLike]) -> Labels:
-    """Return the fold of each row (n,) by labels of rows, such as their contact point, for some blocks by name.
-
-    Rows of equal labels leave together, in whatever block they are; blocks not named always stay (-1). Raises
-    InvalidInput for an unknown block, a wrong number of labels, a group with two labels, or a single label.
-    """
-    names = [block.name for block in problem.blocks]
-    written, named = np.full(len(problem.groups), "", dtype=object), np.zeros(len(problem.groups), dtype=bool)
-    for name, given in labels.items():
-        if name not in names:
-            raise unknown_name("block of data", name, names)
-        rows, values = problem.block_index == names.index(name), np.asarray(given)
-        if values.shape != (np.count_nonzero(rows),):
-            raise InvalidInput(f"block {name!r} has {np.count_nonzero(rows)} rows, but labels of shape {values.shape}")
-        written[rows], named = values.astype(str), named | rows
-    found, index = np.unique(written[named].astype(str), return_inverse=True)
-    if len(found) < 2:
-        raise InvalidInput("cross-validation needs at least two different labels")
-    fold = np.full(len(written), -1, dtype=np.int64)
-    fold[named] = index.reshape(-1)
-    if len(np.unique(np.stack([problem.groups, fold]), axis=1).T) != len(np.unique(problem.groups)):
-        raise InvalidInput("rows of one group have different labels: they share their errors and must leave together")
-    return fold
-
-
 def cross_validate(
     problem: JointProblem,
     fit: Fit,
@@ -115,30 +84,19 @@ def cross_validate(
     """
     count, whole = int(np.max(fold)) + 1, problem.values(fit.vector)
     residuals, failures = np.full(len(fold), np.nan), []
-    vectors = np.full((count, len(problem.space)), np.nan)
     for one in range(count):
         try:
-            values = _fitted_without(problem, fit, fold == one, whole, law or NoiseLaw())
-            residuals[fold == one] = _predicted(problem, fold == one, values)
-            vectors[one] = problem.space.vector(values)
+            part = problem.subset(fold != one, whole)
+            noise = np.array([fit.noise[problem.kind_names.index(kind)] for kind in part.kind_names])
+            start = part.space.vector(whole)
+            values = part.values(minimise(part, start, noise, law or NoiseLaw(), _CLOSE).vector)
+            left_out = problem.subset(fold == one, values)
+            residuals[fold == one] = left_out.evaluate(left_out.space.vector(values))[0]
         except NO_ANSWER as cause:
             failures.append(f"fold {one}: {type(cause).__name__}: {cause}")
         if progress is not None:
             progress((one + 1) / count)
-    return CrossValidation(read_only(residuals), fold, read_only(vectors), tuple(failures))
-
-
-def _fitted_without(
-    problem: JointProblem, fit: Fit, out: NDArray[np.bool_], values: dict[str, float], law: NoiseLaw
-) -> dict[str, float]:
-    part = problem.subset(~out, values)
-    noise = np.array([fit.noise[problem.kind_names.index(kind)] for kind in part.kind_names])
-    return part.values(minimise(part, part.space.vector(values), noise, law, _CLOSE).vector)
-
-
-def _predicted(problem: JointProblem, out: NDArray[np.bool_], values: dict[str, float]) -> Array:
-    part = problem.subset(out, values)
-    return part.evaluate(part.space.vector(values))[0]
+    return CrossValidation(read_only(residuals), fold, tuple(failures))
 
 
 def kind_errors(
@@ -154,14 +112,12 @@ def kind_errors(
             if kind == PRIOR_KIND:
                 continue
             rows = (problem.block_index == number) & (problem.kinds == kind)
-            sample, unseen, even = (_lengths(errors[rows], kind) for errors in (fit.residuals, left_out, plain))
+            told = [errors[rows] for errors in (fit.residuals, left_out, plain)]
+            # Of components the lengths of their vectors count.
+            sized = [np.hypot(one[::2], one[1::2]) if kind in PLANE_KINDS else np.abs(one) for one in told]
+            sample, unseen, even = sized
             found.append(KindErrors(block.name, kind, sample.size, *_sizes(sample), *_sizes(unseen), *_sizes(even)[:2]))
     return tuple(found)
-
-
-def _lengths(errors: Array, kind: str) -> Array:
-    """Sizes of errors (n,), nan kept; of components, the lengths (n / 2,) of their vectors."""
-    return np.hypot(errors[::2], errors[1::2]) if kind in PLANE_KINDS else np.abs(errors)
 
 
 def _sizes(errors: Array) -> tuple[float, float, float]:

@@ -1,25 +1,46 @@
-"""Blocks of data: predicted minus measured values, their derivatives, and which rows belong together."""
+"""Blocks of data, beliefs among them, and the problem of explaining several by one set of parameters."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.checks import finite_array
-from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.parameter_space import Parameter
+from cyclemap.arrays import Array
+from cyclemap.checks import finite_array, finite_number, positive_number
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.evidence.identification.surface_parameters import Parameter, ParameterSpace
 
-Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 Kinds = NDArray[np.str_]
 Values = Mapping[str, float]
 
 # Kinds whose rows are the two components of a vector, one behind the other.
 PLANE_KINDS = ("push place (m)", "scan force (N)", "wrench force (N)")
+PRIOR_KIND = "prior (standard deviations)"
+# What is usual: how anisotropic floors are, rods and rings of steel on steel, how plates press, how well the frames of
+# a robot and a camera agree. Wide enough that data which know better overrule it.
+USUAL = MappingProxyType(
+    {
+        "ellipticity_x": (0.0, 0.2),
+        "ellipticity_y": (0.0, 0.2),
+        "offset_x": (0.0, 0.15),
+        "offset_y": (0.0, 0.15),
+        "pusher_friction": (0.15, 0.05),
+        "rim_share": (0.2, 0.3),
+        "corner_share": (0.1, 0.3),
+        "inner_share": (0.2, 0.4),
+        "pin_friction_radius": (1.5e-3, 1e-3),
+        "tip_offset_x": (0.0, 1.5e-3),
+        "tip_offset_y": (0.0, 1.5e-3),
+    }
+)
+Progress = Callable[[float], None]
 
 
 class DataBlock(Protocol):
@@ -185,3 +206,139 @@ class PlateBlock:
 def plain_block(block: DataBlock) -> DataBlock:
     """Return the block itself, without the plate that it may be of."""
     return block.block if isinstance(block, PlateBlock) else block
+
+
+@dataclass(frozen=True, eq=False)
+class JointProblem:
+    """The blocks, the free parameters, and the values of all others that the blocks ask for.
+
+    Rows of all blocks follow each other. A group is known by its block and label, so that equal labels of two blocks
+    are two groups; kinds of noise are known by name alone, so that blocks may share one.
+
+    Raises InvalidInput where a block asks for a parameter that is neither free nor given, where a free one is asked for
+    by no block, or where two blocks have one name.
+    """
+
+    blocks: tuple[DataBlock, ...]
+    space: ParameterSpace
+    fixed: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "blocks", tuple(self.blocks))
+        fixed = {name: finite_number(name, value) for name, value in self.fixed.items() if name not in self.space.names}
+        object.__setattr__(self, "fixed", fixed)
+        names = [block.name for block in self.blocks]
+        if not names or len(set(names)) < len(names):
+            raise InvalidInput(f"blocks must have names of their own, and there must be one at least, not {names}")
+        asked = {name for block in self.blocks for name in block.parameters}
+        idle = [name for name in self.space.names if name not in asked]
+        if idle:
+            raise InvalidInput(f"no block of data depends on {', '.join(idle)}: take it out of the free parameters")
+        missing = sorted(asked - set(self.space.names) - set(fixed))
+        if missing:
+            raise InvalidInput(f"the data depend on {', '.join(missing)}: let it be free, or give its value in `fixed`")
+
+    @cached_property
+    def block_index(self) -> Labels:
+        """Which block each row belongs to, (n,)."""
+        return np.repeat(np.arange(len(self.blocks)), [len(block.groups) for block in self.blocks])
+
+    @cached_property
+    def groups(self) -> Labels:
+        """Number of each row's group, (n,), 0 ... count - 1 over all blocks."""
+        labels = np.concatenate([block.groups for block in self.blocks])
+        return np.unique(np.stack([self.block_index, labels]), axis=1, return_inverse=True)[1].reshape(-1)
+
+    @cached_property
+    def kinds(self) -> Kinds:
+        """Which noise each row has, (n,)."""
+        return np.concatenate([np.asarray(block.kinds, dtype=np.str_) for block in self.blocks])
+
+    @cached_property
+    def kind_names(self) -> tuple[str, ...]:
+        """The kinds of noise, sorted."""
+        return tuple(np.unique(self.kinds).tolist())
+
+    @cached_property
+    def kind_index(self) -> Labels:
+        """Number of each row's kind in `kind_names`, (n,)."""
+        return np.unique(self.kinds, return_inverse=True)[1].reshape(-1)
+
+    def values(self, vector: Array) -> dict[str, float]:
+        """Return every parameter's value by name, at values (k,) of the free ones."""
+        return {**self.fixed, **self.space.values(vector)}
+
+    def evaluate(self, vector: Array) -> tuple[Array, Array]:
+        """Return residuals (n,) and their derivatives by the free parameters (n, k).
+
+        Raises whatever a block raises; ConvergenceError where its numbers are not finite.
+        """
+        values = self.values(vector)
+        residuals, jacobians = [], []
+        for block in self.blocks:
+            residual, jacobian = block.residuals(values)
+            if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
+                raise ConvergenceError(f"block {block.name!r} has residuals or derivatives that are not finite")
+            residuals.append(residual)
+            by_free = np.zeros((len(block.groups), len(self.space)))
+            for index, name in enumerate(block.parameters):
+                if name in self.space.names:
+                    by_free[:, self.space.names.index(name)] = jacobian[:, index]
+            jacobians.append(by_free)
+        return np.concatenate(residuals), np.concatenate(jacobians)
+
+    def subset(self, keep: ArrayLike, values: Mapping[str, float]) -> JointProblem:
+        """Return the problem of the groups of which `keep` (n,), bool by row, holds a row; empty blocks drop out.
+
+        A free parameter that no block asks for any more is held at its value in `values`.
+        """
+        chosen, parts = np.asarray(keep, dtype=bool), []
+        for index, block in enumerate(self.blocks):
+            rows = chosen[self.block_index == index]
+            if rows.all():
+                parts.append(block)
+            elif rows.any():
+                parts.append(block.subset(np.unique(block.groups[rows])))
+        asked = {name for block in parts for name in block.parameters}
+        idle = {name: values[name] for name in self.space.names if name not in asked}
+        space = self.space.select(tuple(name for name in self.space.names if name in asked))
+        return JointProblem(tuple(parts), space, {**self.fixed, **idle})
+
+
+def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> FunctionBlock:
+    """Return beliefs (value, standard deviation) about parameters by name, in SI units, as a block of data.
+
+    A row is the parameter's distance from the believed value in standard deviations; its noise is known to be 1: give
+    `noise={PRIOR_KIND: 1.0, ...}` to `identify`. Raises InvalidInput for no belief or a deviation that is not positive.
+
+    >>> prior_block({"pusher_friction": (0.15, 0.03)}).residuals({"pusher_friction": 0.18})[0].round(9).tolist()
+    [1.0]
+    """
+    if not beliefs:
+        raise InvalidInput("a block of priors needs a belief about one parameter at least")
+    names = tuple(beliefs)
+    centre = np.array([finite_number(f"believed {key}", beliefs[key][0]) for key in names])
+    width = np.array([positive_number(f"deviation of the believed {key}", beliefs[key][1]) for key in names])
+
+    def function(values: Values) -> tuple[Array, Array]:
+        return (np.array([values[key] for key in names]) - centre) / width, np.diag(1.0 / width)
+
+    return FunctionBlock("priors", names, function, np.arange(len(names)), np.full(len(names), PRIOR_KIND))
+
+
+def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Return what is usual (value, standard deviation) of those parameters of which it is known, of any plate.
+
+    >>> usual_beliefs(["rim_share[hex]", "friction_scale"])
+    {'rim_share[hex]': (0.2, 0.3)}
+    """
+    return {name: USUAL[plain] for name in names if (plain := name.partition("[")[0]) in USUAL}
+
+
+def part_of(progress: Progress | None, number: float, count: float) -> Progress:
+    """Return the function to which part `number` of `count` (from 0) reports the fraction of it that is done.
+
+    >>> part_of(print, 1, 4)(0.5)
+    0.375
+    """
+    return lambda fraction: None if progress is None else progress((number + fraction) / count)

@@ -3,38 +3,143 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.cross_validation import (
     CrossValidation,
+    KindErrors,
     cross_validate,
     kind_errors,
-    labelled_folds,
     random_folds,
 )
-from cyclemap.evidence.identification.data_block import DataBlock
-from cyclemap.evidence.identification.identifiability import Uncertainty, student_quantile, uncertainty
-from cyclemap.evidence.identification.identification import Estimate, Identification
-from cyclemap.evidence.identification.joint_problem import JointProblem
-from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, MultiStart, multi_start, spread_starts
-from cyclemap.evidence.identification.noise_scales import NoiseLaw
-from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
-from cyclemap.evidence.identification.priors import PRIOR_KIND, prior_block
-from cyclemap.evidence.identification.surface_parameters import SURFACE
+from cyclemap.evidence.identification.data_block import PRIOR_KIND, DataBlock, JointProblem, prior_block
+from cyclemap.evidence.identification.identifiability import Uncertainty, uncertainty
+from cyclemap.evidence.identification.least_squares import (
+    NO_ANSWER,
+    Fit,
+    MultiStart,
+    NoiseLaw,
+    multi_start,
+    spread_starts,
+)
+from cyclemap.evidence.identification.surface_parameters import (
+    SHARE_NAMES,
+    SURFACE,
+    Parameter,
+    ParameterSpace,
+    SurfaceParameters,
+)
+from cyclemap.evidence.laws.linear_fit import student_quantile
+from cyclemap.mechanics import EllipseFriction
+from cyclemap.suggestions import unknown_name
 
 # Fewer degrees of freedom than this make an interval rough.
 _FEW = 4.0
 # A parameter whose error is above this share of its belief's deviation was hardly told by the data.
 _TOLD = 0.8
-
-Folds = int | Mapping[str, ArrayLike]
 Progress = Callable[[float], None]
 Beliefs = Mapping[str, tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One parameter.
+
+    value, lower, upper : best value and ends of its interval, in `unit`. standard_error : to first order, inf where the
+    data do not fix it. identifiable : whether the data exclude any value between the bounds. at_bound : `lower`,
+    `upper`, or empty. lower_open, upper_open : the end is a bound, not a finding.
+    """
+
+    name: str
+    description: str
+    unit: str
+    value: float
+    lower: float
+    upper: float
+    standard_error: float
+    identifiable: bool
+    at_bound: str
+    lower_open: bool
+    upper_open: bool
+
+    def __str__(self) -> str:
+        if not self.identifiable:
+            return f"{self.name} not identifiable"
+        return f"{self.name} {self.value:.4g} ({self.lower:.4g} to {self.upper:.4g})"
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """Parameters identified from data.
+
+    estimates : of the free parameters. fixed : values that were held. level : of the intervals. priors : what was
+    believed (value, standard deviation). errors : by block and
+    kind, in sample and left out. starts : what became of each start. fit : the minimum. uncertainty : to first order.
+    validation : residuals of rows left out, None if not asked for. notes : all that qualifies the result, in words.
+    problem : what was solved.
+    """
+
+    estimates: tuple[Estimate, ...]
+    fixed: Mapping[str, float]
+    level: float
+    priors: Mapping[str, tuple[float, float]]
+    errors: tuple[KindErrors, ...]
+    starts: MultiStart
+    fit: Fit
+    uncertainty: Uncertainty
+    validation: CrossValidation | None
+    notes: tuple[str, ...]
+    problem: JointProblem
+
+    def __getitem__(self, name: str) -> Estimate:
+        for estimate in self.estimates:
+            if estimate.name == name:
+                return estimate
+        raise unknown_name("identified parameter", name, [estimate.name for estimate in self.estimates])
+
+    @property
+    def converged(self) -> bool:
+        """Whether minimum and noise were found to tolerance."""
+        return self.fit.converged
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Every parameter's value by name, identified or held."""
+        return self.problem.values(self.fit.vector)
+
+    @property
+    def surface(self) -> SurfaceParameters:
+        """The identified surface; what the data were not asked about has its nominal value."""
+        return SurfaceParameters.from_values(self.values)
+
+    @property
+    def plates(self) -> dict[str, dict[str, float]]:
+        """Shares of the weight by plate; of one plate alone, which no name tells apart, under the empty name."""
+        return plate_shares(self.values)
+
+    def friction(self) -> EllipseFriction:
+        """Return the identified friction ellipse."""
+        return self.surface.to_friction()
+
+
+def plate_shares(values: Mapping[str, float]) -> dict[str, dict[str, float]]:
+    """Return the shares of the weight that values tell by plate; of a plate that no name tells apart, under the empty.
+
+    >>> plate_shares({"rim_share[hex]": 0.5, "inner_share[hex]": 0.5, "offset_x": 0.1})
+    {'hex': {'inner_share': 0.25, 'rim_share': 0.5, 'corner_share': 0.0}}
+    """
+    named = {name.partition("[")[2].rstrip("]") for name in values if name.partition("[")[0] in SHARE_NAMES}
+    found = {}
+    for plate in sorted(named):
+        tail = f"[{plate}]" if plate else ""
+        own = {name: values[name + tail] for name in SHARE_NAMES if name + tail in values}
+        found[plate] = SurfaceParameters.from_values(own).shares
+    return found
 
 
 def identify(
@@ -45,7 +150,7 @@ def identify(
     priors: Beliefs | None = None,
     starts: int = 8,
     level: float = 0.95,
-    folds: Folds = 0,
+    folds: int = 0,
     noise: Mapping[str, float] | None = None,
     student: float | None = None,
     space: ParameterSpace = SURFACE,
@@ -64,7 +169,7 @@ def identify(
     priors : beliefs (value, standard deviation) about free parameters, in SI units; see `usual_beliefs`.
     starts : searches, the first from the natural start, the rest spread about it (seeded).
     level : of the intervals, value -+ t standard errors, cut at the bounds; errors of rows of one group may be alike.
-    folds : 0, a number of random folds of every block's groups, or labels of rows by block name (leave one label out).
+    folds : 0, or a number of random folds of every block's groups.
     noise : sizes of kinds of noise that are known; all others are estimated.
     student : degrees of freedom of Student noise, for data with outliers; None: normal.
     progress : called with the fraction done.
@@ -87,13 +192,16 @@ def identify(
     problem, taken = _problem(blocks, tuple(free), fixed or {}, space)
     for name in believed:
         problem.space[name]
-    fold = _folds(problem, folds, seed)
-    report = _Stages(progress)
-    found = multi_start(problem, spread_starts(problem, starts, seed), law, known, report.stage(0.0, 0.6))
+    fold = None if folds == 0 else random_folds(problem, folds, seed)
+    report = progress or (lambda fraction: None)
+    # The searches are the first three fifths of the work, cross-validation the rest.
+    found = multi_start(problem, spread_starts(problem, starts, seed), law, known, lambda done: report(0.6 * done))
     fit = found.best
     errors = uncertainty(problem, fit, law)
-    validation = None if fold is None else cross_validate(problem, fit, fold, law, report.stage(0.6, 1.0))
-    report.stage(0.0, 1.0)(1.0)
+    validation = None
+    if fold is not None:
+        validation = cross_validate(problem, fit, fold, law, lambda done: report(0.6 + 0.4 * done))
+    report(1.0)
     told = zip(problem.space.parameters, fit.vector.tolist(), strict=True)
     estimates = tuple(_estimate(one, value, errors, index, level, fit) for index, (one, value) in enumerate(told))
     notes = (*taken, *_notes(found, errors, problem, estimates, validation, believed))
@@ -136,20 +244,6 @@ def _isotropic(problem: JointProblem) -> NDArray[np.float64] | None:
         return None
 
 
-class _Stages:
-    """Passes on the progress of parts of the work as progress of the whole."""
-
-    def __init__(self, progress: Progress | None) -> None:
-        self._progress = progress
-
-    def stage(self, start: float, end: float) -> Progress:
-        def told(fraction: float) -> None:
-            if self._progress is not None:
-                self._progress(start + (end - start) * fraction)
-
-        return told
-
-
 def _problem(
     blocks: Sequence[DataBlock], free: tuple[str, ...], fixed: Mapping[str, float], space: ParameterSpace
 ) -> tuple[JointProblem, tuple[str, ...]]:
@@ -166,12 +260,6 @@ def _problem(
     nominal = {name: space.nominal[name] for name in taken}
     notes = tuple(f"{name} was neither free nor given: taken as {value:.4g}" for name, value in nominal.items())
     return JointProblem(tuple(blocks), space.select(free), {**nominal, **fixed}), notes
-
-
-def _folds(problem: JointProblem, folds: Folds, seed: int) -> NDArray[np.int64] | None:
-    if isinstance(folds, Mapping):
-        return labelled_folds(problem, folds)
-    return None if folds == 0 else random_folds(problem, folds, seed)
 
 
 def _notes(

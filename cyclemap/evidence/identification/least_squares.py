@@ -9,26 +9,113 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.checks import positive_number, read_only, whole_number
+from cyclemap.checks import finite_number, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence.identification.joint_problem import JointProblem
-from cyclemap.evidence.identification.noise_scales import NoiseLaw, estimated_noise, noise_floor, root_mean_square
-from cyclemap.evidence.identification.shared_progress import part_of
+from cyclemap.evidence.identification.data_block import JointProblem, part_of
 from cyclemap.suggestions import unknown_name
 
+# Noise smaller than this share of the residuals at the start is no noise, but rounding.
+_LEAST_NOISE = 1e-9
+# A kind with fewer rows left over, once the parameters took their share, does not tell its noise.
+_LEAST_REDUNDANCY = 0.5
+# The noise of given residuals stands still at a change below this share, which takes a dozen rounds.
+_WEIGHTINGS, _SETTLED = 100, 1e-4
 # What the mechanics raise at parameters for which they have no answer.
 NO_ANSWER = (ConvergenceError, UnsupportedContact, InvalidInput)
-
 # The noise counts as found when no kind changes by more than this share: parameters then move by less than a twentieth
 # of their standard errors. The first round need not be close, since its weights are not.
 _NOISE_TOLERANCE = 5e-3
 _FIRST, _LATER = 1e-2, 1e-5
 # Evaluations after which half of a search counts as done: how many it takes is not known before.
 _HALF_WAY = 15
-_ROUNDS = 40
+_ROUNDS, _MOST = 40, 200
 # A start arrived at the best optimum if its deviance is as low, or its parameters are the same in their scales.
 _SAME_DEVIANCE, _SAME_PLACE = 0.01, 1e-3
 _ON_BOUND = 1e-3
+
+
+@dataclass(frozen=True)
+class NoiseLaw:
+    """Distribution of the standardised residuals: normal, or Student's with `freedom` degrees of freedom.
+
+    With z the squared standardised residual, rho(z) = z, or (freedom + 1) log(1 + z / freedom), which lets outliers
+    count for little (Lange, Little & Taylor 1989). Raises InvalidInput for a freedom of one or less.
+
+    >>> NoiseLaw(4.0).weight(np.array([0.0, 96.0])).tolist()
+    [1.25, 0.05]
+    """
+
+    freedom: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.freedom is not None and finite_number("degrees of freedom of the noise", self.freedom) <= 1.0:
+            raise InvalidInput(f"degrees of freedom of the noise must exceed one, not {self.freedom!r}")
+
+    def loss(self, z: Array) -> Array:
+        """Return rho, rho' and rho'' at squared standardised residuals (n,): (3, n)."""
+        if self.freedom is None:
+            return np.stack([z, np.ones_like(z), np.zeros_like(z)])
+        m, weight = self.freedom, self.weight(z)
+        return np.stack([(m + 1.0) * np.log1p(z / m), weight, -weight / (m + z)])
+
+    def weight(self, z: Array) -> Array:
+        """Return how much each row counts, rho'(z)."""
+        return np.ones_like(z) if self.freedom is None else (self.freedom + 1.0) / (self.freedom + z)
+
+    @property
+    def information(self) -> float:
+        """Fisher information of one row about its mean, in units of 1/noise^2."""
+        return 1.0 if self.freedom is None else (self.freedom + 1.0) / (self.freedom + 3.0)
+
+
+def noise_floor(problem: JointProblem, residuals: Array) -> Array:
+    """Return the least size of each kind's noise, (kinds,), from the residuals of a first try."""
+    return np.maximum(_LEAST_NOISE * root_mean_square(problem, residuals), 1e-30)
+
+
+def root_mean_square(problem: JointProblem, residuals: Array) -> Array:
+    """Return the root mean square of the residuals of each kind, (kinds,)."""
+    index, count = problem.kind_index, len(problem.kind_names)
+    return np.asarray(np.sqrt(np.bincount(index, residuals**2, count) / np.bincount(index, minlength=count)))
+
+
+def estimated_noise(
+    problem: JointProblem, residuals: Array, jacobian: Array, noise: Array, law: NoiseLaw, floor: Array, held: Array
+) -> Array:
+    """Return the next estimate (kinds,) of the noise, the residuals' sum of squares over their redundancy.
+
+    The redundancy of a kind is its number of rows less their share in fixing the parameters, the trace of the hat
+    matrix; repeated with a fit in between, this leads to restricted maximum likelihood (Foerstner 1979). Rows count as
+    the noise found makes them count. `held` (kinds,) is noise that is known, nan elsewhere. Raises ConvergenceError
+    where the parameters follow all rows of a kind, so that its noise cannot be told.
+    """
+    index, count = problem.kind_index, len(problem.kind_names)
+    scaled = residuals / noise[index]
+    weight = law.weight(scaled**2)
+    leverage = _leverage(jacobian / noise[index, None] * np.sqrt(weight)[:, None])
+    redundancy = np.bincount(index, 1.0 - leverage, count)
+    for kind in np.flatnonzero((redundancy < _LEAST_REDUNDANCY) & np.isnan(held)).tolist():
+        raise ConvergenceError(
+            f"the parameters can follow all rows of {problem.kind_names[kind]!r} (redundancy {redundancy[kind]:.2g}): "
+            "give its noise, or more data"
+        )
+    # Weights follow the noise, which costs nothing; what a row leaves over stays, and is told anew after the next fit.
+    for _ in range(_WEIGHTINGS):
+        square = np.bincount(index, weight * residuals**2, count) / np.maximum(redundancy, _LEAST_REDUNDANCY)
+        before, noise = noise, np.where(np.isnan(held), np.maximum(np.sqrt(square), floor), held)
+        if np.max(np.abs(np.log(noise / before))) < _SETTLED:
+            break
+        weight = law.weight((residuals / noise[index]) ** 2)
+    return noise
+
+
+def _leverage(jacobian: Array) -> Array:
+    """Diagonal of the hat matrix, (n,)."""
+    size = np.linalg.norm(jacobian, axis=0)
+    columns = jacobian[:, size > 0.0] / size[size > 0.0]
+    left, values, _ = np.linalg.svd(columns, full_matrices=False)
+    kept = values > 1e-10 * np.max(values, initial=0.0)
+    return np.asarray(np.sum(left[:, kept] ** 2, axis=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +126,7 @@ class Fit:
     deviance : -2 log likelihood up to a constant, sum of rho + 2 log noise over the rows. residuals (n,),
     jacobian (n, k) : there, in the data's units. gradient : largest slope of half the deviance by one scale of a
     parameter, not counting those that push into a bound. on_bounds : names of parameters on a bound. converged :
-    minimum and noise both found to tolerance. message : why the search ended. evaluations : of the model.
+    minimum and noise both found to tolerance. message : why the search ended.
     """
 
     vector: Array
@@ -51,7 +138,6 @@ class Fit:
     on_bounds: tuple[str, ...]
     converged: bool
     message: str
-    evaluations: int
     known: NDArray[np.bool_] | None = None
 
 
@@ -107,26 +193,24 @@ class _Evaluator:
         return self.at(vector)[1] / self.noise[:, None]
 
 
-def minimise(
-    problem: JointProblem, start: Array, noise: Array, law: NoiseLaw, tolerance: float = 1e-8, most: int = 200
-) -> Fit:
+def minimise(problem: JointProblem, start: Array, noise: Array, law: NoiseLaw, tolerance: float = 1e-8) -> Fit:
     """Minimise the deviance at given noise (kinds,) from a start (k,) by a trust region within the bounds.
 
     Raises what the model raises at the start itself. Points without an answer on the way shorten the step
-    (Branch, Coleman & Li 1999, as in `scipy.optimize.least_squares`). `most` bounds the evaluations.
+    (Branch, Coleman & Li 1999, as in `scipy.optimize.least_squares`).
     """
-    return _minimise(_Evaluator(problem), start, noise, law, tolerance, most)
+    return _minimise(_Evaluator(problem), start, noise, law, tolerance)
 
 
-def _minimise(evaluator: _Evaluator, start: Array, noise: Array, law: NoiseLaw, tolerance: float, most: int) -> Fit:
+def _minimise(evaluator: _Evaluator, start: Array, noise: Array, law: NoiseLaw, tolerance: float) -> Fit:
     from scipy.optimize import least_squares
 
-    space, before = evaluator.problem.space, evaluator.count
+    space = evaluator.problem.space
     evaluator.noise = noise[evaluator.problem.kind_index]
     inside = _strictly_inside(start, space.lower, space.upper)
     evaluator.at(inside)
     if len(space) == 0:
-        return _fit(evaluator, inside, noise, law, True, "nothing is free", evaluator.count - before)
+        return _fit(evaluator, inside, noise, law, True, "nothing is free")
     found = least_squares(
         evaluator.scaled_residuals,
         inside,
@@ -137,9 +221,9 @@ def _minimise(evaluator: _Evaluator, start: Array, noise: Array, law: NoiseLaw, 
         ftol=tolerance,
         xtol=tolerance,
         gtol=1e-12,
-        max_nfev=most,
+        max_nfev=_MOST,
     )
-    return _fit(evaluator, found.x, noise, law, found.status > 0, found.message, evaluator.count - before)
+    return _fit(evaluator, found.x, noise, law, found.status > 0, found.message)
 
 
 def _strictly_inside(vector: Array, lower: Array, upper: Array) -> Array:
@@ -147,9 +231,7 @@ def _strictly_inside(vector: Array, lower: Array, upper: Array) -> Array:
     return np.asarray(np.clip(vector, lower + 1e-9 * width, upper - 1e-9 * width))
 
 
-def _fit(
-    evaluator: _Evaluator, vector: Array, noise: Array, law: NoiseLaw, converged: bool, message: str, evaluations: int
-) -> Fit:
+def _fit(evaluator: _Evaluator, vector: Array, noise: Array, law: NoiseLaw, converged: bool, message: str) -> Fit:
     problem, (residuals, jacobian) = evaluator.problem, evaluator.at(vector)
     space, scaled = problem.space, residuals / evaluator.noise
     rho, weight, _ = law.loss(scaled**2)
@@ -166,7 +248,6 @@ def _fit(
         tuple(name for name, on in zip(space.names, low | high, strict=True) if on),
         converged,
         message,
-        evaluations,
     )
 
 
@@ -183,35 +264,28 @@ def fit_with_noise(
     `known` : noise of some kinds by name, taken as given. `floor` : least noise (kinds,).
     Raises what the model raises at the start, and ConvergenceError where a kind's noise cannot be told.
     """
-    law, held = law or NoiseLaw(), known_noise(problem, known)
+    law, given = law or NoiseLaw(), known or {}
+    for kind, size in given.items():
+        if kind not in problem.kind_names:
+            raise unknown_name("kind of noise", kind, problem.kind_names)
+        positive_number(f"noise of {kind!r}", size)
+    held = np.array([given.get(kind, np.nan) for kind in problem.kind_names], dtype=float)
     evaluator, vector = _Evaluator(problem, progress), _strictly_inside(start, problem.space.lower, problem.space.upper)
     residuals, _ = evaluator.at(vector)
     least = noise_floor(problem, residuals) if floor is None else floor
     noise = np.where(np.isnan(held), np.maximum(root_mean_square(problem, residuals), least), held)
     for turn in range(_ROUNDS):
-        fit = _minimise(evaluator, vector, noise, law, _FIRST if turn == 0 else _LATER, 200)
+        fit = _minimise(evaluator, vector, noise, law, _FIRST if turn == 0 else _LATER)
         vector = fit.vector
         new = estimated_noise(problem, fit.residuals, fit.jacobian, noise, law, least, held)
         change, noise = float(np.max(np.abs(np.log(new / noise)))), new
         if turn > 0 and change < _NOISE_TOLERANCE:
             break
-    finished = _finished(evaluator, fit, noise, law, fit.converged and change < _NOISE_TOLERANCE)
-    return replace(finished, known=~np.isnan(held))
-
-
-def _finished(evaluator: _Evaluator, fit: Fit, noise: Array, law: NoiseLaw, converged: bool) -> Fit:
-    evaluator.noise = noise[evaluator.problem.kind_index]
+    converged = fit.converged and change < _NOISE_TOLERANCE
     message = fit.message if converged or not fit.converged else f"the noise did not settle in {_ROUNDS} rounds"
-    return _fit(evaluator, fit.vector, noise, law, converged, message, evaluator.count)
-
-
-def known_noise(problem: JointProblem, known: Mapping[str, float] | None) -> Array:
-    """Return the given noise of each kind (kinds,), nan where it is to be estimated."""
-    for kind, size in (known or {}).items():
-        if kind not in problem.kind_names:
-            raise unknown_name("kind of noise", kind, problem.kind_names)
-        positive_number(f"noise of {kind!r}", size)
-    return np.array([(known or {}).get(kind, np.nan) for kind in problem.kind_names], dtype=float)
+    evaluator.noise = noise[problem.kind_index]
+    finished = _fit(evaluator, fit.vector, noise, law, converged, message)
+    return replace(finished, known=~np.isnan(held))
 
 
 def spread_starts(problem: JointProblem, count: int, seed: int) -> Array:
@@ -257,9 +331,7 @@ def multi_start(
     if not fits:
         raise ConvergenceError(f"none of {len(starts)} starts has an answer; the first: {outcomes[0].message}")
     best = min(fits, key=lambda fit: fit.deviance)
-    return MultiStart(best, tuple(outcomes), sum(_same(fit, best, problem.space.scale) for fit in fits))
-
-
-def _same(fit: Fit, best: Fit, scale: Array) -> bool:
-    near = bool(np.max(np.abs(fit.vector - best.vector) / scale, initial=0.0) < _SAME_PLACE)
-    return near or abs(fit.deviance - best.deviance) < _SAME_DEVIANCE
+    apart = [np.max(np.abs(fit.vector - best.vector) / problem.space.scale, initial=0.0) for fit in fits]
+    higher = [abs(fit.deviance - best.deviance) for fit in fits]
+    arrived = sum(d < _SAME_PLACE or h < _SAME_DEVIANCE for d, h in zip(apart, higher, strict=True))
+    return MultiStart(best, tuple(outcomes), int(arrived))

@@ -9,24 +9,138 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_number
+from cyclemap.checks import finite_number, positive_number
+from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
-from cyclemap.mechanics import Ellipse, EllipseFriction, PatchFootprint, Pusher
+from cyclemap.mechanics import Ellipse, EllipseFriction, Material, PatchFootprint, PointFootprint, Pusher
 from cyclemap.mechanics.outline import Outline
 from cyclemap.suggestions import unknown_name
 
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
 SHARE_NAMES = ("rim_share", "corner_share", "inner_share")
-
 # An ellipse rounder than this (log of the axis ratio) counts as this round: phi then stays defined, and no motion or
 # force changes by more than a millionth.
 ROUNDEST = 1e-6
+# A start on a bound goes inside by this share of the way to the other one.
+_INSIDE = 0.01
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One unknown.
+
+    description : in plain words, for reports. unit : SI; 1 for a pure number.
+    lower, upper : bounds; infinite where there is none. start : where a search begins, strictly between the bounds.
+    scale : a change that matters; starts are drawn within two scales of `start`.
+    nominal : the value taken where the parameter is neither free nor given; `start` if left out.
+
+    Raises InvalidInput where the numbers contradict each other.
+    """
+
+    name: str
+    description: str
+    unit: str
+    lower: float
+    upper: float
+    start: float
+    scale: float
+    nominal: float | None = None
+
+    def __post_init__(self) -> None:
+        start = finite_number(f"start of {self.name}", self.start)
+        positive_number(f"scale of {self.name}", self.scale)
+        if not self.lower < start < self.upper:
+            raise InvalidInput(
+                f"start of {self.name} is {start}: it must lie strictly between its bounds {self.lower}, {self.upper}"
+            )
+        if self.nominal is None:
+            object.__setattr__(self, "nominal", start)
+        nominal = finite_number(f"nominal value of {self.name}", self.nominal)
+        if not self.lower <= nominal <= self.upper:
+            raise InvalidInput(f"nominal value of {self.name} is {nominal}: outside its bounds")
+
+
+@dataclass(frozen=True)
+class ParameterSpace:
+    """Parameters in order, each name once.
+
+    >>> heat = Parameter("heat", "how warm it is", "K", 0.0, 10.0, 1.0, 0.5)
+    >>> ParameterSpace((heat,)).vector({"heat": 3.0})
+    array([3.])
+    """
+
+    parameters: tuple[Parameter, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parameters", tuple(self.parameters))
+        if len(set(self.names)) < len(self.names):
+            raise InvalidInput(f"a parameter is named twice: {self.names}")
+
+    def __len__(self) -> int:
+        return len(self.parameters)
+
+    def __getitem__(self, name: str) -> Parameter:
+        for parameter in self.parameters:
+            if parameter.name == name:
+                return parameter
+        raise unknown_name("parameter", name, self.names)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names, in order."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @property
+    def lower(self) -> Array:
+        """Lower bounds, (k,)."""
+        return np.array([parameter.lower for parameter in self.parameters], dtype=float)
+
+    @property
+    def upper(self) -> Array:
+        """Upper bounds, (k,)."""
+        return np.array([parameter.upper for parameter in self.parameters], dtype=float)
+
+    @property
+    def start(self) -> Array:
+        """Where a search begins, (k,)."""
+        return np.array([parameter.start for parameter in self.parameters], dtype=float)
+
+    @property
+    def scale(self) -> Array:
+        """Changes that matter, (k,)."""
+        return np.array([parameter.scale for parameter in self.parameters], dtype=float)
+
+    @property
+    def nominal(self) -> dict[str, float]:
+        """Value of each parameter where nothing is known of it."""
+        return {parameter.name: float(parameter.nominal or 0.0) for parameter in self.parameters}
+
+    def select(self, names: tuple[str, ...]) -> ParameterSpace:
+        """Return the space of some of the parameters, in the order of `names`. Raises InvalidInput for unknown ones."""
+        return ParameterSpace(tuple(self[name] for name in names))
+
+    def extended(self, *parameters: Parameter) -> ParameterSpace:
+        """Return the space with further parameters; one of a name that is already there takes its place."""
+        new = {parameter.name: parameter for parameter in parameters}
+        kept = [new.pop(parameter.name, parameter) for parameter in self.parameters]
+        return ParameterSpace((*kept, *new.values()))
+
+    def vector(self, values: Mapping[str, float]) -> Array:
+        """Return the values (k,) in this order. Raises InvalidInput for one that is missing or not finite."""
+        missing = [name for name in self.names if name not in values]
+        if missing:
+            raise InvalidInput(f"no value for {', '.join(missing)}: give one for each of {', '.join(self.names)}")
+        return np.array([finite_number(name, values[name]) for name in self.names], dtype=float)
+
+    def values(self, vector: Array) -> dict[str, float]:
+        """Return the values (k,) by name."""
+        return {name: float(value) for name, value in zip(self.names, vector, strict=True)}
+
 
 SURFACE = ParameterSpace(
     (
@@ -135,10 +249,6 @@ class SurfaceParameters:
         inner = left * (1.0 - self.corner_share) * self.inner_share
         return {"inner_share": inner, "rim_share": self.rim_share, "corner_share": left * self.corner_share}
 
-    def pusher(self, radius: float = Pusher().radius) -> Pusher:
-        """Return the rod of a radius (m) with this friction."""
-        return Pusher(radius, self.pusher_friction)
-
     def friction_jacobian(self) -> Array:
         """Return d FRICTION_NAMES / d (friction_scale, ellipticity_x, _y, offset_x, _y), (5, 5).
 
@@ -177,8 +287,10 @@ class SurfaceParameters:
             if name not in table:
                 raise unknown_name("parameter of the mechanics", name, table)
         rows = np.array([table[name] for name in names]).reshape(len(names), len(SURFACE))
-        wanted = [_index(name) for name in parameters]
-        return np.asarray(columns @ rows[:, wanted])
+        for name in parameters:
+            if name not in SURFACE.names:
+                raise unknown_name("parameter", name, SURFACE.names)
+        return np.asarray(columns @ rows[:, [SURFACE.names.index(name) for name in parameters]])
 
     def _chain_table(self) -> dict[str, Array]:
         """The derivative (k,) of each of the mechanics' parameters by SURFACE."""
@@ -226,7 +338,37 @@ def possible_names(names: tuple[str, ...], outline: Outline) -> tuple[str, ...]:
     return tuple(name for name in names if name not in SHARE_NAMES or name in shares)
 
 
-def _index(name: str) -> int:
-    if name not in SURFACE.names:
-        raise unknown_name("parameter", name, SURFACE.names)
-    return SURFACE.names.index(name)
+def starting_space(loop: CollectionLoop, start: Material | None = None) -> ParameterSpace:
+    """Return the unknowns of a surface, what is neither free nor given having the loop's value.
+
+    start : a material from which every search begins; its friction, and what was found with it, then also stand for
+    what is not free. Raises InvalidInput for a footprint of points, which no block of data takes.
+
+    >>> space = starting_space(CollectionLoop.mit("isotropic"))
+    >>> space["pusher_friction"].nominal, space["rim_share"].nominal
+    (0.15, 0.0)
+    """
+    if isinstance(loop.footprint, PointFootprint):
+        raise InvalidInput("identification takes the exact footprint: leave footprint=grid out")
+    values = SurfaceParameters.from_friction(
+        loop.material.friction,
+        pusher_friction=loop.pusher.friction,
+        **share_unknowns(loop.footprint or PatchFootprint(loop.slider.outline)),
+        pin_friction_radius=loop.reset.pin_friction_radius,
+    ).values()
+    if start is None:
+        return ParameterSpace(tuple(replace(one, nominal=values[one.name]) for one in SURFACE.parameters))
+    friction = SurfaceParameters.from_friction(start.friction).values()
+    values |= {name: friction[name] for name in SURFACE.names[:5]}
+    pressure = start.pressure_of(loop.slider.name)
+    if pressure is not None:
+        values |= share_unknowns(PatchFootprint(loop.slider.outline, **pressure.shares))  # type: ignore[arg-type]
+    found = {field.name: getattr(start.found_with, field.name) for field in fields(start.found_with)}
+    values |= {name: value for name, value in found.items() if value is not None and name in SURFACE.names}
+    searched = []
+    for one in SURFACE.parameters:
+        # A search begins at the value, or a little inside the bound that it lies on.
+        margin, value = _INSIDE * (one.upper - one.lower), values[one.name]
+        inside = min(max(value, one.lower + margin), one.upper - margin)
+        searched.append(replace(one, start=inside, nominal=value))
+    return ParameterSpace(tuple(searched))

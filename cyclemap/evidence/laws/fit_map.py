@@ -1,4 +1,4 @@
-"""The cycle map fitted to measured pairs: the law of its turn, its scatter, and how it wears."""
+"""The cycle map fitted to measured pairs, how it wears, and the staircase that it makes."""
 
 from __future__ import annotations
 
@@ -10,15 +10,31 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, finite_number, whole_number
+from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.law_bands import LawBand
-from cyclemap.evidence.laws.periodic_law import MAX_HARMONICS, PeriodicLaw, fit_periodic_law, paired_arrays
+from cyclemap.evidence.laws.linear_fit import fourier_columns, fourier_slopes
+from cyclemap.evidence.laws.periodic_law import MAX_HARMONICS, LawBand, PeriodicLaw, fit_periodic_law, paired_arrays
 from cyclemap.evidence.laws.wear import MAX_WEAR_DEGREE, WornLaw, fit_worn_law
-from cyclemap.maps import CircleMap, DriftingMap
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
+from cyclemap.maps import (
+    CircleMap,
+    DriftingMap,
+    Staircase,
+    StaircaseSummary,
+    StepComparison,
+    Steps,
+    WrappedNormal,
+    compare_steps,
+    find_steps,
+    predict_staircase,
+    sample_staircase,
+)
 
 # Radians: the blend between a drifting map's cycles stays this near the law; far below any measured scatter.
 BLEND_TOLERANCE = 1e-4
+HARMONICS = 6
+# Radians: no angle is measured better than this.
+LEAST_SCATTER = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,9 +144,8 @@ def fit_map(
     law = fit_periodic_law(angles, images - angles, **options)
     if cycle is None:
         return FittedMap(law)
-    return FittedMap(
-        law, fit_worn_law(angles, images - angles, cycle, degree=wear_degree, max_degree=max_wear_degree, **options)
-    )
+    wear = fit_worn_law(angles, images - angles, cycle, degree=wear_degree, max_degree=max_wear_degree, **options)
+    return FittedMap(law, wear)
 
 
 def map_of_turn(law: PeriodicLaw) -> CircleMap:
@@ -150,3 +165,89 @@ def map_of_turn(law: PeriodicLaw) -> CircleMap:
         return theta + total.real
 
     return CircleMap.with_scalar(lambda theta: theta + law(theta), lambda theta: 1.0 + law.slope(theta), scalar)
+
+
+@dataclass(frozen=True, eq=False)
+class HarmonicMap:
+    """The map θ → θ + c_0 + Σ_k c_k cos kθ + s_k sin kθ that fits measured pairs best, in least squares.
+
+    cosine : (harmonics + 1,) rad, c_0 first. sine : (harmonics + 1,) rad, s_0 = 0. pairs : how many were fitted.
+    sigma : rad, the scatter of one cycle about it; wear and outliers of the data are in it.
+    """
+
+    cosine: Array
+    sine: Array
+    sigma: float
+    pairs: int
+
+    @property
+    def map(self) -> CircleMap:
+        """The fitted map as a lift of degree 1."""
+        order = self.cosine.size - 1
+        coefficients = np.append(self.cosine[0], np.stack([self.cosine[1:], self.sine[1:]], axis=-1).ravel())
+        return CircleMap(
+            lambda theta: np.asarray(theta + fourier_columns(theta, order) @ coefficients),
+            lambda theta: np.asarray(1.0 + fourier_slopes(theta, order) @ coefficients),
+        )
+
+
+def harmonic_map(pairs: Theta0Pairs, harmonics: int = HARMONICS) -> HarmonicMap:
+    """Fit `harmonics` harmonics of θ0 to the measured turns, all pairs alike.
+
+    Raises InvalidInput where the pairs do not fix the coefficients.
+
+    >>> theta = np.linspace(0.0, 6.0, 40)
+    >>> fitted = harmonic_map(Theta0Pairs(theta, theta + 0.2 + 0.1 * np.cos(2 * theta)), harmonics=2)
+    >>> (fitted.cosine.round(9) + 0.0).tolist(), round(fitted.sigma, 9)
+    ([0.2, 0.0, 0.1], 0.0)
+    """
+    law = fit_periodic_law(pairs.theta, pairs.turn, harmonics=whole_number("harmonics", harmonics, least=0))
+    return HarmonicMap(read_only(law.cosine), read_only(law.sine), law.sigma, law.count)
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredStaircase:
+    """A measured path, and the staircase of the map fitted to it.
+
+    path : (m,) rad, unwrapped. steps : the dwells and steps found in it, without a model.
+    fitted : the map and noise fitted to its pairs. prediction : the staircase of that map, on average.
+    run : one noisy run of it, as long as the path and from the same start.
+    comparison : the path against the prediction, its visits counted in the predicted slow zones.
+    """
+
+    path: Array
+    steps: Steps
+    fitted: HarmonicMap
+    prediction: StaircaseSummary
+    run: Staircase
+    comparison: StepComparison
+
+    @property
+    def cycles_a_turn(self) -> float:
+        """Cycles the path took to climb a full turn, on average; inf where it ended where it began."""
+        climb = abs(float(self.path[-1] - self.path[0])) / (2 * np.pi)
+        return (len(self.path) - 1) / climb if climb > 0.0 else float("inf")
+
+
+def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
+    """Find the steps of the measured path, fit its map, and predict the staircase from that.
+
+    The fit takes all pairs alike: where the surface wears, its noise contains the wear.
+    Raises InvalidInput where the order of the pushes is unknown, or the pairs do not fix the map.
+    """
+    if pairs.path is None:
+        raise InvalidInput("the pairs come in no known order: a staircase needs theta0_deg, one row a push in order")
+    fitted = harmonic_map(pairs)
+    if fitted.sigma < LEAST_SCATTER:
+        raise InvalidInput("the measured turns lie exactly on a smooth curve: they are no measurement with noise")
+    noise, fitted_map = WrappedNormal(fitted.sigma), fitted.map
+    prediction = predict_staircase(fitted_map, noise)
+    visits = find_steps(pairs.path, zones=prediction.zones) if prediction.zones else find_steps(pairs.path)
+    return MeasuredStaircase(
+        path=pairs.path,
+        steps=find_steps(pairs.path),
+        fitted=fitted,
+        prediction=prediction,
+        run=sample_staircase(fitted_map, noise, len(pairs.path) - 1, float(pairs.path[0]), seed),
+        comparison=compare_steps(visits, prediction),
+    )

@@ -1,4 +1,4 @@
-"""A periodic law fitted to measured values: a Fourier series of the angle, with its scatter and its uncertainty."""
+"""A periodic law fitted to measured values: a Fourier series of the angle, with its scatter, bands and uncertainty."""
 
 from __future__ import annotations
 
@@ -6,18 +6,211 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, read_only, whole_number
-from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.law_bands import LawBand, law_band
-from cyclemap.evidence.laws.linear_fit import LinearFit, huber_weights, lag_correlation
-from cyclemap.evidence.laws.order_choice import OrderScores, choose_harmonics, cycle_folds
-from cyclemap.evidence.laws.periodic_basis import fourier_columns, fourier_slopes
-from cyclemap.evidence.laws.periodic_noise import fit_with_scatter, scatter_weights
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.evidence.laws.linear_fit import (
+    LinearFit,
+    OrderScores,
+    choose_harmonics,
+    cycle_folds,
+    fit_linear,
+    fourier_columns,
+    fourier_slopes,
+    huber_weights,
+    lag_correlation,
+    nested_errors,
+    simplest_good,
+    student_quantile,
+    weighted_least_squares,
+)
 
+MAX_NOISE_HARMONICS = 3
+TOLERANCE = 1e-12
+MAX_ROUNDS = 500
+# Residuals this small beside the values are rounding: there is no scatter to describe.
+ROUNDING = 1e-12
+# e to this is far beyond any ratio of variances, and its square is still a number.
+_LARGEST_EXPONENT = 300.0
 MAX_HARMONICS = 12
+
+
+def fit_with_scatter(
+    theta: Array,
+    design: Array,
+    value: Array,
+    noise_harmonics: int | None = 0,
+    robust: bool = False,
+    correlated: bool = False,
+    seed: int = 0,
+) -> tuple[LinearFit, Array]:
+    """The fit of value (n,) ≈ design (n, p) @ coefficients, and the log-variance (2q + 1,) of its scatter in θ.
+
+    noise_harmonics : q; 0 for constant scatter (see ``fit_linear`` for the rest), None chooses up to 3.
+
+    >>> fit, log_variance = fit_with_scatter(np.zeros(4), np.ones((4, 1)), np.array([-1.0, 1.0, -1.0, 1.0]))
+    >>> np.exp(log_variance).round(9).tolist()
+    [1.333333333]
+    """
+    if (robust or correlated) and noise_harmonics != 0:
+        raise InvalidInput(f"noise_harmonics is {noise_harmonics}; robust and correlated fits need noise_harmonics=0")
+    fit = fit_linear(design, value, robust=robust, correlated=correlated)
+    order = _noise_order(noise_harmonics, theta, design, value, fit, seed)
+    if order == 0:
+        # No scatter at all has no logarithm: the smallest positive number stands for it.
+        return fit, np.array([2.0 * np.log(max(fit.sigma, np.finfo(float).tiny))])
+    coefficients, inverse, gamma = fit_mean_and_noise(design, value, fourier_columns(theta, order))
+    residuals = value - design @ coefficients
+    sigma = float(np.sqrt(residuals @ residuals / (value.size - coefficients.size)))
+    return LinearFit(coefficients, inverse, residuals, sigma), gamma
+
+
+def scatter_weights(theta: Array, log_variance: Array) -> Array:
+    """The weights 1/variance at θ (n,), scaled to a mean of 1.
+
+    >>> scatter_weights(np.array([0.0, np.pi]), np.array([5.0])).tolist()
+    [1.0, 1.0]
+    """
+    level = -(fourier_columns(theta, log_variance.size // 2) @ log_variance)
+    weight = np.exp(level - np.max(level))
+    return np.asarray(weight / np.mean(weight))
+
+
+def fit_log_variance(columns: Array, squares: Array) -> Array:
+    """The coefficients γ (q,) of log variance = columns @ γ that make normal residuals, squares (n,), likeliest.
+
+    Harvey's model (1976). Minus the log-likelihood ½Σ(g + r²e^{-g}) is convex in γ: Newton's method with halved steps
+    finds its one minimum, until the decrease it foresees is below 1e-12 a value. Raises ConvergenceError where the
+    residuals vanish along a part of the circle, since the likelihood then has no bound.
+
+    >>> fit_log_variance(np.ones((3, 1)), np.array([1.0, 2.0, 3.0])).round(9).tolist()
+    [0.693147181]
+    """
+    gamma = np.zeros(columns.shape[1])
+    gamma[0] = np.log(np.mean(squares))
+    for _ in range(MAX_ROUNDS):
+        ratio = squares * np.exp(-(columns @ gamma))
+        slope = columns.T @ (1.0 - ratio)
+        curvature = columns.T @ (columns * ratio[:, np.newaxis])
+        step = np.asarray(np.linalg.lstsq(curvature, -slope, rcond=None)[0], dtype=np.float64)
+        decrease = float(-slope @ step) / squares.size
+        if decrease < TOLERANCE:
+            return gamma
+        gamma = gamma + _halved(columns, squares, gamma, step, decrease) * step
+    raise ConvergenceError(f"the likelihood of the scatter still gains {decrease:.3g}: use fewer noise harmonics")
+
+
+def _halved(columns: Array, squares: Array, gamma: Array, step: Array, decrease: float) -> float:
+    """The share 1, ½, ¼, ... of the step whose gain is a fair part of what its slope promises (Armijo's rule)."""
+    start, share = _loss(columns @ gamma, squares), 1.0
+    while not start - (loss := _loss(columns @ (gamma + share * step), squares)) >= 1e-4 * share * decrease:
+        if share < 1e-6 and np.isfinite(loss):
+            break
+        if share < 1e-12:
+            raise ConvergenceError("the scatter vanishes along a part of the circle: use fewer noise harmonics")
+        share *= 0.5
+    return share
+
+
+def _loss(level: Array, squares: Array) -> float:
+    """Mean of g + r²e^{-g}, twice minus the log-likelihood a value; inf where it overflows."""
+    return float(np.mean(level + squares * np.exp(-level))) if np.min(level) > -600.0 else np.inf
+
+
+def fit_mean_and_noise(design: Array, value: Array, columns: Array) -> tuple[Array, Array, Array]:
+    """Mean and log-variance together by iteratively reweighted least squares: (coefficients, (XᵀWX)⁻¹, γ).
+
+    Each round fits the mean with weights 1/variance and then the log-variance to its residuals, until the weights no
+    longer change: the maximum of the normal likelihood. The variance is then raised by n/(n - p).
+    """
+    weight, change = np.ones(value.size), np.inf
+    for _ in range(MAX_ROUNDS):
+        coefficients, _ = weighted_least_squares(design, value, weight)
+        gamma = fit_log_variance(columns, (value - design @ coefficients) ** 2)
+        renewed = np.exp(-(columns @ gamma))
+        change, weight = float(np.max(np.abs(renewed / weight - 1.0))), renewed
+        if change < 1e-8:
+            break
+    else:
+        raise ConvergenceError(f"mean and scatter still change by {change:.3g}: use fewer noise harmonics")
+    gamma[0] += np.log(value.size / (value.size - design.shape[1]))
+    return (*weighted_least_squares(design, value, np.exp(-(columns @ gamma))), gamma)
+
+
+def choose_noise_harmonics(theta: Array, design: Array, value: Array, fold: NDArray[np.int64]) -> int:
+    """The order of the log-variance that gives values left out the largest likelihood, by the one-standard-error rule.
+
+    The residuals are those of prediction: each from the law fitted without its own fold. 0 is constant scatter.
+    """
+    squares = nested_errors(design, value, np.array([design.shape[1]]), fold)[:, 0]
+    if not np.isfinite(squares).all():
+        raise InvalidInput(
+            "the law cannot be fitted with a fold left out; give more pairs, or noise_harmonics yourself"
+        )
+    orders = np.arange(MAX_NOISE_HARMONICS + 1)
+    losses = np.empty((value.size, orders.size))
+    for order in orders.tolist():
+        losses[:, order] = _held_out_losses(fourier_columns(theta, order), squares, fold)
+    return simplest_good(losses, 2 * orders + 1, fold)[0]
+
+
+def _noise_order(given: int | None, theta: Array, design: Array, value: Array, fit: LinearFit, seed: int) -> int:
+    exact = fit.sigma <= ROUNDING * float(np.max(np.abs(value)))
+    if given is None:
+        return 0 if exact else choose_noise_harmonics(theta, design, value, cycle_folds(value.size, seed))
+    order = whole_number("noise_harmonics", given, least=0)
+    if order and exact:
+        raise InvalidInput(f"noise_harmonics is {order} but the values lie exactly on a smooth curve; use 0")
+    return order
+
+
+def _held_out_losses(columns: Array, squares: Array, fold: NDArray[np.int64]) -> Array:
+    """Minus the log-likelihood (n,) of each residual, up to a constant, under the scatter fitted without its fold."""
+    losses = np.empty(squares.size)
+    for one in range(int(fold.max()) + 1):
+        out = fold == one
+        level = columns[out] @ fit_log_variance(columns[~out], squares[~out])
+        # A law that leaves no scatter at all where something was left out is lost by any measure.
+        losses[out] = 0.5 * (level + squares[out] * np.exp(np.minimum(-level, _LARGEST_EXPONENT)))
+    return losses
+
+
+@dataclass(frozen=True, eq=False)
+class LawBand:
+    """Bands at the angles ``theta`` (rad), each holding with probability ``level`` at one angle at a time.
+
+    centre : the fitted law there. mean_halfwidth : half the width of the band of the mean.
+    halfwidth : half the width of the prediction band, in which one new value falls.
+    All of the shape of ``theta``, in the unit of the values.
+    """
+
+    theta: Array
+    level: float
+    centre: Array
+    mean_halfwidth: Array
+    halfwidth: Array
+
+    @property
+    def mean_lower(self) -> Array:
+        """Lower edge of the band of the mean."""
+        return self.centre - self.mean_halfwidth
+
+    @property
+    def mean_upper(self) -> Array:
+        """Upper edge of the band of the mean."""
+        return self.centre + self.mean_halfwidth
+
+    @property
+    def lower(self) -> Array:
+        """Lower edge of the prediction band."""
+        return self.centre - self.halfwidth
+
+    @property
+    def upper(self) -> Array:
+        """Upper edge of the prediction band."""
+        return self.centre + self.halfwidth
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,11 +267,6 @@ class PeriodicLaw:
         """The RMSE in per cent of the mean value (Ma & Rodriguez 2018, Tables II and III); inf for a mean of 0."""
         return 100.0 * self.rmse / abs(self.mean) if self.mean != 0.0 else float("inf")
 
-    @property
-    def total_percent(self) -> float:
-        """The standard deviation of the values in per cent of their mean; inf for a mean of 0."""
-        return 100.0 * self.total_std / abs(self.mean) if self.mean != 0.0 else float("inf")
-
     def __call__(self, theta: Any) -> Array:
         """The law at θ (radians, any shape)."""
         return np.asarray(fourier_columns(theta, self.harmonics) @ self.coefficients)
@@ -98,10 +286,16 @@ class PeriodicLaw:
         return np.asarray(np.exp(0.5 * (columns @ self.log_variance)))
 
     def band(self, theta: Any, level: float = 0.95) -> LawBand:
-        """The bands of the mean and of one new value at θ; see ``LawBand``. Errors of the order are not in them."""
+        """Student's bands at θ, centre ± t·se of the mean and ± t·√(se² + noise²) of one new value; see ``LawBand``.
+
+        Exact for independent normal scatter of constant size about a law of the fitted order, else close for many
+        values; errors of the order are not in them. Raises InvalidInput for a level outside (0, 1).
+        """
         angles = finite_array("theta", theta)
-        free = self.count - self.coefficients.size
-        return law_band(angles, level, self(angles), self.standard_error(angles), self.noise(angles), free)
+        quantile = student_quantile(level, self.count - self.coefficients.size)
+        error = self.standard_error(angles)
+        halfwidth = quantile * np.hypot(error, self.noise(angles))
+        return LawBand(angles, float(level), self(angles), quantile * error, halfwidth)
 
 
 def fit_periodic_law(
@@ -142,9 +336,12 @@ def fit_periodic_law(
         design = fourier_columns(angles, whole_number("harmonics", harmonics, least=0))
         fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, robust, correlated, seed)
         return law_of(fit, log_variance, values, None)
-    weight = np.ones(values.size)
+    weight, fold = np.ones(values.size), cycle_folds(values.size, seed)
+    highest = min(most, (values.size - int(np.bincount(fold).max()) - 2) // 2)
     for _ in range(1 if noise_harmonics == 0 else 2):
-        scores = _scores(angles, values, most, robust, weight, seed)
+        columns = fourier_columns(angles, highest)
+        root = np.sqrt(huber_weights(columns, values) if robust else weight)
+        scores = choose_harmonics(columns * root[:, np.newaxis], values * root, fold)
         design = fourier_columns(angles, scores.chosen)
         fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, robust, correlated, seed)
         weight = scatter_weights(angles, log_variance)
@@ -175,10 +372,3 @@ def paired_arrays(name: str, theta: ArrayLike, value: ArrayLike) -> tuple[Array,
             f"theta and {name} have {angles.size} and {values.size} entries; give equally many, one or more"
         )
     return angles, values
-
-
-def _scores(angles: Array, values: Array, most: int, robust: bool, weight: Array, seed: int) -> OrderScores:
-    fold = cycle_folds(values.size, seed)
-    columns = fourier_columns(angles, min(most, (values.size - int(np.bincount(fold).max()) - 2) // 2))
-    root = np.sqrt(huber_weights(columns, values) if robust else weight)
-    return choose_harmonics(columns * root[:, np.newaxis], values * root, fold)

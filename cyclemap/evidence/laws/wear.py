@@ -10,11 +10,22 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.linear_fit import LinearFit, huber_weights
-from cyclemap.evidence.laws.order_choice import cycle_folds, nested_errors, simplest_good
-from cyclemap.evidence.laws.periodic_basis import fourier_columns
-from cyclemap.evidence.laws.periodic_law import MAX_HARMONICS, PeriodicLaw, law_of, paired_arrays
-from cyclemap.evidence.laws.periodic_noise import fit_with_scatter, scatter_weights
+from cyclemap.evidence.laws.linear_fit import (
+    LinearFit,
+    cycle_folds,
+    fourier_columns,
+    huber_weights,
+    nested_errors,
+    simplest_good,
+)
+from cyclemap.evidence.laws.periodic_law import (
+    MAX_HARMONICS,
+    PeriodicLaw,
+    fit_with_scatter,
+    law_of,
+    paired_arrays,
+    scatter_weights,
+)
 
 MAX_WEAR_DEGREE = 4
 
@@ -99,7 +110,11 @@ def fit_worn_law(
     2.0
     """
     angles, values = paired_arrays("value", theta, value)
-    cycles = _checked_cycles(cycle, values.size)
+    cycles = finite_array("cycle", cycle, ndim=1)
+    if cycles.size != values.size:
+        raise InvalidInput(f"cycle has {cycles.size} entries for {values.size} pairs; give one a pair")
+    if np.ptp(cycles) == 0.0:
+        raise InvalidInput(f"every cycle is {cycles[0]:g}; wear needs cycles that differ")
     first, last = float(cycles.min()), float(cycles.max())
     orders = (_candidates("harmonics", harmonics, max_harmonics), _candidates("degree", degree, max_degree))
     polynomials = _polynomials(cycles, first, last, max(orders[1]))
@@ -109,40 +124,19 @@ def fit_worn_law(
         design = _worn_columns(angles, polynomials[:, : power + 1], order)
         fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, robust, correlated, seed)
         weight = scatter_weights(angles, log_variance)
-    return _worn_law(fit, log_variance, values, (first, last), (order, power), table)
-
-
-def _worn_law(
-    fit: LinearFit,
-    log_variance: Array,
-    values: Array,
-    ends: tuple[float, float],
-    orders: tuple[int, int],
-    table: Array | None,
-) -> WornLaw:
-    order, power = orders
     shape = (2 * order + 1, power + 1)
     coefficients = read_only(fit.coefficients.reshape(shape).T)
     covariance = read_only(fit.covariance.reshape(shape + shape).transpose(1, 0, 3, 2))
     plain = LinearFit(coefficients[0], covariance[0, :, 0, :], fit.residuals, fit.sigma)
     whole = law_of(plain, log_variance, values, None)
-    middle = WornLaw(coefficients, *ends, whole, covariance).at(0.5 * sum(ends))
-    return WornLaw(coefficients, *ends, middle, covariance, table)
+    middle = WornLaw(coefficients, first, last, whole, covariance).at(0.5 * (first + last))
+    return WornLaw(coefficients, first, last, middle, covariance, table)
 
 
 def _candidates(name: str, given: int | None, most: int) -> list[int]:
     if given is not None:
         return [whole_number(name, given, least=0)]
     return list(range(whole_number(f"max_{name}", most, least=0) + 1))
-
-
-def _checked_cycles(cycle: ArrayLike, count: int) -> Array:
-    cycles = finite_array("cycle", cycle, ndim=1)
-    if cycles.size != count:
-        raise InvalidInput(f"cycle has {cycles.size} entries for {count} pairs; give one a pair")
-    if np.ptp(cycles) == 0.0:
-        raise InvalidInput(f"every cycle is {cycles[0]:g}; wear needs cycles that differ")
-    return cycles
 
 
 def _polynomials(cycles: Array, first: float, last: float, degree: int) -> Array:
@@ -180,6 +174,6 @@ def _chosen(
         design = _worn_columns(angles, polynomials[:, : power + 1], max(waves))
         errors.append(nested_errors(design * root[:, np.newaxis], values * root, size, fold))
         sizes.append(size)
-    chosen, mean, _ = simplest_good(np.hstack(errors), np.concatenate(sizes), fold)
+    chosen, mean = simplest_good(np.hstack(errors), np.concatenate(sizes), fold)
     table = read_only(np.sqrt(mean).reshape(len(powers), len(waves)))
     return table, waves[chosen % len(waves)], powers[chosen // len(waves)]

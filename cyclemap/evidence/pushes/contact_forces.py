@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
+from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord
 
 MIT_ROD_RADIUS = 0.00475
 # The rod's centre lies this close to one radius from the outline while it touches: poses and clocks are no better.

@@ -1,24 +1,141 @@
-"""Measured pushes and drags with known rod paths and end poses, from CSV tables."""
+"""Measured pushes and drags with known rod paths and end poses from CSV tables, and which rows of data take part."""
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from cyclemap.arrays import shorter_way
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, column_value, load_pushes, named_column
 from cyclemap.mechanics import Pose
+from cyclemap.suggestions import unknown_name
 from cyclemap.text_files import CsvRow, CsvTable, read_csv_table, require_columns
 
+# Facts of the push table by which rows are selected.
+FACTS = ("surface", "object", "speed", "side", "fraction", "angle")
 Place = tuple[float, float]
-
 # The robot was further than this from where it was sent: the push is not the one that was asked for.
 LARGEST_TIP_ERROR = 5e-3
 PUSH_END_COLUMNS = ("x0", "y0", "th0", "x1", "y1", "th1", "tip_x0", "tip_y0", "tip_x1", "tip_y1")
 _DRAG_COLUMNS = ("x1", "y1", "th1", "x0n", "y0n", "th0n")
 _CONTACT_COLUMNS = ("i", "s", "t")
+
+
+@dataclass(frozen=True)
+class RowSelection:
+    """The objects whose rows are kept (none: whatever it is), and values of other facts, SI units and radians.
+
+    What a row does not tell is not held against it. Raises InvalidInput for an unknown fact.
+    """
+
+    objects: tuple[str, ...] = ()
+    chosen: Mapping[str, str | float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in self.chosen:
+            if name not in FACTS:
+                raise unknown_name("fact of a push", name, FACTS)
+
+    def refusal(self, facts: Mapping[str, Any]) -> str:
+        """Return why a row of these facts stays out; empty where it is kept.
+
+        >>> RowSelection(("rect1",)).refusal({"object": "hex"})
+        'of hex, not rect1'
+        """
+        shape = facts.get("object")
+        if self.objects and _known(shape) and shape not in self.objects:
+            return f"of {shape}, not {self.objects[0]}" if len(self.objects) == 1 else f"of {shape}, of unknown outline"
+        for name, wanted in self.chosen.items():
+            value = facts.get(name)
+            if name != "object" and _known(value) and not _equal(value, wanted):
+                told = value if isinstance(value, str) else f"{value:g}"
+                return f"of {name} {told}, not {wanted}"
+        return ""
+
+
+@dataclass(frozen=True, eq=False)
+class CsvSelection:
+    """The rows of a CSV file that take part: texts of columns that pick them, each a selection of its own.
+
+    rows : how many each of `texts` picks. surfaces, objects : that the rows tell. left_out : counted by reason.
+    """
+
+    texts: tuple[dict[str, str], ...]
+    rows: tuple[int, ...]
+    surfaces: frozenset[str]
+    objects: frozenset[str]
+    left_out: Counter[str]
+
+
+def select_csv(path: Path, selection: RowSelection) -> CsvSelection:
+    """Return which rows of a CSV file take part. Raises DataFileError where a fact is no number."""
+    table = read_csv_table(path)
+    asked = ("surface", "object", *selection.chosen)
+    needed = {name: column for name in asked if (column := named_column(table, name)) is not None}
+    picked: Counter[tuple[str, ...]] = Counter()
+    left_out: Counter[str] = Counter()
+    told: dict[str, set[str]] = {"surface": set(), "object": set()}
+    for row in table.rows:
+        facts = {name: column_value(table, row, name) for name in needed}
+        reason = selection.refusal(facts)
+        if reason:
+            left_out[reason] += 1
+            continue
+        picked[tuple(table.text(row, column) for column in needed.values())] += 1
+        for name, values in told.items():
+            values |= {str(facts[name])} if _known(facts.get(name)) else set()
+    texts = tuple(dict(zip(needed.values(), key, strict=True)) for key in picked)
+    return CsvSelection(texts, tuple(picked.values()), frozenset(told["surface"]), frozenset(told["object"]), left_out)
+
+
+def select_pushes(
+    path: Path, selection: RowSelection, tables_too: bool, progress: Any = None
+) -> tuple[PushTable, Counter[str]]:
+    """Return the pushes and scans of a file or tree that take part, and how many stay out, by reason.
+
+    tables_too : whether CSV tables count; else files of the MIT layout alone do.
+    """
+    found, left_out = load_pushes(path, progress=progress), Counter[str]()
+    frames = []
+    for frame in (found.table, found.scans):
+        facts = frame[[name for name in FACTS if name in frame]].to_dict("records")
+        keep = np.ones(len(frame), dtype=bool)
+        for number, (row, file) in enumerate(zip(facts, frame["path"], strict=True)):
+            table = not tables_too and str(file).lower().endswith(CSV_SUFFIX)
+            reason = "" if table else selection.refusal(row)
+            left_out[reason] += bool(reason)
+            keep[number] = not (reason or table)
+        frames.append(frame[keep].reset_index(drop=True))
+    bad = [file for file in found.unreadable if tables_too or file.path.suffix.lower() != CSV_SUFFIX]
+    return PushTable(frames[0], frames[1], tuple(bad)), +left_out
+
+
+def pushes_of(pushes: PushTable, plate: str) -> PushTable:
+    """Return the pushes and scans of one object of several, without what could not be read."""
+    table, scans = (frame[frame["object"] == plate].reset_index(drop=True) for frame in (pushes.table, pushes.scans))
+    return PushTable(table, scans, ())
+
+
+def told(frame: Any, column: str) -> frozenset[str]:
+    """Return the texts that a column tells."""
+    return frozenset(str(value) for value in frame[column] if _known(value))
+
+
+def _known(value: Any) -> bool:
+    return bool(value) if isinstance(value, str) else value is not None and not math.isnan(value)
+
+
+def _equal(value: Any, wanted: str | float) -> bool:
+    if isinstance(wanted, str) or isinstance(value, str):
+        return str(value) == str(wanted)
+    return math.isclose(float(value), wanted, rel_tol=1e-6, abs_tol=1e-9)
 
 
 @dataclass(frozen=True)
@@ -61,18 +178,16 @@ class MeasuredDrag:
     contact: int = 0
 
 
-def read_measured_pushes(
-    path: str | Path, select: Mapping[str, str] | None = None, largest_tip_error: float = LARGEST_TIP_ERROR
-) -> tuple[MeasuredPush, ...]:
+def read_measured_pushes(path: str | Path, select: Mapping[str, str] | None = None) -> tuple[MeasuredPush, ...]:
     """Read pushes from a CSV table with `x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1` (m, rad).
 
     select : texts that columns must have, such as {"surface": "abs", "shape": "rect1"}. Rows whose `tip_err_mm`, where
-    there is such a column, exceeds `largest_tip_error` (m) are left out. Columns `i` and `s` (side, fraction), where
+    there is such a column, exceeds 5 mm are left out. Columns `i` and `s` (side, fraction), where
     present, label the contact. Raises DataFileError naming file, line and mend; InvalidInput where no row is selected.
     """
     table = read_csv_table(path)
     require_columns(table, PUSH_END_COLUMNS)
-    rows = [row for row in _selected(table, select) if tip_error(table, row) <= largest_tip_error]
+    rows = [row for row in _selected(table, select) if tip_error(table, row) <= LARGEST_TIP_ERROR]
     labels = _contact_labels(table, rows, ("i", "s"))
     return tuple(_push(table, row, label) for row, label in zip(rows, labels, strict=True))
 
@@ -81,9 +196,7 @@ def read_measured_drags(path: str | Path, select: Mapping[str, str] | None = Non
     """Read drags from a CSV table with `x1,y1,th1` before and `x0n,y0n,th0n` after (m, rad), as pushes are read."""
     table = read_csv_table(path)
     require_columns(table, _DRAG_COLUMNS)
-    rows = _selected(table, select)
-    labels = range(len(rows))
-    return tuple(_drag(table, row, label) for row, label in zip(rows, labels, strict=True))
+    return tuple(_drag(table, row, label) for label, row in enumerate(_selected(table, select)))
 
 
 def _selected(table: CsvTable, select: Mapping[str, str] | None) -> list[CsvRow]:
@@ -109,11 +222,17 @@ def _contact_labels(table: CsvTable, rows: list[CsvRow], columns: tuple[str, ...
     return [number[key] for key in keys]
 
 
+def push_ends(table: CsvTable, row: CsvRow) -> tuple[Pose, Pose, Place, Place]:
+    """Return the object's poses before and after a push, angles as written, and the rod's places then (m, world)."""
+    x0, y0, theta0, x1, y1, theta1, *tip = (table.number(row, column) for column in PUSH_END_COLUMNS)
+    return Pose(x0, y0, theta0), Pose(x1, y1, theta1), (tip[0], tip[1]), (tip[2], tip[3])
+
+
 def _push(table: CsvTable, row: CsvRow, contact: int) -> MeasuredPush:
-    x0, y0, theta0, x1, y1, theta1, *tips = (table.number(row, column) for column in PUSH_END_COLUMNS)
-    end = Pose(x1, y1, theta0 + float(shorter_way(theta1 - theta0)))
+    start, end, tip_start, tip_end = push_ends(table, row)
+    lifted = Pose(end.x, end.y, start.theta + float(shorter_way(end.theta - start.theta)))
     try:
-        return MeasuredPush(Pose(x0, y0, theta0), end, (tips[0], tips[1]), (tips[2], tips[3]), contact)
+        return MeasuredPush(start, lifted, tip_start, tip_end, contact)
     except InvalidInput as cause:
         raise table.error(row.line, str(cause)) from cause
 

@@ -19,13 +19,12 @@ from typing import Any
 from zipfile import ZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.push_files import SUFFIXES
 from cyclemap.text_files import read_text
 
-Array = NDArray[np.float64]
 Columns = dict[str, Array]
 
 EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mcap")
@@ -180,7 +179,9 @@ def _understood(
         found[name] = factor * raw[column]
         words.append(f"{column} read as {name}{said}")
     if "qw" in found:
-        found["theta"] = _yaw(*(found.pop(name) for name in _QUATERNION))
+        x, y, z, w = (found.pop(name) for name in _QUATERNION)
+        size = x * x + y * y + z * z + w * w
+        found["theta"] = np.arctan2(2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size)
     if "theta" in found and "theta0" not in found and ("t" in found or "episode" in found):
         found, more = _pushes(place, found)
         words.append(more)
@@ -197,10 +198,8 @@ def _raw(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
     if path.is_dir() and (path / "meta" / "info.json").is_file():
         return _lerobot(path)
     if not path.is_dir() and not path.is_file():
-        mend = (
-            "is a pipe or a device; give a regular file" if path.exists() else "there is no such file; check the path"
-        )
-        raise DataFileError(f"{path}: {mend}")
+        pipe = "is a pipe or a device; give a regular file"
+        raise DataFileError(f"{path}: {pipe if path.exists() else 'there is no such file; check the path'}")
     if path.is_dir() or path.suffix.lower() in BAGS:
         return _bag(path, told.get("pose"))
     pandas: Any = import_module("pandas")
@@ -323,13 +322,10 @@ def _bag(path: Path, topic: str | None) -> Columns:
             topics = sorted({one.topic for one in posed})
             wanted = topic or (topics[0] if len(topics) == 1 else None)
             if wanted not in topics:
-                have = (
-                    ", ".join(topics)
-                    or f"none among {', '.join(sorted({c.topic for c in reader.connections})) or 'none'}"
-                )
-                raise DataFileError(
-                    f"{path}: give the topic of the object's pose, --columns pose=TOPIC; with poses: {have}"
-                )
+                among = ", ".join(sorted({c.topic for c in reader.connections})) or "none"
+                have = ", ".join(topics) or f"none among {among}"
+                mend = "give the topic of the object's pose, --columns pose=TOPIC"
+                raise DataFileError(f"{path}: {mend}; with poses: {have}")
             for one, stamp, content in reader.messages([c for c in posed if c.topic == wanted]):
                 pose = _pose_of(reader.deserialize(content, one.msgtype))
                 rows.append([1e-9 * stamp, *pose])
@@ -387,9 +383,8 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
         hits = [column for column in raw if any(re.fullmatch(one, _bare(column)[0]) for one in patterns)]
         hits = [column for column in hits if column not in meaning.values()]
         if len(hits) > 1 and name not in meaning:
-            raise DataFileError(
-                f"{path}: {' and '.join(hits)} may both be {name}: say which, --columns {name}={hits[0]}"
-            )
+            both = f"{' and '.join(hits)} may both be {name}"
+            raise DataFileError(f"{path}: {both}: say which, --columns {name}={hits[0]}")
         if hits and name not in meaning:
             meaning[name] = hits[0]
     places = {"x0", "y0", "x1", "y1"} <= set(meaning)
@@ -428,11 +423,6 @@ def _factor(name: str, column: str, values: Array, units: Sequence[str]) -> tupl
     return UNITS[unit], f" in {unit}, guessed: it reaches {reach:.4g}"
 
 
-def _yaw(x: Array, y: Array, z: Array, w: Array) -> Array:
-    size = x * x + y * y + z * z + w * w
-    return np.asarray(np.arctan2(2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size))
-
-
 # -- from streams and rows to pushes ---------------------------------------------------------------------------------
 
 
@@ -442,9 +432,8 @@ def _pushes(path: Path, stream: Columns) -> tuple[Columns, str]:
     stream = {name: values[good] for name, values in stream.items()}
     if "episode" in stream:
         cuts = np.flatnonzero(np.diff(stream["episode"])) + 1
-        spans = [
-            (int(part[0]), int(part[-1])) for part in np.split(np.arange(stream["theta"].size), cuts) if part.size > 1
-        ]
+        parts = np.split(np.arange(stream["theta"].size), cuts)
+        spans = [(int(part[0]), int(part[-1])) for part in parts if part.size > 1]
         words = f"{len(spans)} pushes, one an episode"
     else:
         motions = _motions(stream)
@@ -467,14 +456,11 @@ def _motions(stream: Columns) -> list[tuple[int, int]]:
     step = max(float(np.median(np.diff(t))), 1e-6)
     width = max(1, round(_SMOOTHED_SECONDS / step))
     zero = np.zeros(count)
-    place = [
-        np.convolve(np.pad(stream.get(a, zero), width, "edge"), np.ones(2 * width + 1) / (2 * width + 1), "valid")
-        for a in "xy"
-    ]
-    angle = np.convolve(
-        np.pad(np.unwrap(stream["theta"]), width, "edge"), np.ones(2 * width + 1) / (2 * width + 1), "valid"
-    )
-    moves = (np.hypot(*(np.gradient(one, t) for one in place)) > _SLOW) | (np.abs(np.gradient(angle, t)) > _SLOW_TURN)
+    kernel = np.ones(2 * width + 1) / (2 * width + 1)
+    courses = stream.get("x", zero), stream.get("y", zero), np.unwrap(stream["theta"])
+    smooth = [np.convolve(np.pad(course, width, "edge"), kernel, "valid") for course in courses]
+    x, y, turn = (np.gradient(course, t) for course in smooth)
+    moves = (np.hypot(x, y) > _SLOW) | (np.abs(turn) > _SLOW_TURN)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], moves.astype(np.int8), [0]])))
     found: list[tuple[int, int]] = []
     for low, high in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):
@@ -506,9 +492,8 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
     if not known.all():
         words.append(f"{int((~known).sum())} rows without an orientation left out")
     if int(kept.sum()) < 2:
-        raise DataFileError(
-            f"{path}: {int(kept.sum())} pushes with an orientation and what follows it; two or more are wanted"
-        )
+        told = f"{int(kept.sum())} pushes with an orientation and what follows it"
+        raise DataFileError(f"{path}: {told}; two or more are wanted")
     poses = ("x0", "y0", "theta0", "x1", "y1", "theta1", "theta_next", "repetition", "side", "fraction", "length")
     if posed and "repetition" not in found:
         found["repetition"] = number

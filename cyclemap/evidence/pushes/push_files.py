@@ -1,24 +1,170 @@
-"""Reading one .h5 or .json file of the MIT layout: its tables, refused where the file is damaged or lies."""
+"""One recorded push or friction scan: its time series, checked, and the file of the MIT layout that holds them."""
 
 from __future__ import annotations
 
+import json
 import math
 import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from cyclemap.arrays import Array
+from cyclemap.checks import read_only
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import scan_facts
-from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
 from cyclemap.text_files import LARGEST_CONTENT, read_json
+from cyclemap.whole_files import write_whole
 
-TABLES = ("object_pose", "tip_pose", "tip_array", "ft_wrench")
 HDF5_SUFFIXES = (".h5", ".hdf5")
 SUFFIXES = (*HDF5_SUFFIXES, ".json")
-
+PUSH_TABLES = ("object_pose", "tip_pose", "ft_wrench")
+TABLES = (*PUSH_TABLES, "tip_array")
 # HDF5's numbers of the filters shuffle, gzip and fletcher32, in the only order that is read.
 _FILTERS = (2, 1, 3)
 _GZIP = 1
+# Beyond these no table-top measurement lies: a damaged number, or one in other units.
+LARGEST_POSITION = 100.0
+LARGEST_ANGLE = 1e4
+LARGEST_TIME = 1e11
+LARGEST_FORCE = 1e5
+_POSE_LIMITS = (LARGEST_TIME, LARGEST_POSITION, LARGEST_POSITION, LARGEST_ANGLE)
+_WRENCH_LIMITS = (LARGEST_TIME, LARGEST_FORCE, LARGEST_FORCE, LARGEST_FORCE)
+
+
+@dataclass(frozen=True, eq=False)
+class PushRecord:
+    """The time series of one push, each on its own clock, in the world frame.
+
+    object_pose, tip_pose : (n, 4) and (m, 4): time (s), x (m), y (m), angle (rad, wrapped or not).
+    ft_wrench : (k, 4): time (s), fx (N), fy (N), torque (N m), of the object on the rod as the MIT files have it.
+
+    Raises InvalidInput, naming the table and the row, for a wrong shape, fewer than two rows of a pose, a number
+    that is not finite or beyond what a table top holds (100 m, 1e4 rad, 1e5 N: mind the units), and for a clock
+    that runs backwards.
+
+    >>> poses = [[0.0, 0.1, 0.0, 3.1], [0.1, 0.1, 0.2, -3.1]]
+    >>> push = PushRecord(poses, poses, [[0.0, 0.0, 1.0, 0.0]])
+    >>> round(push.turn, 6), push.samples
+    (0.083185, 2)
+    """
+
+    object_pose: Array
+    tip_pose: Array
+    ft_wrench: Array
+
+    def __post_init__(self) -> None:
+        for name in PUSH_TABLES:
+            object.__setattr__(self, name, _checked_series(name, getattr(self, name)))
+
+    @classmethod
+    def from_tables(cls, tables: Mapping[str, object]) -> PushRecord:
+        """Return the push that a file's tables hold; InvalidInput names the tables that are missing."""
+        missing = [name for name in PUSH_TABLES if name not in tables]
+        if missing:
+            raise InvalidInput(f"table {', '.join(missing)} is missing; the file has {_listed(tables)}")
+        return cls(*(tables[name] for name in PUSH_TABLES))  # type: ignore[arg-type]
+
+    @cached_property
+    def object_angle(self) -> Array:
+        """(n,) rad, the object's angle without jumps of a full turn, from its first value."""
+        return read_only(np.unwrap(self.object_pose[:, 3]))
+
+    @property
+    def start(self) -> tuple[float, float, float]:
+        """The object's first pose: x (m), y (m), angle (rad) as recorded."""
+        x, y, theta = self.object_pose[0, 1:].tolist()
+        return x, y, theta
+
+    @property
+    def end(self) -> tuple[float, float, float]:
+        """The object's last pose: x (m), y (m), angle (rad) on the lift that begins at the first pose."""
+        x, y = self.object_pose[-1, 1:3].tolist()
+        return x, y, float(self.object_angle[-1])
+
+    @property
+    def displacement(self) -> tuple[float, float]:
+        """How far the object moved, m, along x and y of its own frame at the start."""
+        x0, y0, theta0 = self.start
+        x1, y1, _ = self.end
+        c, s = np.cos(theta0), np.sin(theta0)
+        return float(c * (x1 - x0) + s * (y1 - y0)), float(-s * (x1 - x0) + c * (y1 - y0))
+
+    @property
+    def turn(self) -> float:
+        """How far the object turned, rad, counted along the series: full turns are not lost."""
+        return float(self.object_angle[-1] - self.object_angle[0])
+
+    @property
+    def length(self) -> float:
+        """How far the rod moved, m: from its first recorded place to its last."""
+        x, y = (self.tip_pose[-1, 1:3] - self.tip_pose[0, 1:3]).tolist()
+        return math.hypot(x, y)
+
+    @property
+    def samples(self) -> int:
+        """How many poses of the object were recorded."""
+        return len(self.object_pose)
+
+
+@dataclass(frozen=True, eq=False)
+class ScanRecord:
+    """The time series of one friction scan: a straight stroke of the rod that carries the object with it.
+
+    tip : (m, 4): time (s), x (m), y (m), angle (rad). ft_wrench : (k, 4) as in `PushRecord`, and refused alike.
+    """
+
+    tip: Array
+    ft_wrench: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "tip", _checked_series("tip_array", self.tip))
+        object.__setattr__(self, "ft_wrench", _checked_series("ft_wrench", self.ft_wrench))
+
+    @classmethod
+    def from_tables(cls, tables: Mapping[str, object]) -> ScanRecord:
+        """Return the scan that a file's tables hold, its tip in `tip_array` or `tip_pose`."""
+        tip = tables.get("tip_array", tables.get("tip_pose"))
+        if tip is None or "ft_wrench" not in tables:
+            raise InvalidInput(f"a scan needs the tables tip_array and ft_wrench; the file has {_listed(tables)}")
+        return cls(tip, tables["ft_wrench"])  # type: ignore[arg-type]
+
+    @property
+    def stroke(self) -> tuple[float, float]:
+        """From the first to the last place of the tip, m, in the world frame."""
+        x, y = (self.tip[-1, 1:3] - self.tip[0, 1:3]).tolist()
+        return x, y
+
+
+def _checked_series(name: str, value: object) -> Array:
+    """Return a table of (time, and three numbers) as a read-only array, or raise InvalidInput."""
+    try:
+        array = np.asarray(value)
+    except ValueError as cause:
+        raise InvalidInput(f"{name} has rows of different lengths; it must have 4 columns throughout") from cause
+    if array.dtype.kind not in "iuf":
+        raise InvalidInput(f"{name} holds something other than numbers (type {array.dtype}); it must hold numbers only")
+    array = array.astype(float)
+    least = 1 if name == "ft_wrench" else 2
+    if array.ndim != 2 or array.shape[1] != 4 or len(array) < least:
+        raise InvalidInput(f"{name} has shape {array.shape}; it must have at least {least} rows of 4 columns")
+    limits = np.array(_WRENCH_LIMITS if name == "ft_wrench" else _POSE_LIMITS)
+    # Written so that NaN counts as out of bounds.
+    for row, column in np.argwhere(~(np.abs(array) <= limits))[:1]:
+        bound = f"it must be a number within {limits[column]:g}"
+        raise InvalidInput(f"{name}, row {row}, column {column} is {array[row, column]:g}; {bound} (SI units)")
+    for row in np.flatnonzero(np.diff(array[:, 0]) < 0.0)[:1]:
+        back = array[row, 0] - array[row + 1, 0]
+        raise InvalidInput(f"{name}: the clock runs backwards by {back:.3g} s behind row {row}; restore the file")
+    return read_only(array)
+
+
+def _listed(tables: Mapping[str, object]) -> str:
+    return ", ".join(sorted(tables)[:10]) or "none"
 
 
 def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
@@ -35,9 +181,12 @@ def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
     """
     path = Path(path)
     try:
-        _refuse_other_scans(path)
+        is_scan = scan_facts(path) is not None
+        # Scans that also turn the object may hold all tables of a push, yet are none.
+        if path.name.startswith("record_") and not is_scan:
+            raise InvalidInput("its name begins as a friction scan's, but is not that of a straight one; leave it out")
         tables = _tables(path)
-        if scan_facts(path) is not None or ("object_pose" not in tables and "tip_array" in tables):
+        if is_scan or ("object_pose" not in tables and "tip_array" in tables):
             return ScanRecord.from_tables(tables)
         return PushRecord.from_tables(tables)
     except DataFileError:
@@ -60,10 +209,8 @@ def _tables(path: Path) -> dict[str, Any]:
         raise InvalidInput("there is no such file; check the path")
     if path.stat().st_size == 0:
         raise InvalidInput("the file is empty; restore it or remove it")
-    return _json_tables(path) if path.suffix.lower() == ".json" else _hdf5_tables(path)
-
-
-def _json_tables(path: Path) -> dict[str, Any]:
+    if path.suffix.lower() in HDF5_SUFFIXES:
+        return _hdf5_tables(path)
     content = read_json(path)
     if not isinstance(content, dict):
         raise InvalidInput(f"holds a {type(content).__name__}; it must be an object with the tables of a push")
@@ -86,13 +233,13 @@ def _hdf5_tables(path: Path) -> dict[str, Any]:
         RuntimeError,
         ValueError,
         TypeError,
-        KeyError,
         LookupError,
         MemoryError,
         AttributeError,
         zlib.error,
     ) as error:
-        raise InvalidInput(f"not a whole HDF5 file, cut short or damaged ({_first_line(error)})") from error
+        told = (str(error).splitlines() or [type(error).__name__])[0][:200]
+        raise InvalidInput(f"not a whole HDF5 file, cut short or damaged ({told})") from error
 
 
 def _hdf5_table(file: Any, name: str) -> Any:
@@ -105,20 +252,16 @@ def _hdf5_table(file: Any, name: str) -> Any:
         raise InvalidInput(f"{name} is no table kept in this file itself")
     if table.ndim != 2 or table.shape[1] != 4 or table.dtype.kind not in "iuf":
         raise InvalidInput(f"{name} is of type {table.dtype} and shape {table.shape}; it must be numbers in 4 columns")
-    _refuse_false_size(name, table)
-    return table[()]
-
-
-def _refuse_false_size(name: str, table: Any) -> None:
-    """Raise InvalidInput where a table is larger than any push's, or not in its file as it claims to be."""
     chunk, stored = math.prod(table.chunks or (1,)), int(table.id.get_storage_size())
     if 8 * max(table.size, chunk) > LARGEST_CONTENT or stored > LARGEST_CONTENT:
         raise InvalidInput(f"{name} takes more than {LARGEST_CONTENT / 1e6:.0f} MB; no push is so long: split it")
     # HDF5 reads what was never written as zeros: they would pass for poses.
-    if stored == 0 or (table.chunks and table.id.get_num_chunks() < _chunks_needed(table)):
+    needed = math.prod(-(-length // part) for length, part in zip(table.shape, table.chunks or (1, 1), strict=True))
+    if stored == 0 or (table.chunks and table.id.get_num_chunks() < needed):
         raise InvalidInput(f"{name} has rows that are not in the file; restore the file or remove it")
     if table.chunks:
         _refuse_false_packing(name, table, chunk * table.dtype.itemsize)
+    return table[()]
 
 
 def _refuse_false_packing(name: str, table: Any, room: int) -> None:
@@ -141,10 +284,48 @@ def _refuse_false_packing(name: str, table: Any, room: int) -> None:
         raise InvalidInput(f"{name} unpacks to more than its size; restore the file or remove it")
 
 
-def _chunks_needed(table: Any) -> int:
-    return math.prod(-(-length // chunk) for length, chunk in zip(table.shape, table.chunks, strict=True))
+def write_push_file(path: str | Path, record: PushRecord | ScanRecord) -> int:
+    """Write a push or a scan to `path` (.h5, .hdf5 or .json), making its folder; return the file's size in bytes.
+
+    The tables are those that `read_push_file` reads, with their very numbers: HDF5 (compressed, without any date, so
+    that equal records make equal files) or JSON (lists of rows). A file that was there is replaced.
+
+    Raises InvalidInput for another suffix, OSError where the disk is full or the folder cannot be written; then, or
+    when the process is killed, `path` is as it was before.
+
+    >>> import tempfile
+    >>> from cyclemap.evidence.pushes.push_files import read_push_file
+    >>> poses = [[0.0, 0.1, 0.0, 3.1], [0.1, 0.1, 0.2, -3.1]]
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = write_push_file(f"{folder}/push.h5", PushRecord(poses, poses, [[0.0, 0.0, 1.0, 0.0]]))
+    ...     read_push_file(f"{folder}/push.h5").end
+    (0.1, 0.2, 3.183185307179586)
+    """
+    path = Path(path)
+    if path.suffix.lower() not in SUFFIXES:
+        raise InvalidInput(f"{path}: '{path.suffix}' is no suffix of push data; choose one of {', '.join(SUFFIXES)}")
+    tables = record_tables(record)
+    if path.suffix.lower() in HDF5_SUFFIXES:
+        content = _hdf5(tables)
+    else:
+        content = json.dumps({name: rows.tolist() for name, rows in tables.items()}, allow_nan=False).encode()
+    write_whole(path, content)
+    return len(content)
 
 
-def _first_line(error: BaseException) -> str:
-    lines = str(error).splitlines()
-    return lines[0][:200] if lines else type(error).__name__
+def record_tables(record: PushRecord | ScanRecord) -> dict[str, Array]:
+    """The tables of a record by their names in the files; a scan's tip is in `tip_array`."""
+    if isinstance(record, PushRecord):
+        return {name: getattr(record, name) for name in PUSH_TABLES}
+    return {"tip_array": record.tip, "ft_wrench": record.ft_wrench}
+
+
+def _hdf5(tables: dict[str, Array]) -> bytes:
+    """An HDF5 file made in memory: a full disk is then met by plain writing alone, which fails cleanly."""
+    import h5py
+
+    with h5py.File("push", "w", driver="core", backing_store=False) as file:
+        for name, rows in tables.items():
+            file.create_dataset(name, data=rows, chunks=rows.shape, compression="gzip", shuffle=True)
+        file.flush()
+        return bytes(file.id.get_file_image())

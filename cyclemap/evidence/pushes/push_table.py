@@ -13,16 +13,44 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cyclemap.arrays import shorter_way
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
 from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
-from cyclemap.evidence.pushes.push_csv import read_push_csv
-from cyclemap.evidence.pushes.push_files import SUFFIXES, read_push_file
-from cyclemap.evidence.pushes.push_record import PushRecord, ScanRecord
+from cyclemap.evidence.pushes.push_files import (
+    LARGEST_ANGLE,
+    LARGEST_POSITION,
+    SUFFIXES,
+    PushRecord,
+    ScanRecord,
+    read_push_file,
+)
+from cyclemap.evidence.pushes.theta0_pairs import doubt_degrees, read_theta0_pairs
+from cyclemap.text_files import LARGEST_CONTENT, CsvRow, CsvTable, read_csv_table
 
 if TYPE_CHECKING:
     import pandas
 
+# A column of the push table, the names it goes by in a file, and the factor to SI units; None: a text.
+COLUMN_NAMES: dict[str, dict[str, float | None]] = {
+    "surface": {"surface": None},
+    "object": {"object": None, "shape": None},
+    "acceleration": {"acceleration": 1.0, "a_mm_s2": 1e-3},
+    "speed": {"speed": 1.0, "v_mm_s": 1e-3},
+    "side": {"side": 1.0, "i": 1.0},
+    "fraction": {"fraction": 1.0, "s": 1.0},
+    "angle": {"angle": 1.0, "t": 1.0},
+    "repetition": {"repetition": 1.0, "rep": 1.0},
+    "length": {"length": 1.0, "push_mm": 1e-3},
+    **{name: {name: 1.0} for name in ("tip_x0", "tip_y0", "x0", "y0", "x1", "y1", "dtheta", "force_ratio")},
+    "theta0": {"theta0": 1.0, "th0": 1.0, "theta0_deg": math.pi / 180.0},
+    "theta1": {"theta1": 1.0, "th1": 1.0, "theta1_deg": math.pi / 180.0},
+    "theta_next": {"theta_next": 1.0, "th0n": 1.0},
+}
+_ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
+_RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
+# As a table of twenty columns they are as large as any file may be.
+_MOST_PUSHES = LARGEST_CONTENT // 8 // 20
 _PUSH_SET = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
 _POSES = ("x0", "y0", "theta0", "x1", "y1", "theta1", "dx", "dy", "dtheta")
 _TIP = ("tip_x0", "tip_y0")
@@ -31,6 +59,78 @@ _SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repet
 SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
 CSV_SUFFIX = ".csv"
 _TEXT = ("surface", "object", "path")
+
+
+def named_column(table: CsvTable, column: str) -> str | None:
+    """The first of the names of a column of the push table that a file's header has; None without."""
+    return next((name for name in COLUMN_NAMES[column] if name in table.header), None)
+
+
+def column_value(table: CsvTable, row: CsvRow, column: str) -> Any:
+    """What a row of a file tells for a column of the push table, SI units; NaN, of texts None, where it does not."""
+    name = named_column(table, column)
+    text = table.text(row, name) if name is not None else ""
+    factor = COLUMN_NAMES[column][name] if name is not None else next(iter(COLUMN_NAMES[column].values()))
+    if factor is None:
+        return text or None
+    return factor * table.number(row, name) if name is not None and text else math.nan
+
+
+def read_push_csv(path: str | Path) -> list[dict[str, Any]]:
+    """Read a CSV file of pushes: a list of rows with the columns of `PushTable.table`, in the order of the file.
+
+    A table of poses has a header with `x0,y0,theta0,x1,y1,theta1` (m, rad; also `th0`, `th1`, `theta0_deg`,
+    `theta1_deg`); it may have `surface`, `object` (or `shape`), `acceleration` (`a_mm_s2`), `speed` (`v_mm_s`),
+    `side` (`i`), `fraction` (`s`), `angle` (`t`), `repetition` (`rep`), `dtheta`, `theta_next` (`th0n`),
+    `force_ratio`, and how far the rod moved: `length` (`push_mm`), or its places `tip_x0,tip_y0,tip_x1,tip_y1` (m).
+    Columns of other names are passed over. What is absent or empty is NaN; `dtheta` is then the shorter way round, for
+    two poses cannot tell more. `theta_next` is put on the lift nearest to theta1.
+
+    Any other table is read by `read_theta0_pairs`: a row a pair, with theta0 and theta_next alone (and its `rep`,
+    where the file has it).
+
+    DataFileError names the file, the line and the mend.
+    """
+    table = read_csv_table(path)
+    if len(table.rows) > _MOST_PUSHES:
+        raise DataFileError(f"{table.path}: holds more than {_MOST_PUSHES} pushes; split it")
+    if all(named_column(table, column) for column in _ENDS):
+        doubt_degrees(table, [name for name in ("theta0_deg", "theta1_deg") if name in table.header])
+        return [_pose_row(table, row) for row in table.rows]
+    return _pair_rows(table)
+
+
+def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
+    found = {column: column_value(table, row, column) for column in COLUMN_NAMES}
+    for column in _ENDS:
+        limit = LARGEST_ANGLE if column.startswith("theta") else LARGEST_POSITION
+        if not abs(found[column]) <= limit:
+            value = f"{column} is {found[column]:g}"
+            raise table.error(row.line, f"{value}; it must be a number within {limit:g} (SI units)")
+    if all(name in table.header and table.text(row, name) for name in _RODS):
+        x0, y0, x1, y1 = (table.number(row, name) for name in _RODS)
+        found["length"] = math.hypot(x1 - x0, y1 - y0)
+    x, y, theta, dtheta = found["x1"] - found["x0"], found["y1"] - found["y0"], found["theta0"], found["dtheta"]
+    if math.isnan(dtheta):
+        dtheta = float(shorter_way(found["theta1"] - theta))
+    theta1, c, s = theta + dtheta, math.cos(theta), math.sin(theta)
+    ahead = theta1 + float(shorter_way(found["theta_next"] - theta1))
+    motion = {"dx": c * x + s * y, "dy": c * y - s * x, "dtheta": dtheta, "theta1": theta1, "theta_next": ahead}
+    return _unknown(table) | found | motion
+
+
+def _pair_rows(table: CsvTable) -> list[dict[str, Any]]:
+    pairs = read_theta0_pairs(table.path)
+    number = np.full(pairs.theta.size, math.nan)
+    if "theta0_accum_deg" in table.header:
+        kept = [row for row in table.rows if table.text(row, "dtheta_to_next_deg") and not table.text(row, "flag")]
+        number = np.array([table.number(row, "rep") for row in kept])
+    columns = zip(number.tolist(), pairs.theta.tolist(), pairs.theta_next.tolist(), strict=True)
+    return [_unknown(table) | {"repetition": rep, "theta0": now, "theta_next": later} for rep, now, later in columns]
+
+
+def _unknown(table: CsvTable) -> dict[str, Any]:
+    return asdict(PushFacts()) | {"samples": 0, "path": str(table.path)}
 
 
 @dataclass(frozen=True)
@@ -45,16 +145,14 @@ class UnreadableFile:
 class PushTable:
     """Pushes and friction scans, a row each, and the files that could not be read.
 
-    table : a row a push. `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`, `fraction`,
-        `angle` (rad), `repetition`: from the file's name. `length` (m): of the rod's path, which begins at
-        `tip_x0`, `tip_y0` (m, world). `x0`, `y0` (m),
-        `theta0` (rad): first pose in the world.
-        `x1`, `y1`, `theta1`: last pose, theta1 = theta0 + dtheta. `dx`, `dy` (m): displacement in the object's
-        initial frame. `dtheta` (rad): its turn, counted along the series, so never wrapped. `theta_next` (rad): start
-        of the next repetition of the same set (same folder or CSV table, same facts), on the lift nearest to theta1; so
-        theta_next - theta0 is the turn of the cycle where the drag back turns by less than half a turn.
-        `force_ratio`: median of |tangential| over normal contact force (see `contact_force_ratio`).
-        `samples`: poses of the object, 0 in a CSV table. `path`: the file.
+    table : a row a push. `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`, `fraction`, `angle`
+        (rad), `repetition`: from the file's name. `length` (m): of the rod's path, which begins at `tip_x0`, `tip_y0`
+        (m, world). `x0`, `y0` (m), `theta0` (rad): first pose in the world. `x1`, `y1`, `theta1`: last pose, theta1 =
+        theta0 + dtheta. `dx`, `dy` (m): displacement in the object's initial frame. `dtheta` (rad): its turn, counted
+        along the series, so never wrapped. `theta_next` (rad): start of the next repetition of the same set (same
+        folder or CSV table, same facts), on the lift nearest to theta1; so theta_next - theta0 is the turn of the cycle
+        where the drag back turns by less than half a turn. `force_ratio`: median of |tangential| over normal contact
+        force (see `contact_force_ratio`). `samples`: poses of the object, 0 in a CSV table. `path`: the file.
     scans : a row a friction scan. `direction` (rad) of the motion in the world, by the name; `force_along` and
         `force_across` (N): of the rod on the object, along its motion and to the left of it (see `scan_forces`);
         `ratio`: force_across / force_along, zero where friction is isotropic; `samples`: wrenches; the rest as above.

@@ -4,24 +4,124 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import read_only
+from cyclemap.checks import finite_array, read_only
+from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK
-from cyclemap.evidence.pushes.push_record import PushRecord
-from cyclemap.evidence.replay.chain_run import ChainRun
-from cyclemap.evidence.replay.curve_strokes import push_curve_along
-from cyclemap.evidence.replay.cut_curve import cut_curve, is_cut_curve
-from cyclemap.evidence.replay.rod_gap import clearing_shift, rod_gap
-from cyclemap.evidence.replay.stroke_chain import push_along
-from cyclemap.evidence.replay.tip_path import tip_path
+from cyclemap.evidence.pushes.push_files import PushRecord
+from cyclemap.evidence.replay.stroke_chain import (
+    clearing_shift,
+    cut_curve,
+    is_cut_curve,
+    push_along,
+    push_curve_along,
+    rod_gap,
+)
 from cyclemap.mechanics import Pose, QuasiStaticModel
 from cyclemap.mechanics.outline import Polygon
 
+# Recorded tips of straight strokes wander by up to 0.15 mm: a bend is more than twice that.
+BEND = 0.3e-3
+# A tip that goes less far than this does not push.
+SHORTEST_PATH = 1e-3
 # An object that has moved this far (m, at its rim) moves; recorded poses at rest tremble by less.
 _MOVED = 0.5e-3
+
+
+@dataclass(frozen=True, eq=False)
+class TipPath:
+    """A path of straight strokes from corner to corner.
+
+    corners : (k, 2) m, in the world frame. time : (m,) s. travel : (m,) m along the chain at those times; it never
+    falls. straightness : largest distance (m) of a recorded place from the chord between the first and the last.
+    """
+
+    corners: Array
+    time: Array
+    travel: Array
+    straightness: float
+
+    @property
+    def start(self) -> tuple[float, float]:
+        """Where the tip starts, m."""
+        x, y = self.corners[0].tolist()
+        return x, y
+
+    @property
+    def strokes(self) -> int:
+        """How many straight strokes the path has."""
+        return len(self.corners) - 1
+
+    @property
+    def length(self) -> float:
+        """Length of the chain, m."""
+        return float(np.hypot(*np.diff(self.corners, axis=0).T).sum())
+
+    def travel_at(self, time: Array) -> Array:
+        """Return the travel (m) at times (...), s: that of the ends before and after the record."""
+        return np.asarray(np.interp(time, self.time, self.travel))
+
+    def place_at(self, travel: Array) -> Array:
+        """Return the places (..., 2), m, at travels (...), m."""
+        at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.corners, axis=0).T))])
+        return np.stack([np.interp(travel, at, self.corners[:, axis]) for axis in (0, 1)], axis=-1)
+
+
+def tip_path(tip_pose: Array) -> TipPath:
+    """Return the chain of straight strokes that stays within 0.3 mm of a recorded tip.
+
+    tip_pose : (m, 3 or more): time (s), x (m), y (m), and what else is recorded. The corners are recorded places,
+    chosen by halving at the farthest place (Ramer 1972; Douglas & Peucker 1973). Raises InvalidInput where the tip
+    moves less than 1 mm.
+
+    >>> path = tip_path(np.array([[0.0, 0.0, 0.0], [1.0, 0.03, 0.0], [2.0, 0.03, 0.02]]))
+    >>> path.strokes, path.travel.round(3).tolist()
+    (2, [0.0, 0.03, 0.05])
+    """
+    table = finite_array("tip pose", tip_pose, ndim=2)
+    place = table[:, 1:3]
+    corners = _corners(place)
+    travel = _travel(place, corners)
+    if travel[-1] < SHORTEST_PATH:
+        raise InvalidInput(f"the tip moves {1e3 * travel[-1]:.2g} mm: it pushes nothing")
+    straightness = float(_from_chord(place).max())
+    return TipPath(read_only(place[corners]), read_only(table[:, 0]), read_only(travel), straightness)
+
+
+def _from_chord(place: Array) -> Array:
+    """Distance of each place from the segment between the first and the last."""
+    chord, offset = place[-1] - place[0], place - place[0]
+    square = float(chord @ chord)
+    share = np.clip(offset @ chord / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(place))
+    return np.asarray(np.hypot(*(offset - share[:, None] * chord).T))
+
+
+def _corners(place: Array) -> list[int]:
+    kept, spans = {0, len(place) - 1}, [(0, len(place) - 1)]
+    while spans:
+        first, last = spans.pop()
+        off = _from_chord(place[first : last + 1])
+        farthest = int(off.argmax())
+        if off[farthest] > BEND:
+            kept.add(first + farthest)
+            spans += [(first, first + farthest), (first + farthest, last)]
+    return sorted(kept)
+
+
+def _travel(place: Array, corners: list[int]) -> Array:
+    """Travel along the chain at each recorded place: its projection on its stroke, never falling."""
+    travel = np.zeros(len(place))
+    for first, last in pairwise(corners):
+        chord = place[last] - place[first]
+        length = float(np.hypot(*chord))
+        if length > 0.0:
+            along = (place[first : last + 1] - place[first]) @ (chord / length)
+            travel[first : last + 1] = travel[first] + np.clip(along, 0.0, length)
+    return np.maximum.accumulate(travel)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +222,11 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
     path, start = tip_path(record.tip_pose), Pose(*record.start)
     first = (path.start[0] + offset[0], path.start[1] + offset[1])
     shift = clearing_shift(model, start, first) + offset
-    run = _run(model, start, path.corners + shift)
+    outline = model.slider.outline
+    if isinstance(outline, Polygon) and is_cut_curve(outline):
+        run = push_curve_along(model, cut_curve(outline), start, path.corners + shift)
+    else:
+        run = push_along(model, start, path.corners + shift)
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
     travel = path.travel_at(record.object_pose[:, 0])
     predicted, tip = run.pose_at(travel), path.place_at(travel) + shift
@@ -144,13 +248,6 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
         touched=run.touched,
         left=run.left,
     )
-
-
-def _run(model: QuasiStaticModel, start: Pose, corners: Array) -> ChainRun:
-    outline = model.slider.outline
-    if isinstance(outline, Polygon) and is_cut_curve(outline):
-        return push_curve_along(model, cut_curve(outline), start, corners)
-    return push_along(model, start, corners)
 
 
 def _end_gap(model: QuasiStaticModel, poses: Array, tip: Array) -> float:

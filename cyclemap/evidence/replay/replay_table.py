@@ -8,15 +8,22 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from cyclemap.errors import CycleMapError, InvalidInput
-from cyclemap.evidence.pushes.measured_strokes import LARGEST_TIP_ERROR, PUSH_END_COLUMNS, tip_error
+from cyclemap.evidence.pushes.measured_strokes import (
+    FACTS,
+    LARGEST_TIP_ERROR,
+    PUSH_END_COLUMNS,
+    RowSelection,
+    push_ends,
+    select_pushes,
+    tip_error,
+)
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
-from cyclemap.evidence.pushes.push_files import read_push_file
-from cyclemap.evidence.pushes.push_record import PushRecord
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
-from cyclemap.evidence.pushes.row_selection import RowSelection, row_facts, select_pushes
+from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile, column_value
 from cyclemap.evidence.replay.replay_push import Replay, replay_push
-from cyclemap.evidence.replay.shapes import dataset_sliders
 from cyclemap.mechanics import (
     EllipseFriction,
     FrameShift,
@@ -26,11 +33,44 @@ from cyclemap.mechanics import (
     QuasiStaticModel,
     Slider,
 )
+from cyclemap.mechanics.outline import Polygon
+from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.text_files import read_csv_table
 
 if TYPE_CHECKING:
     import pandas
 
+# A quarter of the butterfly's outline, mm from its centre: from the middle of the waist to the end of the wing. The
+# plate is symmetric about both axes. Nodes of the outline in the dataset's code (peterkty/pnpush, shape_db.py, "butt",
+# and its CAD points), whose spline the mesh in mcubelab/pdproc (butter.obj) follows within 0.01 mm.
+_QUARTER = (
+    (27.3790177, 0.0),
+    (28.021517, 4.9769114),
+    (29.7530391, 9.9489481),
+    (32.2795708, 14.9115157),
+    (35.3071749, 19.8595996),
+    (38.5418302, 24.7884652),
+    (41.6895866, 29.6933079),
+    (44.4564538, 34.5692232),
+    (46.5484518, 39.4117064),
+    (47.6716003, 44.215653),
+    (47.5723138, 48.9696983),
+    (46.2633978, 53.6184558),
+    (43.8655401, 58.0887518),
+    (40.4997342, 62.3073622),
+    (36.2869737, 66.2010628),
+    (31.3482126, 69.6966295),
+    (25.8045628, 72.7208383),
+    (19.7768994, 75.2004648),
+    (13.3862555, 77.0622851),
+    (6.7536245, 78.233075),
+    (0.0, 78.6396103),
+)
+
+# Of the dataset's rect1, cut from the same plate: 0.8374 kg on 90 mm by 90 mm; the butterfly's own mass is not given
+# there. It scales the forces alone, never the motion.
+_PLATE_DENSITY = 0.8374 / 0.0081
+_BUTTER_INERTIA = 0.003019
 # The rod, and its friction with the objects as measured in pushes of the dataset.
 DATASET_PUSHER = Pusher(friction=0.25)
 # A thousandth of a degree: far below what a replay is off by.
@@ -38,22 +78,44 @@ ACCURACY = 1e-5
 _FACTS = ("surface", "object", "speed", "acceleration", "side", "fraction", "angle", "repetition")
 # Reading the folder is this share of the work.
 _READING = 0.1
-GROUP_COLUMNS = (
-    "count",
-    "mean_error",
-    "median_error",
-    "mean_turn_error",
-    "median_turn_error",
-    "mean_motion",
-    "mean_turn",
-    "relative_error",
-    "relative_turn_error",
-    "mean_rms_error",
-    "touch_agrees",
-    "leaving_agrees",
-    "isotropic_mean_error",
-    "isotropic_mean_turn_error",
-)
+REPLAY_COLUMNS = (
+    *_FACTS, "error", "turn_error", "isotropic_error", "isotropic_turn_error",
+    "rms_error", "rms_turn_error", "measured_motion", "predicted_motion",
+    "measured_turn", "predicted_turn", "shift", "start_gap", "straightness", "strokes", "touched", "left",
+    "touch_agrees", "leaving_agrees", "path",
+)  # fmt: skip
+
+
+def butter_outline() -> Polygon:
+    """Return the outline of the dataset's butterfly, m: 80 vertices counter-clockwise from its end at -y.
+
+    >>> outline = butter_outline()
+    >>> outline.sides, outline.is_convex, round(1e6 * outline.area)
+    (80, False, 11667)
+    """
+    quarter = np.array(_QUARTER) * 1e-3
+    right = np.vstack([quarter[::-1] * (1.0, -1.0), quarter[1:]])
+    left = -right[1:-1]
+    return Polygon(tuple(map(tuple, np.vstack([right, left]).tolist())))
+
+
+def butter_slider() -> Slider:
+    """Return the butterfly as a slider; mass and inertia are those of its outline in the plate of rect1.
+
+    >>> round(butter_slider().mass, 3)
+    1.206
+    """
+    outline = butter_outline()
+    return Slider(outline, _PLATE_DENSITY * outline.area, (0.0, 0.0), inertia=_BUTTER_INERTIA, name="butter")
+
+
+def dataset_sliders() -> dict[str, Slider]:
+    """Return the objects of the MIT push dataset by the names that its files use.
+
+    >>> len(dataset_sliders())
+    11
+    """
+    return {**{name: Slider.mit(name) for name in MIT_SHAPE_NAMES}, "butter": butter_slider()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +145,8 @@ class ReplayedPushes:
 
         `count`; `mean_error`, `median_error` (m) and `mean_turn_error`, `median_turn_error` (rad, without sign) at the
         end; `mean_motion` (m), `mean_turn` (rad, without sign) as measured; `relative_error`, `relative_turn_error`:
-        mean error over mean motion; `mean_rms_error` (m);
-        `isotropic_mean_error`, `isotropic_mean_turn_error`: what isotropic friction misses;
-        `touch_agrees`, `leaving_agrees`: shares of the pushes.
+        mean error over mean motion; `mean_rms_error` (m); `isotropic_mean_error`, `isotropic_mean_turn_error`: what
+        isotropic friction misses; `touch_agrees`, `leaving_agrees`: shares of the pushes.
         """
         for column in columns:
             if column not in self.table.columns:
@@ -113,7 +174,7 @@ class ReplayedPushes:
             "isotropic_mean_error": mean["isotropic_error"],
             "isotropic_mean_turn_error": mean["isotropic_off"],
         }
-        return work.__class__({name: found[name] for name in GROUP_COLUMNS}).reset_index()
+        return work.__class__(found).reset_index()
 
 
 def replay_pushes(
@@ -144,13 +205,18 @@ def replay_pushes(
     cannot be read - is listed in `not_replayed` with the reason. Raises InvalidInput where there is no push data at
     `path`, or none that is selected.
     """
+    import pandas
+
     report, chosen = progress or (lambda fraction: None), dict(select or {})
     selection = RowSelection((str(chosen["object"]),) if "object" in chosen else (), chosen)
     found, left = select_pushes(Path(path), selection, True, lambda fraction: report(_READING * fraction))
     runner = _Runner(dataset_sliders() if sliders is None else sliders, friction, pusher, plates, frames)
     rows: list[dict[str, Any]] = []
     replays: list[Replay] = []
-    left_out = [*found.unreadable, *(_without_push(file) for file in found.scans["path"].unique())]
+    left_out = [
+        *found.unreadable,
+        *(UnreadableFile(Path(file), "a friction scan, not a push") for file in found.scans["path"].unique()),
+    ]
     files, total, done = found.table["path"].unique(), max(len(found.table), 1), 0
     if not len(files) and left:
         raise InvalidInput(f"{path}: nothing is selected: {', '.join(f'{count} {why}' for why, count in left.items())}")
@@ -170,7 +236,7 @@ def replay_pushes(
             left_out.append(UnreadableFile(Path(name), str(error)))
     report(1.0)
     left_out.sort(key=lambda entry: entry.path)
-    return ReplayedPushes(_frame(rows), tuple(replays), tuple(left_out))
+    return ReplayedPushes(pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS)), tuple(replays), tuple(left_out))
 
 
 class _Runner:
@@ -227,21 +293,16 @@ def _recorded(
     if missing := [name for name in PUSH_END_COLUMNS if name not in table.header]:
         raise InvalidInput(f"a table of poses before and after has no tip path to replay: no {', '.join(missing)}")
     for row in table.rows:
-        facts = row_facts(table, row)
+        facts = {name: column_value(table, row, name) for name in FACTS}
         if selection.refusal(facts):
             continue
-        x0, y0, th0, x1, y1, th1, *tip = (table.number(row, name) for name in PUSH_END_COLUMNS)
+        start, end, tip_start, tip_end = push_ends(table, row)
         if (astray := tip_error(table, row)) > LARGEST_TIP_ERROR:
             left_out.append(UnreadableFile(path, f"line {row.line}: the robot was {1e3 * astray:.3g} mm off its way"))
             continue
-        poses = [[0.0, x0, y0, th0], [1.0, x1, y1, th1]]
-        tips = [[0.0, tip[0], tip[1], 0.0], [1.0, tip[2], tip[3], 0.0]]
-        known = {name: value for name, value in facts.items() if value is not None}
-        yield PushFacts(**known), PushRecord(poses, tips, [[0.0, 0.0, 0.0, 0.0]])  # type: ignore[arg-type]
-
-
-def _without_push(path: str) -> UnreadableFile:
-    return UnreadableFile(Path(path), "a friction scan, not a push")
+        poses = [[0.0, start.x, start.y, start.theta], [1.0, end.x, end.y, end.theta]]
+        tips = [[0.0, *tip_start, 0.0], [1.0, *tip_end, 0.0]]
+        yield PushFacts(**facts), PushRecord(poses, tips, [[0.0, 0.0, 0.0, 0.0]])  # type: ignore[arg-type]
 
 
 def _row(path: Path, facts: PushFacts, replay: Replay, isotropic: Replay) -> dict[str, Any]:
@@ -269,17 +330,3 @@ def _row(path: Path, facts: PushFacts, replay: Replay, isotropic: Replay) -> dic
         "leaving_agrees": replay.leaving_agrees,
         "path": str(path),
     }
-
-
-REPLAY_COLUMNS = (
-    *_FACTS, "error", "turn_error", "isotropic_error", "isotropic_turn_error",
-    "rms_error", "rms_turn_error", "measured_motion", "predicted_motion",
-    "measured_turn", "predicted_turn", "shift", "start_gap", "straightness", "strokes", "touched", "left",
-    "touch_agrees", "leaving_agrees", "path",
-)  # fmt: skip
-
-
-def _frame(rows: list[dict[str, Any]]) -> pandas.DataFrame:
-    import pandas
-
-    return pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS))

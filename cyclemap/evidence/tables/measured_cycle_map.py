@@ -9,23 +9,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import shorter_way
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw
 from cyclemap.evidence.orientations.circular_distance import circular_wasserstein, total_variation
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
+from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, angle_histogram, is_covered
 from cyclemap.evidence.tables.push_sets import FEWEST
-from cyclemap.evidence.tables.turn_pace import TurnPace, turn_pace
-from cyclemap.evidence.theta0.covered_arcs import is_covered
-from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
-from cyclemap.evidence.theta0.theta0_statistics import AngleHistogram, angle_histogram
 from cyclemap.maps import Orbit, fixed_points, slow_passages
 
-Array = NDArray[np.float64]
-FULL_TURN = 2 * np.pi
-
 DEFAULT_RUNS = 200
+# A predicted turn is followed for this many times the pushes that the measured one took, and some.
+_PATIENCE, _LEAST = 3, 60
 # Early and late are told an eighth of the run from its ends: polynomials are least certain at the very ends.
 EARLY, LATE = 0.125, 0.875
 # From here on the turns are counted: a new surface wears in during the first quarter.
@@ -42,6 +39,70 @@ _CROWD = 10
 _INSIDE = 0.98
 # Orientations that stand for all paths, and paths whose distance from these is measured.
 _POOLED, _COMPARED = 20_000, 40
+
+
+@dataclass(frozen=True, eq=False)
+class TurnPace:
+    """The full turns of a measured path, in order, each beside its prediction.
+
+    start : (k,) the cycle in which each turn began. measured : (k,) the pushes that it took.
+    predicted, lower, upper : (k,) median and central 95 % of the pushes that the worn map takes for the same turn,
+        begun in the same cycle at the same angle; inf where too many paths took longer than they were followed.
+    """
+
+    start: Array
+    measured: Array
+    predicted: Array
+    lower: Array
+    upper: Array
+
+    @property
+    def inside(self) -> float:
+        """The share of measured turns within the central 95 % of their predictions; NaN without turns."""
+        held = (self.lower <= self.measured) & (self.measured <= self.upper)
+        return float(np.mean(held)) if held.size else float("nan")
+
+
+def full_turns(path: Array, level: float = 0.0) -> NDArray[np.int64]:
+    """The places (k + 1,) in the path (m,), rad, unwrapped, where it first reaches level + 2πj for each next whole j.
+
+    A path that turns downward on the whole is read upside down. Empty where it passes no such level.
+
+    >>> full_turns(np.arange(20.0), level=1.0).tolist()
+    [1, 8, 14]
+    """
+    upward = path[-1] >= path[0]
+    climb, mark = (path, level) if upward else (-path, -level)
+    highest = np.maximum.accumulate(climb)
+    first = np.ceil((climb[0] - mark) / TWO_PI)
+    levels = mark + TWO_PI * np.arange(first, np.floor((highest[-1] - mark) / TWO_PI) + 1.0)
+    return np.searchsorted(highest, levels)
+
+
+def turn_pace(
+    fitted: FittedMap, path: Array, cycle: Array, level: float, runs: int = DEFAULT_RUNS, seed: int = 0
+) -> TurnPace:
+    """Time the turns of a path (m,), rad, whose entries were recorded in the cycles ``cycle`` (m,).
+
+    level : rad, where a turn begins and ends: best where the map is fast, so that jitter does not move the mark.
+    fitted : with wear (``fit_map(..., cycle=...)``). Each prediction is made of ``runs`` paths, from ``seed``.
+
+    Raises InvalidInput where the map was fitted without cycle numbers.
+    """
+    runs, sign = whole_number("runs", runs, least=1), 1.0 if path[-1] >= path[0] else -1.0
+    places = full_turns(path, level)
+    measured = np.diff(cycle[places])
+    quantiles = []
+    for k, (place, taken) in enumerate(zip(places[:-1], measured, strict=True)):
+        start, patience = float(path[place]), int(_PATIENCE * float(taken)) + _LEAST
+        # A turn begins a little past its mark: by so much less it has to climb to the next.
+        past = np.remainder(sign * start - sign * level, TWO_PI)
+        paths = fitted.paths(np.full(runs, start), patience, first=float(cycle[place]), seed=seed + k)
+        reached = sign * (paths - start) >= TWO_PI - past
+        pushes = np.where(reached.any(axis=1), np.argmax(reached, axis=1), np.inf)
+        quantiles.append(np.quantile(pushes, [0.025, 0.5, 0.975], method="inverted_cdf"))
+    low, middle, high = np.array(quantiles).reshape(-1, 3).T
+    return TurnPace(cycle[places[:-1]], measured, middle, low, high)
 
 
 @dataclass(frozen=True)
@@ -174,7 +235,7 @@ def map_state(pairs: Theta0Pairs, fitted: FittedMap, share: float) -> MapState:
     worn = fitted.wear
     cycle = float("nan") if worn is None else worn.first + share * (worn.last - worn.first)
     law = fitted.law if worn is None else worn.at(cycle)
-    theta = FULL_TURN * np.arange(_GRID) / _GRID
+    theta = TWO_PI * np.arange(_GRID) / _GRID
     seen, turn, error = is_covered(pairs.theta, theta), law(theta), _turn_error(pairs, fitted, law, theta)
     sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)
 
@@ -217,7 +278,7 @@ def _scatter_places(pairs: Theta0Pairs, fitted: FittedMap) -> tuple[tuple[float,
 
     Of fewer pairs in all, the largest crowds count.
     """
-    theta = FULL_TURN * np.arange(_GRID) / _GRID
+    theta = TWO_PI * np.arange(_GRID) / _GRID
     near = _near(pairs, theta)
     crowd = near.sum(axis=1)
     told = np.flatnonzero(is_covered(pairs.theta, theta) & (crowd > 0))
@@ -240,7 +301,7 @@ def _near(pairs: Theta0Pairs, theta: Array) -> NDArray[np.bool_]:
 
 
 def _nearest(theta: float) -> int:
-    return round(theta / FULL_TURN * _GRID) % _GRID
+    return round(theta / TWO_PI * _GRID) % _GRID
 
 
 def _least(values: Array, places: NDArray[np.int64]) -> int:
@@ -286,7 +347,7 @@ def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) ->
 
 def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> WornForecast | None:
     path, cycle = pairs.path, pairs.path_cycle
-    if path is None or cycle is None or fitted.wear is None or np.any(np.diff(cycle) <= 0.0):
+    if pairs.cycle is None or path is None or cycle is None or fitted.wear is None or np.any(np.diff(cycle) <= 0.0):
         return None
     last = int(cycle[-1] - cycle[0])
     begin = int(np.searchsorted(cycle, cycle[0] + WORN_IN * last))
@@ -294,40 +355,26 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
     whole = fitted.paths(np.full(runs, path[0]), last, float(cycle[0]), seed + 1)
     if np.mean(is_covered(pairs.theta, whole)) < _INSIDE:
         return None
-    tv, apart, chance = _distances(path, whole)
+    # Angles that stand for all paths.
+    pooled = whole[:, :: max(1, whole.size // _POOLED)].ravel()
+    # Full turns climbed in cycles that no fitted pair covers.
+    left_out = path[-1] - path[begin] - float(np.sum(pairs.turn[pairs.cycle >= cycle[begin]]))
+    around = TWO_PI * np.arange(_GRID) / _GRID
+    fastest = float(around[np.argmax(np.abs(fitted.map.turn(around)))])
     lower, upper = np.quantile(whole, [0.025, 0.975], axis=0)
     return WornForecast(
         first_cycle=float(cycle[begin]),
-        measured_turns=float(path[-1] - path[begin]) / FULL_TURN,
-        left_out_turns=_left_out(pairs, path, cycle, begin),
-        turns=(counted[:, -1] - counted[:, 0]) / FULL_TURN,
+        measured_turns=float(path[-1] - path[begin]) / TWO_PI,
+        left_out_turns=float(left_out) / TWO_PI,
+        turns=(counted[:, -1] - counted[:, 0]) / TWO_PI,
         measured=np.interp(cycle[0] + np.arange(last + 1.0), cycle, path),
         run=whole[0],
         lower=lower,
         upper=upper,
         measured_histogram=angle_histogram(path),
         histogram=angle_histogram(whole.ravel()),
-        total_variation=tv,
-        wasserstein=apart,
-        run_distances=chance,
-        pace=turn_pace(fitted, path, cycle, _fastest(fitted), runs, seed + 2),
+        total_variation=float(total_variation(path, whole.ravel())),
+        wasserstein=float(circular_wasserstein(path, pooled)),
+        run_distances=np.array([float(circular_wasserstein(one, pooled)) for one in whole[:_COMPARED]]),
+        pace=turn_pace(fitted, path, cycle, fastest, runs, seed + 2),
     )
-
-
-def _left_out(pairs: Theta0Pairs, path: Array, cycle: Array, begin: int) -> float:
-    """Full turns climbed from the entry ``begin`` on in cycles that no fitted pair covers."""
-    assert pairs.cycle is not None
-    covered = float(np.sum(pairs.turn[pairs.cycle >= cycle[begin]]))
-    return float(path[-1] - path[begin] - covered) / FULL_TURN
-
-
-def _distances(path: Array, paths: Array) -> tuple[float, float, Array]:
-    """Total variation and Wasserstein distance of the path from all paths, and the latter of each of them."""
-    pooled = paths[:, :: max(1, paths.size // _POOLED)].ravel()
-    each = np.array([float(circular_wasserstein(one, pooled)) for one in paths[:_COMPARED]])
-    return float(total_variation(path, paths.ravel())), float(circular_wasserstein(path, pooled)), each
-
-
-def _fastest(fitted: FittedMap) -> float:
-    theta = FULL_TURN * np.arange(_GRID) / _GRID
-    return float(theta[np.argmax(np.abs(fitted.map.turn(theta)))])

@@ -1,4 +1,4 @@
-"""A collection's pushes, parted into the sets that were pushed alike."""
+"""A collection's pushes, parted into the sets that were pushed alike, and how much equal pushes differ."""
 
 from __future__ import annotations
 
@@ -9,24 +9,26 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
-from cyclemap.arrays import shorter_way
+from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable
-from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs, read_theta0_pairs
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.suggestions import unknown_name
 
 if TYPE_CHECKING:
     import pandas
 
-Array = NDArray[np.float64]
 
 # The fewest pushes to which a law is fitted with an order of its own choice: two a fold.
 FEWEST = 20
 SURROUNDINGS = ("surface", "object", "acceleration", "speed")
 CONTACT = ("side", "fraction", "angle")
 _TEXT = ("surface", "object")
+QUANTITIES = ("dtheta", "dx", "dy")
+# Two values have a spread; nobody should quote that of fewer than this many.
+FEWEST_FOR_SPREAD = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,12 +64,10 @@ class PushSet:
         return bool(np.isfinite(self.dtheta).any())
 
 
-def push_sets(
-    pushes: PushTable, select: Mapping[str, str | float] | None = None, fewest: int = FEWEST
-) -> tuple[PushSet, ...]:
+def push_sets(pushes: PushTable, select: Mapping[str, str | float] | None = None) -> tuple[PushSet, ...]:
     """Part the pushes into sets pushed alike: same folder (or CSV table), surface, object, speed and contact.
 
-    Where no set of a folder has ``fewest`` pushes, no push was repeated there often enough: its sets are then pooled
+    Where no set of a folder has 20 pushes, no push was repeated there often enough: its sets are then pooled
     over the contacts, and say so in ``contacts``.
     select : columns of ``SURROUNDINGS`` and ``CONTACT`` with the one value to keep, SI units and radians.
 
@@ -79,7 +79,7 @@ def push_sets(
     for home in dict.fromkeys(homes):
         rows = table[[other == home for other in homes]]
         parts = _parted(rows, (*SURROUNDINGS, *CONTACT))
-        repeated = any(len(part) >= fewest for part in parts)
+        repeated = any(len(part) >= FEWEST for part in parts)
         gathered += [(home, part) for part in (parts if repeated else _parted(rows, SURROUNDINGS))]
     names = _names([(Path(home), _shared_facts(part)) for home, part in gathered])
     return tuple(_push_set(name, Path(home), part) for name, (home, part) in zip(names, gathered, strict=True))
@@ -166,3 +166,55 @@ def _facts_name(facts: Mapping[str, Any]) -> str:
     letters |= {"fraction": ("s", 1.0), "angle": ("t", 1.0)}
     told = {letter: facts[key] * unit for key, (letter, unit) in letters.items() if key in facts}
     return " ".join(f"{letter}={value:g}" for letter, value in told.items() if letter != "a" or value)
+
+
+@dataclass(frozen=True)
+class MotionStatistics:
+    """Mean and standard deviation (n - 1 in its divisor) of one quantity: Δθ in rad, Δx or Δy in m."""
+
+    count: int
+    mean: float
+    std: float
+
+    @property
+    def percent(self) -> float:
+        """The standard deviation in per cent of the mean's size; inf for a mean of 0."""
+        return 100.0 * self.std / abs(self.mean) if self.mean != 0.0 else float("inf")
+
+
+@dataclass(frozen=True)
+class PushStatistics:
+    """A row of the table: a set's name, its count, its statistics, and what is wrong with it, else None."""
+
+    name: str
+    count: int
+    dtheta: MotionStatistics | None
+    dx: MotionStatistics | None
+    dy: MotionStatistics | None
+    problem: str | None = None
+
+
+def motion_statistics(value: ArrayLike) -> MotionStatistics:
+    """The statistics of the values (n,) that are known: NaN is passed over.
+
+    Raises InvalidInput for fewer than two known values.
+
+    >>> row = motion_statistics([1.0, 2.0, 3.0, np.nan])
+    >>> row.count, row.mean, row.std, row.percent
+    (3, 2.0, 1.0, 50.0)
+    """
+    values = np.asarray(value, dtype=float).ravel()
+    known = values[np.isfinite(values)]
+    if known.size < 2:
+        raise InvalidInput(f"{known.size} known values have no spread; give at least two")
+    return MotionStatistics(known.size, float(np.mean(known)), float(np.std(known, ddof=1)))
+
+
+def push_statistics(pushes: PushSet) -> PushStatistics:
+    """The set's row of the table; with fewer than five pushes of known motion it has a problem and no numbers."""
+    known = int(np.sum(np.isfinite(pushes.dtheta)))
+    if known < FEWEST_FOR_SPREAD:
+        reason = f"too few pushes with a known end for a spread: {known} of {FEWEST_FOR_SPREAD}"
+        return PushStatistics(pushes.name, pushes.count, None, None, None, reason)
+    dtheta, dx, dy = (motion_statistics(getattr(pushes, quantity)) for quantity in QUANTITIES)
+    return PushStatistics(pushes.name, pushes.count, dtheta, dx, dy)

@@ -11,8 +11,8 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
-from cyclemap.evidence.theta0.covered_arcs import covered_arcs
-from cyclemap.evidence.theta0.theta0_pairs import read_theta0_pairs
+from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
+from cyclemap.evidence.pushes.theta0_statistics import covered_arcs
 from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
 from cyclemap.text_files import read_csv_table
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.maps import CircleMap
 
 CELLS = 720  # the circle is told in cells of half a degree

@@ -14,8 +14,7 @@ from typing import BinaryIO, Protocol
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.own_tables import is_own, read_orientations
-from cyclemap.evidence.pushes.push_files import SUFFIXES, read_push_file
-from cyclemap.evidence.pushes.push_record import PushRecord
+from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.resets.monitor.bias_monitor import LARGEST_ORIENTATION
 from cyclemap.text_files import CsvRow, CsvTable
 from cyclemap.whole_files import UNFINISHED_SUFFIX

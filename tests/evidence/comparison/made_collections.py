@@ -4,7 +4,7 @@ import numpy as np
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
-from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, sample_staircase
 
 SINE, NOISE = CircleMap.arnold(0.11, 0.6), WrappedNormal(0.15)

@@ -13,12 +13,11 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
 from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
 from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock
+from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.priors import usual_beliefs
-from cyclemap.evidence.identification.starting_space import starting_space
-from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
-from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
-from cyclemap.evidence.simulation.simulated_collection import simulate_collection
+from cyclemap.evidence.identification.surface_parameters import SurfaceParameters, starting_space
+from cyclemap.evidence.recorded_push import RecordingNoise
+from cyclemap.evidence.simulated_collection import simulate_collection
 from cyclemap.mechanics import EllipseFriction, FoundWith, Material, PlatePressure, load_material
 
 pytestmark = pytest.mark.slow

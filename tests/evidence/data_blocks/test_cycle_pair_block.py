@@ -5,12 +5,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.cycle_pair_block import (
-    CYCLE_UNKNOWNS,
-    CyclePairBlock,
-    blocks_of_cycles,
-    loop_on,
-)
+from cyclemap.evidence.data_blocks.cycle_pair_block import CYCLE_UNKNOWNS, CyclePairBlock, blocks_of_cycles, loop_on
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 
 MIT = CollectionLoop.mit()

@@ -8,17 +8,11 @@ import pytest
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.force_ratio_block import (
-    RATIO_KIND,
-    force_ratio_block,
-    pusher_friction_from_forces,
-    sliding_forces,
-)
+from cyclemap.evidence.data_blocks.force_ratio_block import RATIO_KIND, force_ratio_block, sliding_forces
+from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, contact_samples
-from cyclemap.evidence.pushes.push_record import PushRecord
-from cyclemap.evidence.pushes.push_writer import write_push_file
-from cyclemap.evidence.simulation.recorded_motion import Recording, RecordingNoise
-from cyclemap.evidence.simulation.recorded_push import record_push
+from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
+from cyclemap.evidence.recorded_push import Recording, RecordingNoise, record_push
 from cyclemap.mechanics import Slider
 
 SQUARE = Slider.mit("rect1").outline_points(4)
@@ -90,16 +84,23 @@ def test_the_slip_of_a_made_push_is_what_made_it_and_rolling_is_none(slip: float
     assert np.allclose(samples.slip[130:225], slip, atol=2e-3)
 
 
+def friction_of(records, outline=SQUARE):
+    """The friction of the rod, identified from the forces of records alone."""
+    sliding = sliding_forces([(record, outline) for record in records])
+    return identify([force_ratio_block(sliding)], ["pusher_friction"], starts=1)["pusher_friction"]
+
+
 def test_pushes_of_the_mechanics_without_noise_give_the_rods_friction(collection) -> None:
-    found = pusher_friction_from_forces(recorded(collection, QUIET), SQUARE)
-    assert found.value == pytest.approx(collection[2], abs=1e-4)
-    assert found.pushes == found.sliding_pushes == 4
-    assert found.sliding_samples > 1000 and found.sticking_samples > 1000
+    records = recorded(collection, QUIET)
+    assert friction_of(records).value == pytest.approx(collection[2], abs=1e-4)
+    sliding = sliding_forces([(record, SQUARE) for record in records])
+    assert set(sliding.push) == {0, 1, 2, 3}
+    assert sliding.samples.sum() > 1000 and sliding.sticking > 1000
 
 
 def test_noise_does_not_bias_the_friction_as_it_does_the_median_ratio(collection) -> None:
     records = [recorded(collection, NOISE, seed) for seed in range(8)]
-    found = [pusher_friction_from_forces(pushes, SQUARE) for pushes in records]
+    found = [friction_of(pushes) for pushes in records]
     assert np.mean([one.value for one in found]) == pytest.approx(collection[2], abs=5e-4)
     medians = [contact_force_ratio(record, SQUARE) for pushes in records for record in pushes]
     assert np.mean(medians) < collection[2] - 0.01
@@ -116,28 +117,10 @@ def test_intervals_cover_in_90_to_99_percent_of_runs_where_the_friction_varies_f
             made_record(NOISE, (run, number), factor, slip=(-1) ** number * 0.4, samples=300)
             for number, factor in enumerate(factors.tolist())
         ]
-        found = pusher_friction_from_forces(records, SQUARE)
-        assert found.sliding_pushes == 4
+        found = friction_of(records)
         held.append(found.lower < MU < found.upper)
     assert len(held) == 200
     assert 0.9 <= np.mean(held) <= 0.99
-
-
-def test_a_push_that_sticks_all_along_bounds_the_friction_and_says_that_it_is_not_identifiable() -> None:
-    found = pusher_friction_from_forces([made_record(slip=0.01)], SQUARE)
-    assert not found.identifiable and math.isnan(found.value)
-    assert (found.lower, found.upper) == (0.0, math.inf)
-    assert str(found).startswith("not identifiable: no push slides; while sticking the ratio reached 0.15")
-    assert found.sliding_samples == 0 and found.sticking_samples == 150
-
-
-def test_forces_that_are_missing_or_go_with_the_wrong_sign_are_told() -> None:
-    record = made_record()
-    slack = PushRecord(record.object_pose, record.tip_pose, record.ft_wrench * np.array([1.0, 0.0, 0.0, 0.0]))
-    assert str(pusher_friction_from_forces([slack], SQUARE)).startswith("not identifiable: no push has a normal force")
-    against = pusher_friction_from_forces([made_record(mu_factor=-1.0, samples=500)], SQUARE)
-    assert any("against the slip" in note for note in against.notes)
-    assert any("one push alone" in note for note in against.notes)
 
 
 def test_groups_are_pushes_and_the_pieces_of_one_push_alone_its_pieces() -> None:
@@ -150,35 +133,28 @@ def test_groups_are_pushes_and_the_pieces_of_one_push_alone_its_pieces() -> None
     assert np.allclose(both.ratio, MU, atol=1e-9)
 
 
-def test_files_bring_their_outline_by_name(tmp_path) -> None:
-    for number in range(2):
-        name = f"motion_surface=plywood_shape=rect1_a=0_v=20_i=0.000_s=0.700_t=0.000_rep={number:04d}.json"
-        write_push_file(tmp_path / name, made_record(samples=500, seed=number, noise=NOISE))
-    found = pusher_friction_from_forces(tmp_path)
-    assert found.sliding_pushes == 2
-    assert found.value == pytest.approx(MU, abs=0.01)
-    assert any("few independent groups" in note for note in found.notes)
-
-
-def test_what_cannot_be_used_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="need the outline"):
-        pusher_friction_from_forces([made_record()])
-    with pytest.raises(InvalidInput, match="no push of an object of known outline"):
-        pusher_friction_from_forces([], SQUARE)
-    with pytest.raises(InvalidInput, match="no push slides"):
-        force_ratio_block(sliding_forces([(made_record(slip=0.01), SQUARE)]))
-    with pytest.raises(InvalidInput, match="rod radius must be positive"):
-        pusher_friction_from_forces([made_record()], SQUARE, rod_radius=0.0)
+def test_a_push_that_sticks_all_along_or_has_no_normal_force_does_not_slide() -> None:
+    record = made_record()
+    slack = PushRecord(record.object_pose, record.tip_pose, record.ft_wrench * np.array([1.0, 0.0, 0.0, 0.0]))
+    assert sliding_forces([(made_record(slip=0.01), SQUARE)]).sticking == 150
+    for one in (made_record(slip=0.01), slack):
+        with pytest.raises(InvalidInput, match="no push slides"):
+            force_ratio_block(sliding_forces([(one, SQUARE)]))
 
 
 @pytest.mark.slow
 def test_the_measured_files_of_the_hexagon_agree_on_a_friction_near_a_fifth(measured_data) -> None:
     """The forces of the rect1 files are unusable, and are not taken for friction."""
-    folder = measured_data / "mit_files"
-    rect1 = sorted(folder.glob("*shape=rect1*"))
-    assert len(rect1) == 13
-    assert not any(pusher_friction_from_forces(path).identifiable for path in rect1)
-    found = [pusher_friction_from_forces(path) for path in sorted(folder.glob("*shape=hex*"))]
-    values = [one.value for one in found if one.identifiable]
+
+    def pieces(shape):
+        files = sorted((measured_data / "mit_files").glob(f"*shape={shape}*"))
+        outline = Slider.mit(shape).outline_points(360)
+        return [sliding_forces([(read_push_file(file), outline)]) for file in files]
+
+    assert [one.ratio.size < 2 for one in pieces("rect1")] == [True] * 13
+    found = [
+        identify([force_ratio_block(one)], ["pusher_friction"], starts=1) for one in pieces("hex") if one.ratio.size > 1
+    ]
+    values = [one["pusher_friction"].value for one in found]
     assert len(values) >= 10
     assert all(0.15 < value < 0.27 for value in values)

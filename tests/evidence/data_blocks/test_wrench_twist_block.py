@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.data_blocks.wrench_twist_block import (
+from cyclemap.evidence.data_blocks.force_blocks import (
     FORCE_KIND,
     TORQUE_KIND,
     WrenchTwists,
@@ -14,11 +14,12 @@ from cyclemap.evidence.data_blocks.wrench_twist_block import (
     wrench_twist_block,
 )
 from cyclemap.evidence.identification.cross_validation import random_folds
-from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
+from cyclemap.evidence.identification.data_block import JointProblem
+from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE
+from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Slider
 
 SQUARE = Slider.mit("rect1").outline
@@ -90,7 +91,7 @@ def test_the_place_of_contact_is_where_the_force_enters_the_outline() -> None:
     force = 2.0 * inward + 0.3 * edge
     torque = point[:, 0] * force[:, 1] - point[:, 1] * force[:, 0]
     data = WrenchTwists(np.column_stack([force, torque]), np.column_stack([0.01 * inward, np.zeros(40)]))
-    assert data.contact_pieces(SQUARE, 40).tolist() == list(range(40))
+    assert data.contact_pieces(SQUARE).tolist() == list(range(40))
     missing = WrenchTwists([[1.0, 0.0, 0.2], [0.0, 0.0, 1.0]], [[0.01, 0.0, 0.0], [0.0, 0.0, 0.1]])
     assert missing.contact_pieces(SQUARE).tolist() == [-1, -1]
 

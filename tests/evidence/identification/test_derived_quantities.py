@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.evidence.data_blocks.friction_scan_block import friction_ellipse_from_scans
-from cyclemap.evidence.identification.derived_quantities import derived_quantities, sampled_surfaces
-from cyclemap.evidence.identification.identification import Identification
+from cyclemap.evidence.data_blocks.force_blocks import friction_ellipse_from_scans
+from cyclemap.evidence.identification.identify import Identification
 from cyclemap.evidence.identification.surface_parameters import SURFACE
+from cyclemap.evidence.identified_curves import derived_quantities, sampled_values
 from cyclemap.mechanics import EllipseFriction
 
 LAW = EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6)
@@ -82,9 +82,9 @@ def test_a_direction_at_the_end_of_its_range_has_an_interval_around_it() -> None
 
 def test_samples_scatter_as_the_covariance_says() -> None:
     found = identified(LAW, 0.05)
-    surfaces = sampled_surfaces(found, 4000, seed=3)
-    assert len(surfaces) == 4000
-    drawn = np.array([[getattr(surface, name) for name in SURFACE.names[:5]] for surface in surfaces])
+    values = sampled_values(found, 4000, seed=3)
+    assert len(values) == 4000
+    drawn = np.array([[one[name] for name in SURFACE.names[:5]] for one in values])
     assert np.mean(drawn, axis=0) == pytest.approx(found.fit.vector, abs=4e-4)
     freedom = found.uncertainty.freedom
     assert np.all(freedom > 20.0)

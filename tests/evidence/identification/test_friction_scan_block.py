@@ -9,18 +9,16 @@ from stand_ins import ELLIPSE, complex_traction
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.data_blocks.friction_scan_block import (
-    SCAN_KIND,
-    friction_ellipse_from_scans,
-    friction_scan_block,
-)
-from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
-from cyclemap.evidence.identification.joint_problem import JointProblem
+from cyclemap.evidence.data_blocks.force_blocks import SCAN_KIND, friction_ellipse_from_scans, friction_scan_block
+from cyclemap.evidence.identification.data_block import JointProblem
+from cyclemap.evidence.identification.identifiability import uncertainty
+from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
+from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.pushes.push_table import load_pushes
-from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
-from cyclemap.evidence.simulation.simulated_collection import simulate_collection
+from cyclemap.evidence.recorded_push import RecordingNoise
+from cyclemap.evidence.simulated_collection import simulate_collection
 from cyclemap.mechanics import load_material
 
 FRICTION, WEIGHT = load_material("plywood").friction, 8.2
@@ -53,7 +51,7 @@ def test_scans_of_a_simulated_collection_give_the_table_of_the_paper_within_thei
     """Ma & Rodriguez (2018), Table I, plywood; the law's angle is known up to a half turn, which turns m0, n0."""
     scans, weight = collection
     assert len(scans) == 144
-    found = friction_ellipse_from_scans(scans, weight, folds=6)
+    found = identify([friction_scan_block(scans, weight)], ELLIPSE, starts=4, folds=6)
     assert found.converged and found.starts.arrived == 4
     for name in ELLIPSE:
         estimate, truth = found[name], TRUTH.values()[name]

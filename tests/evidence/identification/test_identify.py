@@ -1,20 +1,20 @@
 """Identification gives back what made the data, its intervals hold as often as they say, and it tells its doubts."""
 
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, motion_block
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import FunctionBlock, Values
-from cyclemap.evidence.identification.identifiability import student_quantile, uncertainty
+from cyclemap.evidence.identification.data_block import FunctionBlock, JointProblem, Values
+from cyclemap.evidence.identification.identifiability import uncertainty
 from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.joint_problem import JointProblem
 from cyclemap.evidence.identification.least_squares import Fit, fit_with_noise
-from cyclemap.evidence.identification.parameter_space import Parameter
-from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
-from cyclemap.evidence.identified.identified_material import identified_material
+from cyclemap.evidence.identification.surface_parameters import SURFACE, Parameter, SurfaceParameters
+from cyclemap.evidence.identified_material import identified_material
+from cyclemap.evidence.laws.linear_fit import student_quantile
 
 NAMES = (*ELLIPSE, "pusher_friction", "rim_share")
 SPACE = SURFACE.select(NAMES)
@@ -132,7 +132,7 @@ def test_a_block_brings_parameters_of_its_own() -> None:
 
 
 def test_a_value_on_its_bound_says_which() -> None:
-    space = SURFACE.bounded("rim_share", 0.45, 0.9)
+    space = SURFACE.extended(replace(SURFACE["rim_share"], lower=0.45, upper=0.9, start=0.675, nominal=0.45))
     found = identify(blocks(0.005), NAMES, starts=2, space=space)
     assert found["rim_share"].at_bound == "lower"
     assert found["rim_share"].lower_open

@@ -1,16 +1,15 @@
 """Least squares finds parameters exactly, weighs kinds by their noise, and survives starts without an answer."""
 
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence.identification.data_block import FunctionBlock, Values
-from cyclemap.evidence.identification.joint_problem import JointProblem
-from cyclemap.evidence.identification.least_squares import fit_with_noise, multi_start, spread_starts
-from cyclemap.evidence.identification.noise_scales import NoiseLaw
+from cyclemap.evidence.identification.data_block import FunctionBlock, JointProblem, Values
+from cyclemap.evidence.identification.least_squares import NoiseLaw, fit_with_noise, multi_start, spread_starts
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
 
 SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
@@ -91,7 +90,8 @@ def test_turning_the_world_turns_the_answer() -> None:
 
 
 def test_a_truth_beyond_a_bound_ends_on_it_and_says_so() -> None:
-    problem = JointProblem((force_block(), motion_block()), SPACE.bounded("rim_share", 0.45, 0.9), {})
+    narrow = replace(SPACE["rim_share"], lower=0.45, upper=0.9, start=0.675, nominal=0.45)
+    problem = JointProblem((force_block(), motion_block()), SPACE.extended(narrow), {})
     fit = fit_with_noise(problem, problem.space.start)
     assert fit.on_bounds == ("rim_share",)
     assert abs(fit.vector[-1] - 0.45) < 1e-3

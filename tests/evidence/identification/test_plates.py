@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, predicted_push_ends, push_end_block, surface_model
-from cyclemap.evidence.identification.data_block import PlateBlock
+from cyclemap.evidence.identification.data_block import PlateBlock, usual_beliefs
 from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.priors import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE, SurfaceParameters
-from cyclemap.evidence.identified.identified_material import identified_material
+from cyclemap.evidence.identified_material import identified_material
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
 from cyclemap.mechanics import Pose, Slider
 

@@ -8,10 +8,11 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.parameter_space import Parameter, ParameterSpace
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SURFACE,
+    Parameter,
+    ParameterSpace,
     SurfaceParameters,
 )
 from cyclemap.mechanics import EllipseFriction, Material
@@ -124,10 +125,9 @@ def test_every_parameter_of_a_surface_has_bounds_a_unit_and_words_and_a_start_be
     assert SurfaceParameters.from_values({**SURFACE.nominal, "tilt": 1.0}) == SurfaceParameters()
 
 
-def test_a_space_selects_extends_and_bounds_by_name() -> None:
+def test_a_space_selects_and_extends_by_name() -> None:
     space = SURFACE.extended(Parameter("bias", "a shift", "m", -1.0, 1.0, 0.0, 0.1)).select(("bias", "rim_share"))
     assert space.names == ("bias", "rim_share")
-    assert space.bounded("bias", 0.5, 1.5)["bias"].start == 1.0
     assert space.values(space.vector({"rim_share": 0.1, "bias": 2.0, "other": 3.0})) == {"bias": 2.0, "rim_share": 0.1}
 
 

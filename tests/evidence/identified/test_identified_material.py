@@ -6,7 +6,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.data_blocks.stroke_block import predicted_push_ends, push_end_block, surface_model
 from cyclemap.evidence.identification.identify import identify
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
-from cyclemap.evidence.identified.identified_material import identified_material
+from cyclemap.evidence.identified_material import identified_material
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
 from cyclemap.mechanics import Pose, Slider
 

@@ -9,7 +9,7 @@ import pytest
 from cyclemap.collection import CollectionLoop, drifting_map, worn_loop
 from cyclemap.evidence import read_theta0_pairs, turn_bins
 from cyclemap.evidence.comparison.prediction import Prediction
-from cyclemap.evidence.theta0.theta0_pairs import Theta0Pairs
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import DriftingMap, LocalNoise, WrappedNormal, sample_staircases
 from cyclemap.mechanics import load_material
 

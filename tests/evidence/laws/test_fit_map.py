@@ -1,4 +1,4 @@
-"""The fitted cycle map and its wear: made series whose map is known, and the measured plywood staircase."""
+"""Maps fitted to pairs come near those that made them, worn or not, and so does their staircase."""
 
 from functools import cache
 from pathlib import Path
@@ -6,12 +6,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence import HarmonicMap, Theta0Pairs, harmonic_map, measured_staircase, read_theta0_pairs
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map
-from cyclemap.evidence.laws.periodic_basis import fourier_columns
+from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.wear import fit_worn_law
-from cyclemap.evidence.theta0.theta0_pairs import read_theta0_pairs
-from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, fixed_points, sample_staircase, sample_staircases
+from cyclemap.maps import (
+    CircleMap,
+    DriftingMap,
+    WrappedNormal,
+    fixed_points,
+    predict_staircase,
+    sample_staircase,
+    sample_staircases,
+)
 
 TURN = 2 * np.pi
 GRID = np.linspace(0.0, TURN, 90, endpoint=False)
@@ -223,3 +232,103 @@ def test_the_worn_plywood_map_takes_fewer_and_fewer_pushes_a_turn_as_measured(me
 def test_basis_of_nested_orders_is_orthogonal_over_equal_angles() -> None:
     columns = fourier_columns(GRID, 5)
     assert np.allclose(columns.T @ columns, np.diag([90.0] + [45.0] * 10), atol=1e-12)
+
+
+def turn(theta: np.ndarray) -> np.ndarray:
+    return 0.1 + 0.2 * np.cos(theta - 0.4) - 0.15 * np.sin(2 * theta) + 0.05 * np.cos(6 * theta)
+
+
+def noisy(sigma: float, count: int = 20_000, seed: int = 7) -> Theta0Pairs:
+    random = np.random.default_rng(seed)
+    theta = random.uniform(-TURN, 3 * TURN, count)
+    return Theta0Pairs(theta, theta + turn(theta) + sigma * random.standard_normal(count))
+
+
+def worst(fitted: HarmonicMap) -> float:
+    theta = np.linspace(0, TURN, 500)
+    return float(np.max(np.abs(fitted.map.turn(theta) - turn(theta))))
+
+
+def test_without_noise_the_map_is_found_exactly_and_the_scatter_is_nothing() -> None:
+    fitted = harmonic_map(noisy(0.0, 500))
+    assert worst(fitted) < 1e-13
+    assert fitted.sigma < 1e-14
+
+
+def test_the_scatter_is_the_noise() -> None:
+    # The relative standard error of a standard deviation is 1/sqrt(2n) = 0.5 %; four of them are allowed.
+    assert harmonic_map(noisy(0.02)).sigma == pytest.approx(0.02, rel=0.02)
+
+
+@pytest.mark.slow
+def test_the_error_falls_with_the_root_of_the_number_of_pairs() -> None:
+    counts = np.array([500, 2_000, 8_000, 32_000])
+    errors = [np.mean([worst(harmonic_map(noisy(0.05, n, seed))) for seed in range(8)]) for n in counts]
+    order = np.polyfit(np.log(counts), np.log(errors), 1)[0]
+    assert order == pytest.approx(-0.5, abs=0.12)
+
+
+def test_its_derivative_is_its_own_slope() -> None:
+    fitted = harmonic_map(noisy(0.02, 500)).map
+    theta, step = np.linspace(0, TURN, 50), 1e-5
+    slope = (fitted(theta + step) - fitted(theta - step)) / (2 * step)
+    assert np.allclose(fitted.derivative(theta), slope, atol=1e-9)
+
+
+def test_pairs_that_do_not_fix_the_coefficients_are_refused() -> None:
+    with pytest.raises(InvalidInput, match="13 coefficients"):
+        harmonic_map(noisy(0.1, 13))
+    crowded = Theta0Pairs(np.full(50, 1.0), np.full(50, 1.1))
+    with pytest.raises(InvalidInput, match="fix 1 of 13"):
+        harmonic_map(crowded)
+
+
+def test_default_noise_is_the_scatter_of_measured_plywood(measured_data: Path) -> None:
+    pairs = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv")
+    assert harmonic_map(pairs).sigma == pytest.approx(DEFAULT_SIGMA, rel=0.02)
+
+
+MAP, NOISE = CircleMap.arnold(0.11, 0.6), WrappedNormal(0.03)
+
+
+def made(cycles: int = 4_000) -> Theta0Pairs:
+    path = sample_staircase(MAP, NOISE, cycles, seed=2).theta
+    return Theta0Pairs(path[:-1], path[1:], path)
+
+
+@pytest.mark.slow
+def test_the_law_behind_made_data_is_found_again() -> None:
+    found, truth = measured_staircase(made()), predict_staircase(MAP, NOISE)
+    assert found.fitted.sigma == pytest.approx(NOISE.sigma, rel=0.05)
+    assert found.prediction.step == truth.step
+    assert found.prediction.mean_residence_cycles == pytest.approx(truth.mean_residence_cycles, rel=0.1)
+    assert found.comparison.visits[0].mean_p_value > 0.01
+    assert abs(found.comparison.net_steps - found.comparison.expected_steps) < 4 * found.comparison.net_error
+
+
+def test_the_pace_of_a_turn_is_that_of_the_whole_path() -> None:
+    pairs = made()
+    climbed = (pairs.path[-1] - pairs.path[0]) / (2 * np.pi)
+    assert measured_staircase(pairs).cycles_a_turn == pytest.approx(4_000 / climbed)
+
+
+@pytest.mark.slow
+def test_measured_plywood_climbs_in_whole_turns_as_its_fitted_map_predicts(measured_data: Path) -> None:
+    found = measured_staircase(read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv"))
+    assert np.rad2deg(found.prediction.step) == pytest.approx(360.0)
+    assert np.rad2deg(np.median(found.steps.heights)) == pytest.approx(360.0, abs=1.0)
+    assert found.prediction.mean_residence_cycles == pytest.approx(82.0, abs=2.0)
+    visit = found.comparison.visits[0]
+    assert abs(visit.mean - visit.predicted) < 2 * visit.standard_error
+
+
+def test_pairs_in_no_order_make_no_staircase() -> None:
+    theta = np.linspace(0, 6, 50)
+    with pytest.raises(InvalidInput, match="no known order"):
+        measured_staircase(Theta0Pairs(theta, theta + 0.1))
+
+
+def test_turns_without_scatter_are_no_measurement() -> None:
+    path = np.arange(50) * 1.0
+    with pytest.raises(InvalidInput, match="no measurement"):
+        measured_staircase(Theta0Pairs(path[:-1], path[1:], path))

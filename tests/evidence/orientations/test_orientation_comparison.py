@@ -7,8 +7,13 @@ import pytest
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import harmonic_map, read_theta0_pairs
-from cyclemap.evidence.orientations.orientation_comparison import compare_orientations, effective_count
-from cyclemap.evidence.orientations.orientation_modes import angle_between, kernel_modes, nearest_modes
+from cyclemap.evidence.orientations.orientation_comparison import (
+    angle_between,
+    compare_orientations,
+    effective_count,
+    kernel_modes,
+    nearest_modes,
+)
 from cyclemap.maps import (
     CircleMap,
     UniformNoise,

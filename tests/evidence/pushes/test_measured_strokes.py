@@ -6,11 +6,7 @@ from pathlib import Path
 import pytest
 
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.measured_strokes import (
-    MeasuredPush,
-    read_measured_drags,
-    read_measured_pushes,
-)
+from cyclemap.evidence.pushes.measured_strokes import MeasuredPush, read_measured_drags, read_measured_pushes
 from cyclemap.mechanics import Pose
 
 HEADER = "surface,shape,i,s,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1,tip_err_mm"
@@ -31,8 +27,8 @@ def written(folder: Path, *rows: str, header: str = HEADER) -> Path:
 def test_rows_of_other_objects_and_of_missed_pushes_are_left_out(tmp_path: Path) -> None:
     pushes = read_measured_pushes(written(tmp_path, *ROWS), {"surface": "abs", "shape": "rect1"})
     assert [push.contact for push in pushes] == [0, 1]
-    everything = read_measured_pushes(written(tmp_path, *ROWS), {"shape": "rect1"}, largest_tip_error=0.01)
-    assert [push.contact for push in everything] == [0, 0, 1]
+    repeated = read_measured_pushes(written(tmp_path, ROWS[0], *ROWS), {"shape": "rect1"})
+    assert [push.contact for push in repeated] == [0, 0, 1]
 
 
 def test_the_last_orientation_is_the_one_nearest_to_the_first(tmp_path: Path) -> None:

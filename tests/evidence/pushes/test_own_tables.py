@@ -12,7 +12,7 @@ import pytest
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence import load_pushes
 from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
-from cyclemap.evidence.theta0.theta0_pairs import read_theta0_pairs
+from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 
 pandas = pytest.importorskip("pandas")
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cyclemap.evidence.pushes.push_record import PushRecord
+from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider
 
 FRICTION = EllipseFriction.isotropic(0.25)

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from made_replays import FRICTION, model_of
 
-from cyclemap.evidence.replay.curve_strokes import push_curve_along
-from cyclemap.evidence.replay.cut_curve import cut_curve, is_cut_curve
-from cyclemap.evidence.replay.shapes import butter_outline, butter_slider, dataset_sliders
-from cyclemap.evidence.replay.stroke_chain import push_along
+from cyclemap.evidence.replay.replay_table import butter_outline, butter_slider, dataset_sliders
+from cyclemap.evidence.replay.stroke_chain import cut_curve, is_cut_curve, push_along, push_curve_along
 from cyclemap.mechanics import Pose, Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.footprint import PatchFootprint
 from cyclemap.mechanics.outline import Ellipse, Polygon

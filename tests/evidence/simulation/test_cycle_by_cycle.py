@@ -8,8 +8,8 @@ import pytest
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_table import load_pushes
-from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
-from cyclemap.evidence.simulation.simulated_collection import simulate_collection
+from cyclemap.evidence.recorded_push import RecordingNoise
+from cyclemap.evidence.simulated_collection import simulate_collection
 from cyclemap.mechanics import DragBack, Pusher, SidePush, load_material
 from cyclemap.text_files import read_toml
 

@@ -15,12 +15,10 @@ import pytest
 import cyclemap as cm
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput, UnsupportedContact
+from cyclemap.evidence import simulated_collection as module
 from cyclemap.evidence.pushes.push_table import load_pushes
-from cyclemap.evidence.simulation import simulated_collection as module
-from cyclemap.evidence.simulation.collection_folder import FILE_NAME, TRUTH_FILE
-from cyclemap.evidence.simulation.collection_plan import CollectionPlan
-from cyclemap.evidence.simulation.recorded_motion import RecordingNoise
-from cyclemap.evidence.simulation.simulated_collection import simulate_collection
+from cyclemap.evidence.recorded_push import RecordingNoise
+from cyclemap.evidence.simulated_collection import FILE_NAME, TRUTH_FILE, CollectionPlan, simulate_collection
 from cyclemap.mechanics import EllipseFriction, Material, Pusher, SidePush
 
 LOOP = CollectionLoop.mit("plywood", accuracy=1e-6)
@@ -187,7 +185,7 @@ def test_a_killed_process_leaves_whole_files_only_and_can_be_gone_on_with(tmp_pa
         import os, signal
         from pathlib import Path
         from cyclemap.collection.loop import CollectionLoop
-        from cyclemap.evidence.simulation.simulated_collection import simulate_collection
+        from cyclemap.evidence.simulated_collection import simulate_collection
         real = Path.replace
         def replace(self, target):
             if "rep=0003" in str(target):

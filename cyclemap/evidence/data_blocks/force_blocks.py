@@ -1,0 +1,334 @@
+"""Measured forces as data: friction scans by direction, and pairs of wrench and twist."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cyclemap.arrays import Array
+from cyclemap.checks import finite_array, positive_number, read_only
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.identification.data_block import FunctionBlock, Values, checked_labels
+from cyclemap.evidence.identification.identify import Identification, identify
+from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters, share_names
+from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint
+from cyclemap.mechanics.outline import Outline
+from cyclemap.text_files import read_csv_table, require_columns
+
+if TYPE_CHECKING:
+    import pandas
+
+
+# Columns of a table of friction scans.
+SCAN_FIELDS = ("direction", "force_along", "force_across")
+ELLIPSE = SURFACE.names[:5]
+SCAN_KIND = "scan force (N)"
+# An ellipse off its centre has five numbers, a direction gives two: fewer groups cannot tell their own scatter.
+FEWEST_GROUPS = 4
+# Directions (rad) as near as this are one.
+_SAME_DIRECTION = 1e-6
+# Below this log axis ratio the series has all digits, the quotient has not.
+_ROUND = 1e-2
+Labels = NDArray[np.int64]
+FORCE_KIND, TORQUE_KIND = "wrench force (N)", "wrench torque over radius (N)"
+WRENCH_COLUMNS = ("fx", "fy", "m_over_rho")
+TWIST_COLUMNS = ("vx", "vy", "w_times_rho")
+# Pieces of the outline that count as one place of contact each: 9 mm on a square of 90 mm.
+CONTACT_PIECES = 40
+_POINTS = 720
+# Of the weight, that its parts are computed with: the rest may have to lean under it.
+_SHARE = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class ScanForces:
+    """direction (n,) : rad, of the motion. force_along, force_across (n,) : N, of the rod. weight : N, of the object.
+
+    Raises InvalidInput where lengths differ or a number is not finite.
+
+    >>> ScanForces([0.0], [2.0], [0.5], 8.0).traction.tolist()
+    [[0.25, 0.0625]]
+    """
+
+    direction: Array
+    force_along: Array
+    force_across: Array
+    weight: float
+
+    def __post_init__(self) -> None:
+        for name in SCAN_FIELDS:
+            object.__setattr__(self, name, read_only(finite_array(name, getattr(self, name), ndim=1)))
+        positive_number("weight", self.weight)
+        if not self.direction.shape == self.force_along.shape == self.force_across.shape:
+            raise InvalidInput("friction scans need one force along and one across for each direction")
+
+    @classmethod
+    def joined(cls, parts: Sequence[ScanForces]) -> ScanForces:
+        """Return several sets of scans of one object as one."""
+        direction, along, across = (np.concatenate([getattr(part, name) for part in parts]) for name in SCAN_FIELDS)
+        return cls(direction, along, across, parts[0].weight)
+
+    @property
+    def traction(self) -> Array:
+        """(n, 2) traction coefficient along x and y of the world."""
+        way = np.stack([np.cos(self.direction), np.sin(self.direction)], axis=-1)
+        left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
+        return np.asarray((self.force_along[:, None] * way + self.force_across[:, None] * left) / self.weight)
+
+
+def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> FunctionBlock:
+    """Return friction scans as a block of data.
+
+    scans : columns `direction` (rad, of the motion in the world), `force_along` and `force_across` (N, of the rod on
+    the object, the second to the left of the motion), as `PushTable.scans` has them, or arrays by these names.
+    weight : N, of the object.
+
+    Carried in translation all points of the object slide alike, however the pressure is spread, and the force is the
+    weight times the traction of one point (Ma & Rodriguez 2018, Eq. 2). Rows are along then across for each scan;
+    scans in one direction are one group, so that what a direction's repeats have in common is not taken for evidence.
+    With fewer than four directions each row stands for itself: so few groups cannot tell their scatter.
+
+    Raises InvalidInput for columns that are missing or hold what is no number (NaN: leave such scans out).
+
+    >>> scans = {"direction": [0.0, 1.0], "force_along": [2.0, 2.0], "force_across": [0.0, 0.0]}
+    >>> residual, _ = friction_scan_block(scans, 8.0).residuals(SurfaceParameters(math.log(0.25)).values())
+    >>> bool(np.allclose(residual, 0.0, atol=1e-5))
+    True
+    """
+    direction, along, across = _columns(scans)
+    load, measured = positive_number("weight", weight), np.stack([along, across], axis=-1).ravel()
+
+    def function(values: Values) -> tuple[Array, Array]:
+        force, jacobian = _predicted(values, direction, load)
+        return force - measured, jacobian
+
+    return FunctionBlock("friction scans", ELLIPSE, function, _row_groups(direction), np.full(len(measured), SCAN_KIND))
+
+
+def friction_ellipse_from_scans(
+    scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float, noise: float | None = None
+) -> Identification:
+    """Identify the friction ellipse from friction scans alone; arguments as in `friction_scan_block`.
+
+    noise : N, of a scan's force component, if it is known. Intervals are by covariance: the law is nearly linear. Over
+    200 seeded sets of 4 to 72 directions, twice each, intervals of 95 % held the truth in 90 to 99 %, also where the
+    repeats of a direction share most of their error. Scans in fewer than three directions leave the ellipse open: the
+    estimates then say that they are not identifiable (this needs repeats, or `noise`; else there is nothing to tell
+    the noise from, and ConvergenceError is raised).
+
+    >>> from cyclemap.mechanics import EllipseFriction
+    >>> direction = np.linspace(0.0, 6.0, 12)
+    >>> way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
+    >>> force = 8.0 * EllipseFriction(0.3, 0.2, m0=0.01, phi=0.4).traction(way)
+    >>> along, across = np.sum(force * way, axis=1), force[:, 1] * way[:, 0] - force[:, 0] * way[:, 1]
+    >>> scans = {"direction": direction, "force_along": along, "force_across": across}
+    >>> friction = friction_ellipse_from_scans(scans, 8.0).friction()
+    >>> round(friction.mu_a, 6), round(friction.m0, 6), round(friction.phi, 6)
+    (0.3, 0.01, 0.4)
+    """
+    block = friction_scan_block(scans, weight)
+    known = None if noise is None else {SCAN_KIND: noise}
+    return identify([block], ELLIPSE, starts=4, noise=known)
+
+
+def _columns(scans: Any) -> tuple[Array, Array, Array]:
+    """Directions (rad) and forces along and across (N), (n,) each."""
+    missing = [name for name in SCAN_FIELDS if name not in scans]
+    if missing:
+        raise InvalidInput(f"friction scans need {', '.join(SCAN_FIELDS)}: {', '.join(missing)} is missing")
+    columns = [np.asarray(scans[name], dtype=float) for name in SCAN_FIELDS]
+    if columns[0].ndim != 1 or any(column.shape != columns[0].shape for column in columns) or not len(columns[0]):
+        raise InvalidInput(f"friction scans must be columns of one length, not {[c.shape for c in columns]}")
+    for row in np.flatnonzero(~np.all(np.isfinite(columns), axis=0))[:1]:
+        raise InvalidInput(f"friction scan {row} has no direction or no force (NaN): leave it out")
+    return finite_array("direction", columns[0]), columns[1], columns[2]
+
+
+def _row_groups(direction: Array) -> NDArray[np.int64]:
+    """Group of each row (2 n,): the number of its direction, equal for directions that differ by full turns."""
+    step = np.round(np.remainder(direction, 2.0 * math.pi) / _SAME_DIRECTION)
+    whole = round(2.0 * math.pi / _SAME_DIRECTION)
+    found, number = np.unique(np.remainder(step, whole), return_inverse=True)
+    return np.arange(2 * len(direction)) if len(found) < FEWEST_GROUPS else np.repeat(number.reshape(-1), 2)
+
+
+def _predicted(values: Values, direction: Array, weight: float) -> tuple[Array, Array]:
+    """Forces (2 n,), along then across for each scan, and their derivatives by ELLIPSE (2 n, 5).
+
+    With E = ((ellipticity_x, ellipticity_y), (ellipticity_y, -ellipticity_x)) the ellipse's shape matrix is mean^2
+    expm(E) = mean^2 A, and the traction along u is mean (offset + A u / sqrt(u A u)): smooth in all, a circle included.
+    """
+    surface = SurfaceParameters.from_values(values)
+    way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
+    left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
+    traction = surface.to_friction().traction(way)
+    mean = math.exp(surface.friction_scale)
+    shape, by_shape = _shape(surface.ellipticity_x, surface.ellipticity_y)
+    push, size = way @ shape, np.sqrt(np.sum(way @ shape * way, axis=1))[:, None]
+    columns = [traction]
+    for change in by_shape:
+        moved = way @ change
+        columns.append(mean * (moved - push * np.sum(moved * way, axis=1)[:, None] / (2.0 * size**2)) / size)
+    columns += [np.broadcast_to(mean * unit, way.shape) for unit in np.eye(2)]
+    jacobian = np.stack(columns, axis=-1)
+    turn = weight * np.stack([way, left], axis=1)
+    force = np.einsum("nij,nj->ni", turn, traction)
+    return force.ravel(), np.einsum("nij,njk->nik", turn, jacobian).reshape(-1, len(ELLIPSE))
+
+
+def _shape(x: float, y: float) -> tuple[Array, tuple[Array, Array]]:
+    """Return expm of ((x, y), (y, -x)), (2, 2), and its derivatives by x and y."""
+    ratio = math.hypot(x, y)
+    exponent, one = np.array(((x, y), (y, -x))), np.eye(2)
+    if ratio < _ROUND:
+        quotient, slope = 1.0 + ratio**2 / 6.0 + ratio**4 / 120.0, 1.0 / 3.0 + ratio**2 / 30.0 + ratio**4 / 840.0
+    else:
+        quotient = math.sinh(ratio) / ratio
+        slope = (math.cosh(ratio) - quotient) / ratio**2
+    units = np.array(((1.0, 0.0), (0.0, -1.0))), np.array(((0.0, 1.0), (1.0, 0.0)))
+    first, second = (
+        at * (quotient * one + slope * exponent) + quotient * unit for at, unit in zip((x, y), units, strict=True)
+    )
+    return math.cosh(ratio) * one + quotient * exponent, (first, second)
+
+
+@dataclass(frozen=True, eq=False)
+class WrenchTwists:
+    """Wrenches that kept an object moving, and its twists then, both in its own frame about its origin.
+
+    wrench (n, 3) : N, N, N m, of the pusher on the object. twist (n, 3) : m/s, m/s, rad/s, none of them zero.
+
+    Raises InvalidInput for shapes that do not agree, what is not finite, rest, and for wrenches most of which take
+    power from the object: these are the object's on the pusher.
+    """
+
+    wrench: Array
+    twist: Array
+
+    def __post_init__(self) -> None:
+        for name in ("wrench", "twist"):
+            object.__setattr__(self, name, read_only(finite_array(name, getattr(self, name), last=3, ndim=2)))
+        if len(self.wrench) != len(self.twist) or not len(self.twist):
+            raise InvalidInput(f"{len(self.wrench)} wrenches and {len(self.twist)} twists: there must be one of each")
+        for row in np.flatnonzero(np.all(self.twist == 0.0, axis=1))[:1]:
+            raise InvalidInput(f"twist {row} is zero: friction is not unique at rest; leave it out")
+        if np.median(self.power) < 0.0:
+            raise InvalidInput("most wrenches take power from the object: turn their signs, if it was the pusher's")
+
+    @property
+    def power(self) -> Array:
+        """(n,) W, that the pusher gives."""
+        return np.asarray(np.sum(self.wrench * self.twist, axis=1))
+
+    def contact_pieces(self, outline: Outline) -> Labels:
+        """Return on which of equally long pieces of the outline (n,) the pusher touched; -1 where that cannot be.
+
+        A single pusher's force passes through its contact: the line of action enters the outline there, as seen along
+        the force. A line that misses the outline is no single push.
+        """
+        rim = outline.points(_POINTS)
+        place = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(rim, axis=0).T))])
+        found = [_entry(rim, place, *row) for row in self.wrench.tolist()]
+        share = np.array(found) / place[-1]
+        piece = np.minimum(np.nan_to_num(share) * CONTACT_PIECES, CONTACT_PIECES - 1)
+        return np.where(np.isnan(share), -1, piece).astype(np.int64)
+
+
+def read_wrench_twists(
+    path: str | Path, *, rho: float, surface: str | None = None, source: str | None = None
+) -> WrenchTwists:
+    """Read pairs from a CSV file with the columns fx, fy (N), m_over_rho (N), vx, vy, w_times_rho (m/s).
+
+    rho : m, the length by which torque and turning rate were scaled (rect1 of the MIT data: 0.06364, its half
+    diagonal). surface, source : rows of this entry in the column of that name only. Raises DataFileError.
+    """
+    table, length = read_csv_table(path), positive_number("rho", rho)
+    require_columns(table, (*WRENCH_COLUMNS, *TWIST_COLUMNS))
+    rows = list(table.rows)
+    for column, wanted in (("surface", surface), ("source", source)):
+        if wanted is not None:
+            require_columns(table, (column,))
+            rows = [row for row in rows if table.text(row, column) == wanted]
+            if not rows:
+                known = ", ".join(sorted({table.text(row, column) for row in table.rows}))
+                raise DataFileError(f"{table.path}: no row has {column} {wanted!r}; there are {known}")
+    scale = np.array([1.0, 1.0, length])
+    wrench, twist = (
+        np.array([[table.number(row, name) for name in names] for row in rows])
+        for names in (WRENCH_COLUMNS, TWIST_COLUMNS)
+    )
+    try:
+        return WrenchTwists(wrench * scale, twist / scale)
+    except InvalidInput as cause:
+        raise DataFileError(f"{table.path}: {cause}") from cause
+
+
+def wrench_twist_block(
+    data: WrenchTwists, outline: Outline, weight: float, groups: Labels | None = None
+) -> FunctionBlock:
+    """Return pairs of wrench and twist as a block of data that depends on `friction_scale` and shares of the weight.
+
+    outline : of the object, in the frame of the data. weight : N. groups : (n,) whole numbers, pairs that share their
+    errors; None: pairs of one place of contact (`WrenchTwists.contact_pieces`), which do not need their order.
+
+    The wrench is the weight times grad D of the footprint at the twist (Goyal, Ruina & Papadopoulos 1991), and D is
+    linear in the shares. The torque is divided by the outline's extent, so that all rows are in N.
+
+    The object's orientation in the world is not in such data: friction is taken as isotropic. Over orientations all
+    around, offset and ellipticity leave the mean wrench as it is to first order: the plywood of Ma & Rodriguez (2018)
+    then moves the rim share by about 0.01, by up to 0.08 where all orientations lie within 40 degrees of one. Twists
+    are taken as exact: their noise flattens the wrench's response and draws the rim share down (a share of 0.5 to 0.37
+    for 0.5 mm/s in each component at speeds of 10 mm/s, to 0.14 for 1 mm/s), so that a small share is weak evidence
+    for even pressure, a large one strong evidence against it.
+
+    >>> from cyclemap.mechanics import Slider
+    >>> square, twist = Slider.mit("rect1").outline, [[0.0, 0.01, 0.0]]
+    >>> block = wrench_twist_block(WrenchTwists([[0.0, 2.0, 0.0]], twist), square, 8.0)
+    >>> residual, _ = block.residuals({"friction_scale": math.log(0.25), "rim_share": 0.3})
+    >>> bool(np.allclose(residual, 0.0, atol=1e-12))
+    True
+    """
+    load, length = positive_number("weight", weight), outline.extent
+    scale = np.array([1.0, 1.0, 1.0 / length])
+    names = share_names(outline)
+    even, *by_shares = (load * part * scale for part in _wrench_parts(outline, data.twist, names))
+    measured, parameters = (data.wrench * scale).ravel(), ("friction_scale", *names)
+
+    def function(values: Values) -> tuple[Array, Array]:
+        mean, surface = math.exp(values["friction_scale"]), SurfaceParameters.from_values(values)
+        shares = [surface.shares[name] for name in names]
+        force = mean * (even + sum(share * part for share, part in zip(shares, by_shares, strict=True))).ravel()
+        by_mechanics = np.column_stack([force, *(mean * part.ravel() for part in by_shares)])
+        return force - measured, surface.chain(by_mechanics, parameters, parameters)
+
+    labels = data.contact_pieces(outline) if groups is None else checked_labels("wrenches", groups, len(data.twist))
+    kinds = np.tile([FORCE_KIND, FORCE_KIND, TORQUE_KIND], len(data.twist))
+    return FunctionBlock("wrenches", parameters, function, np.repeat(labels, 3), kinds)
+
+
+def _wrench_parts(outline: Outline, twist: Array, names: tuple[str, ...]) -> list[Array]:
+    """Wrenches (n, 3) per unit load and friction under even pressure, then their change by each share."""
+    law = EllipseFriction.isotropic(1.0)
+    even = LimitSurface(PatchFootprint(outline), law).wrench(twist)
+    parts = [replace(PatchFootprint(outline), **{name: _SHARE}) for name in names]  # type: ignore[arg-type]
+    return [even, *((LimitSurface(part, law).wrench(twist) - even) / _SHARE for part in parts)]
+
+
+def _entry(rim: Array, place: Array, fx: float, fy: float, torque: float) -> float:
+    """Arclength (m) at which the line of action of a wrench enters a closed polyline (k, 2); nan if it misses."""
+    height = rim[:, 0] * fy - rim[:, 1] * fx - torque
+    crossing = np.flatnonzero(height[:-1] * height[1:] <= 0.0)
+    if fx == fy == 0.0 or not crossing.size:
+        return math.nan
+    drop = height[crossing] - height[crossing + 1]
+    share = np.clip(np.where(drop == 0.0, 0.0, height[crossing] / np.where(drop == 0.0, 1.0, drop)), 0.0, 1.0)
+    points = rim[crossing] + share[:, None] * (rim[crossing + 1] - rim[crossing])
+    first = int(np.argmin(points @ (fx, fy)))
+    lengths = place[crossing + 1] - place[crossing]
+    return float(place[crossing[first]] + share[first] * lengths[first])

@@ -1,0 +1,245 @@
+"""What follows from identified parameters: axes and directions of the ellipse with intervals, and what is drawn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cyclemap.arrays import Array
+from cyclemap.checks import whole_number
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
+from cyclemap.evidence.data_blocks.force_blocks import ScanForces
+from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock
+from cyclemap.evidence.identification.data_block import plain_block
+from cyclemap.evidence.identification.identify import Identification
+from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.laws.linear_fit import student_quantile
+from cyclemap.mechanics import EllipseFriction
+
+DRAWS = 2000
+# A direction whose draws spread over more than this share of their circle is not known.
+_ALL_AROUND = 0.9
+_NEEDS = {
+    "axis_ratio": {"ellipticity_x", "ellipticity_y"},
+    "axis_direction": {"ellipticity_x", "ellipticity_y"},
+    "offset_size": {"offset_x", "offset_y"},
+    "offset_direction": {"offset_x", "offset_y"},
+    "mean_friction": {"friction_scale"},
+}
+_AROUND = np.linspace(0.0, 2.0 * np.pi, 181)
+_BAND_DRAWS = 200
+
+
+@dataclass(frozen=True)
+class Derived:
+    """One quantity: its value and interval. unit : `1` or `rad`; angles are on the lift nearest to the value.
+
+    period : of an angle, rad, 0 for other quantities. known : whether the data tell it; a direction that may be any
+    is not.
+    """
+
+    name: str
+    description: str
+    unit: str
+    value: float
+    lower: float
+    upper: float
+    period: float = 0.0
+    known: bool = True
+
+
+_QUANTITIES: dict[str, tuple[str, float, Callable[[EllipseFriction], float]]] = {
+    "axis_ratio": ("longer over shorter axis of the friction ellipse", 0.0, lambda law: law.mu_a / law.mu_b),
+    "axis_direction": ("direction of the longer axis", math.pi, lambda law: law.phi),
+    "offset_size": (
+        "distance of the ellipse's centre from zero, over its mean radius",
+        0.0,
+        lambda law: _offset(law)[0],
+    ),
+    "offset_direction": ("direction of the ellipse's centre", 2.0 * math.pi, lambda law: _offset(law)[1]),
+    "mean_friction": ("mean friction coefficient", 0.0, lambda law: math.sqrt(law.mu_a * law.mu_b)),
+}
+
+
+def sampled_values(found: Identification, count: int = DRAWS, seed: int = 0) -> tuple[dict[str, float], ...]:
+    """Return values of all parameters drawn from the uncertainty of an identification, each a possible truth.
+
+    Parameters are normal with the fit's covariance, each spread so that its interval is Student's, and cut at their
+    bounds; what the data leave wholly open stays at its value. Draws that are no friction ellipse are left out.
+    """
+    whole_number("draws", count, least=1)
+    errors, space = found.uncertainty, found.problem.space
+    spread = np.array([student_quantile(found.level, float(freedom)) for freedom in errors.freedom])
+    spread /= student_quantile(found.level, 1e9)
+    size = np.sqrt(np.maximum(np.diag(errors.covariance), 0.0))
+    squares, vectors = np.linalg.eigh(np.asarray(errors.correlation))
+    root = vectors * np.sqrt(np.maximum(squares, 0.0))
+    draws = np.random.default_rng(seed).standard_normal((count, len(space))) @ root.T
+    vectors_drawn = np.clip(found.fit.vector + draws * size * spread, space.lower, space.upper)
+    drawn = []
+    for vector in vectors_drawn:
+        values = found.problem.values(vector)
+        try:
+            SurfaceParameters.from_values(values).to_friction()
+        except InvalidInput:
+            continue
+        drawn.append(values)
+    return tuple(drawn)
+
+
+def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0) -> tuple[Derived, ...]:
+    """Return axis ratio, directions and sizes of the friction ellipse as far as their parameters are free.
+
+    Intervals hold the middle share `found.level` of sampled surfaces. Where a vector (ellipticity, offset) may be zero
+    by Hotelling's test, its direction is not known and its size has its least value, 1 or 0, for a lower end: drawn
+    vectors never are zero.
+    """
+    laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, draws, seed)]
+    free, best = set(found.problem.space.names), found.friction()
+    told = []
+    for name, (description, period, quantity) in _QUANTITIES.items():
+        if not free >= _NEEDS[name] or not laws:
+            continue
+        value, sample = quantity(best), np.array([quantity(law) for law in laws])
+        if period:
+            around = value + (sample - value + 0.5 * period) % period - 0.5 * period
+            lower, upper = _quantiles(around, found.level)
+            known = upper - lower < _ALL_AROUND * found.level * period and not _may_vanish(found, name)
+            told.append(Derived(name, description, "rad", value, lower, upper, period, known))
+        else:
+            lower, upper = _quantiles(sample, found.level)
+            least = {"axis_ratio": 1.0, "offset_size": 0.0}.get(name)
+            if least is not None and _may_vanish(found, name):
+                lower = least
+            told.append(Derived(name, description, "1", value, min(lower, value), max(upper, value)))
+    return tuple(told)
+
+
+def _may_vanish(found: Identification, name: str) -> bool:
+    """Whether the vector behind a size is within its error of zero: T^2 against F(2, freedom)."""
+    from scipy.stats import f
+
+    names = found.problem.space.names
+    index = [names.index(part) for part in sorted(_NEEDS[name])]
+    vector, errors = found.fit.vector[index], found.uncertainty
+    covariance = errors.covariance[np.ix_(index, index)]
+    if not np.all(np.isfinite(errors.standard_error[index])) or np.linalg.det(covariance) <= 0.0:
+        return True
+    size = float(vector @ np.linalg.solve(covariance, vector)) / 2.0
+    return bool(size < f.ppf(found.level, 2, float(np.min(errors.freedom[index]))))
+
+
+def _quantiles(sample: Array, level: float) -> tuple[float, float]:
+    lower, upper = np.quantile(sample, [0.5 - level / 2.0, 0.5 + level / 2.0])
+    return float(lower), float(upper)
+
+
+def _offset(law: EllipseFriction) -> tuple[float, float]:
+    """Size over mean radius, and direction (rad) in the world, of the ellipse's centre."""
+    mean = math.sqrt(law.mu_a * law.mu_b)
+    return math.hypot(law.m0, law.n0) / mean, math.atan2(law.n0, law.m0) + law.phi
+
+
+@dataclass(frozen=True, eq=False)
+class TurnFit:
+    """Turns of strokes of one block: measured and predicted (n,), rad."""
+
+    name: str
+    measured: Array
+    predicted: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PlaceFit:
+    """Errors of the places where pushes of a block ended, predicted less measured, (n, 2), m."""
+
+    name: str
+    errors: Array
+
+
+@dataclass(frozen=True, eq=False)
+class CycleFit:
+    """Cycles: orientation and turn measured (n,), rad; the fitted map's turn (k,) over `grid` (k,).
+
+    late : (k,) the same at the end of the data where the surface wears, else None.
+    """
+
+    name: str
+    theta: Array
+    turn: Array
+    grid: Array
+    fitted: Array
+    late: Array | None
+
+
+@dataclass(frozen=True, eq=False)
+class IdentifiedCurves:
+    """Friction in units of a traction coefficient: the ellipse (m, 2), its worn state, sampled ones (d, m, 2).
+
+    worn : None where nothing wears. forces : (s, 2) measured by scans, None without. sized : whether the data tell the
+    size of the ellipse, and not its shape alone.
+    """
+
+    ellipse: Array
+    worn: Array | None
+    samples: Array
+    forces: Array | None
+    sized: bool
+    turns: tuple[TurnFit, ...]
+    places: tuple[PlaceFit, ...]
+    cycles: tuple[CycleFit, ...]
+
+
+def identified_curves(found: Identification, scans: ScanForces | None = None, seed: int = 0) -> IdentifiedCurves:
+    """Compute what is drawn of an identification; `scans` : the forces of its friction scans."""
+    laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, _BAND_DRAWS, seed)]
+    worn = worn_friction_of(found)
+    turns, places, cycles = [], [], []
+    for number, block in enumerate(found.problem.blocks):
+        errors = found.fit.residuals[found.problem.block_index == number]
+        plain = plain_block(block)
+        if isinstance(plain, StrokeBlock):
+            measured = np.array([stroke.end.theta - stroke.start.theta for stroke in plain.strokes])
+            # Each stroke's last row is its turn.
+            turns.append(TurnFit(block.name, measured, measured + errors.reshape(measured.size, -1)[:, -1]))
+            if len(plain.row_kinds) == 3:
+                places.append(PlaceFit(block.name, errors.reshape(-1, 3)[:, :2]))
+        elif isinstance(plain, CyclePairBlock):
+            own = dict(zip(plain.parameters, block.parameters, strict=True))
+            cycles.append(_cycles(block.name, plain, {name: found.values[own[name]] for name in own}))
+    return IdentifiedCurves(
+        _outline(found.friction()),
+        None if worn is None else _outline(worn),
+        np.array([_outline(law) for law in laws]).reshape(-1, _AROUND.size, 2),
+        None if scans is None else scans.traction,
+        "friction_scale" in found.problem.space.names,
+        tuple(turns),
+        tuple(places),
+        tuple(cycles),
+    )
+
+
+def worn_friction_of(found: Identification) -> EllipseFriction | None:
+    """Return the friction at the end of the data where they were let wear, else None."""
+    values = found.values
+    worn = {name.removeprefix("worn_"): value for name, value in values.items() if name.startswith("worn_")}
+    return SurfaceParameters.from_values({**values, **worn}).to_friction() if worn else None
+
+
+def _outline(law: EllipseFriction) -> Array:
+    """Traction (m, 2) over all directions of sliding, world axes."""
+    return law.traction(np.stack([np.cos(_AROUND), np.sin(_AROUND)], axis=-1))
+
+
+def _cycles(name: str, block: CyclePairBlock, values: Mapping[str, float]) -> CycleFit:
+    def turn(share: float) -> Array:
+        shares = None if block.share is None else np.full(_AROUND.size, share)
+        grid = replace(block, theta=_AROUND, turn=np.zeros(_AROUND.size), labels=np.arange(_AROUND.size), share=shares)
+        return grid.residuals(values)[0]
+
+    late = None if block.share is None else turn(1.0)
+    return CycleFit(name, block.theta, block.turn, _AROUND, turn(0.0), late)

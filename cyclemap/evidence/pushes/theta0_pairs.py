@@ -1,0 +1,175 @@
+"""Measured pairs (θ0, next θ0): where the object stood before a push, and where before the next one."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+
+import numpy as np
+
+from cyclemap.arrays import Array
+from cyclemap.errors import DoubtfulInput, InvalidInput
+from cyclemap.text_files import CsvTable, read_csv_table, require_columns
+
+STAIRCASE_COLUMNS = ("rep", "theta0_accum_deg", "theta0_mod360_deg", "dtheta_to_next_deg", "flag")
+PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
+ORDERED_COLUMN = "theta0_deg"
+LAYOUTS = f"{','.join(STAIRCASE_COLUMNS)} or {','.join(PAIR_COLUMNS)} or {ORDERED_COLUMN} alone"
+
+# Angles of fewer rows may lie within a few degrees of each other by chance.
+# They are read as radians where they come near a turn, and, but for rounding, not beyond.
+_TELLING, _NEARLY_A_TURN, _HALF_A_TURN = 8, 5.0, 1.001 * math.pi
+# Figures in a staircase file are rounded to 0.001 degrees, three of them enter each comparison.
+CONSISTENT_DEG = 0.005
+# How alike a column's name and theta_next_deg are where it is likely meant; theta1_deg is 0.75.
+_NEARLY_THE_NAME = 0.85
+
+
+@dataclass(frozen=True, eq=False)
+class Theta0Pairs:
+    """Measured steps of the cycle map.
+
+    theta, theta_next : (n,) rad. `theta_next` is lifted: `theta_next - theta` is the turn of that cycle.
+    path : (m,) rad, the unwrapped θ0 of every push in order, flagged ones too; None where order is unknown.
+    dropped : how many pairs were left out, by reason.
+    cycle : (n,) the number of each pair's push; path_cycle : (m,) that of each entry of `path`. None where unknown.
+    """
+
+    theta: Array
+    theta_next: Array
+    path: Array | None = None
+    dropped: Mapping[str, int] = field(default_factory=dict)
+    cycle: Array | None = None
+    path_cycle: Array | None = None
+
+    def __post_init__(self) -> None:
+        if self.theta.ndim != 1 or self.theta.shape != self.theta_next.shape or not self.theta.size:
+            shapes = f"{self.theta.shape} and {self.theta_next.shape}"
+            raise InvalidInput(f"theta and theta_next have shapes {shapes}; give two equally long lists")
+        if not (np.isfinite(self.theta).all() and np.isfinite(self.theta_next).all()):
+            raise InvalidInput("theta and theta_next hold a number that is not finite; remove those pairs")
+        _check_numbers("cycle", self.cycle, self.theta)
+        _check_numbers("path_cycle", self.path_cycle, self.path)
+
+    @property
+    def turn(self) -> Array:
+        """(n,) rad, how far each cycle turned the object."""
+        return self.theta_next - self.theta
+
+    @property
+    def dropped_count(self) -> int:
+        """How many pairs were left out in all."""
+        return sum(self.dropped.values())
+
+
+def _check_numbers(name: str, cycle: Array | None, angles: Array | None) -> None:
+    """Raise InvalidInput unless there is one finite cycle number an angle, or none at all."""
+    if cycle is None:
+        return
+    if angles is None or cycle.shape != angles.shape or not np.isfinite(cycle).all():
+        shape = None if angles is None else angles.shape
+        raise InvalidInput(f"{name} has shape {cycle.shape} for angles of shape {shape}; give one number an angle")
+
+
+def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
+    """Read measured pairs from a CSV file, in one of three layouts told apart by the header.
+
+    - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row with a flag makes
+      no pair and is counted in `dropped`; the last row has no next θ0.
+    - `theta0_deg,theta_next_deg`: pairs, in order where each begins where the one before ended (within 0.005 degrees),
+      in any order else; the turn is the shorter way round.
+    - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round. A column beside it whose
+      name is nearly theta_next_deg, or speaks of the next one, is refused.
+
+    DataFileError names the file, the line and the mend.
+    """
+    table = read_csv_table(path)
+    doubt_degrees(table, [name for name in PAIR_COLUMNS if name in table.header])
+    if "theta0_accum_deg" in table.header:
+        return _from_staircase(table)
+    if "theta_next_deg" in table.header:
+        return _from_pairs(table)
+    if ORDERED_COLUMN in table.header:
+        return _from_ordered(table)
+    raise table.error(1, f"the header is {','.join(table.header)}; it must be {LAYOUTS}")
+
+
+def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
+    """Warn (`DoubtfulInput`) where angles of columns in degrees fill one circle in radians, and no more."""
+    for name in columns:
+        numbers = [table.number(row, name) for row in table.rows if table.text(row, name)]
+        low, high = min(numbers, default=0.0), max(numbers, default=0.0)
+        one_turn = max(-low, high) <= _HALF_A_TURN or (low >= 0.0 and high <= 2.0 * _HALF_A_TURN)
+        if len(numbers) >= _TELLING and one_turn and high - low > _NEARLY_A_TURN:
+            told = f"{table.path}: {name} runs from {low:g} to {high:g} in {len(numbers)} rows: are these radians?"
+            warnings.warn(told, DoubtfulInput, stacklevel=4)
+            return
+
+
+def _from_staircase(table: CsvTable) -> Theta0Pairs:
+    require_columns(table, STAIRCASE_COLUMNS)
+    path = np.array([table.number(row, "theta0_accum_deg") for row in table.rows])
+    # Empty where there is no next one.
+    column = "dtheta_to_next_deg"
+    turns = np.array([table.number(row, column) if table.text(row, column) else np.nan for row in table.rows])
+    number = np.array([table.number(row, "rep") for row in table.rows])
+    _check_staircase(table, number, path, turns)
+    flags = np.array([table.text(row, "flag") for row in table.rows])
+    kept = (flags == "") & ~np.isnan(turns)
+    if not kept.any():
+        raise table.error(table.rows[-1].line, "no row without a flag has a next θ0; nothing to compare with")
+    theta = np.deg2rad(path[kept])
+    dropped = Counter(flag for flag in flags.tolist() if flag)
+    theta_next, reasons = theta + np.deg2rad(turns[kept]), dict(dropped)
+    return Theta0Pairs(theta, theta_next, np.deg2rad(path), reasons, number[kept], number)
+
+
+def _check_staircase(table: CsvTable, number: Array, path: Array, turns: Array) -> None:
+    wrapped = np.array([table.number(row, "theta0_mod360_deg") for row in table.rows])
+    off_circle = np.abs(_shorter_way(path - wrapped)) > CONSISTENT_DEG
+    off_next = (np.diff(number) == 1) & (np.abs(np.diff(path) - turns[:-1]) > CONSISTENT_DEG)
+    if not np.isnan(turns[-1]):
+        last = table.rows[-1].line
+        raise table.error(last, "the last row has a next θ0: the file is cut off; restore it or empty that field")
+    for index in np.flatnonzero(off_circle)[:1]:
+        values = f"{path[index]:g} and {wrapped[index]:g}"
+        raise table.error(table.rows[index].line, f"theta0_accum_deg and theta0_mod360_deg disagree ({values})")
+    for index in np.flatnonzero(off_next)[:1]:
+        values = f"{turns[index]:g}, the next row says {path[index + 1] - path[index]:g}"
+        raise table.error(table.rows[index].line, f"dtheta_to_next_deg is {values}; a row is missing or cut off")
+
+
+def _from_pairs(table: CsvTable) -> Theta0Pairs:
+    require_columns(table, PAIR_COLUMNS)
+    theta = np.array([table.number(row, "theta0_deg") for row in table.rows])
+    theta_next = np.array([table.number(row, "theta_next_deg") for row in table.rows])
+    turn = _shorter_way(theta_next - theta)
+    if theta.size < 2 or (np.abs(_shorter_way(theta[1:] - theta_next[:-1])) > CONSISTENT_DEG).any():
+        return Theta0Pairs(np.deg2rad(theta), np.deg2rad(theta + turn))
+    return _in_order(np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(turn)])))
+
+
+def _from_ordered(table: CsvTable) -> Theta0Pairs:
+    for name in table.header:
+        if "next" in name or get_close_matches(name, PAIR_COLUMNS[1:], cutoff=_NEARLY_THE_NAME):
+            told = f"the header has {name} beside {ORDERED_COLUMN}: name it {PAIR_COLUMNS[1]} if it is the next θ0 in"
+            raise table.error(1, f"{told} degrees, or leave it out")
+    theta = np.array([table.number(row, ORDERED_COLUMN) for row in table.rows])
+    if theta.size < 2:
+        raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
+    return _in_order(np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(_shorter_way(np.diff(theta)))])))
+
+
+def _in_order(path: Array) -> Theta0Pairs:
+    number = np.arange(float(path.size))
+    return Theta0Pairs(path[:-1], path[1:], path, cycle=number[:-1], path_cycle=number)
+
+
+def _shorter_way(turn_deg: Array) -> Array:
+    """The same turns in degrees, taken the shorter way round: in [-180, 180)."""
+    return (turn_deg + 180.0) % 360.0 - 180.0

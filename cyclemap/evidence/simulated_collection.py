@@ -1,0 +1,373 @@
+"""A simulated collection: the files that a robot would have left behind, made cycle by cycle, to be gone on with."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cyclemap.checks import finite_number, whole_number
+from cyclemap.collection.collection_file import FILE_NAME, SIMULATION, collection_text
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_name, scan_name
+from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, write_push_file
+from cyclemap.evidence.recorded_push import (
+    FIRST_CLOCK,
+    Recording,
+    RecordingNoise,
+    record_push,
+    record_scan,
+    recorded_seconds,
+    scan_set,
+)
+from cyclemap.file_text import toml_text
+from cyclemap.maps import LocalNoise
+from cyclemap.mechanics import Material, SidePush
+from cyclemap.mechanics.friction import worn_friction
+from cyclemap.plain_text import plain_number
+from cyclemap.text_files import read_toml
+from cyclemap.whole_files import UNFINISHED_SUFFIX, file_stem, only_writer, write_whole
+
+Arguments = dict[str, str | int | float | bool]
+
+# Streams of random numbers: what one cycle draws of each depends on the seed and its number alone.
+TURN, INSTRUMENTS, SCANS = 0, 1, 2
+# Seconds between two records besides the way back, which takes as long as the push: time to get in and out of the ring.
+_HANDLING_SECONDS = 10.0
+_LONGEST_ARGUMENT = 500
+# Neither is a kind of file that readers of push data look at.
+TRUTH_FILE = "true_theta0.txt"
+_COMMENTS = ("The collection that these data are of; [simulation] is what was asked when they were made.",)
+PUSH_FOLDER, SCAN_FOLDER = "normal", "friction_scan"
+# Longest step (m) of a recorded push, as a share of its travel: between the steps the record is interpolated.
+_RECORDED = 60
+
+
+@dataclass(frozen=True)
+class CollectionPlan:
+    """A collection of `cycles` pushes that `loop` makes from orientation `start` (rad) on.
+
+    noise : see `RecordingNoise`. cycle_noise : the scatter of θ0 in place of `noise.turn`, where it depends on θ0 or on
+    the cycle before. speed : m/s, of the rod. wear_to : the surface at the last cycle; the loop's own is
+    that at the first, and the limit ellipse goes from the one to the other in a straight line (see `worn_friction`);
+    None: the surface wears as its material says.
+    seed : of all random numbers. scans : whether friction scans, of the fresh surface, come first. suffix : of files.
+    cycle_loops : the loop of each of the `cycles`, where pushes or way-points change from one to the next; None: `loop`
+    in all. gripper_turns : rad, of each cycle, by which a gripper turns the object after the drag; None: none.
+
+    Raises InvalidInput for a value that cannot be used.
+    """
+
+    loop: CollectionLoop
+    cycles: int
+    start: float = 0.0
+    noise: RecordingNoise = RecordingNoise()
+    speed: float = 0.020
+    wear_to: Material | None = None
+    seed: int = 0
+    scans: bool = False
+    suffix: str = ".h5"
+    cycle_loops: tuple[CollectionLoop, ...] | None = None
+    gripper_turns: tuple[float, ...] | None = None
+    cycle_noise: LocalNoise | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "cycles", whole_number("cycles", self.cycles, least=1))
+        object.__setattr__(self, "start", finite_number("start", self.start))
+        object.__setattr__(self, "seed", whole_number("seed", self.seed, least=0))
+        if self.suffix not in SUFFIXES:
+            raise InvalidInput(f"suffix is {self.suffix!r}; choose one of {', '.join(SUFFIXES)}")
+        object.__setattr__(self, "speed", Recording(self.speed).speed)
+        for name in ("cycle_loops", "gripper_turns"):
+            given = getattr(self, name)
+            if given is not None and len(given) != self.cycles:
+                raise InvalidInput(f"{name} has {len(given)} entries for {self.cycles} cycles: give one a cycle")
+        for number, loop in enumerate(self.cycle_loops or ()):
+            if replace(loop, push=self.loop.push, reset=self.loop.reset) != self.loop:
+                raise InvalidInput(f"cycle_loops: the loop of cycle {number} differs in more than push and reset")
+        for turn in self.gripper_turns or ():
+            finite_number("gripper turn", turn)
+
+    def loop_at(self, cycle: int) -> CollectionLoop:
+        """The loop with the surface as worn as it is at `cycle` (from 0)."""
+        loop = self.loop if self.cycle_loops is None else self.cycle_loops[cycle]
+        if self.wear_to is None:
+            return worn_loop(loop, cycle)
+        share = cycle / (self.cycles - 1) if self.cycles > 1 else 0.0
+        friction = worn_friction(loop.material.friction, self.wear_to.friction, share)
+        return replace(loop, material=replace(loop.material, friction=friction))
+
+    def push_at(self, cycle: int) -> SidePush:
+        """The push of `cycle`."""
+        return self.loop.push if self.cycle_loops is None else self.cycle_loops[cycle].push
+
+    def gripper_turn_at(self, cycle: int) -> float:
+        """The turn (rad) by a gripper after the drag of `cycle`."""
+        return 0.0 if self.gripper_turns is None else self.gripper_turns[cycle]
+
+    def generator(self, stream: int, number: int) -> np.random.Generator:
+        """The random numbers of one stream for one cycle, the same whatever was drawn before."""
+        return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(stream, number)))
+
+    def kick(self, cycle: int, theta: float) -> float:
+        """By how much noise turns θ0 (rad) in `cycle`, that began at `theta`: the same whatever was drawn before."""
+        size = self.noise.turn if self.cycle_noise is None else float(self.cycle_noise.sigma(theta))
+        return size * self._scatter[cycle]
+
+    @cached_property
+    def _scatter(self) -> list[float]:
+        """The scatter of each cycle in standard deviations, as alike as successive cycles are."""
+        rho = 0.0 if self.cycle_noise is None else self.cycle_noise.correlation
+        drawn = [float(self.generator(TURN, cycle).standard_normal()) for cycle in range(self.cycles)]
+        for cycle in range(1, self.cycles):
+            drawn[cycle] = rho * drawn[cycle - 1] + math.sqrt(1.0 - rho**2) * drawn[cycle]
+        return drawn
+
+    def recording(self, cycle: int) -> Recording:
+        """How the push of `cycle` is recorded."""
+        # Whole seconds from one record to the next.
+        longest = max(loop.push.distance for loop in self.cycle_loops or (self.loop,))
+        period = math.ceil(2.0 * recorded_seconds(longest, self.speed) + _HANDLING_SECONDS)
+        return Recording(self.speed, FIRST_CLOCK + cycle * period, self.noise, self.loop.pusher.radius)
+
+    def arguments(self) -> Arguments:
+        """Everything that the files depend on, by name: numbers and texts; long texts are cut to a hash."""
+        loop, noise = self.loop, self.noise
+        wear = loop.material.wear if self.wear_to is None else self.wear_to.friction
+        parts = {field.name: getattr(loop, field.name) for field in fields(loop) if field.name != "material"}
+        by_cycle: Arguments = {}
+        if self.cycle_loops is not None or self.gripper_turns is not None:
+            told = [(one.push, one.reset) for one in self.cycle_loops or ()], self.gripper_turns
+            by_cycle["cycle_by_cycle"] = hashlib.sha256(repr(told).encode()).hexdigest()
+        return {
+            "version": version("cyclemap"),
+            "cycles": self.cycles,
+            "seed": self.seed,
+            "start_rad": self.start,
+            "material": loop.material.name,
+            "friction": repr(loop.material.friction),
+            "wear_to": "none" if wear is None else repr(wear),
+            **{name: _short(repr(part)) for name, part in parts.items()},
+            "speed_m_s": self.speed,
+            "noise_turn_rad": noise.turn,
+            **({} if self.cycle_noise is None else {"cycle_noise": _short(repr(self.cycle_noise))}),
+            "noise_position_m": noise.position,
+            "noise_angle_rad": noise.angle,
+            "noise_force_n": noise.force,
+            "scans": self.scans,
+            "suffix": self.suffix,
+            **by_cycle,
+        }
+
+
+def _short(text: str) -> str:
+    if len(text) <= _LONGEST_ARGUMENT:
+        return text
+    return f"{text[:60]}... (sha256 {hashlib.sha256(text.encode()).hexdigest()})"
+
+
+class CollectionFolder:
+    """A folder that holds one collection, begun or complete.
+
+    `SURFACE/SHAPE/normal/` holds the pushes, `SURFACE/SHAPE/friction_scan/` the scans; `collection.toml` the
+    collection and what was asked, `true_theta0.txt` the true θ0 (rad, not wrapped) of each cycle and of the one that
+    would follow, with a seal behind each.
+
+    Raises InvalidInput where the folder holds something else, or a collection that was asked for otherwise.
+    """
+
+    def __init__(self, folder: str | Path, plan: CollectionPlan) -> None:
+        self.folder, self.plan = Path(folder), plan
+        self.surface, self.shape = file_stem(plan.loop.material.name), file_stem(plan.loop.slider.name)
+        arguments = plan.arguments()
+        record, unfinished = self.folder / FILE_NAME, f".*{UNFINISHED_SUFFIX}"
+        begun = record.is_file()
+        if begun:
+            table = read_toml(record).get(SIMULATION)
+            found = table if isinstance(table, dict) else {}
+            others = [name for name in {**arguments, **found} if arguments.get(name) != found.get(name)]
+            if others:
+                told = "; ".join(f"{name} is {found.get(name)} there and {arguments.get(name)} here" for name in others)
+                otherwise = f"{self.folder} holds a collection that was asked for otherwise: {told}"
+                raise InvalidInput(f"{otherwise}. Choose another folder")
+        elif self.folder.is_dir() and not all(path.match(unfinished) for path in self.folder.iterdir()):
+            raise InvalidInput(f"{self.folder} holds other files; give a new or empty folder for the collection")
+        for path in self.folder.rglob(unfinished):
+            path.unlink(missing_ok=True)
+        if not begun:
+            asked = {SIMULATION: arguments}
+            try:
+                # The loop as every command reads it; without it where no setting can say it.
+                text = collection_text(plan.loop, noise=plan.noise.turn or None, more=asked, comments=_COMMENTS)
+            except InvalidInput as error:
+                text = toml_text(asked, (*_COMMENTS, f"Not told here: object, push and reset, for {error}"))
+            write_whole(record, text.encode())
+
+    def push_path(self, cycle: int) -> Path:
+        """Where the push of `cycle` is kept."""
+        push, plan = self.plan.push_at(cycle), self.plan
+        place = (float(push.side), push.fraction, push.angle, float(cycle))
+        facts = PushFacts(self.surface, self.shape, 0.0, plan.speed, *place)
+        return self._home / PUSH_FOLDER / f"{push_name(facts)}{plan.suffix}"
+
+    def scan_path(self, scan: ScanFacts) -> Path:
+        """Where a friction scan is kept."""
+        return self._home / SCAN_FOLDER / f"{scan_name(scan)}{self.plan.suffix}"
+
+    @property
+    def _home(self) -> Path:
+        return self.folder / self.surface / self.shape
+
+    def known_theta(self) -> list[float]:
+        """The true θ0 of the cycles that are complete, and of the next: where to go on; the start if there are none.
+
+        Every line of the truth is sealed with the file of the push that led to its θ0, and with the line before: a
+        cycle is complete as long as neither is other than it was written. What comes behind does not count, and goes.
+        """
+        truth, theta = self.folder / TRUTH_FILE, [self.plan.start]
+        lines = truth.read_bytes().splitlines(keepends=True) if truth.is_file() else []
+        kept = [self._truth_line(0, self.plan.start, b"")]
+        if lines[:1] == kept:
+            for cycle, line in enumerate(lines[1 : self.plan.cycles + 1], 1):
+                value = _number(line)
+                if value is None or line != self._truth_line(cycle, value, kept[-1]):
+                    break
+                theta.append(value)
+                kept.append(line)
+        write_whole(truth, b"".join(kept))
+        self._last = kept[-1]
+        return theta
+
+    def append_truth(self, cycle: int, theta: float) -> None:
+        """Add the θ0 of `cycle`, once the push before is written; a line cut short does not count when it is read."""
+        self._last = self._truth_line(cycle, theta, self._last)
+        try:
+            with (self.folder / TRUTH_FILE).open("ab") as file:
+                file.write(self._last)
+        except OSError as error:
+            raise OSError(f"{self.folder / TRUTH_FILE} cannot be written ({error.strerror})") from error
+
+    def _truth_line(self, cycle: int, theta: float, before: bytes) -> bytes:
+        """The cycle, its θ0, and a digest of these, of the push that led there and of the line before."""
+        push = self.push_path(cycle - 1) if cycle else None
+        content = push.read_bytes() if push is not None and push.is_file() else b""
+        told = f"{cycle} {theta!r}".encode()
+        return told + b" # " + hashlib.sha256(b"\0".join((before, told, content))).hexdigest()[:16].encode() + b"\n"
+
+    def size(self) -> int:
+        """Bytes of all pushes and scans."""
+        return sum(path.stat().st_size for path in self._home.rglob(f"*{self.plan.suffix}"))
+
+
+def _number(line: bytes) -> float | None:
+    """The θ0 of a line of the truth; None where it has none."""
+    found = re.fullmatch(rb"\d+ (\S+) # \w+\n", line)
+    try:
+        return plain_number(found[1].decode()) if found else None
+    except ValueError:
+        return None
+
+
+@dataclass(frozen=True)
+class SimulatedCollection:
+    """A complete collection.
+
+    folder : where it is. cycles : pushes in it. written, resumed : how many of them were made now and found there.
+    scans : friction scans in it. theta_last : rad, not wrapped, the true θ0 of the last push.
+    bytes : size of all its files of pushes and scans.
+    """
+
+    folder: Path
+    cycles: int
+    written: int
+    resumed: int
+    scans: int
+    theta_last: float
+    bytes: int
+
+
+def simulate_collection(
+    loop: CollectionLoop,
+    folder: str | Path,
+    cycles: int,
+    *,
+    progress: Callable[[float], None] | None = None,
+    **asked: Any,
+) -> SimulatedCollection:
+    """Write a collection of `cycles` pushes as files of the MIT layout, or go on with one that was begun.
+
+    Cycle n starts at θ0 = θ_n, is run with the friction of its day, and θ_{n+1} = F_n(θ_n) + α_n + ξ_n with
+    ξ_n ~ N(0, noise.turn²), or as `cycle_noise` says, F_n the cycle map of its loop (to `loop.accuracy`) and α_n the
+    turn by a gripper, if any.
+    The drag back is not recorded. See `record_push` for the series and their accuracy, `record_scan` for scans.
+
+    asked : fields of `CollectionPlan`: start (rad), noise (`RecordingNoise`), cycle_noise (`LocalNoise`), speed (m/s),
+    wear_to (`Material`), seed, scans, suffix, cycle_loops, gripper_turns (rad). progress : called with the fraction
+    done.
+
+    Every file is there whole or not at all. Random numbers depend on seed and cycle alone, so that a run that was
+    broken off and is called again with the same arguments ends with the files of an undisturbed one, bit for bit:
+    what was changed, cut or emptied since it was written is made again, and all pushes behind it.
+
+    Raises InvalidInput for bad arguments, a folder that holds something else or was begun with others; CycleMapError
+    where another process writes to it; OSError where
+    it cannot be written; ConvergenceError or UnsupportedContact where a push leads out of what the mechanics can do.
+
+    >>> import tempfile
+    >>> from cyclemap.evidence.pushes.push_table import load_pushes
+    >>> from cyclemap.evidence.recorded_push import RecordingNoise
+    >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     made = simulate_collection(loop, f"{place}/made", 3, noise=RecordingNoise(turn=0.0))
+    ...     pushes = load_pushes(made.folder).table
+    >>> made.written, round(made.theta_last, 4)
+    (3, 0.309)
+    >>> pushes["repetition"].tolist(), pushes["dtheta"].round(4).tolist()
+    ([0.0, 1.0, 2.0], [1.2855, 1.2879, 1.289])
+    """
+    plan = CollectionPlan(loop, cycles, **asked)
+    report = progress or (lambda fraction: None)
+    with only_writer(Path(folder)):
+        home = CollectionFolder(folder, plan)
+        scans = _write_scans(home, plan) if plan.scans else 0
+        theta = home.known_theta()
+        resumed = len(theta) - 1
+        for cycle in range(resumed, plan.cycles):
+            record, following = _run(plan, cycle, theta[-1])
+            write_push_file(home.push_path(cycle), record)
+            home.append_truth(cycle + 1, following)
+            theta.append(following)
+            report((cycle + 1) / plan.cycles)
+    written = plan.cycles - resumed
+    return SimulatedCollection(home.folder, plan.cycles, written, resumed, scans, theta[-2], home.size())
+
+
+def _run(plan: CollectionPlan, cycle: int, theta: float) -> tuple[PushRecord, float]:
+    """The record of a cycle's push from `theta`, and the θ0 after its drag (rad)."""
+    loop = plan.loop_at(cycle)
+    try:
+        push, back = loop.strokes(theta, loop.push.distance / _RECORDED)
+    except CycleMapError as error:
+        raise type(error)(f"cycle {cycle}, from θ0 = {math.degrees(theta):.3f} degrees: {error}") from error
+    instruments = plan.generator(INSTRUMENTS, cycle)
+    record = record_push(push, loop.push.distance, plan.recording(cycle), instruments)
+    return record, back.end.theta + plan.gripper_turn_at(cycle) + plan.kick(cycle, theta)
+
+
+def _write_scans(home: CollectionFolder, plan: CollectionPlan) -> int:
+    """Write the scans, anew if they are there: they are quick; return how many there are."""
+    count, friction, weight = 0, plan.loop.material.friction, plan.loop.model.weight
+    for count, scan in enumerate(scan_set(home.surface, home.shape, plan.speed), 1):
+        record = record_scan(friction, weight, scan.direction, plan.recording(0), plan.generator(SCANS, count))
+        write_push_file(home.scan_path(scan), record)
+    return count

@@ -1,0 +1,104 @@
+"""Blocks of data and of beliefs keep their rows, groups and derivatives together."""
+
+import numpy as np
+import pytest
+from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
+
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.evidence.identification.data_block import PRIOR_KIND, USUAL, FunctionBlock, JointProblem, prior_block
+from cyclemap.evidence.identification.identify import identify
+from cyclemap.evidence.identification.surface_parameters import SURFACE
+
+SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
+
+
+def test_a_subset_has_the_rows_of_its_groups_and_nothing_else() -> None:
+    block = motion_block(10, 0.1, 0.1)
+    part = block.subset([2, 7]).subset([7, 3])
+    assert part.groups.tolist() == [7, 7]
+    assert part.kinds.tolist() == ["turn (rad)", "shift (m)"]
+    whole, own = block.residuals(TRUTH), part.residuals(TRUTH)
+    assert np.array_equal(own[0], whole[0][[7, 17]])
+    assert np.array_equal(own[1], whole[1][[7, 17]])
+
+
+def test_the_derivatives_of_the_stand_ins_are_their_slopes() -> None:
+    problem, step = JointProblem((force_block(), motion_block()), SPACE, {}), 1e-6
+    at = SPACE.vector(TRUTH) + 0.02
+    slopes = [(problem.evaluate(at + step * e)[0] - problem.evaluate(at - step * e)[0]) / (2 * step) for e in np.eye(7)]
+    assert np.allclose(problem.evaluate(at)[1], np.stack(slopes, axis=-1), atol=1e-9)
+
+
+def test_equal_labels_in_two_blocks_are_two_groups_and_equal_kinds_share_their_noise() -> None:
+    problem = JointProblem((force_block(6), force_block(4, name="second")), SURFACE.select(ELLIPSE), {})
+    assert len(np.unique(problem.groups)) == 10
+    assert problem.kind_names == ("force (1)",)
+
+
+def test_a_parameter_whose_data_leave_is_held() -> None:
+    problem = JointProblem((force_block(), motion_block()), SPACE, {})
+    part = problem.subset(problem.block_index == 0, TRUTH)
+    assert part.space.names == ELLIPSE
+    assert part.fixed == {name: TRUTH[name] for name in ("pusher_friction", "rim_share")}
+    assert [block.name for block in part.blocks] == ["scan"]
+
+
+def test_blocks_that_do_not_fit_are_refused() -> None:
+    with pytest.raises(InvalidInput, match="no block of data depends on rim_share"):
+        JointProblem((force_block(),), SURFACE.select((*ELLIPSE, "rim_share")), {})
+    with pytest.raises(InvalidInput, match="the data depend on offset_y"):
+        JointProblem((force_block(),), SURFACE.select(ELLIPSE[:4]), {})
+    with pytest.raises(InvalidInput, match="names of their own"):
+        JointProblem((force_block(), force_block()), SURFACE.select(ELLIPSE), {})
+    with pytest.raises(InvalidInput, match="3 whole numbers"):
+        FunctionBlock("x", ("a",), lambda v: (np.ones(3), np.ones((3, 1))), np.array([0.0, 1.0, 2.0]), "m")
+    with pytest.raises(InvalidInput, match="kinds of block 'x'"):
+        FunctionBlock("x", ("a",), lambda v: (np.ones(3), np.ones((3, 1))), [0, 1, 2], ["m", "m"])
+    short = FunctionBlock("x", ("a",), lambda v: (np.ones(3), np.ones((2, 1))), [0, 1, 2], "m")
+    with pytest.raises(InvalidInput, match="3 residuals but 2 derivatives"):
+        short.residuals({})
+
+
+def test_numbers_that_are_not_finite_stop_at_the_block() -> None:
+    class Broken:
+        name, parameters, groups, kinds = "broken", ELLIPSE, np.arange(2), np.array(["m", "m"])
+
+        def residuals(self, values: object) -> tuple[np.ndarray, np.ndarray]:
+            return np.array([0.0, np.nan]), np.zeros((2, 5))
+
+        def subset(self, keep_groups: object) -> "Broken":
+            return self
+
+    with pytest.raises(ConvergenceError, match="'broken'"):
+        JointProblem((Broken(),), SURFACE.select(ELLIPSE), {}).evaluate(np.zeros(5))
+
+
+def test_without_data_the_beliefs_and_their_deviations_come_back():
+    of_surface = {name: belief for name, belief in USUAL.items() if name in SURFACE.names}
+    found = identify([prior_block(of_surface)], list(of_surface), starts=1, noise={PRIOR_KIND: 1.0})
+    assert len(found.estimates) == 9
+    for one in found.estimates:
+        value, deviation = USUAL[one.name]
+        assert (one.value, one.standard_error) == pytest.approx((value, deviation), abs=1e-6 * deviation)
+
+
+def test_no_belief_and_one_without_width_are_refused():
+    with pytest.raises(InvalidInput, match="one parameter at least"):
+        prior_block({})
+    with pytest.raises(InvalidInput, match="rim_share"):
+        prior_block({"rim_share": (0.5, 0.0)})
+
+
+def test_a_belief_alone_keeps_its_deviation_beside_data_that_share_groups():
+    """What the data do not depend on has the interval of its belief, however near to it the estimate lies."""
+    rows = np.arange(40) // 2
+    data = 0.2 + 0.01 * np.cos(7.0 * np.arange(40))
+    law = FunctionBlock(
+        "law", ("pusher_friction", "rim_share"), lambda v: (v["pusher_friction"] - data, np.eye(2)[[0] * 40]), rows, "m"
+    )
+    beliefs = {"rim_share": (0.4, 0.1), "pusher_friction": (0.15, 0.05)}
+    found = identify([law], list(beliefs), priors=beliefs, starts=1)
+    assert found["rim_share"].value == pytest.approx(0.4, abs=1e-6)
+    assert found["rim_share"].standard_error == pytest.approx(0.1, rel=1e-6)
+    assert found["rim_share"].upper == pytest.approx(0.4 + 1.96 * 0.1, abs=1e-3)
+    assert found["pusher_friction"].standard_error < 0.01

@@ -1,0 +1,160 @@
+"""Measured (θ0, next θ0) pairs: the three layouts, and every way in which a file can be wrong."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence import Theta0Pairs, read_theta0_pairs
+
+HEADER = "rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag\n"
+STAIRCASE = (
+    HEADER
+    + "0,350.000,350.000,-20.000,jump\n1,330.000,330.000,40.000,\n"
+    + "2,370.000,10.000,5.000,\n3,375.000,15.000,,\n"
+)
+
+
+@pytest.fixture
+def csv(tmp_path: Path):
+    def write(text: str | bytes) -> Path:
+        path = tmp_path / "pushes.csv"
+        path.write_bytes(text.encode() if isinstance(text, str) else text)
+        return path
+
+    return write
+
+
+def degrees(values):
+    return np.rad2deg(values).round(9).tolist()
+
+
+def test_staircase_layout_keeps_unflagged_pairs_on_the_unwrapped_path(csv) -> None:
+    pairs = read_theta0_pairs(csv(STAIRCASE))
+    assert degrees(pairs.theta) == [330.0, 370.0]
+    assert degrees(pairs.theta_next) == [370.0, 375.0]
+    assert degrees(pairs.turn) == [40.0, 5.0]
+    assert degrees(pairs.path) == [350.0, 330.0, 370.0, 375.0]
+
+
+def test_flagged_rows_are_dropped_and_counted_by_reason(csv) -> None:
+    pairs = read_theta0_pairs(csv(STAIRCASE))
+    assert dict(pairs.dropped) == {"jump": 1}
+    assert pairs.dropped_count == 1
+
+
+def test_missing_rep_makes_no_pair_across_the_gap(csv) -> None:
+    text = HEADER + "0,10.0,10.0,5.0,\n1,15.0,15.0,5.0,\n7,90.0,90.0,,\n"
+    assert degrees(read_theta0_pairs(csv(text)).theta_next) == [15.0, 20.0]
+
+
+def test_two_columns_take_the_shorter_way_round(csv) -> None:
+    pairs = read_theta0_pairs(csv("theta0_deg,theta_next_deg\n350,10\n10,350\n100,100\n30,755\n"))
+    assert degrees(pairs.turn) == [20.0, -20.0, 0.0, 5.0]
+    assert pairs.path is None
+
+
+def test_pairs_of_which_each_begins_where_the_one_before_ended_are_in_order(csv) -> None:
+    """They are what the single column of their beginnings and the last end is; one gap, and nothing is known."""
+    chained = read_theta0_pairs(csv("theta0_deg,theta_next_deg\n340,355\n-5.004,12\n372,350\n"))
+    alone = read_theta0_pairs(csv("theta0_deg\n340\n355\n12\n350\n"))
+    assert np.degrees(chained.path) == pytest.approx(np.degrees(alone.path), abs=0.01)
+    assert chained.cycle.tolist() == [0.0, 1.0, 2.0] and chained.path_cycle.tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert read_theta0_pairs(csv("theta0_deg,theta_next_deg\n340,355\n355,12\n12.02,350\n")).path is None
+
+
+def test_single_column_is_unwrapped_in_order(csv) -> None:
+    pairs = read_theta0_pairs(csv("theta0_deg\n340\n355\n12\n350\n"))
+    assert degrees(pairs.path) == [340.0, 355.0, 372.0, 350.0]
+    assert degrees(pairs.theta) == [340.0, 355.0, 372.0]
+    assert degrees(pairs.turn) == [15.0, 17.0, -22.0]
+
+
+def test_byte_order_mark_crlf_blanks_and_capitals_are_harmless(csv) -> None:
+    pairs = read_theta0_pairs(csv(b"\xef\xbb\xbfTheta0_deg, Theta_next_deg\r\n 1 , 2 \r\n\r\n"))
+    assert degrees(pairs.theta_next) == [2.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "the file is empty"),
+        ("\n\n", "the file is empty"),
+        ("theta0_deg,theta_next_deg\n", "line 1: a header but no rows"),
+        ("angle,next\n1,2\n", "line 1: the header is angle,next; it must be rep,theta0_accum_deg"),
+        ("rep,theta0_accum_deg\n1,2\n", "line 1: column theta0_mod360_deg, dtheta_to_next_deg, flag is missing"),
+        ("theta_next_deg\n1\n", "line 1: column theta0_deg is missing"),
+        ("theta0_deg,theta_next_deg\n1,2\n3,four\n", "line 3: theta_next_deg is 'four'"),
+        ("theta0_deg,theta_next_deg\n1,2\nnan,4\n", "line 3: theta0_deg is 'nan'"),
+        ("theta0_deg,theta_next_deg\n1,inf\n", "line 2: theta_next_deg is 'inf'"),
+        ("theta0_deg,theta_next_deg\n1,2\n3,\n", "line 3: theta_next_deg is ''"),
+        ("theta0_deg,theta_next_deg\n1,2\n3", "line 3: 1 of 2 fields; the line is cut off"),
+        ("theta0_deg,theta_next_deg\n1,2,3\n", "line 2: 3 of 2 fields"),
+        ("theta0_deg\n12\n", "line 2: a single θ0 makes no pair"),
+        ("theta0_deg,theta0_next_deg\n1,2\n3,4\n", "line 1: the header has theta0_next_deg beside theta0_deg: name it"),
+        ("theta_nxt_deg,theta0_deg\n1,2\n3,4\n", "line 1: the header has theta_nxt_deg beside theta0_deg: name it"),
+        (b"theta0_deg\n\xff\xfe\n", "byte 11 is not UTF-8"),
+        ('theta0_deg\n"1\n2\n', "mend the quotes"),
+        (HEADER + "0,10,10,5,jump\n1,15,15,,\n", "line 3: no row without a flag"),
+        (HEADER + "0,10,10,5,\n1,16,16,,\n", "line 2: dtheta_to_next_deg is 5, the next row says 6; a row is missing"),
+        (HEADER + "0,10,10,5,\n1,15,25,,\n", "line 3: theta0_accum_deg and theta0_mod360_deg disagree (15 and 25)"),
+        (HEADER + "0,10,10,5,\n1,15,15\n", "line 3: 3 of 5 fields"),
+        (HEADER + "0,10,10,5,\n1,15,15,5,\n", "line 3: the last row has a next θ0: the file is cut off"),
+    ],
+)
+def test_bad_file_is_refused_by_name_and_line(csv, text, said) -> None:
+    path = csv(text)
+    with pytest.raises(DataFileError) as refusal:
+        read_theta0_pairs(path)
+    assert str(path) in str(refusal.value)
+    assert said in str(refusal.value)
+
+
+def test_absent_file_and_folder_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(DataFileError, match="there is no such file"):
+        read_theta0_pairs(tmp_path / "none.csv")
+    with pytest.raises(DataFileError, match="cannot be read"):
+        read_theta0_pairs(tmp_path)
+
+
+@pytest.mark.parametrize(("theta", "theta_next"), [([], []), ([1.0], [1.0, 2.0]), ([np.nan], [1.0]), ([1.0], [np.inf])])
+def test_pairs_of_unequal_length_or_not_finite_are_refused(theta, theta_next) -> None:
+    with pytest.raises(InvalidInput):
+        Theta0Pairs(np.array(theta), np.array(theta_next))
+
+
+def test_measured_plywood_has_the_facts_of_its_description(measured_data: Path) -> None:
+    pairs = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv")
+    assert pairs.theta.size == 2000 - 3 - 1
+    assert dict(pairs.dropped) == {"jump": 3}
+    assert pairs.path is not None and pairs.path.size == 2000
+    # It climbs eighteen turns and never falls back by more than its noise.
+    assert 17.5 < (pairs.path[-1] - pairs.path[0]) / (2 * np.pi) < 18.5
+
+
+def test_measured_plywood_cut_in_the_middle_of_a_line_is_refused(measured_data: Path, csv) -> None:
+    whole = (measured_data / "plywood_rect1_theta0_2000.csv").read_bytes()
+    for cut in range(len(whole) // 2, len(whole) // 2 + 60):
+        with pytest.raises(DataFileError, match="cut off"):
+            read_theta0_pairs(csv(whole[:cut]))
+
+
+def test_pairs_know_the_number_of_their_push_and_the_path_that_of_every_push(csv) -> None:
+    pairs = read_theta0_pairs(csv(STAIRCASE))
+    assert pairs.cycle.tolist() == [1.0, 2.0]
+    assert pairs.path_cycle.tolist() == [0.0, 1.0, 2.0, 3.0]
+    ordered = read_theta0_pairs(csv("theta0_deg\n350\n10\n40\n"))
+    assert (ordered.cycle.tolist(), ordered.path_cycle.tolist()) == ([0.0, 1.0], [0.0, 1.0, 2.0])
+    unordered = read_theta0_pairs(csv("theta0_deg,theta_next_deg\n1,2\n5,7\n"))
+    assert (unordered.cycle, unordered.path_cycle) == (None, None)
+
+
+def test_numbers_that_do_not_match_the_angles_are_refused() -> None:
+    theta = np.array([0.0, 1.0])
+    with pytest.raises(InvalidInput, match=r"cycle has shape \(1,\) for angles of shape \(2,\)"):
+        Theta0Pairs(theta, theta, cycle=np.array([0.0]))
+    with pytest.raises(InvalidInput, match=r"cycle has shape \(2,\)"):
+        Theta0Pairs(theta, theta, cycle=np.array([0.0, np.nan]))
+    with pytest.raises(InvalidInput, match="path_cycle has shape"):
+        Theta0Pairs(theta, theta, path_cycle=theta)

@@ -1,0 +1,184 @@
+"""The laws of a set and its histogram: what they explain, and what chance alone makes."""
+
+import numpy as np
+import pytest
+from made_sets import made_set, noisy_set, true_turn
+from scipy.stats import wasserstein_distance
+
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.linear_fit import cycle_folds
+from cyclemap.evidence.laws.periodic_law import fit_periodic_law
+from cyclemap.evidence.tables.push_sets import push_statistics
+from cyclemap.evidence.tables.set_fit import held_out_rmse, motion_law, set_laws, turn_histogram
+
+GRID = np.linspace(0.0, 2 * np.pi, 90)
+# The paper's plywood: RMSE of the fitted law of Δθ (°), of Δx and Δy (mm): the noise put on the simulated pushes.
+NOISE = np.deg2rad(2.07), 0.91e-3, 3.39e-3
+
+
+@pytest.fixture(scope="module")
+def plywood(real_loop):
+    """400 pushes on Table I's plywood, 100 orientations at random, each four times, with the paper's noise."""
+    rng = np.random.default_rng(0)
+    cycles = real_loop.cycles(rng.uniform(0.0, 2 * np.pi, 100))
+    theta = np.tile(cycles.theta, 4)
+    true = np.tile(np.column_stack([cycles.push_turn, cycles.push_displacement]), (4, 1))
+    order, noise = rng.permutation(400), np.array(NOISE) * rng.standard_normal((400, 3))
+    return made_set(theta[order], *(true + noise)[order].T), true[order]
+
+
+def test_laws_of_simulated_plywood_leave_the_noise_and_nothing_more(plywood) -> None:
+    pushes, true = plywood
+    laws = set_laws(pushes).laws
+    for column, (found, sigma) in enumerate(zip(laws, NOISE, strict=True)):
+        assert found.problem is None
+        assert found.law.rmse == pytest.approx(sigma, rel=0.1)
+        assert found.cross_validated_rmse == pytest.approx(sigma, rel=0.12)
+        # The law itself is nearer the mechanics than any one push.
+        assert np.sqrt(np.mean((found.law(pushes.theta) - true[:, column]) ** 2)) < 0.3 * sigma
+
+
+def test_the_two_tables_add_up_variance_is_that_of_the_law_and_that_about_it(plywood) -> None:
+    pushes, _ = plywood
+    statistics, laws = push_statistics(pushes), set_laws(pushes)
+    for row, found in zip((statistics.dtheta, statistics.dx, statistics.dy), laws.laws, strict=True):
+        of_law = np.var(found.law(found.theta))
+        assert row.std**2 == pytest.approx(of_law + found.law.rmse**2, rel=0.02)
+        assert 100 * found.law.total_std / abs(found.law.mean) == pytest.approx(row.percent)
+        assert 0.0 < found.explained < 1.0
+
+
+def test_simulated_plywood_lies_by_the_published_means_where_the_published_pushes_crowd(plywood) -> None:
+    """Friction alone predicts the paper's means at 100°, about which its θ0 crowd: 69.1°, 36.6 mm and 94.3 mm."""
+    laws, crowd = set_laws(plywood[0]), np.deg2rad(100.0)
+    assert np.rad2deg(laws.dtheta.law(crowd)) == pytest.approx(69.1, abs=4.0)
+    assert 1e3 * laws.dx.law(crowd) == pytest.approx(36.6, abs=4.0)
+    assert -1e3 * laws.dy.law(crowd) == pytest.approx(94.3, abs=12.0)
+
+
+def test_the_histogram_of_simulated_plywood_is_predicted_within_chance(plywood) -> None:
+    found = motion_law("dtheta", plywood[0].theta, plywood[0].dtheta)
+    histogram = turn_histogram(found.theta, found.value, found.law, runs=60)
+    assert histogram.total_variation < histogram.chance_total_variation
+    assert histogram.law_alone_total_variation > histogram.total_variation
+
+
+def test_the_error_in_pushes_left_out_is_that_of_ten_laws_fitted_one_by_one() -> None:
+    pushes = noisy_set(3)
+    law = fit_periodic_law(pushes.theta, pushes.dtheta, harmonics=2)
+    fold = cycle_folds(300, 0)
+    errors = np.empty(300)
+    for one in range(10):
+        out = fold == one
+        without = fit_periodic_law(pushes.theta[~out], pushes.dtheta[~out], harmonics=2)
+        errors[out] = pushes.dtheta[out] - without(pushes.theta[out])
+    assert held_out_rmse(law, pushes.theta, pushes.dtheta) == pytest.approx(np.sqrt(np.mean(errors**2)), rel=1e-9)
+
+
+def test_a_law_without_noise_is_found_exactly_in_its_order() -> None:
+    theta = np.random.default_rng(5).uniform(0.0, 6.0, 120)
+    found = motion_law("dtheta", theta, true_turn(theta))
+    assert found.law.harmonics == 2
+    assert np.allclose(found.law(GRID), true_turn(GRID), atol=1e-12)
+    assert found.explained == pytest.approx(1.0)
+
+
+def test_values_that_do_not_depend_on_the_angle_have_a_flat_law_that_explains_nothing() -> None:
+    rng = np.random.default_rng(6)
+    found = motion_law("dy", rng.uniform(0.0, 6.0, 200), rng.standard_normal(200))
+    assert found.law.harmonics == 0
+    assert found.explained == pytest.approx(0.0, abs=0.05)
+
+
+def test_the_order_may_be_given() -> None:
+    found = set_laws(noisy_set(1), harmonics=5)
+    assert [law.law.harmonics for law in found.laws] == [5, 5, 5]
+
+
+@pytest.mark.parametrize(
+    ("theta", "told"),
+    [([0.0, 1.0], "too few pushes with a known end for a law: 2 of 20"), ([1.0] * 30, "fix 1 of 7 coefficients")],
+)
+def test_a_set_that_fixes_no_law_says_so_and_does_not_fail(theta, told) -> None:
+    noise = np.random.default_rng(0).standard_normal(len(theta))
+    laws = set_laws(made_set(theta, 1.0 + noise, noise, noise), harmonics=3)
+    assert [law.law for law in laws.laws] == [None] * 3
+    assert told in laws.problem
+    assert np.isnan(laws.dtheta.cross_validated_rmse)
+    assert np.isnan(laws.dtheta.explained)
+
+
+def fitted(seed: int = 0, count: int = 300):
+    pushes = noisy_set(seed, count)
+    return pushes, fit_periodic_law(pushes.theta, pushes.dtheta, harmonics=2)
+
+
+def test_predicted_counts_are_those_of_many_draws_of_theta0_projected_through_the_law() -> None:
+    pushes, law = fitted()
+    found = turn_histogram(pushes.theta, pushes.dtheta, law, runs=2)
+    rng, draws = np.random.default_rng(1), 400_000
+    theta = rng.choice(pushes.theta, draws)
+    drawn = np.clip(law(theta) + law.noise(theta) * rng.standard_normal(draws), found.edges[0], found.edges[-1])
+    counts = np.histogram(drawn, found.edges)[0] * 300 / draws
+    assert np.max(np.abs(counts - found.predicted)) < 0.15
+    assert np.sum(found.predicted) == pytest.approx(300.0)
+
+
+def test_the_law_alone_puts_every_orientation_where_the_law_does() -> None:
+    pushes, law = fitted()
+    found = turn_histogram(pushes.theta, pushes.dtheta, law, runs=2)
+    assert np.allclose(found.law_alone, np.histogram(law(pushes.theta), found.edges)[0])
+    assert np.array_equal(found.measured, np.histogram(pushes.dtheta, found.edges)[0])
+    assert found.count == 300
+    share = 0.5 * np.sum(np.abs(found.measured - found.law_alone)) / 300
+    assert found.law_alone_total_variation == pytest.approx(share)
+    exact = wasserstein_distance(pushes.dtheta, law(pushes.theta))
+    assert found.law_alone_distance == pytest.approx(exact, rel=0.02)
+
+
+def test_a_constant_added_to_the_values_and_a_change_of_unit_change_no_share() -> None:
+    pushes, law = fitted()
+    moved = fit_periodic_law(pushes.theta, 5.0 + 57.0 * pushes.dtheta, harmonics=2)
+    one = turn_histogram(pushes.theta, pushes.dtheta, law, runs=5)
+    other = turn_histogram(pushes.theta, 5.0 + 57.0 * pushes.dtheta, moved, runs=5)
+    assert other.total_variation == pytest.approx(one.total_variation, abs=1e-9)
+    assert other.distance == pytest.approx(57.0 * one.distance, rel=1e-9)
+
+
+def test_p_values_of_a_right_law_are_uniform_though_it_was_fitted_to_the_same_pushes() -> None:
+    values = []
+    for seed in range(60):
+        pushes, law = fitted(seed, 120)
+        values.append(turn_histogram(pushes.theta, pushes.dtheta, law, bins=20, runs=19, seed=seed).chance.value)
+    assert len(values) == 60
+    for level in (0.1, 0.25, 0.5):
+        share, error = np.mean(np.array(values) <= level), np.sqrt(level * (1.0 - level) / 60)
+        assert abs(share - level) < 3.0 * error
+
+
+def test_a_law_that_misses_two_lumps_is_told_from_chance() -> None:
+    rng = np.random.default_rng(2)
+    theta = rng.uniform(0.0, 2 * np.pi, 300)
+    value = true_turn(theta) + 0.1 * rng.choice([-1.0, 1.0], 300) + 0.01 * rng.standard_normal(300)
+    found = turn_histogram(theta, value, fit_periodic_law(theta, value, harmonics=2), runs=99)
+    assert found.total_variation > found.chance_total_variation
+    assert found.chance.value == pytest.approx(0.01)
+
+
+def test_a_law_without_scatter_of_its_own_still_has_a_histogram() -> None:
+    theta = np.linspace(0.0, 6.0, 50)
+    law = fit_periodic_law(theta, true_turn(theta), harmonics=2)
+    found = turn_histogram(theta, true_turn(theta), law, runs=3)
+    assert found.law_alone_total_variation <= 0.04
+
+
+def test_bad_input_is_refused_by_name() -> None:
+    pushes, law = fitted()
+    with pytest.raises(InvalidInput, match="all values are 1"):
+        turn_histogram(np.arange(30.0), np.ones(30), fit_periodic_law(np.arange(30.0), np.ones(30), harmonics=0))
+    with pytest.raises(InvalidInput, match="bins must be at least 2"):
+        turn_histogram(pushes.theta, pushes.dtheta, law, bins=1)
+    with pytest.raises(InvalidInput, match="runs must be at least 1"):
+        turn_histogram(pushes.theta, pushes.dtheta, law, runs=0)
+    with pytest.raises(InvalidInput, match="entries"):
+        turn_histogram(pushes.theta[1:], pushes.dtheta, law)
