@@ -7,6 +7,9 @@ from cyclemap.evidence.identified_curves import Derived
 from cyclemap.evidence.identified_material import misfit_words, readable_kind
 from cyclemap.views.sentences import angle
 
+# Errors that differ by less than this are as large.
+WORSE = 1.01
+
 
 def headline(name: str, derived: Sequence[Derived]) -> str:
     """The friction ellipse as far as it is known: intervals, for no value is surer than its own."""
@@ -34,11 +37,11 @@ def note_sentences(found: Identification) -> list[str]:
 
 
 def worse_than_isotropic(found: Identification) -> list[str]:
-    """Which data the identified surface predicts worse than isotropic friction does, left out where it was."""
+    """Which data the identified surface predicts worse than isotropic friction does, by 1 %; left out where it was."""
     worse = []
     for one in found.errors:
         mean = one.left_out_mean if one.left_out_mean == one.left_out_mean else one.mean
-        if mean > one.isotropic_mean:
+        if mean > WORSE * one.isotropic_mean:
             kind, unit, factor = readable_kind(one.kind)
             worse.append(f"{one.block}, {kind} ({factor * mean:.3g} against {factor * one.isotropic_mean:.3g}{unit})")
     return [f"Worse than isotropic friction does: {'; '.join(worse)}."] if worse else []

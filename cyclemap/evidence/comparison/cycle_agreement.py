@@ -12,7 +12,7 @@ from cyclemap.checks import read_only
 from cyclemap.collection import CollectionLoop, isotropic_twin
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.evidence.comparison.prediction import Prediction
-from cyclemap.evidence.comparison.push_agreement import mean_error, within_error
+from cyclemap.evidence.comparison.push_agreement import SEEN_ANGLE, mean_error, within_error
 from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
@@ -58,8 +58,8 @@ class CycleAgreement:
 
     @property
     def agrees(self) -> bool | None:
-        """Whether the mean turn is the predicted one within its error (5 % level); None where that is unknown."""
-        return within_error(self.bias, self.bias_error, self.agreement.pairs)
+        """Whether the mean turn is the predicted one within its error (5 % level), or 0.005 degrees."""
+        return within_error(self.bias, self.bias_error, self.agreement.pairs, SEEN_ANGLE)
 
 
 def cycle_agreement(

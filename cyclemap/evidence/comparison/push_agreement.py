@@ -20,6 +20,8 @@ from cyclemap.mechanics import QuasiStaticModel, SidePush
 QUANTITIES = ("dtheta", "dx", "dy")
 # Below so many pushes the error of a bias is not told.
 FEWEST = 3
+# A bias below this, rad or m, is none: no camera sees it, and of exact simulated pushes it is rounding.
+SEEN_ANGLE, SEEN_LENGTH = np.radians(0.005), 5e-6
 # Pushes that are run on each sample of a posterior, of a set and of all sets: they tell how far the mean moves.
 _SAMPLED_PUSHES = 100
 
@@ -64,8 +66,10 @@ class QuantityAgreement:
 
     @property
     def agrees(self) -> bool | None:
-        """Whether the bias is within its error of 0 at the 5 % level; None where the error is unknown."""
-        return within_error(self.bias, self.bias_error, self.count)
+        """Whether the bias is within its error of 0 at the 5 % level, or below 0.005 degrees or mm; None if unknown."""
+        return within_error(
+            self.bias, self.bias_error, self.count, SEEN_ANGLE if self.name == "dtheta" else SEEN_LENGTH
+        )
 
     @property
     def explains(self) -> bool:
@@ -205,8 +209,8 @@ def mean_error(values: Array, model_error: float = 0.0) -> float | None:
     return float(np.sqrt(own + model_error**2))
 
 
-def within_error(bias: float, error: float | None, count: int) -> bool | None:
-    """Whether a mean of ``count`` values, with the error of ``mean_error``, is 0 at the 5 % level.
+def within_error(bias: float, error: float | None, count: int, seen: float = 0.0) -> bool | None:
+    """Whether a mean of ``count`` values, with the error of ``mean_error``, is 0 at the 5 % level, or below ``seen``.
 
     The critical value grows with the share b of the values that the error's window spans: 1.96 + 2.9694 b + 0.4160 b²
     - 0.5324 b³ (Kiefer & Vogelsang 2005, Bartlett's window). Independent values or a lag correlation of 0.4, from 20
@@ -219,7 +223,7 @@ def within_error(bias: float, error: float | None, count: int) -> bool | None:
         return None
     share = min(1.0, 1.3 / np.sqrt(count))
     critical = 1.96 + 2.9694 * share + 0.416 * share**2 - 0.5324 * share**3
-    return bool(abs(bias) <= critical * error)
+    return bool(abs(bias) <= max(critical * error, seen))
 
 
 def _percent(value: float, mean: float) -> float:

@@ -96,7 +96,7 @@ def _error(found: float | None, model: float, scale: float, unit: str, around: s
     """The error of a difference, and how much of it is that of the material's parameters."""
     if found is None:
         return ""
-    of_model = f", {scale * model:.2f}{unit} of it the material's" if model > 0.0 else ""
+    of_model = f", {scale * model:.2f}{unit} of it the material's" if scale * model >= 0.005 else ""
     return around.format(f"error of the difference {scale * found:.2f}{unit}{of_model}")
 
 

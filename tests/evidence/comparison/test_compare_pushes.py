@@ -39,6 +39,7 @@ def test_a_loops_own_pushes_come_back_with_no_error(loop, tmp_path) -> None:
         assert one.rmse < 1e-9
         assert one.predicted_std == pytest.approx(one.measured_std)
         assert one.explains
+        assert one.agrees is True, "what is off by rounding alone is not off"
     assert data.left_out == {}
 
 
