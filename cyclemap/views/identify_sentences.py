@@ -1,7 +1,9 @@
 """What was identified, in sentences."""
 
+import math
 from collections.abc import Sequence
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.evidence.identification.identify import Identification
 from cyclemap.evidence.identified_curves import Derived
 from cyclemap.evidence.identified_material import misfit_words, readable_kind
@@ -67,4 +69,5 @@ def _way(known: dict[str, Derived], name: str, words: str) -> str:
     way = known[name]
     if not way.known:
         return ", in any direction"
-    return words.format(_between(angle(way.lower, 0), angle(way.upper, 0)))
+    whole = TWO_PI * math.floor((way.lower + math.pi) / TWO_PI)
+    return words.format(_between(angle(way.lower - whole, 0), angle(way.upper - whole, 0)))

@@ -142,6 +142,8 @@ def test_no_headline_is_sharper_than_its_interval(found) -> None:
     )
     assert "1.11" not in told and "13.2" not in told
     assert ": 1, in any direction" in sentences.headline("felt", [ratio, replace(way, known=False)])
+    round_the_back = replace(to, lower=np.radians(-196.0), upper=np.radians(-195.0), known=True)
+    assert sentences.headline("felt", [size, round_the_back]).endswith("towards 164° to 165°")
     (friction,) = derived_quantities(found)
     expected = f"felt: friction ellipse with mean friction {friction.lower:.3f} to {friction.upper:.3f}"
     assert sentences.headline("felt", [friction]) == expected
