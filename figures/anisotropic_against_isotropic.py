@@ -6,8 +6,15 @@ from matplotlib.figure import Figure
 from cyclemap.collection.batch_experiment import BATCHES, CYCLES, BatchExperiment, batch_experiment
 from cyclemap.collection.dynamic_loop import DynamicLoop
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.views.experiment_page import draw_object_frame, draw_robot_frame, named_runs
-from cyclemap.views.experiment_sentences import experiment_headline, isotropic_sentence, method_line, spread_sentence
+from cyclemap.views.experiment_page import (
+    draw_object_frame,
+    draw_robot_frame,
+    experiment_headline,
+    isotropic_sentence,
+    method_line,
+    named_runs,
+    spread_sentence,
+)
 from cyclemap.views.style import new_figure, picture_style
 
 from .exhibit import PaperFigure

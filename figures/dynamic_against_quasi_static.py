@@ -12,8 +12,7 @@ from cyclemap.arrays import Array
 from cyclemap.collection.dynamic_loop import DynamicLoop, DynamicsComparison, compare_dynamics, isotropic_twin
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.dynamics_page import draw_place_differences, draw_turn_differences, largest
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.style import FORCE, PREDICTED, QUIET, new_figure, picture_style
+from cyclemap.views.style import FORCE, PREDICTED, QUIET, legend_above, new_figure, picture_style
 
 from .exhibit import BEYOND, PaperFigure
 from .measured_folder import MeasuredFolder

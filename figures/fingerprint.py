@@ -15,8 +15,17 @@ from cyclemap.collection.fingerprint_check import PredictionCheck, check_predict
 from cyclemap.collection.fingerprint_prediction import Prediction, first_order_lock_in, lock_in_boundary
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.fingerprint_page import draw_prediction
-from cyclemap.views.panel_parts import legend_above, name_tag
-from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, new_figure, picture_style
+from cyclemap.views.style import (
+    FORCE,
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    legend_above,
+    name_tag,
+    new_figure,
+    picture_style,
+)
 
 from .exhibit import BEYOND, PaperFigure
 from .measured_folder import MeasuredFolder

@@ -18,7 +18,6 @@ from cyclemap.evidence.data_blocks.friction_scan_block import friction_ellipse_f
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
 from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.mechanics import EllipseFriction
-from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import (
     FORCE,
     INK,
@@ -27,6 +26,7 @@ from cyclemap.views.style import (
     PREDICTED,
     PREDICTED_FILL,
     QUIET,
+    legend_above,
     new_figure,
     picture_style,
 )

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.style import QUIET, new_figure, picture_style
+from cyclemap.views.style import QUIET, legend_above, new_figure, picture_style
 
 One = TypeVar("One", bound=Any)
 

@@ -18,7 +18,6 @@ from cyclemap.evidence.published.published_statistics import published_statistic
 from cyclemap.evidence.theta0.overlay import MeasuredOverlay, measured_overlay
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import grid_footprint
-from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import (
     INK,
     MEASURED,
@@ -26,6 +25,7 @@ from cyclemap.views.style import (
     PREDICTED,
     QUIET,
     degree_axis,
+    legend_above,
     new_figure,
     picture_style,
 )

@@ -13,10 +13,9 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.evidence.tables.turn_pace import full_turns
 from cyclemap.maps import Steps, find_steps
 from cyclemap.maps.staircases.staircase import sample_staircases
-from cyclemap.views.fit_panels import CIRCLE
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.record_panels import draw_staircase
-from cyclemap.views.style import PREDICTED_FILL
+from cyclemap.views.fit_page import CIRCLE
+from cyclemap.views.map_panels import draw_staircase
+from cyclemap.views.style import PREDICTED_FILL, legend_above
 
 from .exhibit import PaperFigure
 from .material_panels import draw_materials

@@ -11,10 +11,9 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
-from cyclemap.views.fit_panels import CIRCLE, THETA0
-from cyclemap.views.panel_parts import legend_above, name_tag
-from cyclemap.views.record_panels import PER_DEGREE, draw_measured_histogram
-from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis
+from cyclemap.views.fit_page import CIRCLE, THETA0
+from cyclemap.views.map_panels import PER_DEGREE, draw_measured_histogram
+from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis, legend_above, name_tag
 
 from .exhibit import PaperFigure
 from .material_panels import draw_materials

@@ -10,9 +10,8 @@ from matplotlib.figure import Figure
 
 from cyclemap.evidence import TurnHistogram, turn_histogram
 from cyclemap.evidence.tables.law_table import MotionLaw, motion_law
-from cyclemap.views.fit_panels import draw_turn_histogram
-from cyclemap.views.panel_parts import say
-from cyclemap.views.style import picture_style
+from cyclemap.views.fit_page import draw_turn_histogram
+from cyclemap.views.style import picture_style, say
 
 from .exhibit import PaperFigure
 from .material_panels import as_simulated, material_grid

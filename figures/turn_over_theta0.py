@@ -10,9 +10,8 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
 from cyclemap.evidence.tables.law_table import MotionLaw
-from cyclemap.views.fit_panels import CIRCLE, draw_law
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.style import INK, QUIET
+from cyclemap.views.fit_page import CIRCLE, draw_law
+from cyclemap.views.style import INK, QUIET, legend_above
 
 from .exhibit import PaperFigure
 from .material_panels import as_simulated, draw_materials

@@ -15,7 +15,6 @@ from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
 from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
-from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.sentences import LONGEST_STAY
 from cyclemap.views.style import (
     MEASURED,
@@ -23,6 +22,7 @@ from cyclemap.views.style import (
     PREDICTED,
     QUIET,
     degree_axis,
+    legend_above,
     new_figure,
     picture_style,
 )

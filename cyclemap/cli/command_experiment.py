@@ -42,7 +42,7 @@ def experiment_command(
     from cyclemap.cli.terminal import PeopleConsole
     from cyclemap.collection.batch_experiment import batch_experiment
     from cyclemap.collection.dynamic_loop import DynamicLoop
-    from cyclemap.views import experiment_sentences as sentences
+    from cyclemap.views import experiment_page as sentences
     from cyclemap.views.experiment_page import experiment_page
 
     loop, _ = chosen_loop(options)

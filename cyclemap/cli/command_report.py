@@ -93,7 +93,7 @@ def _beside_data(found: Portrait, data: Path, sigma: float, said: bool, progress
     """Recorded against predicted: the verdicts of `cyclemap compare`, with their p-values, and what is left over."""
     from cyclemap.evidence.comparison.compare import compare
     from cyclemap.maps import WrappedNormal
-    from cyclemap.views import compare_sentences
+    from cyclemap.views import compare_page as compare_sentences
     from cyclemap.views.compare_page import residual_page
     from cyclemap.views.report.report_page import Section
     from cyclemap.views.style import render

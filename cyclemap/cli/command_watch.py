@@ -112,7 +112,7 @@ def _chooser(protocol: Path | None, material: str | None) -> Choose:
 def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | None, as_json: bool) -> None:
     """A line of JSON; or what changed: alarm, rest, another tenth of the circle; and what a strategy does next."""
     from cyclemap.cli.json_report import direction_deg
-    from cyclemap.views import watch_sentences as sentences
+    from cyclemap.views import watch_page as sentences
 
     if as_json:
         told = {"push": after.push, "theta0_deg": direction_deg(theta), **_report(after, chosen)}
@@ -136,8 +136,7 @@ def _conclude(
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
     from cyclemap.cli.output import file_stem, publish
     from cyclemap.cli.terminal import PeopleConsole
-    from cyclemap.views.watch_page import watch_page
-    from cyclemap.views.watch_sentences import next_action_sentence, watch_sentences
+    from cyclemap.views.watch_page import next_action_sentence, watch_page, watch_sentences
 
     last, chosen = reports[-1], choose(monitor)
     told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(last, chosen)}

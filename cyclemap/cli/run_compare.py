@@ -26,7 +26,7 @@ from cyclemap.evidence.comparison.push_agreement import (
 from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
 from cyclemap.evidence.orientations.p_value import PValue
 from cyclemap.maps import StepComparison, WrappedNormal
-from cyclemap.views import compare_sentences as sentences
+from cyclemap.views import compare_page as sentences
 from cyclemap.views.compare_page import compare_page
 from cyclemap.views.style import render
 from cyclemap.whole_files import write_whole

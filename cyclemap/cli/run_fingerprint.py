@@ -18,7 +18,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
-from cyclemap.views import fingerprint_sentences as sentences
+from cyclemap.views import fingerprint_page as sentences
 from cyclemap.views.fingerprint_page import fingerprint_page
 from cyclemap.views.sentences import uncertainty_sentence
 from cyclemap.views.style import render

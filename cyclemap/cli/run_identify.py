@@ -33,7 +33,7 @@ from cyclemap.evidence.identified.identified_material import identified_material
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material_text import material_toml
 from cyclemap.plain_text import plain_number
-from cyclemap.views import identify_sentences as sentences
+from cyclemap.views import identify_page as sentences
 from cyclemap.views.identify_page import identify_page
 from cyclemap.views.style import render
 from cyclemap.whole_files import write_whole

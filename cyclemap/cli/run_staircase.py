@@ -11,7 +11,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
 from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
 from cyclemap.evidence import MeasuredStaircase, measured_staircase, read_theta0_pairs
-from cyclemap.views import staircase_sentences as sentences
+from cyclemap.views import staircase_page as sentences
 from cyclemap.views.sentences import uncertainty_sentence
 from cyclemap.views.staircase_page import staircase_page
 from cyclemap.views.style import render

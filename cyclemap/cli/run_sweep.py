@@ -27,8 +27,7 @@ from cyclemap.sweeps.sweep_store import SweepStatus
 from cyclemap.sweeps.sweep_tables import write_csv, write_netcdf
 from cyclemap.sweeps.swept_keys import MATERIAL_KEY, SweptKey, parse_over
 from cyclemap.views.style import render
-from cyclemap.views.sweep_page import sweep_page
-from cyclemap.views.sweep_sentences import sweep_headline, sweep_sentences
+from cyclemap.views.sweep_page import sweep_headline, sweep_page, sweep_sentences
 from cyclemap.whole_files import write_whole
 
 _EXPORTS = {"csv": (".csv", write_csv), "netcdf": (".nc", write_netcdf)}

@@ -11,10 +11,17 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.arrays import Array
 from cyclemap.evidence.replay.replay_push import Replay
 from cyclemap.evidence.replay.replay_table import ReplayedPushes
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.style import FORCE, MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
+from cyclemap.views.style import (
+    FORCE,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    QUIET,
+    legend_above,
+    new_figure,
+    picture_style,
+)
 
-PAGE_INCHES = (13.333, 7.5)
 # Courses are drawn of the pushes at these shares of the order of their errors: a good, a usual, a bad one.
 _SHARES = (0.25, 0.5, 0.75)
 _MARKERS = "osD^vP*X<>ph"
@@ -33,7 +40,7 @@ def replay_headline(replayed: ReplayedPushes) -> str:
 def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
     """Draw the replays of a collection on `material`; at least one replay is needed."""
     with picture_style():
-        figure = new_figure(*PAGE_INCHES)
+        figure = new_figure()
         grid = GridSpec(
             2, 12, figure, left=0.055, right=0.985, bottom=0.12, top=0.83, wspace=1.9, hspace=0.62,
         )  # fmt: skip

@@ -19,11 +19,19 @@ from cyclemap.resets import ResetDesign, ResetStrategy
 from cyclemap.resets.protocol.schedule_file import rod_start
 from cyclemap.views import style
 from cyclemap.views.object_page import number_sides
-from cyclemap.views.panel_parts import legend_above, name_tag
 from cyclemap.views.reset_sentences import COLUMNS, miss_sentences, recipe, row_cells
-from cyclemap.views.style import FORCE, INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET, degree_axis
+from cyclemap.views.style import (
+    FORCE,
+    INK,
+    MEASURED,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    degree_axis,
+    legend_above,
+    name_tag,
+)
 
-PAGE_INCHES = (13.333, 7.5)
 _PLACES = (0.0, 0.105, 0.535, 0.6, 0.665, 0.745, 0.82, 0.885, 0.95)
 _ARROW, _NAMED = 0.45, 8
 
@@ -31,7 +39,7 @@ _ARROW, _NAMED = 0.45, 8
 def reset_page(design: ResetDesign) -> Figure:
     """Draw `design`."""
     with style.picture_style():
-        figure = style.new_figure(*PAGE_INCHES)
+        figure = style.new_figure()
         grid = GridSpec(
             1, 3, figure, width_ratios=(1.0, 1.55, 1.15), left=0.03, right=0.985, bottom=0.43, top=0.84, wspace=0.25
         )

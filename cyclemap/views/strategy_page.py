@@ -11,10 +11,19 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.resets import OrientationLaw, ResetStrategy
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.record_panels import PER_DEGREE
-from cyclemap.views.reset_page import PAGE_INCHES, draw_pushes
-from cyclemap.views.style import INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET, degree_axis, new_figure, picture_style
+from cyclemap.views.map_panels import PER_DEGREE
+from cyclemap.views.reset_page import draw_pushes
+from cyclemap.views.style import (
+    INK,
+    MEASURED,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    degree_axis,
+    legend_above,
+    new_figure,
+    picture_style,
+)
 
 
 def strategy_page(
@@ -26,7 +35,7 @@ def strategy_page(
     words : the title, then what is said below it.
     """
     with picture_style():
-        figure = new_figure(*PAGE_INCHES)
+        figure = new_figure()
         grid = GridSpec(2, 2, figure, left=0.06, right=0.98, bottom=0.09, top=0.77, wspace=0.18, hspace=0.5)
         path = figure.add_subplot(grid[0, 0])
         if measured is not None:

@@ -9,8 +9,13 @@ import pytest
 
 from cyclemap.cli.main import run
 from cyclemap.collection import BatchExperiment, BatchRun, CollectionLoop
-from cyclemap.views.experiment_page import experiment_page
-from cyclemap.views.experiment_sentences import experiment_headline, isotropic_sentence, method_line, spread_sentence
+from cyclemap.views.experiment_page import (
+    experiment_headline,
+    experiment_page,
+    isotropic_sentence,
+    method_line,
+    spread_sentence,
+)
 
 BATCH_KEYS = ["start_deg", "final_deg", "last_step_deg", "settled_after_cycles", "theta0_deg"]
 

@@ -7,7 +7,7 @@ from small_collections import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_fol
 
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.theta0_histograms import NEAR, PEAK_WORDS, UNIFORM, caption, compute, draw, share_near
-from cyclemap.views.fit_panels import CIRCLE
+from cyclemap.views.fit_page import CIRCLE
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from small_collections import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_fol
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.turn_over_theta0 import FIGURE, caption, compute, draw, shortest_arc
-from cyclemap.views.fit_panels import CIRCLE
+from cyclemap.views.fit_page import CIRCLE
 
 NAMES = ["plywood", "abs", "delrin", "pu"]
 

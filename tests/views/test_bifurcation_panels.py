@@ -5,7 +5,7 @@ import pytest
 from drawn_panels import legend_words, panel, png, written
 
 from cyclemap.maps import CircleMap, bifurcations, lyapunov_exponents, orbit_branches, orbit_diagram
-from cyclemap.views.bifurcation_panels import (
+from cyclemap.views.orbit_panels import (
     MARKERS,
     draw_lyapunov_exponents,
     draw_orbit_branches,

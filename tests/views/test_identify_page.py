@@ -23,7 +23,7 @@ from cyclemap.evidence.identification.derived_quantities import Derived, derived
 from cyclemap.evidence.identification.parameter_space import Parameter
 from cyclemap.evidence.identified.identified_curves import IdentifiedCurves, identified_curves
 from cyclemap.mechanics import EllipseFriction, Pose, Slider
-from cyclemap.views import identify_sentences as sentences
+from cyclemap.views import identify_page as sentences
 from cyclemap.views.identify_page import identify_page
 from cyclemap.views.style import render
 

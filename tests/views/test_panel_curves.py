@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.maps import CircleMap, follow_orbit, slow_passages
-from cyclemap.views.panel_curves import branch_curves, cut_at_turns, density_curve, map_graph, passage_curve
+from cyclemap.views.orbit_panels import branch_curves, cut_at_turns, density_curve, map_graph, passage_curve
 
 SAWTOOTH = CircleMap(
     lambda theta: theta - 1.0 + 0.35 * np.mod(theta - 2.0, 2 * np.pi),

@@ -5,7 +5,7 @@ import pytest
 from drawn_panels import labelled, legend_words, panel, png
 
 from cyclemap.maps import CircleMap, WrappedNormal, quasi_stationary_distribution, survival_probabilities
-from cyclemap.views.passage_panels import draw_quasi_stationary_distribution, draw_survival
+from cyclemap.views.law_panels import draw_quasi_stationary_distribution, draw_survival
 
 SINE, ARC = CircleMap.arnold(0.1, 0.9), (-1.5, 2.0)
 

@@ -9,7 +9,7 @@ import pytest
 from cyclemap.collection import StaircaseForecast, staircase_forecast
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs, measured_staircase
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
-from cyclemap.views import staircase_sentences as sentences
+from cyclemap.views import staircase_page as sentences
 from cyclemap.views.sentences import power_of_ten
 from cyclemap.views.staircase_page import staircase_page
 from cyclemap.views.style import render

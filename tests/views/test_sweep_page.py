@@ -8,9 +8,7 @@ import pytest
 from cyclemap.mechanics import MIT_HITCH
 from cyclemap.sweeps import PointOutcome, PortraitNumbers, SweepPlan, SweepStore, load_sweep, run_sweep, sweep_curves
 from cyclemap.views.style import render
-from cyclemap.views.sweep_page import sweep_page
-from cyclemap.views.sweep_panels import cell_edges, key_label
-from cyclemap.views.sweep_sentences import sweep_sentences
+from cyclemap.views.sweep_page import cell_edges, key_label, sweep_page, sweep_sentences
 
 NUMBERS = PortraitNumbers(("rotation", "fixed_points"))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cyclemap.maps import RotationPlane
-from cyclemap.views.sweep_panels import without_specks
+from cyclemap.views.sweep_page import without_specks
 
 
 def plane(size, locked) -> RotationPlane:
