@@ -37,9 +37,8 @@ def experiment_command(
     footprint if it is made of points, else on points that carry its pressure: the paper's grid:8 where it is even,
     weighted and with points along the rim where it leans or has parts.
     """
-    from cyclemap.cli.output import file_stem, progress_bar, publish
+    from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
     from cyclemap.cli.settings import chosen_loop
-    from cyclemap.cli.terminal import PeopleConsole
     from cyclemap.collection.batch_experiment import batch_experiment
     from cyclemap.collection.dynamic_loop import DynamicLoop
     from cyclemap.views import experiment_page as sentences

@@ -134,8 +134,7 @@ def _conclude(
     json_target: str | None, quiet: bool = False,
 ) -> None:  # fmt: skip
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
-    from cyclemap.cli.output import file_stem, publish
-    from cyclemap.cli.terminal import PeopleConsole
+    from cyclemap.cli.output import PeopleConsole, file_stem, publish
     from cyclemap.views.watch_page import next_action_sentence, watch_page, watch_sentences
 
     last, chosen = reports[-1], choose(monitor)

@@ -4,27 +4,21 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cyclemap.collection.loop import Cycle
-from cyclemap.collection.portrait import Portrait
-
 if TYPE_CHECKING:
+    from cyclemap.collection.loop import CollectionLoop, Cycle
+    from cyclemap.collection.portrait import Portrait
     from cyclemap.collection.staircase_forecast import StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
     from cyclemap.maps import SlowZone, StaircaseSummary, Steps
-
+    from cyclemap.resets import ResetStrategy
 
 Json = dict[str, object]
-
-
-def cycles_report(starts_deg: Sequence[float], cycles: Sequence[Cycle]) -> Json:
-    """The report of `cyclemap cycle`: cycles from the start angles as they were given (degrees)."""
-    return {"cycles": [cycle_report(start, cycle) for start, cycle in zip(starts_deg, cycles, strict=True)]}
 
 
 def cycle_report(start_deg: float, cycle: Cycle) -> Json:
@@ -80,6 +74,25 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
     if forecast.worn is not None:
         report["worn"] = _worn(forecast.worn)
     return report if measured is None else {**report, "data": measured_report(measured)}
+
+
+def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
+    """The strategy's actions, filled in by their loop, with their shares of the cycles."""
+    from cyclemap.views.reset_sentences import action_words
+
+    return [
+        {
+            "name": action_words(action),
+            "weight": number(share),
+            "side": acted.push.side,
+            "fraction": number(acted.push.fraction),
+            "angle_deg": degrees(acted.push.angle),
+            "push_mm": number(1e3 * acted.push.distance),
+            "way_points_mm": [[number(1e3 * x), number(1e3 * y)] for x, y in acted.reset.way_points],
+            "gripper_turn_deg": degrees(action.turn),
+        }
+        for action, acted, share in zip(strategy.actions, strategy.loops(loop), strategy.shares, strict=True)
+    ]
 
 
 def json_text(report: Json) -> str:

@@ -9,11 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
-from cyclemap.cli.json_report import Json, degrees, direction_deg, measured_report, number, steps_report
+from cyclemap.cli.json_report import Json, actions_report, degrees, direction_deg, measured_report, number, steps_report
 from cyclemap.cli.options import RunRequest
-from cyclemap.cli.output import file_stem, progress_bar, publish
-from cyclemap.cli.reset_report import actions_report
-from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs

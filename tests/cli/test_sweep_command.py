@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cyclemap.cli import run_sweep as module
-from cyclemap.cli.command_sweep import sweep_command
+from cyclemap.cli.commands import sweep_command
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.resets import ResetStrategy, legs, write_protocol

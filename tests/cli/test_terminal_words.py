@@ -9,8 +9,7 @@ import pytest
 from rich.table import Table
 
 from cyclemap.cli.main import cli, run
-from cyclemap.cli.output import progress_bar
-from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.cli.output import PeopleConsole, progress_bar
 
 
 @pytest.mark.parametrize("columns", ["60", "100"])
