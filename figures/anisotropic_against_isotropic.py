@@ -17,7 +17,7 @@ from cyclemap.views.experiment_page import (
 )
 from cyclemap.views.style import new_figure, picture_style
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import MeasuredFolder
 
 

@@ -14,7 +14,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.dynamics_page import draw_place_differences, draw_turn_differences, largest
 from cyclemap.views.style import FORCE, PREDICTED, QUIET, legend_above, new_figure, picture_style
 
-from .exhibit import BEYOND, PaperFigure
+from .catalogue import BEYOND, PaperFigure
 from .measured_folder import MeasuredFolder
 
 ORIENTATIONS = 12

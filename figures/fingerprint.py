@@ -27,7 +27,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .exhibit import BEYOND, PaperFigure
+from .catalogue import BEYOND, PaperFigure
 from .measured_folder import MeasuredFolder
 
 INCHES = (13.333, 4.6)

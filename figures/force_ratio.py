@@ -26,9 +26,9 @@ from cyclemap.mechanics import (
 )
 from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import NO_DATA, MeasuredFolder
-from .push_records import push_file_names, readable_pushes
+from .measured_sets import push_file_names, readable_pushes
 
 Chosen = NDArray[np.bool_]
 MM = 1000.0

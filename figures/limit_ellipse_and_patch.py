@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.friction_scan_block import friction_ellipse_from_scans
 from cyclemap.evidence.data_blocks.scan_forces import ScanForces
 from cyclemap.evidence.pushes.push_table import load_pushes
-from cyclemap.mechanics import EllipseFriction
+from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint
 from cyclemap.views.style import (
     FORCE,
     INK,
@@ -31,9 +31,8 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import NO_DATA, MeasuredFolder
-from .patch_forces import SHARE, PatchForces, patch_forces
 
 MM = 1000.0
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly away from it.
@@ -43,6 +42,10 @@ SKETCHED = EllipseFriction(0.30, 0.15, m0=0.05, n0=0.02, phi=math.radians(25.0))
 _FEWEST_SCANS = 3
 # Millimetres of arrow a force of one point, and of the whole patch.
 _POINT_ARROW, _WHOLE_ARROW = 9.0, 34.0
+GRID = 8
+# The instant is after this share of the push's way.
+SHARE = 0.3
+_STEPS = 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,6 +236,60 @@ def _told_surface(result: LimitEllipseAndPatch) -> str:
         f"{told} Dots: {len(result.scans.direction)} friction scans; dashed: the ellipse fitted to them, axes "
         f"{fitted.mu_a:.4f} and {fitted.mu_b:.4f}, at most {apart:.4f} from Table I."
     )
+
+
+@dataclass(frozen=True, eq=False)
+class PatchForces:
+    """The forces on the patch during one push, in the object's frame.
+
+    angle : rad, of the object. footprint : its points. twist : (3,) m, m, rad per metre of the rod's way.
+    velocity, force : (k, 2) of the points, the second in N, of the ground on the object. wrench : (3,) N, N, N m, of
+    the ground on the object about its centre; rod : of the rod on it. contact : (2,) m. outline : (5, 2) m, closed.
+    """
+
+    angle: float
+    footprint: PointFootprint
+    twist: Array
+    velocity: Array
+    force: Array
+    wrench: Array
+    rod: Array
+    contact: Array
+    outline: Array
+
+
+def patch_forces(loop: CollectionLoop, theta: float = 0.0) -> PatchForces:
+    """Return the forces on the 8 x 8 grid of `loop` during its push from `theta` (rad).
+
+    The twist is the slope of the computed course, by central differences; that it balances the rod is not used.
+    """
+    footprint = grid_footprint(loop.slider.outline, GRID)
+    gridded = replace(loop, footprint=footprint)
+    course = gridded.model.push(gridded.start_pose(theta), loop.push, loop.push.distance / _STEPS).trajectory
+    at = int(np.searchsorted(course.path, SHARE * course.path[-1]))
+    pose = course.pose[at]
+    slope = (course.pose[at + 1] - course.pose[at - 1]) / (course.path[at + 1] - course.path[at - 1])
+    twist = np.array([*_turned_back(slope[:2], pose[2]), slope[2]])
+    points, weights = footprint.quadrature
+    velocity = twist[:2] + twist[2] * np.stack([-points[:, 1], points[:, 0]], axis=-1)
+    friction, load = loop.material.friction, gridded.model.weight
+    force = -load * weights[:, None] * friction.traction(velocity, pose[2])
+    wrench = np.array([*force.sum(axis=0), _torque(points, force).sum()])
+    contact = _turned_back(course.contact_point[at] - pose[:2], pose[2])
+    push = _turned_back(course.contact_force[at], pose[2])
+    rod = np.array([*push, float(_torque(contact, push))])
+    outline = loop.slider.outline.points(4)
+    return PatchForces(float(pose[2]), footprint, twist, velocity, force, wrench, rod, contact, outline)
+
+
+def _turned_back(vector: Array, angle: float) -> Array:
+    """A vector of the world in the object's frame at `angle` (rad)."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * vector[0] + s * vector[1], -s * vector[0] + c * vector[1]])
+
+
+def _torque(lever: Array, force: Array) -> Array:
+    return np.asarray(lever[..., 0] * force[..., 1] - lever[..., 1] * force[..., 0])
 
 
 FIGURE = PaperFigure(

@@ -11,9 +11,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cyclemap.errors import DataFileError
 from cyclemap.evidence import PushSet, Theta0Pairs, load_pushes, push_sets, read_theta0_pairs
 from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
-from cyclemap.evidence.pushes.push_files import SUFFIXES
+from cyclemap.evidence.pushes.push_files import SUFFIXES, read_push_file
+from cyclemap.evidence.pushes.push_record import PushRecord
 from cyclemap.evidence.tables.push_sets import FEWEST
 
 from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
@@ -143,3 +145,26 @@ def _same(found: str | float | None, wanted: str | float) -> bool:
     if isinstance(wanted, str) or found is None or isinstance(found, str):
         return found == wanted
     return math.isclose(found, wanted, rel_tol=1e-6, abs_tol=1e-9)
+
+
+def push_file_names(folder: Path) -> list[Path]:
+    """Return the files of a folder that are pushes by name and suffix, sorted; sub-folders are not entered."""
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and push_facts(path) is not None)
+
+
+def readable_pushes(files: Iterable[Path]) -> tuple[list[tuple[Path, PushRecord]], int]:
+    """Return the pushes that can be read, each with its file, and how many cannot.
+
+    >>> readable_pushes([Path("motion_surface=abs_shape=hex_a=0_v=20_i=0_s=0.7_t=0.h5")])
+    ([], 1)
+    """
+    found, unreadable = [], 0
+    for path in files:
+        try:
+            record = read_push_file(path)
+        except DataFileError:
+            unreadable += 1
+            continue
+        assert isinstance(record, PushRecord)
+        found.append((path, record))
+    return found, unreadable

@@ -21,9 +21,17 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
 from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE, new_figure, picture_style
 
-from .exhibit import BEYOND, PaperFigure
-from .loop_family import LoopFamily, chebyshev_nodes, loop_family
-from .loop_variants import RingFold, ring_fold, ring_radius, with_anisotropy_times, with_ring_at
+from .catalogue import BEYOND, PaperFigure
+from .loop_family import (
+    LoopFamily,
+    RingFold,
+    chebyshev_nodes,
+    loop_family,
+    ring_fold,
+    ring_radius,
+    with_anisotropy_times,
+    with_ring_at,
+)
 from .measured_folder import MeasuredFolder
 
 MM = 1000.0

@@ -18,9 +18,8 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
 from cyclemap.views.style import INK, MEASURED, PREDICTED, QUIET, UNSTABLE, degree_axis, new_figure, picture_style
 
-from .exhibit import BEYOND, PaperFigure
-from .loop_family import LoopFamily, loop_family
-from .loop_variants import RingFold, ring_fold, with_ring_at
+from .catalogue import BEYOND, PaperFigure
+from .loop_family import LoopFamily, RingFold, loop_family, ring_fold, with_ring_at
 from .measured_folder import MeasuredFolder
 
 MM = 1000.0

@@ -15,7 +15,7 @@ from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, cycle_scene
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET, new_figure, picture_style
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import MeasuredFolder
 
 MM = 1000.0

@@ -51,8 +51,8 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .exhibit import BEYOND, PaperFigure
-from .loop_variants import with_ring_at
+from .catalogue import BEYOND, PaperFigure
+from .loop_family import with_ring_at
 from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
 
 # In time, of the law fitted with wear: what cross-validation finds best in the measured run.

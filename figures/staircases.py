@@ -17,7 +17,7 @@ from cyclemap.views.fit_page import CIRCLE
 from cyclemap.views.map_panels import draw_staircase
 from cyclemap.views.style import PREDICTED_FILL, legend_above
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .material_panels import draw_materials
 from .measured_folder import MeasuredFolder
 from .measured_sets import measured_theta0, not_found

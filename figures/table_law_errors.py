@@ -10,11 +10,10 @@ from cyclemap.evidence import SetLaws
 from cyclemap.evidence.published.published_statistics import PUBLISHED_CYCLES
 from cyclemap.evidence.tables.law_table import MotionLaw
 
-from .exhibit import PaperTable
-from .material_pushes import QUANTITIES, MaterialPushes, absent, material_pushes
+from .catalogue import PaperTable
 from .measured_folder import MeasuredFolder
 from .measured_sets import listed, not_found
-from .simulated_collections import PAPER, Sampling, fitted_laws
+from .simulated_collections import PAPER, QUANTITIES, MaterialPushes, Sampling, absent, fitted_laws, material_pushes
 
 _COLUMNS = [word for name, unit, _ in QUANTITIES for word in (f"{name} RMSE ({unit})", "% of mean", "harmonics")]
 HEADER = ("material", "source", "pushes", *_COLUMNS)

@@ -15,7 +15,7 @@ from cyclemap.views.fit_page import CIRCLE, THETA0
 from cyclemap.views.map_panels import PER_DEGREE, draw_measured_histogram
 from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis, legend_above, name_tag
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .material_panels import draw_materials
 from .measured_folder import MeasuredFolder
 from .measured_sets import listed, measured_theta0, not_found

@@ -10,10 +10,20 @@ from cyclemap.arrays import Array
 from cyclemap.evidence.published.published_statistics import published_statistics
 from cyclemap.views.style import QUIET, new_figure, picture_style
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import MeasuredFolder
-from .path_panels import MM, draw_paths, material_sentence, panel_title, shade_bar, turn_shades
-from .pushed_paths import CYCLES, DRAWN, PushedPaths, paths_on_four_surfaces
+from .pushed_paths import (
+    CYCLES,
+    DRAWN,
+    MM,
+    PushedPaths,
+    draw_paths,
+    material_sentence,
+    panel_title,
+    paths_on_four_surfaces,
+    shade_bar,
+    turn_shades,
+)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from cyclemap.evidence.tables.law_table import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_turn_histogram
 from cyclemap.views.style import picture_style, say
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .material_panels import as_simulated, material_grid
 from .measured_folder import MeasuredFolder
 from .measured_sets import measured_run, measured_theta0, not_found

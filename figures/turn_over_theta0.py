@@ -13,7 +13,7 @@ from cyclemap.evidence.tables.law_table import MotionLaw
 from cyclemap.views.fit_page import CIRCLE, draw_law
 from cyclemap.views.style import INK, QUIET, legend_above
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .material_panels import as_simulated, draw_materials
 from .measured_folder import MeasuredFolder
 from .measured_sets import MeasuredRun, listed, measured_run, not_found

@@ -27,7 +27,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .exhibit import BEYOND, PaperFigure
+from .catalogue import BEYOND, PaperFigure
 from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
 
 MATERIAL = "plywood-measured"

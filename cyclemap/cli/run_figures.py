@@ -101,7 +101,7 @@ def _make_all(
 
 def _make(entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str) -> Made:
     """Compute, draw and write one exhibit."""
-    from cyclemap.figures.exhibit import PaperAnimation, PaperFigure
+    from cyclemap.figures.catalogue import PaperAnimation, PaperFigure
 
     exhibit, data = load_exhibit(entry.name), WatchedFolder(folder.path)
     result = exhibit.compute(data)
@@ -112,7 +112,7 @@ def _make(entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str) 
 
         suffix, content = picture_format, render(exhibit.draw(result), picture_format)
     elif isinstance(exhibit, PaperAnimation):
-        from cyclemap.figures.animation import animated_gif
+        from cyclemap.figures.locking_in import animated_gif
 
         suffix, content = "gif", animated_gif(exhibit.frames(result))
     else:

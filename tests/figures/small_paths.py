@@ -9,7 +9,7 @@ from drawn_figures import assert_drawn, words_of
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import RecordingNoise, simulate_collection
-from cyclemap.figures.exhibit import PaperFigure
+from cyclemap.figures.catalogue import PaperFigure
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.pushed_paths import PushedPaths, paths_on_four_surfaces
 

@@ -7,8 +7,8 @@ import pytest
 from PIL import Image
 
 from cyclemap.errors import InvalidInput
-from cyclemap.figures.animation import animated_gif, figure_pixels
-from cyclemap.figures.exhibit import Frame
+from cyclemap.figures.catalogue import Frame
+from cyclemap.figures.locking_in import animated_gif, figure_pixels
 from cyclemap.views.style import new_figure
 
 

@@ -9,8 +9,15 @@ import pytest
 
 import cyclemap.figures
 from cyclemap.errors import InvalidInput
-from cyclemap.figures.catalogue import CATALOGUE, EXPORTS, entries, load_exhibit
-from cyclemap.figures.exhibit import PaperAnimation, PaperFigure, PaperTable
+from cyclemap.figures.catalogue import (
+    CATALOGUE,
+    EXPORTS,
+    PaperAnimation,
+    PaperFigure,
+    PaperTable,
+    entries,
+    load_exhibit,
+)
 
 FOLDER = Path(cyclemap.figures.__file__).parent
 KINDS = {"FIGURE": PaperFigure, "TABLE": PaperTable, "ANIMATION": PaperAnimation}

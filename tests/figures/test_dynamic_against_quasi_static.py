@@ -6,8 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from cyclemap.figures.catalogue import BEYOND
 from cyclemap.figures.dynamic_against_quasi_static import FIGURE, InertiaStudy
-from cyclemap.figures.exhibit import BEYOND
 from cyclemap.figures.measured_folder import MeasuredFolder
 
 

@@ -15,14 +15,15 @@ from cyclemap.evidence.simulation.friction_scan import record_scan, scan_set
 from cyclemap.evidence.simulation.recorded_motion import Recording
 from cyclemap.figures.limit_ellipse_and_patch import (
     FIGURE,
+    GRID,
     compute,
     draw,
     lean_of,
     limit_curve,
     measured_scans,
+    patch_forces,
 )
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
-from cyclemap.figures.patch_forces import GRID, patch_forces
 from cyclemap.mechanics import EllipseFriction, LimitSurface
 from cyclemap.views.style import INK
 

@@ -11,8 +11,7 @@ from PIL import Image
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.figures import locking_in
-from cyclemap.figures.animation import animated_gif
-from cyclemap.figures.locking_in import ANIMATION, compute
+from cyclemap.figures.locking_in import ANIMATION, animated_gif, compute
 from cyclemap.figures.measured_folder import MeasuredFolder
 
 
