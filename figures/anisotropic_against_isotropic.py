@@ -60,11 +60,4 @@ def _share_window(row: np.ndarray) -> None:
         axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
 
 
-FIGURE = PaperFigure(
-    name="anisotropic-against-isotropic",
-    source="Figs. 11 and 12",
-    title="Simulated paths on anisotropic and on isotropic friction",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -24,7 +24,10 @@ BEYOND = "not in the paper"
 
 @dataclass(frozen=True)
 class Entry:
-    """One exhibit as the gallery lists it; its module says the same name, source and title."""
+    """One exhibit as the gallery lists it.
+
+    name : as the command line says it. source : the paper's figure, or `BEYOND`. title : a few words.
+    """
 
     name: str
     source: str
@@ -44,14 +47,10 @@ class Entry:
 class PaperFigure:
     """One figure.
 
-    name : as the command line says it. source : the paper's figure, or `BEYOND`. title : a few words.
     compute : measured data -> result, the only slow part. draw : result -> figure. caption : result -> sentences that
     hold for this result, with its numbers.
     """
 
-    name: str
-    source: str
-    title: str
     compute: Callable[[MeasuredFolder], Any]
     draw: Callable[[Any], Figure]
     caption: Callable[[Any], str]
@@ -61,9 +60,6 @@ class PaperFigure:
 class PaperTable:
     """One table: as a figure, but set in rows of words under a header."""
 
-    name: str
-    source: str
-    title: str
     compute: Callable[[MeasuredFolder], Any]
     header: tuple[str, ...]
     rows: Callable[[Any], list[tuple[str, ...]]]
@@ -82,9 +78,6 @@ class Frame:
 class PaperAnimation:
     """One animation: as a figure, but drawn as frames, all of one size."""
 
-    name: str
-    source: str
-    title: str
     compute: Callable[[MeasuredFolder], Any]
     frames: Callable[[Any], Iterator[Frame]]
     caption: Callable[[Any], str]

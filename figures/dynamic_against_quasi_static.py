@@ -14,7 +14,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.dynamics_page import draw_place_differences, draw_turn_differences, largest
 from cyclemap.views.style import FORCE, PREDICTED, QUIET, legend_above, new_figure, picture_style
 
-from .catalogue import BEYOND, PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import MeasuredFolder
 
 ORIENTATIONS = 12
@@ -116,11 +116,4 @@ def _draw_fall(axes: Axes, study: InertiaStudy) -> None:
     legend_above(axes)
 
 
-FIGURE = PaperFigure(
-    name="dynamic-against-quasi-static",
-    source=BEYOND,
-    title="What inertia changes at 20 mm/s, and how it vanishes with the speed",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

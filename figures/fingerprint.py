@@ -27,7 +27,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import BEYOND, PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import MeasuredFolder
 
 INCHES = (13.333, 4.6)
@@ -219,11 +219,4 @@ def caption(result: FingerprintAgainstFull) -> str:
     )
 
 
-FIGURE = PaperFigure(
-    name="fingerprint",
-    source=BEYOND,
-    title="Five numbers against the full map",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

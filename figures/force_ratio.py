@@ -218,11 +218,4 @@ def caption(result: ForceRatio) -> str:
     )
 
 
-FIGURE = PaperFigure(
-    name="force-ratio",
-    source="Fig. 10 (left)",
-    title="Ratio of tangential to normal force at the pushing point",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

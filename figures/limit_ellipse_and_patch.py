@@ -292,11 +292,4 @@ def _torque(lever: Array, force: Array) -> Array:
     return np.asarray(lever[..., 0] * force[..., 1] - lever[..., 1] * force[..., 0])
 
 
-FIGURE = PaperFigure(
-    name="limit-ellipse-and-patch",
-    source="the paper's limit ellipse and patch, and Fig. 10 (right)",
-    title="Limit ellipse of a point, of plywood, and the forces of the patch",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -35,7 +35,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import BEYOND, Frame, PaperAnimation
+from .catalogue import Frame, PaperAnimation
 from .measured_folder import MeasuredFolder
 
 START = math.radians(215.0)
@@ -324,4 +324,4 @@ def _milliseconds(seconds: float) -> int:
     return round(1000 * max(_TICK * round(seconds / _TICK), _SHORTEST))
 
 
-ANIMATION = PaperAnimation("locking-in", BEYOND, "The loop of push and drag locks in", compute, frames, caption)
+ANIMATION = PaperAnimation(compute, frames, caption)

@@ -21,7 +21,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
 from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE, new_figure, picture_style
 
-from .catalogue import BEYOND, PaperFigure
+from .catalogue import PaperFigure
 from .loop_family import (
     LoopFamily,
     RingFold,
@@ -274,6 +274,4 @@ def _other(count: int) -> str:
     return f"At {count} places of the grid the robot locks into a longer period."
 
 
-FIGURE = PaperFigure(
-    "phase-diagram", BEYOND, "Ring radius against anisotropy: where the robot locks in", compute, draw, caption
-)
+FIGURE = PaperFigure(compute, draw, caption)

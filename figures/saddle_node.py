@@ -18,7 +18,7 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
 from cyclemap.views.style import INK, MEASURED, PREDICTED, QUIET, UNSTABLE, degree_axis, new_figure, picture_style
 
-from .catalogue import BEYOND, PaperFigure
+from .catalogue import PaperFigure
 from .loop_family import LoopFamily, RingFold, loop_family, ring_fold, with_ring_at
 from .measured_folder import MeasuredFolder
 
@@ -227,4 +227,4 @@ def caption(result: SaddleNode) -> str:
     )
 
 
-FIGURE = PaperFigure("saddle-node", BEYOND, "Two directions meet as the ring moves in", compute, draw, caption)
+FIGURE = PaperFigure(compute, draw, caption)

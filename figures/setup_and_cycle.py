@@ -196,11 +196,4 @@ def caption(result: SetupAndCycles) -> str:
     )
 
 
-FIGURE = PaperFigure(
-    name="setup-and-cycle",
-    source="Figs. 1 (left) and 2",
-    title="The set-up and two cycles",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

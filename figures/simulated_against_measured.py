@@ -215,11 +215,4 @@ def _bin_error(both: MeasuredOverlay) -> float:
     return float(np.degrees(both.agreement.bin_rms))
 
 
-FIGURE = PaperFigure(
-    name="simulated-against-measured",
-    source="Fig. 13",
-    title="Simulated and measured turns over θ0, plywood",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

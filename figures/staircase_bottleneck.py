@@ -51,7 +51,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import BEYOND, PaperFigure
+from .catalogue import PaperFigure
 from .loop_family import with_ring_at
 from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
 
@@ -298,6 +298,4 @@ def _mean_of(lengths: Array, half: int) -> str:
     return f"{np.array_split(lengths, 2)[half].mean():.0f}"
 
 
-FIGURE = PaperFigure(
-    "staircase-bottleneck", BEYOND, "A staircase and the bottleneck that makes it", compute, draw, caption
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -187,11 +187,4 @@ def _paces(climb: Climb) -> str:
     return f", the first whole one in {climb.turn_pushes[0]} pushes and the last in {climb.turn_pushes[-1]}"
 
 
-FIGURE = PaperFigure(
-    "staircases",
-    "the paper's staircases",
-    "Staircases of θ0 over the pushes",
-    compute,
-    draw,
-    caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

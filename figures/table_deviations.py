@@ -93,4 +93,4 @@ def simulated_against_paper(result: Deviations) -> list[tuple[list[float], list[
     return found
 
 
-TABLE = PaperTable("table-deviations", "Table II", "How much equal pushes differ", compute, HEADER, rows, caption)
+TABLE = PaperTable(compute, HEADER, rows, caption)

@@ -134,4 +134,4 @@ def caption(result: FrictionEllipses) -> str:
     return " ".join(filter(None, told))
 
 
-TABLE = PaperTable("table-friction", "Table I", "Friction ellipses of the materials", compute, HEADER, rows, caption)
+TABLE = PaperTable(compute, HEADER, rows, caption)

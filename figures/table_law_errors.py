@@ -97,6 +97,4 @@ def simulated_laws(laws: tuple[tuple[str, SetLaws], ...]) -> list[SetLaws]:
     return [one for source, one in laws if source.startswith("simulated")]
 
 
-TABLE = PaperTable(
-    "table-law-errors", "Table III", "How far pushes lie from a law of θ0", compute, HEADER, rows, caption
-)
+TABLE = PaperTable(compute, HEADER, rows, caption)

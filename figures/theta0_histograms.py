@@ -160,6 +160,4 @@ def _sentence(one: MaterialDirections) -> str:
     )
 
 
-FIGURE = PaperFigure(
-    "theta0-histograms", "Fig. 6", "Histograms of the orientation before a push", compute, draw, caption
-)
+FIGURE = PaperFigure(compute, draw, caption)

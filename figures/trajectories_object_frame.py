@@ -95,11 +95,4 @@ def _spread_beside_published(result: ObjectFramePaths, number: int) -> str:
 # A simulated push has no scatter about the law that Table III tells of.
 _LAW_SCATTER = "Simulated pushes are exact functions of θ0 and wear; recorded ones scatter about it too (Table III). "
 
-FIGURE = PaperFigure(
-    name="trajectories-object-frame",
-    source="Fig. 3",
-    title="Paths of the centre in the object's frame",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

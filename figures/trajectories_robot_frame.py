@@ -138,11 +138,4 @@ def _told_arcs(paths: PushedPaths, arcs: list[Arc]) -> str:
     return f"{paths.surface} {told or 'nowhere'}"
 
 
-FIGURE = PaperFigure(
-    name="trajectories-robot-frame",
-    source="Fig. 4",
-    title="Paths of the centre in the robot's frame",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -138,6 +138,4 @@ def _sentence(panel: TurnPanel) -> str:
     )
 
 
-FIGURE = PaperFigure(
-    "turn-histograms", "Fig. 7", "Histograms of the turn, predicted by the law and recorded", compute, draw, caption
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -152,6 +152,4 @@ def _recorded(result: TurnsOverTheta0) -> str:
     return f"Recorded pushes are drawn, and their law, on {listed(told)}." if told else ""
 
 
-FIGURE = PaperFigure(
-    "turn-over-theta0", "Fig. 5", "Turn of the push over its first orientation", compute, draw, caption
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -27,7 +27,7 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .catalogue import BEYOND, PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
 
 MATERIAL = "plywood-measured"
@@ -219,4 +219,4 @@ def caption(result: WearDrift) -> str:
     )
 
 
-FIGURE = PaperFigure("wear-drift", BEYOND, "The cycle map as plywood wears", compute, draw, caption)
+FIGURE = PaperFigure(compute, draw, caption)

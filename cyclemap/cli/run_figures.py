@@ -121,7 +121,7 @@ def _make(entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str) 
         suffix, content = "csv", text.getvalue().encode()
     path = out / f"{entry.name}.{suffix}"
     write_whole(path, content)
-    names = {"name": exhibit.name, "title": exhibit.title, "source": exhibit.source}
+    names = {"name": entry.name, "title": entry.title, "source": entry.source}
     found = ", ".join(data.there) or None
     line: Json = {**names, "caption": typeset(exhibit.caption(result)), "file": path.name, "measured": found}
     return Made(line, bool(data.asked), header, rows)
