@@ -1,6 +1,5 @@
 """A prediction beside data: in sentences, and on a page with map, histogram, staircase, and pushes with poses."""
 
-from collections.abc import Sequence
 from textwrap import fill
 from typing import Any
 
@@ -17,7 +16,6 @@ from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
 from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, mean_distances
 from cyclemap.evidence.comparison.staircase_agreement import StaircaseAgreement
-from cyclemap.evidence.comparison.verdicts import Verdict
 from cyclemap.views.map_panels import (
     PER_DEGREE,
     draw_measured_histogram,
@@ -225,8 +223,8 @@ def trust_sentences(found: Comparison) -> list[str]:
 def summary_sentence(found: Comparison) -> str:
     """The questions by their answer, in a line or two."""
     groups = {"Agree": True, "Do not agree": False, "Open": None}
-    listed = {word: _listed(found.verdicts, answer) for word, answer in groups.items()}
-    return " ".join(f"{word}: {questions}." for word, questions in listed.items() if questions)
+    listed = {word: [one.question for one in found.verdicts if one.agrees is answer] for word, answer in groups.items()}
+    return " ".join(f"{word}: {', '.join(questions)}." for word, questions in listed.items() if questions)
 
 
 def noise_words(found: Comparison) -> str:
@@ -235,10 +233,6 @@ def noise_words(found: Comparison) -> str:
     if found.cycle is None:
         return f"predicted by the {model}"
     return f"predicted by the {model} with {angle(found.cycle.noise)} of noise a cycle"
-
-
-def _listed(verdicts: Sequence[Verdict], answer: bool | None) -> str:
-    return ", ".join(one.question for one in verdicts if one.agrees is answer)
 
 
 def explanation_sentences(name: str, found: Comparison) -> list[str]:

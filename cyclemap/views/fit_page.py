@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from textwrap import fill
 from typing import Any
 
@@ -15,7 +16,7 @@ from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import LawBand
 from cyclemap.evidence.tables.law_table import MotionLaw
-from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, WornForecast
+from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, WornForecast
 from cyclemap.evidence.tables.set_fit import SetFit
 from cyclemap.evidence.tables.turn_histogram import TurnHistogram
 from cyclemap.evidence.tables.turn_pace import TurnPace
@@ -60,53 +61,37 @@ def fit_page(fit: SetFit) -> Figure:
 
     Raises InvalidInput where nothing was fitted.
     """
-    rows = [row for row in (_push_row(fit), _map_row(fit.cycle_map)) if row]
+    rows = [row for row in _panels(fit) if row]
     if not rows:
         raise InvalidInput(f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}")
     with picture_style():
         figure = new_figure(16.0, 9.6)
         top = _write_words(figure, fit)
-        shared = _shared_out(rows)
-        height = (top - FOOT) / len(shared)
-        for number, row in enumerate(shared):
+        if len(rows) == 1 and len(rows[0]) > 2:
+            half = (len(rows[0]) + 1) // 2
+            rows = [rows[0][:half], rows[0][half:]]
+        height = (top - FOOT) / len(rows)
+        for number, row in enumerate(rows):
             _draw_row(figure, row, top - number * height, height)
     return figure
 
 
-def _push_row(fit: SetFit) -> list[Panel]:
-    panels: list[Panel] = [(SIGNS[law.quantity], _law_drawer(law)) for law in fit.laws.laws if law.law is not None]
+def _panels(fit: SetFit) -> tuple[list[Panel], list[Panel]]:
+    """Titles and drawers of what is known of the pushes, and of the cycle map."""
+    laws = [law for law in fit.laws.laws if law.law is not None]
+    pushes: list[Panel] = [(SIGNS[law.quantity], partial(draw_law, law=law)) for law in laws]
     if fit.histogram is not None:
-        panels.append(("Histogram of Δθ", _histogram_drawer(fit.histogram)))
-    return panels
-
-
-def _map_row(found: MeasuredCycleMap | None) -> list[Panel]:
+        pushes.append(("Histogram of Δθ", partial(draw_turn_histogram, histogram=fit.histogram)))
+    found = fit.cycle_map
     if found is None:
-        return []
-    panels: list[Panel] = [("Cycle map", lambda axes: draw_worn_turns(axes, found))]
-    forecast = found.forecast
-    if forecast is not None:
-        panels.append(("Directions", lambda axes: draw_directions(axes, forecast)))
-        panels.append(("Staircase", lambda axes: draw_worn_staircase(axes, forecast)))
+        return pushes, []
+    cycles: list[Panel] = [("Cycle map", partial(draw_worn_turns, found=found))]
+    if (forecast := found.forecast) is not None:
+        cycles.append(("Directions", partial(draw_directions, forecast=forecast)))
+        cycles.append(("Staircase", partial(draw_worn_staircase, forecast=forecast)))
         if forecast.pace.measured.size:
-            panels.append(("Turns", lambda axes: draw_pace(axes, forecast.pace)))
-    return panels
-
-
-def _law_drawer(law: MotionLaw) -> Callable[[Axes], None]:
-    return lambda axes: draw_law(axes, law)
-
-
-def _histogram_drawer(histogram: TurnHistogram) -> Callable[[Axes], None]:
-    return lambda axes: draw_turn_histogram(axes, histogram)
-
-
-def _shared_out(rows: list[list[Panel]]) -> list[list[Panel]]:
-    """Two rows at most; a single row of several panels is split in two."""
-    if len(rows) == 1 and len(rows[0]) > 2:
-        half = (len(rows[0]) + 1) // 2
-        return [rows[0][:half], rows[0][half:]]
-    return rows
+            cycles.append(("Turns", partial(draw_pace, pace=forecast.pace)))
+    return pushes, cycles
 
 
 def _draw_row(figure: Figure, row: list[Panel], top: float, height: float) -> None:
@@ -144,7 +129,7 @@ def draw_law(axes: Axes, law: MotionLaw) -> None:
         _keep_to(axes, _bulk(scale * law.value), [scale * band.lower, scale * band.upper])
     degree_axis(axes, THETA0)
     axes.set_ylabel(LABELS[law.quantity])
-    _small_legend(axes)
+    legend_above(axes, columns=2)
 
 
 def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
@@ -152,18 +137,21 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     turns = np.degrees(found.pairs.turn)
     _draw_dots(axes, found.pairs.theta, turns)
-    edges = []
-    for state, colour, line, dash in _states(found):
-        band = _where_measured(_map_band(found, state), found.pairs.theta)
+    edges, worn = [], found.fitted.wear
+    states = [(found.early, PREDICTED_FILL, PREDICTED, "-"), (found.late, LATE_FILL, INK, "--")]
+    for state, colour, line, dash in states if found.wears else states[:1]:
+        law = found.fitted.law if worn is None else worn.at(state.cycle)
+        band = _where_measured(law.band(CIRCLE), found.pairs.theta)
         name = f"push {state.cycle:.0f}" if found.wears else "fitted map"
         _draw_band(axes, band, SCALES["dtheta"], colour, None if found.wears else "95 % of pushes")
         _draw_mean(axes, band, SCALES["dtheta"], line, name, dash)
-        _draw_fixed_points(axes, state)
+        for orbit in state.fixed_points:
+            axes.plot(np.degrees(orbit.points[0]), 0.0, **orbit_marker(stability(orbit)))
         edges += [np.degrees(band.lower), np.degrees(band.upper)]
     _keep_to(axes, _bulk(turns), edges)
     degree_axis(axes, THETA0)
     axes.set_ylabel("turn of one cycle (°)")
-    _small_legend(axes)
+    legend_above(axes, columns=2)
 
 
 def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
@@ -177,7 +165,7 @@ def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
     told = f"law alone, up to {alone:.0f}" if alone > 1.5 * top else "law alone"
     axes.stairs(histogram.law_alone, edges, color=INK, linewidth=0.9, linestyle="--", label=told, zorder=3)
     axes.set(xlabel="turn of the push, Δθ (°)", ylabel="pushes", ylim=(0.0, 1.08 * min(max(top, alone), 1.5 * top)))
-    _small_legend(axes)
+    legend_above(axes, columns=2)
 
 
 def draw_directions(axes: Axes, forecast: WornForecast) -> None:
@@ -188,7 +176,7 @@ def draw_directions(axes: Axes, forecast: WornForecast) -> None:
     axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=3)
     degree_axis(axes, THETA0)
     axes.set_ylabel("probability per degree")
-    _small_legend(axes)
+    legend_above(axes, columns=2)
 
 
 def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
@@ -198,7 +186,7 @@ def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
         np.arange(lower.size), lower, upper, color=PREDICTED_FILL, linewidth=0, label="95 % of paths", zorder=1
     )
     draw_staircase(axes, forecast.run, forecast.measured)
-    _small_legend(axes)
+    legend_above(axes, columns=2)
 
 
 def draw_pace(axes: Axes, pace: TurnPace) -> None:
@@ -217,18 +205,7 @@ def draw_pace(axes: Axes, pace: TurnPace) -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
     axes.set(xlabel="cycle in which the turn began", ylabel="pushes a full turn")
-    _small_legend(axes)
-
-
-def _states(found: MeasuredCycleMap) -> list[tuple[MapState, str, str, str]]:
-    """What is drawn of the map: its state, the fill of its band, the colour and dash of its line."""
-    early = (found.early, PREDICTED_FILL, PREDICTED, "-")
-    return [early, (found.late, LATE_FILL, INK, "--")] if found.wears else [early]
-
-
-def _map_band(found: MeasuredCycleMap, state: MapState) -> LawBand:
-    worn = found.fitted.wear
-    return (found.fitted.law if worn is None else worn.at(state.cycle)).band(CIRCLE)
+    legend_above(axes, columns=2)
 
 
 def _where_measured(band: LawBand, theta: Array) -> LawBand:
@@ -257,11 +234,6 @@ def _draw_mean(axes: Axes, band: LawBand, scale: float, line: str, label: str, d
     axes.plot(theta, scale * band.centre, color=line, linewidth=1.4, linestyle=dash, label=label, zorder=4)
 
 
-def _draw_fixed_points(axes: Axes, state: MapState) -> None:
-    for orbit in state.fixed_points:
-        axes.plot(np.degrees(orbit.points[0]), 0.0, **orbit_marker(stability(orbit)))
-
-
 def _bulk(value: Array) -> Array:
     """The ends of what all but one in 200 values reach: a stray push does not set the scale."""
     return np.asarray(np.quantile(value, [0.005, 0.995]))
@@ -273,7 +245,3 @@ def _keep_to(axes: Axes, dots: Array, bands: list[Array]) -> None:
     reach, values = high - low or 1.0, np.concatenate(bands)
     low, high = max(low - reach, min(low, float(np.nanmin(values)))), min(high + reach, max(high, np.nanmax(values)))
     axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
-
-
-def _small_legend(axes: Axes) -> None:
-    legend_above(axes, columns=2)

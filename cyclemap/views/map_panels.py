@@ -92,8 +92,9 @@ def draw_cobweb(axes: Axes, cobweb: Cobweb, fixed_points: tuple[Orbit, ...]) -> 
         axes.plot(*np.degrees(path).T, color=INK, linewidth=0.7)
         axes.plot(*np.degrees(path[0]), marker="|", color=INK, markersize=7)
     for orbit in fixed_points:
-        for lift in _lifts(float(np.degrees(orbit.points[0])), *window):
-            axes.plot(lift, lift, **_marker(orbit))
+        for lift in float(np.degrees(orbit.points[0])) + 360.0 * np.arange(-2, 3):
+            if window[0] <= lift <= window[1]:
+                axes.plot(lift, lift, **_marker(orbit))
     axes.set(xlim=window, ylim=window, aspect="equal", anchor="W", xlabel="θ0 (°)", ylabel="next θ0 (°)")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 3, 4.5, 6, 9, 10]))
@@ -118,10 +119,6 @@ def _draw_fixed_points(axes: Axes, fixed_points: tuple[Orbit, ...]) -> None:
 def _marker(orbit: Orbit) -> dict[str, Any]:
     kind = "stable" if orbit.stable else "unstable"
     return {**orbit_marker(kind), "markersize": 7.5, "markeredgewidth": 1.6, "clip_on": True}
-
-
-def _lifts(place: float, low: float, high: float) -> list[float]:
-    return [place + turn for turn in (-720.0, -360.0, 0.0, 360.0, 720.0) if low <= place + turn <= high]
 
 
 def draw_density(axes: Axes, curves: PortraitCurves) -> None:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 from numpy.typing import NDArray
 
-from cyclemap.collection.cycle_scene import CycleScene, cycle_scene
+from cyclemap.collection.cycle_scene import cycle_scene
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.own_object import CheckedCollection, first_contact
 from cyclemap.errors import CycleMapError
@@ -116,18 +116,11 @@ def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
     _arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
     axes.plot([], [], color=MEASURED_EDGE, label="way of the ring")
     axes.plot(0.0, 0.0, "x", color=INK, markersize=9, mew=1.8, label="target of the ring", zorder=6)
-    _frame(axes, _corners(scene), "world")
-    axes.set_title(_cycle_title(loop))
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=3)
-
-
-def _cycle_title(loop: CollectionLoop) -> str:
+    _frame(axes, MM * np.vstack([scene.push.before, scene.push.after, scene.drag.after, scene.push.rod]), "world")
     way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
-    return f"One cycle from orientation 0°, pushed towards {math.degrees(math.atan2(way[1], way[0])):.4g}°"
-
-
-def _corners(scene: CycleScene) -> Array:
-    return MM * np.vstack([scene.push.before, scene.push.after, scene.drag.after, scene.push.rod])
+    towards = math.degrees(math.atan2(way[1], way[0]))
+    axes.set_title(f"One cycle from orientation 0°, pushed towards {towards:.4g}°")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=3)
 
 
 def _frame(axes: Axes, corners: Array, whose: str) -> None:

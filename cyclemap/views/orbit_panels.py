@@ -91,10 +91,6 @@ def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
     legend_above(axes, columns=4)
 
 
-def _basin_name(basin: Basin) -> str:
-    return f"period {basin.orbit.period}, winding {basin.orbit.winding}: {100 * basin.measure:.3g} % of the circle"
-
-
 def _draw_basin(axes: Axes, row: int, basin: Basin) -> None:
     height = (row - HALF_ROW, 2 * HALF_ROW)
     labels = ("basin", "immediate basin", "stable orbit") if row == 0 else (None, None, None)
@@ -109,7 +105,9 @@ def _draw_basin(axes: Axes, row: int, basin: Basin) -> None:
         label=labels[1],
         zorder=3,
     )
-    axes.annotate(_basin_name(basin), (0.0, row - HALF_ROW), (0, 4), textcoords="offset points", fontsize=8)
+    orbit = basin.orbit
+    name = f"period {orbit.period}, winding {orbit.winding}: {100 * basin.measure:.3g} % of the circle"
+    axes.annotate(name, (0.0, row - HALF_ROW), (0, 4), textcoords="offset points", fontsize=8)
     points_deg = np.degrees(basin.orbit.points)
     axes.plot(points_deg, np.full(points_deg.size, row), label=labels[2], **orbit_marker("stable"))
 
@@ -134,23 +132,16 @@ def draw_slow_passage(axes: Axes, circle_map: CircleMap, passage: SlowPassage) -
     theta_deg, move_deg, parabola_deg = passage_curve(circle_map, passage)
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     axes.plot(theta_deg, move_deg, color=PREDICTED, linewidth=2.0, label="map", zorder=3)
-    axes.plot(theta_deg, parabola_deg, color=INK, linewidth=1.2, linestyle="--", label=_parabola_name(passage))
+    error = f", off by {100 * passage.relative_error:.1g} %" if np.isfinite(passage.relative_error) else ""
+    name = f"parabola: {number(passage.passage_cycles)} cycles to pass{error}"
+    axes.plot(theta_deg, parabola_deg, color=INK, linewidth=1.2, linestyle="--", label=name)
     _mark_gap_and_width(axes, passage)
-    axes.set(xlabel=THETA, ylabel=_move_name(passage), xlim=(theta_deg[0], theta_deg[-1]))
+    counted = "one cycle" if passage.period == 1 else f"{passage.period} cycles"
+    turns = "" if passage.winding == 0 else f" less {360 * passage.winding}°"
+    axes.set(xlabel=THETA, ylabel=f"move of {counted}{turns} (°)", xlim=(theta_deg[0], theta_deg[-1]))
     largest = 1.1 * float(np.nanmax(np.abs(np.append(move_deg, parabola_deg))))
     axes.set_ylim(*((-0.1 * largest, largest) if passage.direction > 0 else (-largest, 0.1 * largest)))
     legend_above(axes)
-
-
-def _parabola_name(passage: SlowPassage) -> str:
-    error = f", off by {100 * passage.relative_error:.1g} %" if np.isfinite(passage.relative_error) else ""
-    return f"parabola: {number(passage.passage_cycles)} cycles to pass{error}"
-
-
-def _move_name(passage: SlowPassage) -> str:
-    counted = "one cycle" if passage.period == 1 else f"{passage.period} cycles"
-    turns = "" if passage.winding == 0 else f" less {360 * passage.winding}°"
-    return f"move of {counted}{turns} (°)"
 
 
 def _mark_gap_and_width(axes: Axes, passage: SlowPassage) -> None:

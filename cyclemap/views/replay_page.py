@@ -115,7 +115,8 @@ def _draw_course(axes: Axes, replayed: ReplayedPushes, row: int) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
     speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
-    axes.set_title(f"{facts['object']}{speed}: off {_off(replay)}", pad=20.0)
+    off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
+    axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
     legend_above(axes, columns=4)
 
 
@@ -124,7 +125,3 @@ def _outline(replay: Replay, pose: Array) -> Array:
     c, s = math.cos(pose[2]), math.sin(pose[2])
     x, y = replay.outline.T
     return 1e3 * np.stack([pose[0] + c * x - s * y, pose[1] + s * x + c * y])
-
-
-def _off(replay: Replay) -> str:
-    return f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"

@@ -350,8 +350,9 @@ def sweep_headline(sweep: Sweep) -> str:
     """What was swept, in a line, and what was selected of it."""
     names = "" if MATERIAL_KEY in sweep.keys else f"{', '.join(sweep.description['plan']['material'])}: "
     kept = [axis.key for axis in sweep.axes] or list(sweep.keys)
+    values = {key: sweep.swept[key][0] for key in sweep.keys if key not in kept and len(sweep)}
     fixed = [
-        f"{key_words(key)} = {_value(sweep.swept[key][0])}" for key in sweep.keys if key not in kept and len(sweep)
+        f"{key_words(key)} = {f'{value:.5g}' if isinstance(value, float) else value}" for key, value in values.items()
     ]
     return f"{names}{' × '.join(map(key_words, kept))}{' at ' if fixed else ''}{', '.join(fixed)}"
 
@@ -363,8 +364,10 @@ def sweep_sentences(sweep: Sweep) -> list[str]:
     told = [f"{whole} over {_swept(sweep)}."]
     if "locked_period" in sweep.columns:
         told.append(_locked_sentence(sweep))
-    if "stable_points" in sweep.columns and np.isfinite(sweep.columns["stable_points"]).any():
-        told.append(_stable_sentence(sweep))
+    stable = sweep.columns.get("stable_points", np.empty(0))
+    if np.isfinite(stable).any():
+        counts = sorted(Counter(stable[np.isfinite(stable)].astype(int).tolist()).items())
+        told.append(f"Stable directions: {', '.join(f'{points} with {count}' for count, points in counts)}.")
     refused = [text for text in sweep.refusals if text]
     if refused:
         told.append(_refusal_sentence(refused))
@@ -380,10 +383,6 @@ def settings_line(sweep: Sweep) -> str:
     pace = asked.get("rotation_tolerance", 0.0)
     turns = f"rotation numbers to {pace:g} turns a cycle" if pace and "rotation" in sweep.columns else ""
     return "; ".join(part for part in (f"set: {told}" if told else "", accuracy, turns) if part)
-
-
-def _value(value: object) -> str:
-    return f"{value:.5g}" if isinstance(value, float) else str(value)
 
 
 def _swept(sweep: Sweep) -> str:
@@ -411,12 +410,6 @@ def _locked_sentence(sweep: Sweep) -> str:
     listed = ", ".join(f"{count} at {ratio}" for ratio, count in ratios.most_common(_MOST_REASONS))
     more = ", ..." if len(ratios) > _MOST_REASONS else ""
     return f"{int(locked.sum())} lock ({listed}{more})."
-
-
-def _stable_sentence(sweep: Sweep) -> str:
-    counts = Counter(sweep.columns["stable_points"][np.isfinite(sweep.columns["stable_points"])].astype(int).tolist())
-    listed = ", ".join(f"{counts[count]} with {count}" for count in sorted(counts))
-    return f"Stable directions: {listed}."
 
 
 def _refusal_sentence(refused: list[str]) -> str:
