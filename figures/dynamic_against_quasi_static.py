@@ -45,10 +45,7 @@ class InertiaStudy:
 
 
 def compute(
-    measured: MeasuredFolder,
-    orientations: int = ORIENTATIONS,
-    speeds: tuple[float, ...] = SPEEDS,
-    fewer: int = 3,
+    measured: MeasuredFolder, orientations: int = ORIENTATIONS, speeds: tuple[float, ...] = SPEEDS, fewer: int = 3
 ) -> InertiaStudy:
     """Compare both models on plywood and its isotropic twin; over speed from `fewer` orientations. No measured data."""
     loop = DynamicLoop(CollectionLoop.mit(material="plywood"))

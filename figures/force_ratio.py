@@ -19,11 +19,7 @@ from cyclemap.evidence.data_blocks.force_ratio_block import SLIDING, STICKING, S
 from cyclemap.evidence.pushes.contact_forces import contact_samples
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_record import PushRecord
-from cyclemap.mechanics import (
-    MIT_SHAPE_NAMES,
-    Slider,
-    Trajectory,
-)
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider, Trajectory
 from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
 
 from .catalogue import PaperFigure

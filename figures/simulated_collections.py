@@ -16,11 +16,7 @@ from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence import PushSet, SetLaws, Theta0Pairs, set_laws
-from cyclemap.evidence.published.published_statistics import (
-    PUBLISHED_CYCLES,
-    PublishedStatistics,
-    published_statistics,
-)
+from cyclemap.evidence.published.published_statistics import PUBLISHED_CYCLES, PublishedStatistics, published_statistics
 from cyclemap.maps import (
     CircleMap,
     DriftingMap,
@@ -309,9 +305,7 @@ def material_pushes(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tup
     """Simulate pushes on every material and look for recorded ones, in the paper's order."""
     return tuple(
         MaterialPushes(
-            surface,
-            tuple(sampled_run(material, sampling) for material in materials),
-            measured_run(measured, surface),
+            surface, tuple(sampled_run(material, sampling) for material in materials), measured_run(measured, surface)
         )
         for surface, materials in SIMULATED.items()
     )

@@ -75,11 +75,7 @@ class Staircases:
     materials: tuple[MaterialStaircase, ...]
 
 
-def compute(
-    measured: MeasuredFolder,
-    sampling: Sampling = PAPER,
-    runs: int = DEFAULT_RUNS,
-) -> Staircases:
+def compute(measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DEFAULT_RUNS) -> Staircases:
     """Run cycles on each material, ``runs`` times, with its wear, and look for recorded paths."""
     return Staircases(
         tuple(

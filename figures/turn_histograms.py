@@ -54,11 +54,7 @@ class TurnHistograms:
     absent: tuple[str, ...]
 
 
-def compute(
-    measured: MeasuredFolder,
-    sampling: Sampling = PAPER,
-    runs: int = DEFAULT_RUNS,
-) -> TurnHistograms:
+def compute(measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DEFAULT_RUNS) -> TurnHistograms:
     """Fit the law of Δθ to recorded pushes, else to simulated ones, and let it predict their histogram.
 
     runs : simulated sets that tell how far apart the two histograms may be by chance.

@@ -83,12 +83,7 @@ class WearDrift:
         return float(np.trapezoid(self.mean_turn, self.ages)) / (2 * np.pi)
 
 
-def compute(
-    measured: MeasuredFolder,
-    points: int = 17,
-    runs: int = 50,
-    harmonics: int | None = None,
-) -> WearDrift:
+def compute(measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonics: int | None = None) -> WearDrift:
     """Follow the map as the loop wears, foretell its staircase, and fit the measured map with its wear.
 
     points : ages at which the pace is foretold. runs : paths of the

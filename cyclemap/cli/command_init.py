@@ -28,10 +28,7 @@ COMMENTS = (
     "--shape", metavar="NAME", help="An object of the MIT push dataset: rect1 to rect3, tri1 to tri3, hex, ..."
 )
 @click.option(
-    "--outline",
-    metavar="PATH",
-    type=click.Path(path_type=Path),
-    help="An SVG, DXF, STL, URDF or CSV file of it.",
+    "--outline", metavar="PATH", type=click.Path(path_type=Path), help="An SVG, DXF, STL, URDF or CSV file of it."
 )
 @click.option(
     "--unit", type=click.Choice(["mm", "cm", "m", "inch"]), help="Of the outline file. [default: guessed, said]"

@@ -8,14 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.options import (
-    LoopOptions,
-    Whole,
-    protocol_options,
-    readable_data,
-    result_options,
-    table_options,
-)
+from cyclemap.cli.options import LoopOptions, Whole, protocol_options, readable_data, result_options, table_options
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:

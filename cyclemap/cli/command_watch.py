@@ -10,14 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.options import (
-    LoopOptions,
-    Real,
-    result_options,
-    table_options,
-    tell_what_was_read,
-    told_columns,
-)
+from cyclemap.cli.options import LoopOptions, Real, result_options, table_options, tell_what_was_read, told_columns
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:

@@ -30,12 +30,7 @@ from cyclemap.cli.options import (
 @theta0_option
 @click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Also write cycles_MATERIAL.json there.")
 @click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
-def cycle_command(
-    options: LoopOptions,
-    theta0_deg: str,
-    out: Path | None,
-    json_target: str | None,
-) -> None:
+def cycle_command(options: LoopOptions, theta0_deg: str, out: Path | None, json_target: str | None) -> None:
     """Run single cycles: one push and one drag back from each start angle."""
     from cyclemap.cli.run_cycle import run_cycle
 
@@ -45,11 +40,7 @@ def cycle_command(
 @click.command("portrait")
 @loop_options
 @run_options
-def portrait_command(
-    options: LoopOptions,
-    json_target: str | None,
-    **request: Any,
-) -> None:
+def portrait_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
     """Compute the cycle map of a material, tell what it implies, and draw it."""
     from cyclemap.cli.run_portrait import run_portrait
 
@@ -59,11 +50,7 @@ def portrait_command(
 @click.command("staircase")
 @loop_options
 @run_options
-def staircase_command(
-    options: LoopOptions,
-    json_target: str | None,
-    **request: Any,
-) -> None:
+def staircase_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
     """Predict the staircase of θ0: its steps, how long it rests on them, and one run."""
     from cyclemap.cli.run_staircase import run_staircase
 
@@ -74,11 +61,7 @@ def staircase_command(
 @protocol_options
 @click.option("--check", is_flag=True, help="Compute the full cycle map too, and set its directions beside.")
 @result_options("fingerprint_MATERIAL.png and .json")
-def fingerprint_command(
-    options: LoopOptions,
-    json_target: str | None,
-    **request: Any,
-) -> None:
+def fingerprint_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
     """Print the five numbers of a protocol and, for a material, the directions they predict.
 
     Without MATERIAL and friction settings only the protocol's own numbers are told.
@@ -112,11 +95,7 @@ _NOT_NEGATIVE = Real(min=0.0)
     "--format", "suffix", type=click.Choice(["h5", "json"]), default="h5", show_default=True, help="Kind of the files."
 )
 @click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
-def simulate_command(
-    options: LoopOptions,
-    json_target: str | None,
-    **request: Any,
-) -> None:
+def simulate_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
     """Write a simulated collection as files of the MIT dataset's layout, to rehearse what comes after.
 
     Run it again with the same arguments to go on with a collection that was broken off.
@@ -237,11 +216,7 @@ def identify_command(
 @click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of their noise.")
 @result_options("compare_MATERIAL.png and .json")
 def compare_command(
-    options: LoopOptions,
-    columns: str | None,
-    units: str | None,
-    json_target: str | None,
-    **request: Any,
+    options: LoopOptions, columns: str | None, units: str | None, json_target: str | None, **request: Any
 ) -> None:
     """Set the prediction of a material beside measured data, and say where they agree."""
     from cyclemap.cli.run_compare import run_compare

@@ -15,12 +15,7 @@ from cyclemap.evidence.comparison.compare import Comparison, compare
 from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement
 from cyclemap.evidence.comparison.direction_agreement import DirectionAgreement
 from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
-from cyclemap.evidence.comparison.push_agreement import (
-    Distances,
-    PushAgreement,
-    QuantityAgreement,
-    mean_distances,
-)
+from cyclemap.evidence.comparison.push_agreement import Distances, PushAgreement, QuantityAgreement, mean_distances
 from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
 from cyclemap.evidence.orientations.p_value import PValue
 from cyclemap.maps import StepComparison, WrappedNormal

@@ -188,12 +188,7 @@ def _print_for_people(outcome: Outcome, files: list[Path]) -> None:
     console.print(f"next: cyclemap portrait {shlex.quote(str(material))}")
 
 
-def identify_report(
-    material: Material,
-    data: Sequence[str],
-    found: Identification,
-    derived: Sequence[Derived],
-) -> Json:
+def identify_report(material: Material, data: Sequence[str], found: Identification, derived: Sequence[Derived]) -> Json:
     """The report of an identification."""
     return {
         **_material(material),
@@ -205,11 +200,7 @@ def identify_report(
         "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
         "derived": [_derived(one) for one in derived],
         "errors": [_errors(one) for one in found.errors],
-        "starts": {
-            "count": len(found.starts.starts),
-            "arrived": found.starts.arrived,
-            "failed": found.starts.failed,
-        },
+        "starts": {"count": len(found.starts.starts), "arrived": found.starts.arrived, "failed": found.starts.failed},
         "notes": list(found.notes),
         "data": list(data),
     }

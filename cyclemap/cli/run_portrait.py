@@ -60,12 +60,7 @@ def _compute(loop: CollectionLoop, sigma: float | None, request: RunRequest, pai
     start = 0.0 if path is None else float(path[0])
     with progress_bar(f"cycle map of {loop.material.name}") as report:
         return portrait(
-            loop,
-            sigma=sigma,
-            cycles=request.cycles or length,
-            start=start,
-            seed=request.seed,
-            progress=report,
+            loop, sigma=sigma, cycles=request.cycles or length, start=start, seed=request.seed, progress=report
         )
 
 

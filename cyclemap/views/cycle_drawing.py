@@ -41,14 +41,7 @@ def cycle_key(scene: CycleScene) -> str:
 def _draw_stroke(axes: Axes, stroke: StrokeScene) -> None:
     axes.add_patch(Polygon(MM * stroke.before, facecolor="#f4f4f4", edgecolor=QUIET, linestyle="--", zorder=1))
     axes.add_patch(
-        Polygon(
-            MM * stroke.after,
-            facecolor=PREDICTED_FILL,
-            edgecolor=PREDICTED,
-            linewidth=1.6,
-            alpha=0.75,
-            zorder=2,
-        )
+        Polygon(MM * stroke.after, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6, alpha=0.75, zorder=2)
     )
     axes.plot(*(MM * stroke.centre).T, color=QUIET, linewidth=0.9, zorder=3)
     axes.plot(*(MM * stroke.centre[-1]), "+", color=PREDICTED, markersize=7, zorder=4)

@@ -37,10 +37,7 @@ ANYWHERE = math.radians(90.0)
 
 
 def fingerprint_page(
-    found: Fingerprint,
-    prediction: Prediction | None = None,
-    checked: PredictionCheck | None = None,
-    name: str = "",
+    found: Fingerprint, prediction: Prediction | None = None, checked: PredictionCheck | None = None, name: str = ""
 ) -> Figure:
     """Draw a fingerprint; with a prediction its map too, and the full map where that was computed.
 

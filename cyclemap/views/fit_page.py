@@ -47,11 +47,7 @@ TITLE_PAD = 31.0
 Panel = tuple[str, Callable[[Axes], None]]
 THETA0 = "θ0, orientation before the push (°)"
 SCALES = {"dtheta": np.degrees(1.0), "dx": 1000.0, "dy": 1000.0}
-LABELS = {
-    "dtheta": "turn of the push, Δθ (°)",
-    "dx": "displacement, Δx (mm)",
-    "dy": "displacement, Δy (mm)",
-}
+LABELS = {"dtheta": "turn of the push, Δθ (°)", "dx": "displacement, Δx (mm)", "dy": "displacement, Δy (mm)"}
 CIRCLE = np.linspace(0.0, 2 * np.pi, 721)
 LATE_FILL = "#cfcfcf"
 

@@ -59,16 +59,7 @@ def draw_turn(
 def draw_measured_turns(axes: Axes, pairs: Theta0Pairs, bins: TurnBins) -> None:
     """Measured pairs as light dots, and their medians by bin; the scale keeps to the medians."""
     theta = np.degrees(np.mod(pairs.theta, 2 * np.pi))
-    axes.plot(
-        theta,
-        np.degrees(pairs.turn),
-        ".",
-        color=MEASURED,
-        markersize=3,
-        alpha=0.35,
-        label="measured",
-        zorder=1,
-    )
+    axes.plot(theta, np.degrees(pairs.turn), ".", color=MEASURED, markersize=3, alpha=0.35, label="measured", zorder=1)
     axes.plot(
         np.degrees(bins.centre),
         np.degrees(bins.median),

@@ -256,12 +256,7 @@ def _once(name: str, seen: set[str]) -> str | None:
 
 def _mark(axes: Axes, found: Bifurcation, label: str | None) -> None:
     points_deg = np.degrees(found.points)
-    look: dict[str, Any] = {
-        "linestyle": "none",
-        "markersize": 7,
-        "markeredgecolor": INK,
-        "markeredgewidth": 1.2,
-    }
+    look: dict[str, Any] = {"linestyle": "none", "markersize": 7, "markeredgecolor": INK, "markeredgewidth": 1.2}
     parameter = np.full(points_deg.size, float(found.parameter))
     axes.plot(parameter, points_deg, label=label, zorder=5, **look, **MARKERS[found.kind])
 

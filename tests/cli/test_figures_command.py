@@ -85,7 +85,7 @@ def test_figures_tables_and_animations_are_written_with_an_index_of_their_captio
     assert all(list(one) == KEYS for one in made)
     folder = here / "gallery"
     assert sorted(path.name for path in folder.iterdir()) == [
-        *("figures.json", "locking-in.gif", "staircases.png", "table-friction.csv"),
+        *("figures.json", "locking-in.gif", "staircases.png", "table-friction.csv")
     ]
     assert json.loads((folder / "figures.json").read_text())["figures"] == made
     assert (folder / "staircases.png").read_bytes().startswith(b"\x89PNG")

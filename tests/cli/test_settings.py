@@ -42,10 +42,7 @@ def test_protocol_tables_are_headings_only(protocol) -> None:
         ("[push]\nside = true\n", ", line 2: side is True; it must be a number, text"),
         ("[push]\n[push.deeper]\nside = 1\n", ", line 2: deeper is {'side': 1}; it must be a number, text"),
         ("[push]\nside = 1\nmu_a = 'rough'\n", ", line 3: mu_a must be a finite number, not 'rough'"),
-        (
-            "[[strategy.actions]]\nside = 0\n[push]\nsdie = 1\n",
-            ", line 4: unknown setting 'sdie': did you mean 'si",
-        ),
+        ("[[strategy.actions]]\nside = 0\n[push]\nsdie = 1\n", ", line 4: unknown setting 'sdie': did you mean 'si"),
         ("[a]\nside = 1\n[b]\nside = 2\n", ", line 4: side is given twice"),
     ],
 )

@@ -94,7 +94,7 @@ def test_a_portrait_tells_the_distribution_of_its_mixture(protocol, capsys) -> N
     """Against the strategy's own maps and law, made here."""
     report = report_of(capsys, ["portrait", *PLYWOOD, protocol(RANDOM), "--cycles", "300", "--set", "noise_deg=6"])
     assert list(report) == [
-        *("strategy", "map", "fixed_points", "fixed_points_reason", "rotation_number", "stationary", "staircase"),
+        *("strategy", "map", "fixed_points", "fixed_points_reason", "rotation_number", "stationary", "staircase")
     ]
     turns = map_turns(strategy_maps(LOOP, RANDOM))
     law = orientation_law(turns, RANDOM, math.radians(6.0))
@@ -204,12 +204,7 @@ def test_a_command_about_one_loop_refuses_a_strategy_and_says_which_take_it(
 
 @pytest.mark.parametrize(
     ("strategy", "pair"),
-    [
-        (RANDOM, "side=1"),
-        (FIXED, "hitch_x_mm=3"),
-        (FIXED, "way_points_mm=[[1, 2]]"),
-        (LEG, "way_points_mm=[[1, 2]]"),
-    ],
+    [(RANDOM, "side=1"), (FIXED, "hitch_x_mm=3"), (FIXED, "way_points_mm=[[1, 2]]"), (LEG, "way_points_mm=[[1, 2]]")],
 )
 def test_a_setting_that_the_strategy_overrules_is_refused(protocol, capsys, strategy, pair) -> None:
     assert run(["cycle", "plywood", "--protocol", protocol(strategy), "--set", pair]) == 2
