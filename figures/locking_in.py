@@ -293,7 +293,7 @@ def animated_gif(frames: Iterable[Frame]) -> bytes:
         format="GIF",
         save_all=True,
         append_images=pictures[1:],
-        duration=[_milliseconds(frame.seconds) for frame in given],
+        duration=[round(1000 * max(_TICK * round(frame.seconds / _TICK), _SHORTEST)) for frame in given],
         loop=0,
         optimize=False,
         disposal=1,
@@ -318,10 +318,6 @@ def _with_one_palette(pixels: list[NDArray[np.uint8]]) -> list[Image.Image]:
     colours[np.abs(colours - 255.0).sum(axis=1) < _ALL_BUT_WHITE] = 255.0
     palette.putpalette(colours.astype(np.uint8).ravel().tolist())
     return [Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in pixels]
-
-
-def _milliseconds(seconds: float) -> int:
-    return round(1000 * max(_TICK * round(seconds / _TICK), _SHORTEST))
 
 
 ANIMATION = PaperAnimation(compute, frames, caption)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from cyclemap.errors import DataFileError
 from cyclemap.evidence import PushSet, Theta0Pairs, load_pushes, push_sets, read_theta0_pairs
-from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
+from cyclemap.evidence.pushes.mit_names import push_facts, scan_facts
 from cyclemap.evidence.pushes.push_files import SUFFIXES, read_push_file
 from cyclemap.evidence.pushes.push_record import PushRecord
 from cyclemap.evidence.tables.push_sets import FEWEST
@@ -83,8 +83,10 @@ def measured_scans(measured: MeasuredFolder, surface: str) -> pandas.DataFrame |
     if measured.path is None:
         return None
     homes: Counter[str] = Counter()
+    of = surface, PROTOCOL["object"]
     for home, _, names in sorted(os.walk(measured.path)):
-        homes[home] += sum(_is_scan(scan_facts(name), surface) for name in names if name.endswith(SUFFIXES))
+        scans = [scan_facts(name) for name in names if name.endswith(SUFFIXES)]
+        homes[home] += sum(one is not None and (one.surface, one.object) == of for one in scans)
     for home, count in homes.most_common(1):
         if count:
             _told_used(measured, Path(home))
@@ -118,7 +120,9 @@ def listed(names: Iterable[str]) -> str:
 def _run_below(folder: Path, surface: str) -> MeasuredRun | None:
     homes: Counter[str] = Counter()
     for home, _, names in sorted(os.walk(folder)):
-        homes[home] += sum(_is_repeated(push_facts(name), surface) for name in names if name.endswith(SUFFIXES))
+        for facts in map(push_facts, (name for name in names if name.endswith(SUFFIXES))):
+            if facts is not None and facts.surface == surface and not math.isnan(facts.repetition):
+                homes[home] += all(_same(getattr(facts, name), value) for name, value in PROTOCOL.items())
     for home, count in homes.most_common():
         if count < FEWEST:
             return None
@@ -128,17 +132,6 @@ def _run_below(folder: Path, surface: str) -> MeasuredRun | None:
         if best.count >= FEWEST:
             return MeasuredRun(best, len(table.unreadable), Path(home))
     return None
-
-
-def _is_repeated(facts: PushFacts | None, surface: str) -> bool:
-    """Whether a file's name says that it is one of the repeated pushes on the surface."""
-    if facts is None or facts.surface != surface or math.isnan(facts.repetition):
-        return False
-    return all(_same(getattr(facts, name), value) for name, value in PROTOCOL.items())
-
-
-def _is_scan(facts: ScanFacts | None, surface: str) -> bool:
-    return facts is not None and facts.surface == surface and facts.object == PROTOCOL["object"]
 
 
 def _same(found: str | float | None, wanted: str | float) -> bool:

@@ -139,12 +139,10 @@ def _boundary(loop: CollectionLoop, family: LoopFamily, side: int, count: int) -
         if step < count or top == SCALES[1]:
             radius = brentq(lambda r, now=scale: _margin(family, side, r, now), *RADII, xtol=1e-6)
         theta = _THETA[np.argmin(side * family.turn(_THETA, radius, scale))]
-        found.append((scale, ring_fold(partial(_fine, loop, scale), float(theta), radius)))
+        found.append(
+            (scale, ring_fold(partial(with_ring_at, with_anisotropy_times(loop, scale)), float(theta), radius))
+        )
     return tuple(found)
-
-
-def _fine(loop: CollectionLoop, scale: float, radius: float) -> CollectionLoop:
-    return with_ring_at(with_anisotropy_times(loop, scale), radius)
 
 
 def first_order(loop: CollectionLoop, nodes: int = 9, count: int = 201) -> FirstOrder:

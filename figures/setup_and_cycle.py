@@ -71,18 +71,14 @@ def _draw_setup(axes: Axes, result: SetupAndCycles) -> None:
     axes.add_patch(Polygon(outline, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6))
     axes.plot(0.0, 0.0, "+", color=INK, markersize=9)
     _name(axes, (3.0, -5.0), "centre", ha="left")
-    _name_sides(axes, outline)
+    for number, middle in enumerate(0.5 * (outline[:-1] + outline[1:])):
+        place = middle * (38.0 / 45.0) if number else np.add(middle, (34.0, -7.0))
+        _name(axes, (float(place[0]), float(place[1])), f"side {number}", rotation=90.0 if number % 2 else 0.0)
     _draw_ring(axes, MM * np.array(loop.slider.hitch))
     _draw_push(axes, result)
     _dimension(axes, (-45.0, -57.0), (45.0, -57.0), f"{np.ptp(outline[:, 0]):.0f} mm")
     axes.set(xlim=(-78, 68), ylim=(-118, 78), aspect="equal", xlabel="x (mm), object's frame", ylabel="y (mm)")
     axes.set_title("Set-up, to scale")
-
-
-def _name_sides(axes: Axes, outline: Array) -> None:
-    for number, middle in enumerate(0.5 * (outline[:-1] + outline[1:])):
-        place = middle * (38.0 / 45.0) if number else np.add(middle, (34.0, -7.0))
-        _name(axes, (float(place[0]), float(place[1])), f"side {number}", rotation=90.0 if number % 2 else 0.0)
 
 
 def _draw_ring(axes: Axes, hitch: Array) -> None:

@@ -204,15 +204,12 @@ def _told_push(result: SimulatedAgainstMeasured) -> str:
 def _told_cycle(result: SimulatedAgainstMeasured) -> str:
     if not result.cycles:
         return f"{NO_DATA} of θ0 ({THETA0_FILE})."
-    errors = [f"{one.name} {_bin_error(both):.1f}°" for one, both in zip(result.simulated, result.cycles, strict=True)]
+    both = zip(result.simulated, result.cycles, strict=True)
+    errors = [f"{one.name} {np.degrees(cycle.agreement.bin_rms):.1f}°" for one, cycle in both]
     return (
         f"dots, {result.cycles[0].pairs.theta.size} measured cycles, from the θ0 of successive pushes; squares, their "
         f"medians in 5°. Root mean square of these less the simulated: {', '.join(errors)}."
     )
-
-
-def _bin_error(both: MeasuredOverlay) -> float:
-    return float(np.degrees(both.agreement.bin_rms))
 
 
 FIGURE = PaperFigure(compute, draw, caption)

@@ -172,7 +172,9 @@ def _recorded(material: str, states: tuple[SurfaceState, ...], run: Staircase) -
     """The run as a set of recorded pushes, and the jitter (n,) of their friction."""
     path, cycle = run.theta, np.arange(run.cycles + 1.0)
     theta, ahead = path[:-1], path[1:]
-    share = _shares(states, cycle[:-1])
+    # How much of each state the surface of each cycle has, linear between neighbours.
+    places = [state.cycle for state in states]
+    share = np.array([np.interp(cycle[:-1], places, unit) for unit in np.eye(len(states))])
     kick = ahead - np.einsum("kn,kn->n", share, np.array([state.map(theta) for state in states]))
     motion = np.einsum("kn,knj->nj", share, np.array([state.push_motion(theta) for state in states]))
     slopes = np.einsum("kn,knij->nij", share, np.array([state.by_offset(theta) for state in states]))
@@ -194,12 +196,6 @@ def _friction_errors(kick: Array, slope: Array, seed: int) -> Array:
     across = np.column_stack([-along[:, 1], along[:, 0]])
     free = NOISE.sigma * np.random.default_rng((seed, 1)).standard_normal(kick.size)
     return np.asarray((kick / size)[:, np.newaxis] * along + (free / size)[:, np.newaxis] * across)
-
-
-def _shares(states: tuple[SurfaceState, ...], cycle: Array) -> Array:
-    """(states, n): how much of each state the surface of each cycle has, linear between neighbours."""
-    places = [state.cycle for state in states]
-    return np.array([np.interp(cycle, places, unit) for unit in np.eye(len(states))])
 
 
 @dataclass(frozen=True, eq=False)

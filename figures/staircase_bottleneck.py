@@ -276,13 +276,13 @@ def caption(result: StaircaseBottleneck) -> str:
 def _measured_words(found: Bottleneck | None) -> str:
     if found is None:
         return f"Of the robot's own staircase {NO_DATA}."
-    mean, spread = found.visit
+    (mean, spread), halves = found.visit, np.array_split(found.lengths, 2)
     return (
         f"The measured plywood staircase has such a bottleneck at {math.degrees(found.passage.theta):.0f}°: its fitted "
         f"map predicts steps of {mean:.0f} ± {spread:.0f} cycles. The {found.lengths.size} measured ones that were "
         f"seen whole lasted {found.lengths.mean():.0f} ± {found.lengths.std(ddof=1):.0f}: they differ more than noise "
-        f"makes them, since the surface wears: the first half {_mean_of(found.lengths, 0)}, the second "
-        f"{_mean_of(found.lengths, 1)}.{_run_words(found)}"
+        f"makes them, since the surface wears: the first half {halves[0].mean():.0f}, the second "
+        f"{halves[1].mean():.0f}.{_run_words(found)}"
     )
 
 
@@ -292,10 +292,6 @@ def _run_words(found: Bottleneck) -> str:
     climbed = (found.run[-1] - found.run[0]) / (2 * np.pi)
     measured = (found.path[-1] - found.path[0]) / (2 * np.pi)
     return f" A run of the map fitted with its wear climbs {climbed:.1f} turns, the measured path {measured:.1f}."
-
-
-def _mean_of(lengths: Array, half: int) -> str:
-    return f"{np.array_split(lengths, 2)[half].mean():.0f}"
 
 
 FIGURE = PaperFigure(compute, draw, caption)

@@ -68,20 +68,12 @@ class MaterialStaircase:
     recorded: Climb | None
 
 
-@dataclass(frozen=True, eq=False)
-class Staircases:
-    """The four panels, in the paper's order."""
-
-    materials: tuple[MaterialStaircase, ...]
-
-
-def compute(measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DEFAULT_RUNS) -> Staircases:
+def compute(
+    measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DEFAULT_RUNS
+) -> tuple[MaterialStaircase, ...]:
     """Run cycles on each material, ``runs`` times, with its wear, and look for recorded paths."""
-    return Staircases(
-        tuple(
-            _material(measured, surface, sampled_run(material, sampling), runs)
-            for surface, material in STANDS_FOR.items()
-        )
+    return tuple(
+        _material(measured, surface, sampled_run(material, sampling), runs) for surface, material in STANDS_FOR.items()
     )
 
 
@@ -116,9 +108,9 @@ def climb_of(path: Array, level: float) -> Climb:
     return Climb(path, find_steps(path), np.diff(full_turns(path, level)))
 
 
-def draw(result: Staircases) -> Figure:
+def draw(result: tuple[MaterialStaircase, ...]) -> Figure:
     """Draw a panel a material; measured and predicted together where there is a measured path."""
-    return draw_materials(result.materials, _draw_material)
+    return draw_materials(result, _draw_material)
 
 
 def _draw_material(axes: Axes, one: MaterialStaircase) -> None:
@@ -130,16 +122,16 @@ def _draw_material(axes: Axes, one: MaterialStaircase) -> None:
     legend_above(axes, columns=2)
 
 
-def caption(result: Staircases) -> str:
+def caption(result: tuple[MaterialStaircase, ...]) -> str:
     """What is drawn, and how each material climbs."""
-    first = result.materials[0]
+    first = result[0]
     told = [
         f"θ0 before each of {first.climb.path.size} pushes, not wrapped, as one run of the predicted cycle map climbs "
         f"with 1.1° of noise a cycle, and where 95 % of {first.turns.size} runs are. Plywood is plywood-measured, "
         "which wears over the run and was inferred from the very path that is drawn beside it where it was found: that "
         "agreement is a fit, not a test. The other materials are inferred from the paper's tables and words.",
-        *[_sentence(one) for one in result.materials],
-        not_found("θ0", [one.run.surface for one in result.materials if one.recorded is None]),
+        *[_sentence(one) for one in result],
+        not_found("θ0", [one.run.surface for one in result if one.recorded is None]),
     ]
     return " ".join(filter(None, told))
 

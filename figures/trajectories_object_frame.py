@@ -57,18 +57,15 @@ def draw(result: ObjectFramePaths) -> Figure:
             axes.plot(0.0, 0.0, "+", color=QUIET, markersize=8)
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x (mm)")
             axes.set_title(panel_title(paths).replace(", ", ",\n"))
-            axes.text(0.97, 0.97, _spread(result, number), transform=axes.transAxes, ha="right", va="top", fontsize=8)
+            turn, dx, dy = result.spread(number)
+            told = f"σ(Δθ) {np.degrees(turn):.1f}°\nσ(Δx) {MM * dx:.1f} mm\nσ(Δy) {MM * dy:.1f} mm"
+            axes.text(0.97, 0.97, told, transform=axes.transAxes, ha="right", va="top", fontsize=8)
             if number:
                 axes.tick_params(labelleft=False)
             else:
                 axes.set_ylabel("y (mm), object's frame before the push")
         shade_bar(figure, (0.925, 0.2, 0.014, 0.55), shades)
     return figure
-
-
-def _spread(result: ObjectFramePaths, number: int) -> str:
-    turn, dx, dy = result.spread(number)
-    return f"σ(Δθ) {np.degrees(turn):.1f}°\nσ(Δx) {MM * dx:.1f} mm\nσ(Δy) {MM * dy:.1f} mm"
 
 
 def caption(result: ObjectFramePaths) -> str:
