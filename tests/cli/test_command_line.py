@@ -38,13 +38,6 @@ def strict_json(text: str) -> dict:
     return json.loads(text, parse_constant=refuse_constant)
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch) -> Path:
-    """An empty current folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 @pytest.fixture(scope="module")
 def plywood_run(tmp_path_factory) -> tuple[Path, subprocess.CompletedProcess]:
     """`cyclemap portrait plywood --json -`, run once as a user would."""

@@ -4,7 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
-from small_collections import NOWHERE, RECORDED_ABS, RECORDED_PLYWOOD, SCANS, recorded_folder, recorded_loop
+from figure_cases import NOWHERE, RECORDED_ABS, RECORDED_PLYWOOD, SCANS, recorded_folder, recorded_loop
 
 from cyclemap.cli.run_figures import WatchedFolder
 from cyclemap.collection import CollectionLoop

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn
+from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures.loop_family import ring_fold, with_anisotropy_times, with_ring_at

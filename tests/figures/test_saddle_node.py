@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn
+from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures.loop_family import with_ring_at

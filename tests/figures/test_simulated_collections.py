@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from small_collections import SMALL
+from figure_cases import SMALL
 
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from small_collections import NOWHERE, RECORDED_ABS, SMALL, recorded_folder
+from figure_cases import NOWHERE, RECORDED_ABS, SMALL, recorded_folder
 
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.simulated_collections import sampled_run
