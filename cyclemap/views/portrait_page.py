@@ -11,7 +11,6 @@ from matplotlib.gridspec import GridSpec
 
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.portrait_curves import PortraitCurves
-from cyclemap.views.cycle_drawing import cycle_key, draw_cycle
 from cyclemap.views.map_panels import (
     draw_cobweb,
     draw_density,
@@ -20,6 +19,7 @@ from cyclemap.views.map_panels import (
     draw_staircase,
     draw_turn,
 )
+from cyclemap.views.object_page import cycle_key, draw_cycle
 from cyclemap.views.sentences import (
     accuracy_line,
     agreement_sentence,
