@@ -1,6 +1,5 @@
 """A prediction beside data: in sentences, and on a page with map, histogram, staircase, and pushes with poses."""
 
-from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -34,9 +33,9 @@ from cyclemap.views.style import (
     new_figure,
     picture_style,
     say,
+    write_page,
 )
 
-LINE_LETTERS = 175
 # Points between a panel and its title, so that the legend has a line of its own.
 TITLE_PAD = 22.0
 # Fewer medians make no line.
@@ -68,7 +67,10 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
             panels = [figure.add_subplot(grid[rows - 1, column]) for column in range(3)]
             draw = _draw_pushes if len(found.pushes) <= MOST_SETS else _draw_sets
             draw(panels, found)
-        _write_words(figure, name, found)
+        drawn = "all are drawn" if len(found.pushes) > MOST_SETS else "the largest is drawn"
+        sets = f"; {len(found.pushes)} sets of pushes, {drawn}" if len(found.pushes) > 1 else ""
+        told = (data_sentence(found), summary_sentence(found))
+        write_page(figure, headline(name, found), told, f"{noise_words(found)}{sets}")
     return figure
 
 
@@ -175,15 +177,6 @@ def _name_push_panel(axes: Axes, quantity: QuantityAgreement) -> None:
     axes.set_ylabel(label)
     axes.set_title(f"{symbol}: RMSE {quantity.percent:.1f} %, std {quantity.std_percent:.1f} %", pad=TITLE_PAD)
     legend_above(axes)
-
-
-def _write_words(figure: Figure, name: str, found: Comparison) -> None:
-    figure.text(0.015, 0.955, headline(name, found), fontsize=18, fontweight="bold", va="center")
-    told = f"{data_sentence(found)} {summary_sentence(found)}"
-    figure.text(0.015, 0.928, fill(told, LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
-    drawn = "all are drawn" if len(found.pushes) > MOST_SETS else "the largest is drawn"
-    sets = f"; {len(found.pushes)} sets of pushes, {drawn}" if len(found.pushes) > 1 else ""
-    figure.text(0.015, 0.02, f"{noise_words(found)}{sets}", fontsize=8, color=QUIET)
 
 
 def headline(name: str, found: Comparison) -> str:

@@ -1,7 +1,6 @@
 """A fingerprint: in sentences, and on a page: how the protocol answers, the predicted map, the full one beside it."""
 
 import math
-from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -29,9 +28,9 @@ from cyclemap.views.style import (
     orbit_marker,
     picture_style,
     stability,
+    write_page,
 )
 
-LINE_LETTERS = 170
 _ANGLES = np.radians(np.arange(0.0, 361.0))
 ANYWHERE = math.radians(90.0)
 
@@ -130,21 +129,18 @@ def _write_words(
     figure: Figure, found: Fingerprint, prediction: Prediction | None, checked: PredictionCheck | None, name: str
 ) -> None:
     title = "Fingerprint of the protocol" if prediction is None else f"Fingerprint of the protocol, on {name}"
-    figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
     told = [protocol_sentence(found)]
     if prediction is not None:
         told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
         told += [lock_in_sentence(prediction), trust_sentence(prediction)]
     if checked is not None:
         told.append(check_sentence(checked))
-    figure.text(0.015, 0.925, fill(" ".join(filter(None, told)), LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
     numbers = "   ".join(
         f"{symbol} {value}°"
         for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
     )
-    figure.text(
-        0.015, 0.02, f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity", fontsize=8, color=QUIET
-    )
+    foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
+    write_page(figure, title, told, foot, top=0.925, letters=170)
 
 
 def five_numbers(response: TurnResponse) -> tuple[str, ...]:

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -37,11 +36,12 @@ from cyclemap.views.style import (
     picture_style,
     say,
     stability,
+    write_tall_page,
 )
 
-LINE_LETTERS = 205
-# Shares of the page's height: a line of words, what lies below the panels, and titles and labels of a row.
-LINE_HEIGHT, FOOT, TITLES, BELOW = 0.0188, 0.03, 0.075, 0.06
+# Shares of the page's height: what lies below the panels, and titles and labels of a row.
+FOOT, TITLES, BELOW = 0.03, 0.075, 0.06
+_FOOT = "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes unless given"
 # Points between a panel and its title: two rows of a legend.
 TITLE_PAD = 31.0
 Panel = tuple[str, Callable[[Axes], None]]
@@ -62,7 +62,7 @@ def fit_page(fit: SetFit) -> Figure:
         raise InvalidInput(f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}")
     with picture_style():
         figure = new_figure(16.0, 9.6)
-        top = _write_words(figure, fit)
+        top = write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), _FOOT)
         if len(rows) == 1 and len(rows[0]) > 2:
             half = (len(rows[0]) + 1) // 2
             rows = [rows[0][:half], rows[0][half:]]
@@ -98,18 +98,6 @@ def _draw_row(figure: Figure, row: list[Panel], top: float, height: float) -> No
         axes = figure.add_subplot(grid[0, column])
         draw(axes)
         axes.set_title(title, pad=TITLE_PAD)
-
-
-def _write_words(figure: Figure, fit: SetFit) -> float:
-    """Write title, sentences and foot; returns where the sentences end, as a share of the page's height."""
-    figure.text(0.012, 0.968, f"Fitted to {fit.pushes.name}", fontsize=18, fontweight="bold", va="center")
-    told = fill(" ".join(set_sentences(fit)), LINE_LETTERS)
-    figure.text(0.012, 0.947, told, fontsize=9.5, va="top", linespacing=1.3)
-    foot = (
-        "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes unless given"
-    )
-    figure.text(0.012, 0.012, foot, fontsize=8, color=QUIET)
-    return 0.947 - LINE_HEIGHT * (told.count("\n") + 1)
 
 
 def draw_law(axes: Axes, law: MotionLaw) -> None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -28,10 +27,9 @@ from cyclemap.views.style import (
     legend_above,
     new_figure,
     picture_style,
+    write_tall_page,
 )
 
-LINE_LETTERS = 205
-LINE_HEIGHT = 0.0188
 TITLE_PAD = 22.0
 # Besides the intervals, which take the end of the first row.
 MOST_PANELS = 8
@@ -55,7 +53,10 @@ def identify_page(title: str, found: Identification, curves: IdentifiedCurves, w
         panels.insert(1, ("How the weight rests", partial(draw_shares, plates=found.plates)))
     with picture_style():
         figure = new_figure(16.0, 9.6)
-        top = _write_words(figure, title, words, len(panels) - MOST_PANELS)
+        undrawn = len(panels) - MOST_PANELS
+        more = f"; {undrawn} panels more are not drawn" if undrawn > 0 else ""
+        foot = f"inferred from data; × at an interval's end: a bound, not excluded by the data{more}"
+        top = write_tall_page(figure, title, words, foot, size=13.0)
         rows, columns = _layout(min(len(panels), MOST_PANELS) + 1)
         ends = {"left": 0.05, "right": 0.985, "bottom": 0.085, "top": top - 0.07}
         grid = GridSpec(rows, columns, figure, wspace=0.24, hspace=0.24 + 0.14 * rows, **ends)
@@ -100,17 +101,6 @@ def _draw_intervals(figure: Figure, grid: GridSpec, found: Identification) -> No
         draw_interval(axes, one)
         place = axes.get_position()
         axes.set_position((place.x0 + 0.42 * place.width, place.y0, 0.58 * place.width, place.height))
-
-
-def _write_words(figure: Figure, title: str, words: Sequence[str], undrawn: int) -> float:
-    """Write title, sentences and foot; returns where the sentences end, as a share of the page's height."""
-    figure.text(0.012, 0.968, title, fontsize=13, fontweight="bold", va="center")
-    told = fill(" ".join(words), LINE_LETTERS)
-    figure.text(0.012, 0.947, told, fontsize=9.5, va="top", linespacing=1.3)
-    more = f"; {undrawn} panels more are not drawn" if undrawn > 0 else ""
-    foot = f"inferred from data; × at an interval's end: a bound, not excluded by the data{more}"
-    figure.text(0.012, 0.012, foot, fontsize=8, color=QUIET)
-    return 0.947 - LINE_HEIGHT * (told.count("\n") + 1)
 
 
 def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:

@@ -35,6 +35,7 @@ from cyclemap.views.style import (
     name_tag,
     new_figure,
     picture_style,
+    write_page,
 )
 
 _PLACES = (0.0, 0.105, 0.535, 0.6, 0.665, 0.745, 0.82, 0.885, 0.95)
@@ -157,8 +158,7 @@ def strategy_page(
             last.set(xlabel="cycle", ylabel="θ0, not wrapped (°)", title="Staircase")
         else:
             _draw_turns(last, turns, strategy)
-        figure.text(0.015, 0.955, words[0], fontsize=18, fontweight="bold", va="center")
-        figure.text(0.015, 0.928, fill(" ".join(words[1:]), 175), fontsize=10, va="top", linespacing=1.35)
+        write_page(figure, words[0], words[1:])
     return figure
 
 

@@ -1,7 +1,6 @@
 """A predicted staircase, and the measured one where there is one: in sentences, and on a landscape page."""
 
 import math
-from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,9 +13,7 @@ from cyclemap.maps import Estimate, SlowZone, StaircaseSummary, Steps
 from cyclemap.views.map_panels import draw_staircase
 from cyclemap.views.sentences import LONGEST_STAY, angle, cycles, number, power_of_ten, uncertainty_sentence, worn_rests
 from cyclemap.views.step_panels import draw_step_lengths, draw_steps
-from cyclemap.views.style import INK, QUIET, new_figure, picture_style
-
-LINE_LETTERS = 175
+from cyclemap.views.style import INK, new_figure, picture_style, write_page
 
 
 def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | None = None) -> Figure:
@@ -66,14 +63,12 @@ def _draw_found(steps: Axes, lengths: Axes, forecast: StaircaseForecast, measure
 
 def _write_words(figure: Figure, forecast: StaircaseForecast, measured: MeasuredStaircase | None) -> None:
     name = forecast.loop.material.name
-    figure.text(0.015, 0.955, f"Staircase of {name}", fontsize=18, fontweight="bold", va="center")
     told = [forecast_sentence(forecast), worn_sentence(forecast), run_sentence(forecast)]
     told += [uncertainty_sentence(name, forecast.uncertainty)]
     if measured is not None:
         told += [measured_sentence(measured), fitted_sentence(measured)]
-    figure.text(0.015, 0.928, fill(" ".join(filter(None, told)), LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
     foot = f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path alone, without a model"
-    figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+    write_page(figure, f"Staircase of {name}", told, foot)
 
 
 def forecast_sentence(forecast: StaircaseForecast) -> str:

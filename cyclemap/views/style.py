@@ -1,9 +1,10 @@
 """One look for every picture: colours that also differ in lightness, legends that cover nothing, markers, name tags."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
+from textwrap import fill
 from typing import Any
 
 import matplotlib
@@ -82,6 +83,26 @@ def new_figure(width: float = 13.333, height: float = 7.5) -> Figure:
     figure = Figure(figsize=(width, height), facecolor="white")
     FigureCanvasAgg(figure)
     return figure
+
+
+def write_page(
+    figure: Figure, title: str, words: Iterable[str], foot: str = "", top: float = 0.928, letters: int = 175
+) -> None:
+    """Write the title, the sentences below it (those that are empty left out), and what is small at the foot."""
+    figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
+    told = fill(" ".join(filter(None, words)), letters)
+    figure.text(0.015, top, told, fontsize=10, va="top", linespacing=1.35)
+    if foot:
+        figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+
+
+def write_tall_page(figure: Figure, title: str, words: Iterable[str], foot: str, size: float = 18.0) -> float:
+    """The same on a page of 16 by 9.6 inches; returns where the sentences end, as a share of its height."""
+    figure.text(0.012, 0.968, title, fontsize=size, fontweight="bold", va="center")
+    told = fill(" ".join(words), 205)
+    figure.text(0.012, 0.947, told, fontsize=9.5, va="top", linespacing=1.3)
+    figure.text(0.012, 0.012, foot, fontsize=8, color=QUIET)
+    return 0.947 - 0.0188 * (told.count("\n") + 1)
 
 
 def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes:

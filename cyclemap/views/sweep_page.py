@@ -5,7 +5,6 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -41,9 +40,9 @@ from cyclemap.views.style import (
     picture_style,
     say,
     whole_turn_ticks,
+    write_page,
 )
 
-LINE_LETTERS = 175
 MOST_PANELS = 2
 # Points between a panel and its title: a row of a legend.
 TITLE_PAD = 24.0
@@ -90,9 +89,7 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
             if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
                 _draw_object(axes, sweep)
             axes.set_title(title, pad=TITLE_PAD)
-        figure.text(0.015, 0.955, sweep_headline(sweep), fontsize=18, fontweight="bold", va="center")
-        told = fill(" ".join(sweep_sentences(sweep)), LINE_LETTERS)
-        figure.text(0.015, 0.915, told, fontsize=10, va="top", linespacing=1.35)
+        write_page(figure, sweep_headline(sweep), sweep_sentences(sweep), top=0.915)
         figure.text(0.015, 0.025, settings_line(sweep), fontsize=8, color=QUIET)
     return figure
 

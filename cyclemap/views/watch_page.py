@@ -1,7 +1,6 @@
 """A watched collection: in sentences, and as a page of θ0 push by push, evidence, directions, what it is worth."""
 
 from collections.abc import Sequence
-from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,7 @@ from cyclemap.views.style import (
     legend_above,
     new_figure,
     picture_style,
+    write_page,
 )
 
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
@@ -41,11 +41,8 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
         draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), monitor.path, last)
         draw_worth(figure.add_subplot(grid[1, 1]), [report.coverage.effective_pushes for report in reports])
         title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
-        figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
-        told = fill(" ".join(watch_sentences(last)), 175)
-        figure.text(0.015, 0.928, told, fontsize=10, va="top", linespacing=1.35)
         foot = "chance of an alarm, however long the collection, where no orientation lingers:"
-        figure.text(0.015, 0.02, f"{foot} {monitor.alarm_rate:g} at most", fontsize=8, color=QUIET)
+        write_page(figure, title, watch_sentences(last), f"{foot} {monitor.alarm_rate:g} at most")
     return figure
 
 
