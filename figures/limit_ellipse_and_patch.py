@@ -26,6 +26,7 @@ from cyclemap.views.style import (
     PREDICTED,
     PREDICTED_FILL,
     QUIET,
+    arrow,
     legend_above,
     new_figure,
     picture_style,
@@ -123,8 +124,8 @@ def _draw_law(axes: Axes, result: LimitEllipseAndPatch) -> None:
     axes.plot(*np.stack([traction - 0.25 * along, traction + 0.1 * along]).T, color=QUIET, linewidth=1.2, linestyle=":")
     axes.plot(*centre, "o", color=PREDICTED, markersize=4)
     axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
-    _arrow(axes, np.zeros(2), traction, FORCE)
-    _arrow(axes, traction, traction + 0.13 * velocity, INK)
+    arrow(axes, np.zeros(2), traction, FORCE, 2.2, 6, mutation_scale=14.0)
+    arrow(axes, traction, traction + 0.13 * velocity, INK, 2.2, 6, mutation_scale=14.0)
     axes.text(0.75 * traction[0] + 0.025, 0.75 * traction[1] - 0.003, "traction μ", color=FORCE, va="center")
     head = traction + 0.13 * velocity
     axes.text(head[0] + 0.03, head[1], "sliding velocity v", color=INK, va="center")
@@ -155,17 +156,17 @@ def _draw_patch(axes: Axes, patch: PatchForces) -> None:
     share = np.hypot(*patch.force.T).max()
     tips = points + _POINT_ARROW * patch.force / share
     for point, tip in zip(points, tips, strict=True):
-        _arrow(axes, point, tip, PREDICTED, 1.0, 7.0)
+        arrow(axes, point, tip, PREDICTED, 1.0, 6, mutation_scale=7.0)
     axes.plot(*points.T, ".", color=PREDICTED, markersize=3)
     spin = patch.twist[2]
     pivot = MM * np.array([-patch.twist[1], patch.twist[0]]) / spin
     axes.plot(*pivot, "*", color=INK, markersize=10)
     axes.text(pivot[0], pivot[1] - 6.0, "centre of\nrotation", fontsize=8, ha="center", va="top")
     whole = _WHOLE_ARROW / float(np.hypot(*patch.wrench[:2]))
-    _arrow(axes, np.zeros(2), whole * patch.wrench[:2], FORCE, 3.0, 18.0)
+    arrow(axes, np.zeros(2), whole * patch.wrench[:2], FORCE, 3.0, 6, mutation_scale=18.0)
     axes.plot(0.0, 0.0, "o", color=FORCE, markersize=5)
     contact = MM * patch.contact
-    _arrow(axes, contact - whole * patch.rod[:2], contact, INK, 3.0, 18.0)
+    arrow(axes, contact - whole * patch.rod[:2], contact, INK, 3.0, 6, mutation_scale=18.0)
     _name_forces(axes, patch, contact - whole * patch.rod[:2])
     axes.set(xlim=(-58, 96), ylim=(-58, 96), aspect="equal", xlabel="x (mm), object's frame", ylabel="y (mm)")
     axes.set_title("Patch of 8 x 8 points")
@@ -182,18 +183,6 @@ def _traction_axes(axes: Axes, half: float, title: str, middle: Array) -> None:
     x, y = middle.tolist()
     axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal", title=title)
     axes.set(xlabel="traction coefficient along x", ylabel="traction coefficient along y")
-
-
-def _arrow(axes: Axes, tail: Array, tip: Array, colour: str, width: float = 2.2, head: float = 14.0) -> None:
-    look = {
-        "arrowstyle": "-|>",
-        "color": colour,
-        "linewidth": width,
-        "shrinkA": 0,
-        "shrinkB": 0,
-        "mutation_scale": head,
-    }
-    axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=look, zorder=6)
 
 
 def _turned(vector: Array, angle: float) -> Array:

@@ -17,7 +17,17 @@ from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, cycle_scene
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.own_object import CheckedCollection, first_contact
 from cyclemap.errors import CycleMapError
-from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, new_figure, picture_style
+from cyclemap.views.style import (
+    FORCE,
+    INK,
+    MEASURED_EDGE,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    arrow,
+    new_figure,
+    picture_style,
+)
 
 MM = 1000.0
 # More sides than this are those of a curve, whose numbers nobody needs.
@@ -54,7 +64,7 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     middle = MM * np.array(loop.slider.outline.centroid)
     axes.add_patch(Polygon(outline, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6))
     for way, name in ((np.array([1.0, 0.0]), "x"), (np.array([0.0, 1.0]), "y")):
-        _arrow(axes, np.zeros(2), 0.3 * reach * way, QUIET)
+        arrow(axes, np.zeros(2), 0.3 * reach * way, QUIET)
         axes.text(0.37 * reach * way[0], 0.37 * reach * way[1], name, ha="center", va="center", color=QUIET, fontsize=8)
     axes.plot(*(MM * np.array(loop.slider.centre_of_mass)), "+", color=INK, markersize=8, label="centre of mass")
     number_sides(axes, outline, 0.1)
@@ -63,7 +73,7 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     length = MM * loop.push.distance
     axes.add_patch(Circle(tuple(rod), radius, facecolor=INK, zorder=4))
     axes.plot([], [], "o", color=INK, label=f"rod, radius {radius:.3g} mm")
-    _arrow(axes, rod, rod + length * way, FORCE)
+    arrow(axes, rod, rod + length * way, FORCE)
     axes.plot([], [], color=FORCE, label=f"push, {length:.4g} mm at side {loop.push.side}")
     ring = MM * np.array(loop.slider.hitch)
     told = f"ring ({ring[0]:.4g}, {ring[1]:.4g}) mm"
@@ -103,7 +113,7 @@ def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
     for outline, look in outlines:
         axes.add_patch(Polygon(MM * outline, **look))
     axes.plot(*(MM * scene.push.rod).T, color=FORCE, linewidth=1.6, label="way of the rod")
-    _arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
+    arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
     axes.plot([], [], color=MEASURED_EDGE, label="way of the ring")
     axes.plot(0.0, 0.0, "x", color=INK, markersize=9, mew=1.8, label="target of the ring", zorder=6)
     _frame(axes, MM * np.vstack([scene.push.before, scene.push.after, scene.drag.after, scene.push.rod]), "world")
@@ -120,11 +130,6 @@ def _frame(axes: Axes, corners: Array, whose: str) -> None:
     axes.set(xlabel=f"x (mm), {whose}", ylabel="y (mm)")
 
 
-def _arrow(axes: Axes, start: Array, end: Array, colour: str, width: float = 1.8, zorder: float = 5) -> None:
-    look = {"arrowstyle": "-|>", "color": colour, "linewidth": width, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", xy=tuple(end), xytext=tuple(start), arrowprops=look, zorder=zorder)
-
-
 def draw_cycle(push_axes: Axes, drag_axes: Axes, scene: CycleScene) -> None:
     """The push in one panel, the drag in the other, on the same scale and window."""
     corners = MM * np.stack([scene.push.reach, scene.drag.reach])
@@ -134,7 +139,7 @@ def draw_cycle(push_axes: Axes, drag_axes: Axes, scene: CycleScene) -> None:
         _draw_stroke(axes, stroke)
         tips = MM * stroke.force_point + mm_per_newton * stroke.force
         for point, tip in zip(MM * stroke.force_point, tips, strict=True):
-            _arrow(axes, point, tip, FORCE, 1.4, 7)
+            arrow(axes, point, tip, FORCE, 1.4, 7)
         axes.set_aspect("equal")
         _fill_panel(axes, low, high)
         axes.set(xlabel="x (mm)", ylabel="y (mm)")

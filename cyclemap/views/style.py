@@ -153,6 +153,12 @@ def name_beside_path(axes: Axes, start: float, end: float, level: float, name: s
     name_tag(axes, place, level, name, ha=side, va="bottom", xytext=offset, textcoords="offset points")
 
 
+def arrow(axes: Axes, tail: Any, tip: Any, colour: str, width: float = 1.8, zorder: float = 5.0, **look: Any) -> None:
+    """An arrow from one place of the data to another, (2,) each."""
+    props = {"arrowstyle": "-|>", "color": colour, "linewidth": width, "shrinkA": 0, "shrinkB": 0, **look}
+    axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=props, zorder=zorder)
+
+
 def say(axes: Axes, words: str) -> None:
     """Words in the middle of a panel that has nothing to draw."""
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=QUIET)
