@@ -140,9 +140,7 @@ def _rotation(portrait: Portrait) -> Json:
     rotation = portrait.rotation
     locked = rotation.locked
     return {
-        "value": number(rotation.value),
-        "lower": number(rotation.lower),
-        "upper": number(rotation.upper),
+        **numbers_of(rotation, "value", "lower", "upper"),
         "locked": None if locked is None else f"{locked.numerator}/{locked.denominator}",
     }
 
@@ -152,8 +150,7 @@ def _stationary(portrait: Portrait) -> Json:
     return {
         "noise_deg": degrees(portrait.noise.sigma),
         "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
-        "spectral_gap": number(operator.spectral_gap),
-        "mixing_cycles": number(operator.mixing_cycles),
+        **numbers_of(operator, "spectral_gap", "mixing_cycles"),
         "tv_from_uniform": number(portrait.tv_from_uniform),
     }
 
@@ -210,8 +207,7 @@ def measured_report(measured: MeasuredStaircase) -> Json:
         },
         "comparison": {
             "steps": number(comparison.net_steps),
-            "expected_steps": number(comparison.expected_steps),
-            "pace_p_value": number(comparison.pace_p_value),
+            **numbers_of(comparison, "expected_steps", "pace_p_value"),
             "visits": [
                 {
                     "centre_deg": direction_deg(visit.zone.centre),
@@ -255,6 +251,16 @@ def numbers(values: Iterable[float]) -> list[float | None]:
 def degrees(radians: float | None) -> float | None:
     """Return an angle in degrees."""
     return None if radians is None else number(math.degrees(radians))
+
+
+def numbers_of(one: object, *names: str) -> Json:
+    """Return attributes by their names, as `number` does."""
+    return {name: number(getattr(one, name)) for name in names}
+
+
+def degrees_of(one: object, *names: str) -> Json:
+    """Return attributes in radians as name_deg."""
+    return {f"{name}_deg": degrees(getattr(one, name)) for name in names}
 
 
 def direction_deg(radians: float) -> float:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from cyclemap.cli.json_report import Json, degrees, direction_deg, number
+from cyclemap.cli.json_report import Json, degrees, degrees_of, direction_deg, number
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.run_fit import selected_values
@@ -154,13 +154,8 @@ def _cycle(found: CycleAgreement) -> Json:
         "rms_deg": degrees(found.agreement.rms),
         "bins": found.agreement.bins,
         "bin_rms_deg": degrees(found.agreement.bin_rms),
-        "measured_turn_deg": degrees(found.measured_turn),
-        "predicted_turn_deg": degrees(found.predicted_turn),
-        "bias_deg": degrees(found.bias),
-        "bias_error_deg": degrees(found.bias_error),
-        "model_error_deg": degrees(found.model_error),
-        "isotropic_rms_deg": degrees(found.isotropic_rms),
-        "scatter_deg": degrees(found.scatter),
+        **degrees_of(found, "measured_turn", "predicted_turn", "bias", "bias_error", "model_error"),
+        **degrees_of(found, "isotropic_rms", "scatter"),
         "lag_correlation": number(found.lag_correlation),
         "map_test": _p_value(found.p_value),
     }

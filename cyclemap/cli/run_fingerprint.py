@@ -3,7 +3,7 @@
 import math
 from pathlib import Path
 
-from cyclemap.cli.json_report import Json, degrees, direction_deg, number, uncertainty_report
+from cyclemap.cli.json_report import Json, degrees, degrees_of, direction_deg, number, uncertainty_report
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.settings import chosen_loop
@@ -106,13 +106,8 @@ def fingerprint_report(
 
 
 def _response(response: TurnResponse) -> Json:
-    return {
-        "turn_deg": degrees(response.turn),
-        "offset_amplitude_deg": degrees(response.offset_amplitude),
-        "offset_phase_deg": degrees(response.offset_phase),
-        "ellipse_amplitude_deg": degrees(response.ellipse_amplitude),
-        "ellipse_phase_deg": degrees(response.ellipse_phase),
-    }
+    five = ("turn", "offset_amplitude", "offset_phase", "ellipse_amplitude", "ellipse_phase")
+    return degrees_of(response, *five)
 
 
 def _prediction(prediction: Prediction, name: str) -> Json:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from cyclemap.cli.json_report import Json, degrees, number, numbers
+from cyclemap.cli.json_report import Json, degrees, number, numbers, numbers_of
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish, publish_json
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
@@ -232,8 +232,7 @@ def _turn_histogram(found: TurnHistogram) -> Json:
         "measured": found.measured.tolist(),
         "predicted": numbers(found.predicted.tolist()),
         "law_alone": numbers(found.law_alone.tolist()),
-        "total_variation": number(found.total_variation),
-        "chance_total_variation": number(found.chance_total_variation),
+        **numbers_of(found, "total_variation", "chance_total_variation"),
         "p_value": number(found.chance.value),
         "distance_deg": degrees(found.distance),
         "law_alone_total_variation": number(found.law_alone_total_variation),
@@ -286,9 +285,7 @@ def _turn_place(place: TurnPlace) -> Json:
 def _forecast(found: WornForecast) -> Json:
     low, high = np.quantile(found.turns, [0.025, 0.975])
     return {
-        "first_cycle": number(found.first_cycle),
-        "measured_turns": number(found.measured_turns),
-        "left_out_turns": number(found.left_out_turns),
+        **numbers_of(found, "first_cycle", "measured_turns", "left_out_turns"),
         "predicted_turns": number(float(np.mean(found.turns))),
         "predicted_turns_std": number(float(np.std(found.turns))),
         "predicted_turns_95": [number(float(low)), number(float(high))],
