@@ -103,9 +103,9 @@ def compute(measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonic
     if file is None:
         return WearDrift(cycles, least, turns, ages, mean_turn, error, None, None, None)
     fitted = measured_cycle_map(read_theta0_pairs(file), harmonics=harmonics, runs=runs)
-    least = np.array([fitted.fitted.map_at(float(n)).turn(_GRID).min() for n in cycles])
-    seen = least, tuple(_where_seen(fitted, age) for age in AGES)
-    return WearDrift(cycles, least, turns, ages, mean_turn, error, fitted, *seen)
+    fitted_least = np.array([fitted.fitted.map_at(float(n)).turn(_GRID).min() for n in cycles])
+    seen = tuple(_where_seen(fitted, age) for age in AGES)
+    return WearDrift(cycles, least, turns, ages, mean_turn, error, fitted, fitted_least, seen)
 
 
 def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
