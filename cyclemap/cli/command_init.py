@@ -54,8 +54,6 @@ def init_command(file: Path, json_target: str | None, **asked: Any) -> None:
     outline, said = _outline(asked)
     name = asked["name"] or asked["shape"] or (asked["outline"] or file).stem
     _write(file, outline, name, asked)
-    from cyclemap.cli.command_init import tell_check
-
     tell_check(file, file.with_suffix(".png"), json_target, [*said, f"written: {file}"])
 
 

@@ -105,7 +105,7 @@ def _chooser(protocol: Path | None, material: str | None) -> Choose:
 def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | None, as_json: bool) -> None:
     """A line of JSON; or what changed: alarm, rest, another tenth of the circle; and what a strategy does next."""
     from cyclemap.cli.json_report import direction_deg
-    from cyclemap.views import watch_page as sentences
+    from cyclemap.views.watch_page import advice_sentence, alarm_sentence, covered, next_action_sentence, rest_sentence
 
     if as_json:
         told = {"push": after.push, "theta0_deg": direction_deg(theta), **_report(after, chosen)}
@@ -113,12 +113,12 @@ def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | 
         return
     news: list[str] = []
     if after.alarm is not None and before.alarm is None:
-        news += [sentences.alarm_sentence(after.alarm), sentences.advice_sentence(after)]
+        news += [alarm_sentence(after.alarm), advice_sentence(after)]
     elif after.alarm is not None and (after.rest is None) != (before.rest is None):
-        news.append(sentences.rest_sentence(after) or "θ0 moves on.")
+        news.append(rest_sentence(after) or "θ0 moves on.")
     if int(_TOLD_SHARES * after.coverage.covered) > int(_TOLD_SHARES * before.coverage.covered):
-        news.append(f"{sentences.covered(after.coverage)}.")
-    for line in (*news, *([] if chosen is None else [sentences.next_action_sentence(*chosen)])):
+        news.append(f"{covered(after.coverage)}.")
+    for line in (*news, *([] if chosen is None else [next_action_sentence(*chosen)])):
         click.echo(f"push {after.push}: {line}")
 
 

@@ -19,8 +19,7 @@ from cyclemap.evidence.comparison.push_agreement import Distances, PushAgreement
 from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
 from cyclemap.evidence.orientations.p_value import PValue
 from cyclemap.maps import StepComparison, WrappedNormal
-from cyclemap.views import compare_page as sentences
-from cyclemap.views.compare_page import compare_page
+from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
 
 PUSH_COLUMNS = ("", "measured", "std", "predicted", "bias", "spread", "RMSE", "%", "std %")
 SYMBOLS = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
@@ -56,8 +55,8 @@ def run_compare(
         return
     console = PeopleConsole()
     verdicts = (verdict.words for verdict in found.verdicts)
-    told = (sentences.data_sentence(found), *verdicts, *sentences.trust_sentences(found))
-    console.tell(sentences.headline(name, found), *told)
+    told = (data_sentence(found), *verdicts, *trust_sentences(found))
+    console.tell(headline(name, found), *told)
     for whose, quantities in found.told_pushes:
         console.print_table(_push_table(whose, quantities))
     if found.orientations is not None:

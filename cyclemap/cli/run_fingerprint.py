@@ -14,8 +14,16 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
-from cyclemap.views import fingerprint_page as sentences
-from cyclemap.views.fingerprint_page import fingerprint_page
+from cyclemap.views.fingerprint_page import (
+    check_sentence,
+    direction_sentence,
+    fingerprint_page,
+    five_numbers,
+    lock_in_sentence,
+    protocol_sentence,
+    surface_sentence,
+    trust_sentence,
+)
 from cyclemap.views.sentences import uncertainty_sentence
 
 COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)")
@@ -62,18 +70,18 @@ def _print_for_people(
     console = PeopleConsole()
     table = people_table("Fingerprint of the protocol", COLUMNS, words=1)
     for part, response in (("push", found.push), ("drag", found.drag), ("cycle", found.cycle)):
-        table.add_row(part, *sentences.five_numbers(response))
+        table.add_row(part, *five_numbers(response))
     console.print_table(table)
-    console.print(sentences.protocol_sentence(found))
+    console.print(protocol_sentence(found))
     if prediction is not None:
-        console.print(sentences.surface_sentence(prediction, name))
-        console.print(sentences.direction_sentence(prediction, name), style="bold")
-        for sentence in filter(None, (sentences.lock_in_sentence(prediction), sentences.trust_sentence(prediction))):
+        console.print(surface_sentence(prediction, name))
+        console.print(direction_sentence(prediction, name), style="bold")
+        for sentence in filter(None, (lock_in_sentence(prediction), trust_sentence(prediction))):
             console.print(sentence)
     if told := uncertainty_sentence(name, known):
         console.print(told)
     if checked is not None:
-        console.print(sentences.check_sentence(checked))
+        console.print(check_sentence(checked))
 
 
 def fingerprint_report(

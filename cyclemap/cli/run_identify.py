@@ -33,8 +33,7 @@ from cyclemap.evidence.identified.identified_material import identified_material
 from cyclemap.mechanics import EllipseFriction, Material, load_material
 from cyclemap.mechanics.material_text import material_toml
 from cyclemap.plain_text import plain_number
-from cyclemap.views import identify_page as sentences
-from cyclemap.views.identify_page import identify_page
+from cyclemap.views.identify_page import headline, identify_page, note_sentences, page_sentences
 from cyclemap.views.style import render
 from cyclemap.whole_files import write_whole
 
@@ -154,8 +153,8 @@ def _files(outcome: Outcome, request: IdentifyRequest, report: bytes) -> dict[Pa
     """Every file with its content, all of it made before the first is written."""
     stem = file_stem(outcome.material.name)
     curves = identified_curves(outcome.found, outcome.data.scans, request.seed)
-    words = sentences.page_sentences(outcome.found)
-    page = identify_page(sentences.headline(outcome.material.name, outcome.derived), outcome.found, curves, words)
+    words = page_sentences(outcome.found)
+    page = identify_page(headline(outcome.material.name, outcome.derived), outcome.found, curves, words)
     return {
         request.out / f"{stem}.toml": _material_text(outcome).encode(),
         request.out / f"identify_{stem}.json": report,
@@ -173,19 +172,16 @@ def _material_text(outcome: Outcome) -> str:
 
 def _print_for_people(outcome: Outcome, files: list[Path]) -> None:
     console = PeopleConsole()
-    console.print(sentences.headline(outcome.material.name, outcome.derived), style="bold")
-    for note in outcome.data.notes:
-        console.print(f"data: {note}")
+    notes = (f"data: {note}" for note in outcome.data.notes)
+    console.tell(headline(outcome.material.name, outcome.derived), *notes)
     console.print_table(parameter_table(outcome.found))
     if outcome.derived:
         console.print_table(derived_table(outcome.derived))
     console.print_table(error_table(outcome.found))
-    for sentence in sentences.note_sentences(outcome.found):
-        console.print(sentence)
     material, _, picture = files
-    console.print(f"picture: {picture}")
-    console.print(f"material: {material}")
-    console.print(f"next: cyclemap portrait {shlex.quote(str(material))}")
+    following = f"next: cyclemap portrait {shlex.quote(str(material))}"
+    for line in (*note_sentences(outcome.found), f"picture: {picture}", f"material: {material}", following):
+        console.print(line)
 
 
 def identify_report(material: Material, data: Sequence[str], found: Identification, derived: Sequence[Derived]) -> Json:

@@ -8,9 +8,15 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
 from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
 from cyclemap.evidence import MeasuredStaircase, measured_staircase, read_theta0_pairs
-from cyclemap.views import staircase_page as sentences
 from cyclemap.views.sentences import uncertainty_sentence
-from cyclemap.views.staircase_page import staircase_page
+from cyclemap.views.staircase_page import (
+    fitted_sentence,
+    forecast_sentence,
+    measured_sentence,
+    run_sentence,
+    staircase_page,
+    worn_sentence,
+)
 
 
 def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
@@ -42,11 +48,11 @@ def _run_loop(
     picture = publish(staircase_report(forecast, measured), page, stem, request.picture_format, json_target)
     if picture is None:
         return
-    told = [sentences.worn_sentence(forecast), sentences.run_sentence(forecast)]
+    told = [worn_sentence(forecast), run_sentence(forecast)]
     told.append(uncertainty_sentence(loop.material.name, forecast.uncertainty))
     if measured is not None:
-        told += [sentences.measured_sentence(measured), sentences.fitted_sentence(measured)]
-    PeopleConsole().tell(sentences.forecast_sentence(forecast), *filter(None, told), f"picture: {picture}")
+        told += [measured_sentence(measured), fitted_sentence(measured)]
+    PeopleConsole().tell(forecast_sentence(forecast), *filter(None, told), f"picture: {picture}")
 
 
 def _forecast(

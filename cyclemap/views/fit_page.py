@@ -41,7 +41,6 @@ from cyclemap.views.style import (
 
 # Shares of the page's height: what lies below the panels, and titles and labels of a row.
 FOOT, TITLES, BELOW = 0.03, 0.075, 0.06
-_FOOT = "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes unless given"
 # Points between a panel and its title: two rows of a legend.
 TITLE_PAD = 31.0
 Panel = tuple[str, Callable[[Axes], None]]
@@ -62,7 +61,8 @@ def fit_page(fit: SetFit) -> Figure:
         raise InvalidInput(f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}")
     with picture_style():
         figure = new_figure(16.0, 9.6)
-        top = write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), _FOOT)
+        foot = "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes"
+        top = write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given")
         if len(rows) == 1 and len(rows[0]) > 2:
             half = (len(rows[0]) + 1) // 2
             rows = [rows[0][:half], rows[0][half:]]
