@@ -16,7 +16,7 @@ One = TypeVar("One", bound=Any)
 
 PANEL_INCHES = (5.2, 3.6)
 SIMULATED_FILL = "#c4c4c4"
-_SIDE, _GAP, _HEAD, _FOOT = 0.75, 0.85, 0.75, 0.85
+_SIDE, _HEAD, _FOOT = 0.75, 0.75, 0.85
 
 
 def material_grid(names: Iterable[str], columns: int = 2) -> tuple[Figure, dict[str, Axes]]:

@@ -33,7 +33,6 @@ from .measured_sets import MeasuredRun, measured_run
 # The material that stands for each of the paper's: for plywood the one inferred from the measured staircase, since it
 # alone wears and climbs as the robot saw it; Table I's plywood locks in and stays.
 STANDS_FOR = {"plywood": "plywood-measured", "abs": "abs", "delrin": "delrin", "pu": "pu"}
-SURFACES = tuple(STANDS_FOR)
 NOISE = WrappedNormal(DEFAULT_SIGMA)
 # Radians: accuracy of the cycle maps, far below the noise of a cycle.
 MAP_TOLERANCE = 1e-4
