@@ -105,12 +105,13 @@ def _chooser(protocol: Path | None, material: str | None) -> Choose:
 def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | None, as_json: bool) -> None:
     """A line of JSON; or what changed: alarm, rest, another tenth of the circle; and what a strategy does next."""
     from cyclemap.cli.json_report import direction_deg
-    from cyclemap.views.watch_page import advice_sentence, alarm_sentence, covered, next_action_sentence, rest_sentence
 
     if as_json:
         told = {"push": after.push, "theta0_deg": direction_deg(theta), **_report(after, chosen)}
         click.echo(json.dumps(told, allow_nan=False, ensure_ascii=False))
         return
+    from cyclemap.views.watch_page import advice_sentence, alarm_sentence, covered, next_action_sentence, rest_sentence
+
     news: list[str] = []
     if after.alarm is not None and before.alarm is None:
         news += [alarm_sentence(after.alarm), advice_sentence(after)]
