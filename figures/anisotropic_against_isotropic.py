@@ -6,11 +6,18 @@ from matplotlib.figure import Figure
 from cyclemap.collection.batch_experiment import BATCHES, CYCLES, BatchExperiment, batch_experiment
 from cyclemap.collection.dynamic_loop import DynamicLoop
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.views.experiment_page import draw_object_frame, draw_robot_frame, named_runs
-from cyclemap.views.experiment_sentences import experiment_headline, isotropic_sentence, method_line, spread_sentence
+from cyclemap.views.experiment_page import (
+    draw_object_frame,
+    draw_robot_frame,
+    experiment_headline,
+    isotropic_sentence,
+    method_line,
+    named_runs,
+    spread_sentence,
+)
 from cyclemap.views.style import new_figure, picture_style
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import MeasuredFolder
 
 
@@ -53,11 +60,4 @@ def _share_window(row: np.ndarray) -> None:
         axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
 
 
-FIGURE = PaperFigure(
-    name="anisotropic-against-isotropic",
-    source="Figs. 11 and 12",
-    title="Simulated paths on anisotropic and on isotropic friction",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -1,15 +1,20 @@
-"""The gallery in order: names, sources and titles, and the modules behind the names, imported when asked for."""
+"""The gallery in order, what an exhibit is, and the modules behind the names, imported when asked for."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cyclemap.suggestions import unknown_name
 
 if TYPE_CHECKING:
-    from .exhibit import Exhibit
+    import numpy as np
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from .measured_folder import MeasuredFolder
 
 # What a module of this room calls what it has to show.
 EXPORTS = ("FIGURE", "TABLE", "ANIMATION")
@@ -19,7 +24,10 @@ BEYOND = "not in the paper"
 
 @dataclass(frozen=True)
 class Entry:
-    """One exhibit as the gallery lists it; its module says the same name, source and title."""
+    """One exhibit as the gallery lists it.
+
+    name : as the command line says it. source : the paper's figure, or `BEYOND`. title : a few words.
+    """
 
     name: str
     source: str
@@ -33,6 +41,49 @@ class Entry:
         'saddle_node'
         """
         return self.name.replace("-", "_")
+
+
+@dataclass(frozen=True)
+class PaperFigure:
+    """One figure.
+
+    compute : measured data -> result, the only slow part. draw : result -> figure. caption : result -> sentences that
+    hold for this result, with its numbers.
+    """
+
+    compute: Callable[[MeasuredFolder], Any]
+    draw: Callable[[Any], Figure]
+    caption: Callable[[Any], str]
+
+
+@dataclass(frozen=True)
+class PaperTable:
+    """One table: as a figure, but set in rows of words under a header."""
+
+    compute: Callable[[MeasuredFolder], Any]
+    header: tuple[str, ...]
+    rows: Callable[[Any], list[tuple[str, ...]]]
+    caption: Callable[[Any], str]
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One picture of an animation. pixels : (height, width, 3), 0 to 255. seconds : how long it is shown."""
+
+    pixels: NDArray[np.uint8]
+    seconds: float
+
+
+@dataclass(frozen=True)
+class PaperAnimation:
+    """One animation: as a figure, but drawn as frames, all of one size."""
+
+    compute: Callable[[MeasuredFolder], Any]
+    frames: Callable[[Any], Iterator[Frame]]
+    caption: Callable[[Any], str]
+
+
+Exhibit = PaperFigure | PaperTable | PaperAnimation
 
 
 CATALOGUE = (

@@ -12,10 +12,9 @@ from cyclemap.arrays import Array
 from cyclemap.collection.dynamic_loop import DynamicLoop, DynamicsComparison, compare_dynamics, isotropic_twin
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.dynamics_page import draw_place_differences, draw_turn_differences, largest
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.style import FORCE, PREDICTED, QUIET, new_figure, picture_style
+from cyclemap.views.style import FORCE, PREDICTED, QUIET, legend_above, new_figure, picture_style
 
-from .exhibit import BEYOND, PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import MeasuredFolder
 
 ORIENTATIONS = 12
@@ -46,10 +45,7 @@ class InertiaStudy:
 
 
 def compute(
-    measured: MeasuredFolder,
-    orientations: int = ORIENTATIONS,
-    speeds: tuple[float, ...] = SPEEDS,
-    fewer: int = 3,
+    measured: MeasuredFolder, orientations: int = ORIENTATIONS, speeds: tuple[float, ...] = SPEEDS, fewer: int = 3
 ) -> InertiaStudy:
     """Compare both models on plywood and its isotropic twin; over speed from `fewer` orientations. No measured data."""
     loop = DynamicLoop(CollectionLoop.mit(material="plywood"))
@@ -117,11 +113,4 @@ def _draw_fall(axes: Axes, study: InertiaStudy) -> None:
     legend_above(axes)
 
 
-FIGURE = PaperFigure(
-    name="dynamic-against-quasi-static",
-    source=BEYOND,
-    title="What inertia changes at 20 mm/s, and how it vanishes with the speed",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -15,10 +15,19 @@ from cyclemap.collection.fingerprint_check import PredictionCheck, check_predict
 from cyclemap.collection.fingerprint_prediction import Prediction, first_order_lock_in, lock_in_boundary
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.fingerprint_page import draw_prediction
-from cyclemap.views.panel_parts import legend_above, name_tag
-from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, new_figure, picture_style
+from cyclemap.views.style import (
+    FORCE,
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    legend_above,
+    name_tag,
+    new_figure,
+    picture_style,
+)
 
-from .exhibit import BEYOND, PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import MeasuredFolder
 
 INCHES = (13.333, 4.6)
@@ -210,11 +219,4 @@ def caption(result: FingerprintAgainstFull) -> str:
     )
 
 
-FIGURE = PaperFigure(
-    name="fingerprint",
-    source=BEYOND,
-    title="Five numbers against the full map",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -19,16 +19,12 @@ from cyclemap.evidence.data_blocks.force_ratio_block import SLIDING, STICKING, S
 from cyclemap.evidence.pushes.contact_forces import contact_samples
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import PushRecord
-from cyclemap.mechanics import (
-    MIT_SHAPE_NAMES,
-    Slider,
-    Trajectory,
-)
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider, Trajectory
 from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import NO_DATA, MeasuredFolder
-from .push_records import push_file_names, readable_pushes
+from .measured_sets import push_file_names, readable_pushes
 
 Chosen = NDArray[np.bool_]
 MM = 1000.0
@@ -218,11 +214,4 @@ def caption(result: ForceRatio) -> str:
     )
 
 
-FIGURE = PaperFigure(
-    name="force-ratio",
-    source="Fig. 10 (left)",
-    title="Ratio of tangential to normal force at the pushing point",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

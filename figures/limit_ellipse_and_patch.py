@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,7 @@ from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.force_blocks import SCAN_FIELDS, ScanForces, friction_ellipse_from_scans
 from cyclemap.evidence.pushes.push_table import load_pushes
-from cyclemap.mechanics import EllipseFriction
-from cyclemap.views.panel_parts import legend_above
+from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint
 from cyclemap.views.style import (
     FORCE,
     INK,
@@ -26,13 +25,14 @@ from cyclemap.views.style import (
     PREDICTED,
     PREDICTED_FILL,
     QUIET,
+    arrow,
+    legend_above,
     new_figure,
     picture_style,
 )
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import NO_DATA, MeasuredFolder
-from .patch_forces import SHARE, PatchForces, patch_forces
 
 MM = 1000.0
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly away from it.
@@ -42,6 +42,10 @@ SKETCHED = EllipseFriction(0.30, 0.15, m0=0.05, n0=0.02, phi=math.radians(25.0))
 _FEWEST_SCANS = 3
 # Millimetres of arrow a force of one point, and of the whole patch.
 _POINT_ARROW, _WHOLE_ARROW = 9.0, 34.0
+GRID = 8
+# The instant is after this share of the push's way.
+SHARE = 0.3
+_STEPS = 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,8 +123,8 @@ def _draw_law(axes: Axes, result: LimitEllipseAndPatch) -> None:
     axes.plot(*np.stack([traction - 0.25 * along, traction + 0.1 * along]).T, color=QUIET, linewidth=1.2, linestyle=":")
     axes.plot(*centre, "o", color=PREDICTED, markersize=4)
     axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
-    _arrow(axes, np.zeros(2), traction, FORCE)
-    _arrow(axes, traction, traction + 0.13 * velocity, INK)
+    arrow(axes, np.zeros(2), traction, FORCE, 2.2, 6, mutation_scale=14.0)
+    arrow(axes, traction, traction + 0.13 * velocity, INK, 2.2, 6, mutation_scale=14.0)
     axes.text(0.75 * traction[0] + 0.025, 0.75 * traction[1] - 0.003, "traction μ", color=FORCE, va="center")
     head = traction + 0.13 * velocity
     axes.text(head[0] + 0.03, head[1], "sliding velocity v", color=INK, va="center")
@@ -151,17 +155,17 @@ def _draw_patch(axes: Axes, patch: PatchForces) -> None:
     share = np.hypot(*patch.force.T).max()
     tips = points + _POINT_ARROW * patch.force / share
     for point, tip in zip(points, tips, strict=True):
-        _arrow(axes, point, tip, PREDICTED, 1.0, 7.0)
+        arrow(axes, point, tip, PREDICTED, 1.0, 6, mutation_scale=7.0)
     axes.plot(*points.T, ".", color=PREDICTED, markersize=3)
     spin = patch.twist[2]
     pivot = MM * np.array([-patch.twist[1], patch.twist[0]]) / spin
     axes.plot(*pivot, "*", color=INK, markersize=10)
     axes.text(pivot[0], pivot[1] - 6.0, "centre of\nrotation", fontsize=8, ha="center", va="top")
     whole = _WHOLE_ARROW / float(np.hypot(*patch.wrench[:2]))
-    _arrow(axes, np.zeros(2), whole * patch.wrench[:2], FORCE, 3.0, 18.0)
+    arrow(axes, np.zeros(2), whole * patch.wrench[:2], FORCE, 3.0, 6, mutation_scale=18.0)
     axes.plot(0.0, 0.0, "o", color=FORCE, markersize=5)
     contact = MM * patch.contact
-    _arrow(axes, contact - whole * patch.rod[:2], contact, INK, 3.0, 18.0)
+    arrow(axes, contact - whole * patch.rod[:2], contact, INK, 3.0, 6, mutation_scale=18.0)
     _name_forces(axes, patch, contact - whole * patch.rod[:2])
     axes.set(xlim=(-58, 96), ylim=(-58, 96), aspect="equal", xlabel="x (mm), object's frame", ylabel="y (mm)")
     axes.set_title("Patch of 8 x 8 points")
@@ -178,18 +182,6 @@ def _traction_axes(axes: Axes, half: float, title: str, middle: Array) -> None:
     x, y = middle.tolist()
     axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal", title=title)
     axes.set(xlabel="traction coefficient along x", ylabel="traction coefficient along y")
-
-
-def _arrow(axes: Axes, tail: Array, tip: Array, colour: str, width: float = 2.2, head: float = 14.0) -> None:
-    look = {
-        "arrowstyle": "-|>",
-        "color": colour,
-        "linewidth": width,
-        "shrinkA": 0,
-        "shrinkB": 0,
-        "mutation_scale": head,
-    }
-    axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=look, zorder=6)
 
 
 def _turned(vector: Array, angle: float) -> Array:
@@ -234,11 +226,58 @@ def _told_surface(result: LimitEllipseAndPatch) -> str:
     )
 
 
-FIGURE = PaperFigure(
-    name="limit-ellipse-and-patch",
-    source="the paper's limit ellipse and patch, and Fig. 10 (right)",
-    title="Limit ellipse of a point, of plywood, and the forces of the patch",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+@dataclass(frozen=True, eq=False)
+class PatchForces:
+    """The forces on the patch during one push, in the object's frame.
+
+    angle : rad, of the object. footprint : its points. twist : (3,) m, m, rad per metre of the rod's way.
+    velocity, force : (k, 2) of the points, the second in N, of the ground on the object. wrench : (3,) N, N, N m, of
+    the ground on the object about its centre; rod : of the rod on it. contact : (2,) m. outline : (5, 2) m, closed.
+    """
+
+    angle: float
+    footprint: PointFootprint
+    twist: Array
+    velocity: Array
+    force: Array
+    wrench: Array
+    rod: Array
+    contact: Array
+    outline: Array
+
+
+def patch_forces(loop: CollectionLoop, theta: float = 0.0) -> PatchForces:
+    """Return the forces on the 8 x 8 grid of `loop` during its push from `theta` (rad).
+
+    The twist is the slope of the computed course, by central differences; that it balances the rod is not used.
+    """
+    footprint = grid_footprint(loop.slider.outline, GRID)
+    gridded = replace(loop, footprint=footprint)
+    course = gridded.model.push(gridded.start_pose(theta), loop.push, loop.push.distance / _STEPS).trajectory
+    at = int(np.searchsorted(course.path, SHARE * course.path[-1]))
+    pose = course.pose[at]
+    slope = (course.pose[at + 1] - course.pose[at - 1]) / (course.path[at + 1] - course.path[at - 1])
+    twist = np.array([*_turned_back(slope[:2], pose[2]), slope[2]])
+    points, weights = footprint.quadrature
+    velocity = twist[:2] + twist[2] * np.stack([-points[:, 1], points[:, 0]], axis=-1)
+    friction, load = loop.material.friction, gridded.model.weight
+    force = -load * weights[:, None] * friction.traction(velocity, pose[2])
+    wrench = np.array([*force.sum(axis=0), _torque(points, force).sum()])
+    contact = _turned_back(course.contact_point[at] - pose[:2], pose[2])
+    push = _turned_back(course.contact_force[at], pose[2])
+    rod = np.array([*push, float(_torque(contact, push))])
+    outline = loop.slider.outline.points(4)
+    return PatchForces(float(pose[2]), footprint, twist, velocity, force, wrench, rod, contact, outline)
+
+
+def _turned_back(vector: Array, angle: float) -> Array:
+    """A vector of the world in the object's frame at `angle` (rad)."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * vector[0] + s * vector[1], -s * vector[0] + c * vector[1]])
+
+
+def _torque(lever: Array, force: Array) -> Array:
+    return np.asarray(lever[..., 0] * force[..., 1] - lever[..., 1] * force[..., 0])
+
+
+FIGURE = PaperFigure(compute, draw, caption)

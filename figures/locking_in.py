@@ -1,19 +1,41 @@
 """Animation: the loop of push and drag locks in: seen from above, as a cobweb, and as θ0 over the cycles."""
 
+from __future__ import annotations
+
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from io import BytesIO
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+from matplotlib.patches import Circle, Polygon
+from matplotlib.ticker import FuncFormatter, MultipleLocator
+from numpy.typing import NDArray
+from PIL import Image
 
 from cyclemap.arrays import Array
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
-from cyclemap.errors import ConvergenceError
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import fixed_points
-from cyclemap.mechanics import Polygon, Trajectory
+from cyclemap.mechanics import Polygon as PolygonOutline
+from cyclemap.mechanics import Trajectory
+from cyclemap.views.style import (
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    new_figure,
+    picture_style,
+)
 
-from .exhibit import BEYOND, PaperAnimation
-from .locking_in_frames import frames
+from .catalogue import Frame, PaperAnimation
 from .measured_folder import MeasuredFolder
 
 START = math.radians(215.0)
@@ -24,6 +46,17 @@ MOST_CYCLES = 120
 PACE = ((2, 13, 9), (5, 6, 4), (9, 3, 2))
 SLOW, FAST = (13, 9), (1, 0)
 SECONDS, LAST_SECONDS = 0.07, 2.0
+MM = 1000.0
+INCHES, DPI = (7.2, 4.1), 100
+RING_MM, MARGIN_MM = 7.0, 12.0
+TABLE_COLOUR = "#faf6ee"
+# Colours of the one palette that all frames share: a palette of its own a frame would flicker and take space.
+COLOURS = 64
+_ALL_BUT_WHITE = 14.0
+# Frames from which the palette is taken.
+_SAMPLED = 8
+# A GIF counts hundredths of a second, and viewers do not show less than two of them.
+_TICK, _SHORTEST = 0.01, 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +160,7 @@ def _stroke(cycle: Cycle, number: int, motion: Trajectory, count: int, pushing: 
     way = motion.path / motion.path[-1]
     shares = np.linspace(0.0, 1.0, count + 1)[1:]
     slider = cycle.loop.slider
-    assert isinstance(slider.outline, Polygon)
+    assert isinstance(slider.outline, PolygonOutline)
     outline, hitch = np.asarray(slider.outline.vertices), np.asarray(slider.hitch, dtype=float)
     side = outline[[cycle.loop.push.side, (cycle.loop.push.side + 1) % len(outline)]]
     made = []
@@ -153,4 +186,138 @@ def caption(result: LockingIn) -> str:
     )
 
 
-ANIMATION = PaperAnimation("locking-in", BEYOND, "The loop of push and drag locks in", compute, frames, caption)
+def frames(result: LockingIn) -> Iterator[Frame]:
+    """Draw every moment of the run."""
+    with picture_style():
+        stage = _Stage(result)
+        for moment in result.moments:
+            stage.show(moment)
+            yield Frame(figure_pixels(stage.figure, DPI), moment.seconds)
+
+
+class _Stage:
+    """The figure with everything that moves in it."""
+
+    def __init__(self, result: LockingIn) -> None:
+        self.result = result
+        self.figure: Figure = new_figure(*INCHES)
+        grid = GridSpec(
+            2, 2, self.figure, width_ratios=(1.32, 1.0), height_ratios=(1.55, 1.0),
+            left=0.015, right=0.985, bottom=0.125, top=0.915, wspace=0.27, hspace=0.5,
+        )  # fmt: skip
+        self._table(self.figure.add_subplot(grid[:, 0]))
+        self._cobweb(self.figure.add_subplot(grid[0, 1]))
+        self._staircase(self.figure.add_subplot(grid[1, 1]))
+
+    def _table(self, axes: Axes) -> None:
+        """The table from above; the world's origin is where the ring is set down."""
+        everything = MM * np.concatenate([moment.outline for moment in self.result.moments])
+        low, high = everything.min(axis=0) - MARGIN_MM, everything.max(axis=0) + MARGIN_MM
+        axes.set(
+            xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xticks=[], yticks=[], facecolor=TABLE_COLOUR
+        )
+        axes.grid(visible=False)
+        axes.spines[:].set_visible(False)
+        axes.plot(0, 0, "+", color=QUIET, markersize=10, zorder=1)
+        (self.path,) = axes.plot([], [], color=INK, linewidth=1.2, zorder=4)
+        self.body = Polygon(np.zeros((3, 2)), facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6, zorder=2)
+        self.ring = Circle((0, 0), RING_MM, fill=False, edgecolor=PREDICTED, linewidth=1.6, zorder=3)
+        self.rod = Circle((0, 0), MM * self.result.rod_radius, facecolor=INK, edgecolor=INK, zorder=5)
+        (self.side,) = axes.plot([], [], color=PREDICTED, linewidth=4.5, solid_capstyle="butt", zorder=3)
+        for patch in (self.body, self.ring, self.rod):
+            axes.add_patch(patch)
+        bar = low + 14.0
+        axes.plot([bar[0], bar[0] + 50.0], [bar[1]] * 2, color=INK, linewidth=2.0)
+        axes.text(bar[0] + 25.0, bar[1] + 4.0, "50 mm", ha="center", fontsize=7.5)
+        self.told = axes.set_title("", fontsize=10)
+
+    def _cobweb(self, axes: Axes) -> None:
+        curve = np.degrees(self.result.curve)
+        axes.plot(curve[:, 0], curve[:, 0], color=QUIET, linewidth=0.9)
+        axes.plot(curve[:, 0], curve[:, 1], color=PREDICTED, linewidth=1.8)
+        (self.stairs,) = axes.plot([], [], color=MEASURED_EDGE, linewidth=0.9)
+        for place, face in ((self.result.stable, PREDICTED), (self.result.unstable, "white")):
+            at = math.degrees(place)
+            axes.plot(at, at, "o", markerfacecolor=face, markeredgecolor=PREDICTED, markersize=5, zorder=5)
+        axes.set(xlim=curve[[0, -1], 0], ylim=curve[[0, -1], 0], xlabel="θ0 (°)", ylabel="next θ0 (°)")
+        for axis in (axes.xaxis, axes.yaxis):
+            _on_the_circle(axis)
+        axes.set_title("The cycle map", fontsize=9)
+
+    def _staircase(self, axes: Axes) -> None:
+        axes.axhline(math.degrees(self.result.stable), color=PREDICTED, linewidth=1.2, linestyle="--")
+        look = {"color": MEASURED, "markeredgecolor": MEASURED_EDGE, "markeredgewidth": 0.5, "markersize": 3.5}
+        (self.dots,) = axes.plot([], [], "o", **look)  # type: ignore[arg-type]
+        theta = np.degrees(self.result.theta)
+        span = (theta.min() - 12.0, theta.max() + 15.0)
+        axes.set(xlim=(-1, self.result.cycles + 1), ylim=span, xlabel="cycle", ylabel="θ0 (°)")
+        _on_the_circle(axes.yaxis)
+
+    def show(self, moment: Moment) -> None:
+        """Move everything to where it is at this moment."""
+        self.body.set_xy(MM * moment.outline)
+        self.side.set_data(*(MM * moment.side).T)
+        self.ring.center = tuple(MM * moment.ring)
+        self.rod.center = tuple(MM * moment.rod)
+        self.path.set_data(*(MM * moment.rod_path).T)
+        self.path.set_linestyle("-" if moment.pushing else ":")
+        theta = np.degrees(self.result.theta[: moment.cycle + 1])
+        doing = "push" if moment.pushing else "drag back"
+        self.told.set_text(f"Cycle {moment.cycle + 1}, from θ0 = {theta[-1] % 360:.1f}°: {doing}")
+        self.dots.set_data(np.arange(theta.size), theta)
+        corners = np.repeat(theta, 2)
+        self.stairs.set_data(corners[:-1], corners[1:])
+
+
+def _on_the_circle(axis: object) -> None:
+    """Ticks each eighth of a turn, named in [0, 360)."""
+    axis.set_major_locator(MultipleLocator(45.0))  # type: ignore[attr-defined]
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % 360:.0f}"))  # type: ignore[attr-defined]
+
+
+def animated_gif(frames: Iterable[Frame]) -> bytes:
+    """Return the frames as a GIF that repeats for ever; InvalidInput without frames or where their sizes differ.
+
+    Durations are rounded to 0.01 s, and are 0.02 s at least.
+    """
+    given = list(frames)
+    if not given:
+        raise InvalidInput("an animation needs at least one frame")
+    shapes = {frame.pixels.shape for frame in given}
+    if len(shapes) > 1:
+        raise InvalidInput(f"frames have sizes {sorted(shapes)}: give frames of one size")
+    pictures = _with_one_palette([frame.pixels for frame in given])
+    buffer = BytesIO()
+    pictures[0].save(
+        buffer,
+        format="GIF",
+        save_all=True,
+        append_images=pictures[1:],
+        duration=[round(1000 * max(_TICK * round(frame.seconds / _TICK), _SHORTEST)) for frame in given],
+        loop=0,
+        optimize=False,
+        disposal=1,
+    )
+    return buffer.getvalue()
+
+
+def figure_pixels(figure: Figure, dpi: float) -> NDArray[np.uint8]:
+    """Return the figure as (height, width, 3) pixels."""
+    figure.set_dpi(dpi)
+    canvas = figure.canvas if isinstance(figure.canvas, FigureCanvasAgg) else FigureCanvasAgg(figure)
+    canvas.draw()  # type: ignore[no-untyped-call]
+    return np.asarray(canvas.buffer_rgba())[..., :3].copy()  # type: ignore[no-untyped-call]
+
+
+def _with_one_palette(pixels: list[NDArray[np.uint8]]) -> list[Image.Image]:
+    """The frames in the colours that are commonest in a sample of them."""
+    sample = np.concatenate(pixels[:: max(1, len(pixels) // _SAMPLED)])
+    palette = Image.fromarray(sample).quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
+    colours = np.array(palette.getpalette(), dtype=float).reshape(-1, 3)
+    # The commonest colours are means of a few; what is all but white must stay white.
+    colours[np.abs(colours - 255.0).sum(axis=1) < _ALL_BUT_WHITE] = 255.0
+    palette.putpalette(colours.astype(np.uint8).ravel().tolist())
+    return [Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in pixels]
+
+
+ANIMATION = PaperAnimation(compute, frames, caption)

@@ -10,14 +10,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.style import QUIET, new_figure, picture_style
+from cyclemap.views.style import QUIET, legend_above, new_figure, picture_style
 
 One = TypeVar("One", bound=Any)
 
 PANEL_INCHES = (5.2, 3.6)
 SIMULATED_FILL = "#c4c4c4"
-_SIDE, _GAP, _HEAD, _FOOT = 0.75, 0.85, 0.75, 0.85
+_SIDE, _HEAD, _FOOT = 0.75, 0.75, 0.85
 
 
 def material_grid(names: Iterable[str], columns: int = 2) -> tuple[Figure, dict[str, Axes]]:

@@ -11,9 +11,10 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cyclemap.errors import DataFileError
 from cyclemap.evidence import PushSet, Theta0Pairs, load_pushes, push_sets, read_theta0_pairs
-from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
-from cyclemap.evidence.pushes.push_files import SUFFIXES
+from cyclemap.evidence.pushes.mit_names import push_facts, scan_facts
+from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.tables.push_sets import FEWEST
 
 from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
@@ -81,8 +82,10 @@ def measured_scans(measured: MeasuredFolder, surface: str) -> pandas.DataFrame |
     if measured.path is None:
         return None
     homes: Counter[str] = Counter()
+    of = surface, PROTOCOL["object"]
     for home, _, names in sorted(os.walk(measured.path)):
-        homes[home] += sum(_is_scan(scan_facts(name), surface) for name in names if name.endswith(SUFFIXES))
+        scans = [scan_facts(name) for name in names if name.endswith(SUFFIXES)]
+        homes[home] += sum(one is not None and (one.surface, one.object) == of for one in scans)
     for home, count in homes.most_common(1):
         if count:
             _told_used(measured, Path(home))
@@ -116,7 +119,9 @@ def listed(names: Iterable[str]) -> str:
 def _run_below(folder: Path, surface: str) -> MeasuredRun | None:
     homes: Counter[str] = Counter()
     for home, _, names in sorted(os.walk(folder)):
-        homes[home] += sum(_is_repeated(push_facts(name), surface) for name in names if name.endswith(SUFFIXES))
+        for facts in map(push_facts, (name for name in names if name.endswith(SUFFIXES))):
+            if facts is not None and facts.surface == surface and not math.isnan(facts.repetition):
+                homes[home] += all(_same(getattr(facts, name), value) for name, value in PROTOCOL.items())
     for home, count in homes.most_common():
         if count < FEWEST:
             return None
@@ -128,18 +133,30 @@ def _run_below(folder: Path, surface: str) -> MeasuredRun | None:
     return None
 
 
-def _is_repeated(facts: PushFacts | None, surface: str) -> bool:
-    """Whether a file's name says that it is one of the repeated pushes on the surface."""
-    if facts is None or facts.surface != surface or math.isnan(facts.repetition):
-        return False
-    return all(_same(getattr(facts, name), value) for name, value in PROTOCOL.items())
-
-
-def _is_scan(facts: ScanFacts | None, surface: str) -> bool:
-    return facts is not None and facts.surface == surface and facts.object == PROTOCOL["object"]
-
-
 def _same(found: str | float | None, wanted: str | float) -> bool:
     if isinstance(wanted, str) or found is None or isinstance(found, str):
         return found == wanted
     return math.isclose(found, wanted, rel_tol=1e-6, abs_tol=1e-9)
+
+
+def push_file_names(folder: Path) -> list[Path]:
+    """Return the files of a folder that are pushes by name and suffix, sorted; sub-folders are not entered."""
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and push_facts(path) is not None)
+
+
+def readable_pushes(files: Iterable[Path]) -> tuple[list[tuple[Path, PushRecord]], int]:
+    """Return the pushes that can be read, each with its file, and how many cannot.
+
+    >>> readable_pushes([Path("motion_surface=abs_shape=hex_a=0_v=20_i=0_s=0.7_t=0.h5")])
+    ([], 1)
+    """
+    found, unreadable = [], 0
+    for path in files:
+        try:
+            record = read_push_file(path)
+        except DataFileError:
+            unreadable += 1
+            continue
+        assert isinstance(record, PushRecord)
+        found.append((path, record))
+    return found, unreadable

@@ -21,9 +21,17 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
 from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE, new_figure, picture_style
 
-from .exhibit import BEYOND, PaperFigure
-from .loop_family import LoopFamily, chebyshev_nodes, loop_family
-from .loop_variants import RingFold, ring_fold, ring_radius, with_anisotropy_times, with_ring_at
+from .catalogue import PaperFigure
+from .loop_family import (
+    LoopFamily,
+    RingFold,
+    chebyshev_nodes,
+    loop_family,
+    ring_fold,
+    ring_radius,
+    with_anisotropy_times,
+    with_ring_at,
+)
 from .measured_folder import MeasuredFolder
 
 MM = 1000.0
@@ -131,12 +139,10 @@ def _boundary(loop: CollectionLoop, family: LoopFamily, side: int, count: int) -
         if step < count or top == SCALES[1]:
             radius = brentq(lambda r, now=scale: _margin(family, side, r, now), *RADII, xtol=1e-6)
         theta = _THETA[np.argmin(side * family.turn(_THETA, radius, scale))]
-        found.append((scale, ring_fold(partial(_fine, loop, scale), float(theta), radius)))
+        found.append(
+            (scale, ring_fold(partial(with_ring_at, with_anisotropy_times(loop, scale)), float(theta), radius))
+        )
     return tuple(found)
-
-
-def _fine(loop: CollectionLoop, scale: float, radius: float) -> CollectionLoop:
-    return with_ring_at(with_anisotropy_times(loop, scale), radius)
 
 
 def first_order(loop: CollectionLoop, nodes: int = 9, count: int = 201) -> FirstOrder:
@@ -266,6 +272,4 @@ def _other(count: int) -> str:
     return f"At {count} places of the grid the robot locks into a longer period."
 
 
-FIGURE = PaperFigure(
-    "phase-diagram", BEYOND, "Ring radius against anisotropy: where the robot locks in", compute, draw, caption
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -7,6 +7,12 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
@@ -21,8 +27,7 @@ from cyclemap.evidence.tables.push_sets import PushSet
 from cyclemap.maps import DriftingMap, sample_staircase
 
 from .measured_folder import MeasuredFolder
-from .measured_sets import measured_run, measured_theta0
-from .push_records import push_file_names, readable_pushes
+from .measured_sets import listed, measured_run, measured_theta0, not_found, push_file_names, readable_pushes
 from .simulated_collections import NOISE, STANDS_FOR
 
 CYCLES, DRAWN = 2000, 250
@@ -33,6 +38,10 @@ MAP_TOLERANCE = 1e-3
 _ACCURACY = 1e-6
 # Parts of the wear at whose ends maps are made: between them they are blended.
 _WEAR_STAGES = 2
+MM = 1000.0
+ORIGINS = (RECORDED, MEASURED_THETA0, SIMULATED)
+# From a blue that still shows on white to nearly black: a darker shade is a larger turn, in a grey print too.
+SHADES = ListedColormap(colormaps["YlGnBu"](np.linspace(0.32, 1.0, 256)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,3 +211,53 @@ def _paths(surface: str, material: str, origin: str, poses: Array, orientations:
     turn = poses[:, -1, 2] - theta0
     arrays = (read_only(array) for array in (theta0, turn, turned, poses[..., :2], orientations))
     return PushedPaths(surface, material, origin, *arrays)
+
+
+def turn_shades(surfaces: list[PushedPaths]) -> ScalarMappable:
+    """The shades of the turns (degrees) of all pushes, from the least to the largest in whole degrees."""
+    turns = np.degrees(np.concatenate([paths.turn for paths in surfaces]))
+    return ScalarMappable(Normalize(np.floor(turns.min()), np.ceil(turns.max())), SHADES)
+
+
+def draw_paths(axes: Axes, lines: Array, turn: Array, shades: ScalarMappable) -> None:
+    """Draw paths (k, m, 2) m, in millimetres, each in the shade of its turn (k,) rad."""
+    collection = LineCollection(list(MM * lines), colors=shades.to_rgba(np.degrees(turn)), linewidths=0.7, alpha=0.75)
+    axes.add_collection(collection)
+    axes.set_aspect("equal")
+
+
+def shade_bar(figure: Figure, place: tuple[float, float, float, float], shades: ScalarMappable) -> None:
+    """The bar of shades at a place (left, bottom, width, height) of the figure."""
+    bar = figure.add_axes(place)
+    figure.colorbar(shades, cax=bar, label="Δθ, turn of the push (°)")
+    bar.grid(False)
+
+
+def panel_title(paths: PushedPaths) -> str:
+    """The surface, and where its pushes come from."""
+    return f"{paths.surface}, {paths.origin}"
+
+
+def material_sentence(surfaces: list[PushedPaths]) -> str:
+    """What is recorded, what was simulated in its stead, and why plywood stands as it does."""
+    by_origin = {origin: [paths for paths in surfaces if paths.origin == origin] for origin in ORIGINS}
+    recorded, started, simulated = by_origin.values()
+    words = [f"Recorded pushes: {listed(paths.surface for paths in recorded)}."] if recorded else []
+    words.append(not_found("pushes", [paths.surface for paths in (*started, *simulated)]))
+    for paths in started:
+        words.append(
+            f"Simulated instead: on {paths.material} from {len(paths.theta0)} of the {len(paths.orientations)} "
+            f"measured orientations of {paths.surface}, at equal distances."
+        )
+    if simulated:
+        names, count = listed(paths.material for paths in simulated), len(simulated[0].orientations)
+        words.append(
+            f"Simulated as a whole: {names}, {len(simulated[0].theta0)} pushes at equal distances in a run of {count} "
+            f"cycles with {np.degrees(NOISE.sigma):.1f}° of noise each."
+        )
+    if any(paths.material == "plywood-measured" for paths in surfaces):
+        words.append(
+            "Plywood is the one inferred from the measured orientations, wearing as it did: with Table I a run stays "
+            "in one direction, where the measured one climbs through all of them."
+        )
+    return " ".join(filter(None, words))

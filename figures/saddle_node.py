@@ -18,9 +18,8 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
 from cyclemap.views.style import INK, MEASURED, PREDICTED, QUIET, UNSTABLE, degree_axis, new_figure, picture_style
 
-from .exhibit import BEYOND, PaperFigure
-from .loop_family import LoopFamily, loop_family
-from .loop_variants import RingFold, ring_fold, with_ring_at
+from .catalogue import PaperFigure
+from .loop_family import LoopFamily, RingFold, loop_family, ring_fold, with_ring_at
 from .measured_folder import MeasuredFolder
 
 MM = 1000.0
@@ -89,14 +88,9 @@ def compute(
     )
     runs = [(distance, _counted(loop_at(fold.radius - distance), fold.theta)) for distance in counted]
     graphs = tuple((radius, _GRID, family.turn(_GRID, radius)) for radius in (SHOWN[0], fold.radius, SHOWN[1]))
-    error = _error_on(family, branch)
-    return SaddleNode(branch, fold, error, distances, 1.0 / turns.value, np.array(runs).reshape(-1, 2), graphs)
-
-
-def _error_on(family: LoopFamily, branch: OrbitBranch) -> float:
-    """The most (rad) by which the interpolated f differs from cycles run at some places of the branch."""
     places = np.linspace(0, branch.parameter.size - 1, 7).astype(int)
-    return max(float(family.error_at(branch.points[i], float(branch.parameter[i])).max()) for i in places)
+    error = max(float(family.error_at(branch.points[i], float(branch.parameter[i])).max()) for i in places)
+    return SaddleNode(branch, fold, error, distances, 1.0 / turns.value, np.array(runs).reshape(-1, 2), graphs)
 
 
 def _pair(family: LoopFamily) -> OrbitBranch:
@@ -228,4 +222,4 @@ def caption(result: SaddleNode) -> str:
     )
 
 
-FIGURE = PaperFigure("saddle-node", BEYOND, "Two directions meet as the ring moves in", compute, draw, caption)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -13,9 +13,9 @@ from matplotlib.patches import Circle, Polygon
 from cyclemap.arrays import Array
 from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, cycle_scene, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
-from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET, new_figure, picture_style
+from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET, arrow, new_figure, picture_style
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import MeasuredFolder
 
 MM = 1000.0
@@ -71,18 +71,14 @@ def _draw_setup(axes: Axes, result: SetupAndCycles) -> None:
     axes.add_patch(Polygon(outline, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6))
     axes.plot(0.0, 0.0, "+", color=INK, markersize=9)
     _name(axes, (3.0, -5.0), "centre", ha="left")
-    _name_sides(axes, outline)
+    for number, middle in enumerate(0.5 * (outline[:-1] + outline[1:])):
+        place = middle * (38.0 / 45.0) if number else np.add(middle, (34.0, -7.0))
+        _name(axes, (float(place[0]), float(place[1])), f"side {number}", rotation=90.0 if number % 2 else 0.0)
     _draw_ring(axes, MM * np.array(loop.slider.hitch))
     _draw_push(axes, result)
     _dimension(axes, (-45.0, -57.0), (45.0, -57.0), f"{np.ptp(outline[:, 0]):.0f} mm")
     axes.set(xlim=(-78, 68), ylim=(-118, 78), aspect="equal", xlabel="x (mm), object's frame", ylabel="y (mm)")
     axes.set_title("Set-up, to scale")
-
-
-def _name_sides(axes: Axes, outline: Array) -> None:
-    for number, middle in enumerate(0.5 * (outline[:-1] + outline[1:])):
-        place = middle * (38.0 / 45.0) if number else np.add(middle, (34.0, -7.0))
-        _name(axes, (float(place[0]), float(place[1])), f"side {number}", rotation=90.0 if number % 2 else 0.0)
 
 
 def _draw_ring(axes: Axes, hitch: Array) -> None:
@@ -97,8 +93,7 @@ def _draw_push(axes: Axes, result: SetupAndCycles) -> None:
     radius, length = MM * loop.pusher.radius, MM * loop.push.distance
     rod = np.add(contact, (0.0, radius))
     axes.add_patch(Circle(tuple(rod), radius, facecolor=INK, zorder=4))
-    arrow = {"arrowstyle": "-|>", "color": FORCE, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", xy=(rod[0], rod[1] - length), xytext=tuple(rod), arrowprops=arrow, zorder=5)
+    arrow(axes, rod, (rod[0], rod[1] - length), FORCE, 2.0)
     _name(axes, (rod[0] - 3.0, -88.0), f"push,\n{length:.0f} mm", ha="right", color=FORCE)
     _name(axes, (rod[0] - 8.0, rod[1] + 2.0), f"rod, radius {radius:.2f} mm", ha="right")
     _dimension(axes, (contact[0], 62.0), (0.0, 62.0), f"{abs(contact[0]):.0f} mm", above=True)
@@ -163,8 +158,8 @@ def _path(axes: Axes, stroke: StrokeScene, colour: str, style: Any, label: str) 
     path = MM * stroke.centre
     axes.plot(*path.T, color=colour, linewidth=2.2, linestyle=style, label=label, zorder=5)
     middle = len(path) // 2
-    arrow = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 13}
-    axes.annotate("", xy=tuple(path[middle + 1]), xytext=tuple(path[middle - 1]), arrowprops=arrow, zorder=6)
+    look = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 13}
+    axes.annotate("", xy=tuple(path[middle + 1]), xytext=tuple(path[middle - 1]), arrowprops=look, zorder=6)
 
 
 def _start_arrow(axes: Axes, loop: CollectionLoop, cycle: Cycle, scene: CycleScene, number: int) -> None:
@@ -172,8 +167,7 @@ def _start_arrow(axes: Axes, loop: CollectionLoop, cycle: Cycle, scene: CycleSce
     tip = MM * scene.push.rod[0]
     way = _push_way(loop, cycle)
     tail = tip - _ARROW * way
-    arrow = {"arrowstyle": "-|>", "color": FORCE, "linewidth": 2.2, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=arrow, zorder=8)
+    arrow(axes, tail, tip, FORCE, 2.2, 8)
     words = f"push {_INDEX[number]}, from\nθ₀{_RAISED[number]} = {math.degrees(cycle.theta):.0f}°"
     (x, y), lean = (tail - 4.0 * way).tolist(), "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center"
     axes.text(x, y, words, color=FORCE, fontsize=9, ha=lean, va="center", zorder=8)
@@ -196,11 +190,4 @@ def caption(result: SetupAndCycles) -> str:
     )
 
 
-FIGURE = PaperFigure(
-    name="setup-and-cycle",
-    source="Figs. 1 (left) and 2",
-    title="The set-up and two cycles",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -18,7 +18,6 @@ from cyclemap.evidence.published_statistics import published_statistics
 from cyclemap.evidence.pushes.theta0_statistics import MeasuredOverlay, measured_overlay
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import grid_footprint
-from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.style import (
     INK,
     MEASURED,
@@ -26,11 +25,12 @@ from cyclemap.views.style import (
     PREDICTED,
     QUIET,
     degree_axis,
+    legend_above,
     new_figure,
     picture_style,
 )
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
 from .measured_sets import MeasuredRun, measured_run, measured_theta0
 
@@ -204,22 +204,12 @@ def _told_push(result: SimulatedAgainstMeasured) -> str:
 def _told_cycle(result: SimulatedAgainstMeasured) -> str:
     if not result.cycles:
         return f"{NO_DATA} of θ0 ({THETA0_FILE})."
-    errors = [f"{one.name} {_bin_error(both):.1f}°" for one, both in zip(result.simulated, result.cycles, strict=True)]
+    both = zip(result.simulated, result.cycles, strict=True)
+    errors = [f"{one.name} {np.degrees(cycle.agreement.bin_rms):.1f}°" for one, cycle in both]
     return (
         f"dots, {result.cycles[0].pairs.theta.size} measured cycles, from the θ0 of successive pushes; squares, their "
         f"medians in 5°. Root mean square of these less the simulated: {', '.join(errors)}."
     )
 
 
-def _bin_error(both: MeasuredOverlay) -> float:
-    return float(np.degrees(both.agreement.bin_rms))
-
-
-FIGURE = PaperFigure(
-    name="simulated-against-measured",
-    source="Fig. 13",
-    title="Simulated and measured turns over θ0, plywood",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

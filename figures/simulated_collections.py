@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 
@@ -10,15 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
-from cyclemap.checks import positive_number, whole_number
-from cyclemap.collection import CollectionLoop
+from cyclemap.checks import positive_number, read_only, whole_number
+from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence import PushSet, SetLaws, Theta0Pairs, set_laws
-from cyclemap.evidence.published_statistics import (
-    PUBLISHED_CYCLES,
-    PublishedStatistics,
-    published_statistics,
-)
+from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES, PublishedStatistics, published_statistics
 from cyclemap.maps import (
     CircleMap,
     DriftingMap,
@@ -29,13 +27,27 @@ from cyclemap.maps import (
     transfer_operator,
 )
 
-from .surface_states import MAP_TOLERANCE, SurfaceState, surface_state
+from .measured_folder import MeasuredFolder
+from .measured_sets import MeasuredRun, measured_run
 
 # The material that stands for each of the paper's: for plywood the one inferred from the measured staircase, since it
 # alone wears and climbs as the robot saw it; Table I's plywood locks in and stays.
 STANDS_FOR = {"plywood": "plywood-measured", "abs": "abs", "delrin": "delrin", "pu": "pu"}
-SURFACES = tuple(STANDS_FOR)
 NOISE = WrappedNormal(DEFAULT_SIGMA)
+# Radians: accuracy of the cycle maps, far below the noise of a cycle.
+MAP_TOLERANCE = 1e-4
+# Of the integration of pushes and drags, relative: a hundredth of that.
+_ACCURACY = 1e-6
+# Orientations at which derivatives are computed: they only scale noise.
+_SLOPES = 36
+# Orientations, golden-ratio steps round the circle, at which interpolated pushes are compared with the mechanics.
+_CHECKED, _GOLDEN = 12, 0.6180339887498949
+_OUTPUTS = ("push_turn", "push_dx", "push_dy", "theta_next")
+_OFFSET = ("m0", "n0")
+# Of each of the paper's materials, those that a table simulates: plywood by Table I, and as the staircase tells it.
+SIMULATED = {surface: tuple(dict.fromkeys((surface, material))) for surface, material in STANDS_FOR.items()}
+# Names and units of Δθ, Δx and Δy in the paper's convention, and the factors from radians, m and this package's signs.
+QUANTITIES = (("Δθ", "°", 57.29577951308232), ("Δx", "mm", 1e3), ("Δy", "mm", -1e3))
 
 
 @dataclass(frozen=True)
@@ -159,7 +171,9 @@ def _recorded(material: str, states: tuple[SurfaceState, ...], run: Staircase) -
     """The run as a set of recorded pushes, and the jitter (n,) of their friction."""
     path, cycle = run.theta, np.arange(run.cycles + 1.0)
     theta, ahead = path[:-1], path[1:]
-    share = _shares(states, cycle[:-1])
+    # How much of each state the surface of each cycle has, linear between neighbours.
+    places = [state.cycle for state in states]
+    share = np.array([np.interp(cycle[:-1], places, unit) for unit in np.eye(len(states))])
     kick = ahead - np.einsum("kn,kn->n", share, np.array([state.map(theta) for state in states]))
     motion = np.einsum("kn,knj->nj", share, np.array([state.push_motion(theta) for state in states]))
     slopes = np.einsum("kn,knij->nij", share, np.array([state.by_offset(theta) for state in states]))
@@ -183,7 +197,115 @@ def _friction_errors(kick: Array, slope: Array, seed: int) -> Array:
     return np.asarray((kick / size)[:, np.newaxis] * along + (free / size)[:, np.newaxis] * across)
 
 
-def _shares(states: tuple[SurfaceState, ...], cycle: Array) -> Array:
-    """(states, n): how much of each state the surface of each cycle has, linear between neighbours."""
-    places = [state.cycle for state in states]
-    return np.array([np.interp(cycle, places, unit) for unit in np.eye(len(states))])
+@dataclass(frozen=True, eq=False)
+class SurfaceState:
+    """The cycle and the push on a surface as it is at one cycle.
+
+    cycle : its number. map : the cycle map, rad. theta : (k,) rad in [0, 2π), orientations of computed pushes.
+    motion : (k, 3), their Δθ (rad), Δx and Δy (m, initial object frame). motion_error : (3,), the largest difference
+    of interpolated pushes from the mechanics at 12 other orientations. slopes : (36, 4, 2), derivatives of Δθ, Δx, Δy
+    and the next θ0 by the centre (m0, n0) of the limit ellipse, evenly round the circle.
+    mean_friction : sqrt(mu_a mu_b).
+    """
+
+    cycle: float
+    map: CircleMap
+    theta: Array
+    motion: Array
+    motion_error: Array
+    slopes: Array
+    mean_friction: float
+
+    def push_motion(self, theta: ArrayLike) -> Array:
+        """(..., 3) of pushes from orientations (...), rad: the periodic cubic spline through the computed ones."""
+        return _periodic_spline(self.theta, self.motion)(_base(theta))
+
+    def by_offset(self, theta: ArrayLike) -> Array:
+        """(..., 4, 2), the derivatives of ``slopes`` at orientations (...), rad, linear between neighbours."""
+        places = 2 * np.pi * np.arange(_SLOPES + 1) / _SLOPES
+        rows = np.concatenate([self.slopes, self.slopes[:1]]).reshape(_SLOPES + 1, -1)
+        angles = _base(theta)
+        found = np.stack([np.interp(angles, places, row) for row in rows.T], axis=-1)
+        return np.asarray(found.reshape(*angles.shape, *self.slopes.shape[1:]))
+
+
+def surface_state(loop: CollectionLoop, cycle: float = 0.0, tolerance: float = MAP_TOLERANCE) -> SurfaceState:
+    """Compute the state of ``loop``'s surface at ``cycle``; pushes are computed where the map had to be sampled.
+
+    Time: about 2 s. Raises what the mechanics raise where they have no answer.
+
+    >>> state = surface_state(CollectionLoop.mit("isotropic"), tolerance=1e-3)
+    >>> np.degrees(state.push_motion([0.0, 1.0])[:, 0]).round(3)
+    array([74.52, 74.52])
+    """
+    frozen = replace(worn_loop(loop, cycle), accuracy=_ACCURACY)
+    cycle_map = frozen.circle_map(tolerance)
+    assert cycle_map.pieces is not None
+    theta = cycle_map.pieces.knots[:-1]
+    motion = _motion(frozen, theta)
+    others = 2 * np.pi * np.mod(_GOLDEN * np.arange(1, _CHECKED + 1), 1.0)
+    error = np.max(np.abs(_periodic_spline(theta, motion)(others) - _motion(frozen, others)), axis=0)
+    law = frozen.material.friction
+    mean, slopes = math.sqrt(law.mu_a * law.mu_b), _slopes(frozen)
+    return SurfaceState(
+        cycle, cycle_map, read_only(theta), read_only(motion), read_only(error), read_only(slopes), mean
+    )
+
+
+def _base(theta: ArrayLike) -> Array:
+    return np.asarray(np.mod(np.asarray(theta, dtype=float), 2 * np.pi))
+
+
+def _motion(loop: CollectionLoop, theta: Array) -> Array:
+    runs = loop.cycles(theta)
+    return np.column_stack([runs.push_turn, runs.push_displacement])
+
+
+def _slopes(loop: CollectionLoop) -> Array:
+    rows = []
+    for theta in (2 * np.pi * np.arange(_SLOPES) / _SLOPES).tolist():
+        found = loop.sensitivity(theta, _OFFSET)
+        rows.append([[found.by(parameter, output) for parameter in _OFFSET] for output in _OUTPUTS])
+    return np.array(rows)
+
+
+def _periodic_spline(theta: Array, values: Array) -> Callable[[Array], Array]:
+    from scipy.interpolate import CubicSpline
+
+    whole = np.append(theta, theta[0] + 2 * np.pi)
+    return CubicSpline(whole, np.vstack([values, values[:1]]), bc_type="periodic")  # type: ignore[no-any-return]
+
+
+@dataclass(frozen=True, eq=False)
+class MaterialPushes:
+    """One of the paper's materials. runs : simulated, of each material that stands for it. measured : None without."""
+
+    surface: str
+    runs: tuple[SampledRun, ...]
+    measured: MeasuredRun | None
+
+    @property
+    def published(self) -> PublishedStatistics:
+        """What the paper prints."""
+        return published_statistics(self.surface)
+
+    @property
+    def sets(self) -> list[tuple[str, PushSet]]:
+        """The sets with the words for where they come from, the recorded one last."""
+        found = [(f"simulated, {run.material}", run.pushes) for run in self.runs]
+        return found if self.measured is None else [*found, ("recorded", self.measured.pushes)]
+
+
+def material_pushes(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[MaterialPushes, ...]:
+    """Simulate pushes on every material and look for recorded ones, in the paper's order."""
+    return tuple(
+        MaterialPushes(
+            surface, tuple(sampled_run(material, sampling) for material in materials), measured_run(measured, surface)
+        )
+        for surface, materials in SIMULATED.items()
+    )
+
+
+def absent(materials: Sequence[MaterialPushes]) -> list[str]:
+    """The materials without recorded pushes."""
+    return [one.surface for one in materials if one.measured is None]

@@ -51,8 +51,8 @@ from cyclemap.views.style import (
     picture_style,
 )
 
-from .exhibit import BEYOND, PaperFigure
-from .loop_variants import with_ring_at
+from .catalogue import PaperFigure
+from .loop_family import with_ring_at
 from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
 
 # In time, of the law fitted with wear: what cross-validation finds best in the measured run.
@@ -276,13 +276,13 @@ def caption(result: StaircaseBottleneck) -> str:
 def _measured_words(found: Bottleneck | None) -> str:
     if found is None:
         return f"Of the robot's own staircase {NO_DATA}."
-    mean, spread = found.visit
+    (mean, spread), halves = found.visit, np.array_split(found.lengths, 2)
     return (
         f"The measured plywood staircase has such a bottleneck at {math.degrees(found.passage.theta):.0f}°: its fitted "
         f"map predicts steps of {mean:.0f} ± {spread:.0f} cycles. The {found.lengths.size} measured ones that were "
         f"seen whole lasted {found.lengths.mean():.0f} ± {found.lengths.std(ddof=1):.0f}: they differ more than noise "
-        f"makes them, since the surface wears: the first half {_mean_of(found.lengths, 0)}, the second "
-        f"{_mean_of(found.lengths, 1)}.{_run_words(found)}"
+        f"makes them, since the surface wears: the first half {halves[0].mean():.0f}, the second "
+        f"{halves[1].mean():.0f}.{_run_words(found)}"
     )
 
 
@@ -294,10 +294,4 @@ def _run_words(found: Bottleneck) -> str:
     return f" A run of the map fitted with its wear climbs {climbed:.1f} turns, the measured path {measured:.1f}."
 
 
-def _mean_of(lengths: Array, half: int) -> str:
-    return f"{np.array_split(lengths, 2)[half].mean():.0f}"
-
-
-FIGURE = PaperFigure(
-    "staircase-bottleneck", BEYOND, "A staircase and the bottleneck that makes it", compute, draw, caption
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -13,12 +13,11 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.evidence.tables.measured_cycle_map import full_turns
 from cyclemap.maps import Steps, find_steps
 from cyclemap.maps.staircases.staircase import sample_staircases
-from cyclemap.views.fit_panels import CIRCLE
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.record_panels import draw_staircase
-from cyclemap.views.style import PREDICTED_FILL
+from cyclemap.views.fit_page import CIRCLE
+from cyclemap.views.map_panels import draw_staircase
+from cyclemap.views.style import PREDICTED_FILL, legend_above
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .material_panels import draw_materials
 from .measured_folder import MeasuredFolder
 from .measured_sets import measured_theta0, not_found
@@ -69,24 +68,12 @@ class MaterialStaircase:
     recorded: Climb | None
 
 
-@dataclass(frozen=True, eq=False)
-class Staircases:
-    """The four panels, in the paper's order."""
-
-    materials: tuple[MaterialStaircase, ...]
-
-
 def compute(
-    measured: MeasuredFolder,
-    sampling: Sampling = PAPER,
-    runs: int = DEFAULT_RUNS,
-) -> Staircases:
+    measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DEFAULT_RUNS
+) -> tuple[MaterialStaircase, ...]:
     """Run cycles on each material, ``runs`` times, with its wear, and look for recorded paths."""
-    return Staircases(
-        tuple(
-            _material(measured, surface, sampled_run(material, sampling), runs)
-            for surface, material in STANDS_FOR.items()
-        )
+    return tuple(
+        _material(measured, surface, sampled_run(material, sampling), runs) for surface, material in STANDS_FOR.items()
     )
 
 
@@ -121,9 +108,9 @@ def climb_of(path: Array, level: float) -> Climb:
     return Climb(path, find_steps(path), np.diff(full_turns(path, level)))
 
 
-def draw(result: Staircases) -> Figure:
+def draw(result: tuple[MaterialStaircase, ...]) -> Figure:
     """Draw a panel a material; measured and predicted together where there is a measured path."""
-    return draw_materials(result.materials, _draw_material)
+    return draw_materials(result, _draw_material)
 
 
 def _draw_material(axes: Axes, one: MaterialStaircase) -> None:
@@ -135,16 +122,16 @@ def _draw_material(axes: Axes, one: MaterialStaircase) -> None:
     legend_above(axes, columns=2)
 
 
-def caption(result: Staircases) -> str:
+def caption(result: tuple[MaterialStaircase, ...]) -> str:
     """What is drawn, and how each material climbs."""
-    first = result.materials[0]
+    first = result[0]
     told = [
         f"θ0 before each of {first.climb.path.size} pushes, not wrapped, as one run of the predicted cycle map climbs "
         f"with 1.1° of noise a cycle, and where 95 % of {first.turns.size} runs are. Plywood is plywood-measured, "
         "which wears over the run and was inferred from the very path that is drawn beside it where it was found: that "
         "agreement is a fit, not a test. The other materials are inferred from the paper's tables and words.",
-        *[_sentence(one) for one in result.materials],
-        not_found("θ0", [one.run.surface for one in result.materials if one.recorded is None]),
+        *[_sentence(one) for one in result],
+        not_found("θ0", [one.run.surface for one in result if one.recorded is None]),
     ]
     return " ".join(filter(None, told))
 
@@ -188,11 +175,4 @@ def _paces(climb: Climb) -> str:
     return f", the first whole one in {climb.turn_pushes[0]} pushes and the last in {climb.turn_pushes[-1]}"
 
 
-FIGURE = PaperFigure(
-    "staircases",
-    "the paper's staircases",
-    "Staircases of θ0 over the pushes",
-    compute,
-    draw,
-    caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -10,11 +10,10 @@ from cyclemap.arrays import Array
 from cyclemap.evidence import PushStatistics, push_statistics
 from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES
 
-from .exhibit import PaperTable
-from .material_pushes import QUANTITIES, MaterialPushes, absent, material_pushes
+from .catalogue import PaperTable
 from .measured_folder import MeasuredFolder
 from .measured_sets import not_found
-from .simulated_collections import PAPER, Sampling
+from .simulated_collections import PAPER, QUANTITIES, MaterialPushes, Sampling, absent, material_pushes
 
 _COLUMNS = [word for name, unit, _ in QUANTITIES for word in (f"{name} mean ({unit})", f"std ({unit})", "% of mean")]
 HEADER = ("material", "source", "pushes", *_COLUMNS)
@@ -94,4 +93,4 @@ def simulated_against_paper(result: Deviations) -> list[tuple[list[float], list[
     return found
 
 
-TABLE = PaperTable("table-deviations", "Table II", "How much equal pushes differ", compute, HEADER, rows, caption)
+TABLE = PaperTable(compute, HEADER, rows, caption)

@@ -10,10 +10,10 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import friction_ellipse_from_scans
 from cyclemap.mechanics import EllipseFriction, load_material
 
-from .exhibit import PaperTable
-from .material_pushes import SIMULATED
+from .catalogue import PaperTable
 from .measured_folder import MeasuredFolder
 from .measured_sets import listed, measured_scans, not_found
+from .simulated_collections import SIMULATED
 
 HEADER = (
     "material",
@@ -134,4 +134,4 @@ def caption(result: FrictionEllipses) -> str:
     return " ".join(filter(None, told))
 
 
-TABLE = PaperTable("table-friction", "Table I", "Friction ellipses of the materials", compute, HEADER, rows, caption)
+TABLE = PaperTable(compute, HEADER, rows, caption)

@@ -10,11 +10,10 @@ from cyclemap.evidence import SetLaws
 from cyclemap.evidence.published_statistics import PUBLISHED_CYCLES
 from cyclemap.evidence.tables.set_fit import MotionLaw
 
-from .exhibit import PaperTable
-from .material_pushes import QUANTITIES, MaterialPushes, absent, material_pushes
+from .catalogue import PaperTable
 from .measured_folder import MeasuredFolder
 from .measured_sets import listed, not_found
-from .simulated_collections import PAPER, Sampling, fitted_laws
+from .simulated_collections import PAPER, QUANTITIES, MaterialPushes, Sampling, absent, fitted_laws, material_pushes
 
 _COLUMNS = [word for name, unit, _ in QUANTITIES for word in (f"{name} RMSE ({unit})", "% of mean", "harmonics")]
 HEADER = ("material", "source", "pushes", *_COLUMNS)
@@ -98,6 +97,4 @@ def simulated_laws(laws: tuple[tuple[str, SetLaws], ...]) -> list[SetLaws]:
     return [one for source, one in laws if source.startswith("simulated")]
 
 
-TABLE = PaperTable(
-    "table-law-errors", "Table III", "How far pushes lie from a law of θ0", compute, HEADER, rows, caption
-)
+TABLE = PaperTable(compute, HEADER, rows, caption)

@@ -11,12 +11,11 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
-from cyclemap.views.fit_panels import CIRCLE, THETA0
-from cyclemap.views.panel_parts import legend_above, name_tag
-from cyclemap.views.record_panels import PER_DEGREE, draw_measured_histogram
-from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis
+from cyclemap.views.fit_page import CIRCLE, THETA0
+from cyclemap.views.map_panels import PER_DEGREE, draw_measured_histogram
+from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis, legend_above, name_tag
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .material_panels import draw_materials
 from .measured_folder import MeasuredFolder
 from .measured_sets import listed, measured_theta0, not_found
@@ -59,13 +58,6 @@ class MaterialDirections:
         return None if self.theta0 is None else float(total_variation(self.theta0, self.run.pushes.theta))
 
 
-@dataclass(frozen=True, eq=False)
-class DirectionHistograms:
-    """The four panels, in the paper's order."""
-
-    materials: tuple[MaterialDirections, ...]
-
-
 def share_near(theta: ArrayLike, directions: ArrayLike) -> float:
     """The share of the angles (n,), rad, within NEAR (rad) of one of the directions (k,).
 
@@ -76,10 +68,10 @@ def share_near(theta: ArrayLike, directions: ArrayLike) -> float:
     return float(np.mean((apart >= np.cos(NEAR)).any(axis=-1)))
 
 
-def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> DirectionHistograms:
+def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[MaterialDirections, ...]:
     """Simulate pushes on each material and look for recorded ones."""
-    return DirectionHistograms(
-        tuple(_material(measured, surface, sampled_run(material, sampling)) for surface, material in STANDS_FOR.items())
+    return tuple(
+        _material(measured, surface, sampled_run(material, sampling)) for surface, material in STANDS_FOR.items()
     )
 
 
@@ -90,9 +82,9 @@ def _material(measured: MeasuredFolder, surface: str, run: SampledRun) -> Materi
     return MaterialDirections(run, angle_histogram(run.pushes.theta), run.density(CIRCLE), theta0, recorded)
 
 
-def draw(result: DirectionHistograms) -> Figure:
+def draw(result: tuple[MaterialDirections, ...]) -> Figure:
     """Draw a panel a material."""
-    return draw_materials(result.materials, _draw_material)
+    return draw_materials(result, _draw_material)
 
 
 def _draw_material(axes: Axes, one: MaterialDirections) -> None:
@@ -126,17 +118,17 @@ def _published(one: MaterialDirections) -> list[float]:
     return [float(np.degrees(angle) % 360.0) for angle in one.run.published.directions]
 
 
-def caption(result: DirectionHistograms) -> str:
+def caption(result: tuple[MaterialDirections, ...]) -> str:
     """What is drawn, and where each material's histogram has its peaks."""
-    count = result.materials[0].run.pushes.count
-    error = max(one.run.density_error for one in result.materials) * PER_DEGREE
+    count = result[0].run.pushes.count
+    error = max(one.run.density_error for one in result) * PER_DEGREE
     told = [
         f"Orientation before each push: {count} simulated pushes a material, 1.1° of noise a cycle, and the stationary "
         f"density of the noisy map (within {error:.1g} per degree). Plywood is plywood-measured, "
-        f"whose density is the mean over {len(result.materials[0].run.states)} states of its wear. Dashed: the "
+        f"whose density is the mean over {len(result[0].run.states)} states of its wear. Dashed: the "
         "peaks that the paper names. Maxima above half the uniform density count as peaks.",
-        *[_sentence(one) for one in result.materials],
-        not_found("θ0", [one.run.surface for one in result.materials if one.theta0 is None]),
+        *[_sentence(one) for one in result],
+        not_found("θ0", [one.run.surface for one in result if one.theta0 is None]),
     ]
     return " ".join(filter(None, told))
 
@@ -161,6 +153,4 @@ def _sentence(one: MaterialDirections) -> str:
     )
 
 
-FIGURE = PaperFigure(
-    "theta0-histograms", "Fig. 6", "Histograms of the orientation before a push", compute, draw, caption
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -10,10 +10,20 @@ from cyclemap.arrays import Array
 from cyclemap.evidence.published_statistics import published_statistics
 from cyclemap.views.style import QUIET, new_figure, picture_style
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import MeasuredFolder
-from .path_panels import MM, draw_paths, material_sentence, panel_title, shade_bar, turn_shades
-from .pushed_paths import CYCLES, DRAWN, PushedPaths, paths_on_four_surfaces
+from .pushed_paths import (
+    CYCLES,
+    DRAWN,
+    MM,
+    PushedPaths,
+    draw_paths,
+    material_sentence,
+    panel_title,
+    paths_on_four_surfaces,
+    shade_bar,
+    turn_shades,
+)
 
 
 @dataclass(frozen=True)
@@ -47,18 +57,15 @@ def draw(result: ObjectFramePaths) -> Figure:
             axes.plot(0.0, 0.0, "+", color=QUIET, markersize=8)
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x (mm)")
             axes.set_title(panel_title(paths).replace(", ", ",\n"))
-            axes.text(0.97, 0.97, _spread(result, number), transform=axes.transAxes, ha="right", va="top", fontsize=8)
+            turn, dx, dy = result.spread(number)
+            told = f"σ(Δθ) {np.degrees(turn):.1f}°\nσ(Δx) {MM * dx:.1f} mm\nσ(Δy) {MM * dy:.1f} mm"
+            axes.text(0.97, 0.97, told, transform=axes.transAxes, ha="right", va="top", fontsize=8)
             if number:
                 axes.tick_params(labelleft=False)
             else:
                 axes.set_ylabel("y (mm), object's frame before the push")
         shade_bar(figure, (0.925, 0.2, 0.014, 0.55), shades)
     return figure
-
-
-def _spread(result: ObjectFramePaths, number: int) -> str:
-    turn, dx, dy = result.spread(number)
-    return f"σ(Δθ) {np.degrees(turn):.1f}°\nσ(Δx) {MM * dx:.1f} mm\nσ(Δy) {MM * dy:.1f} mm"
 
 
 def caption(result: ObjectFramePaths) -> str:
@@ -85,11 +92,4 @@ def _spread_beside_published(result: ObjectFramePaths, number: int) -> str:
 # A simulated push has no scatter about the law that Table III tells of.
 _LAW_SCATTER = "Simulated pushes are exact functions of θ0 and wear; recorded ones scatter about it too (Table III). "
 
-FIGURE = PaperFigure(
-    name="trajectories-object-frame",
-    source="Fig. 3",
-    title="Paths of the centre in the object's frame",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

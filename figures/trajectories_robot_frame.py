@@ -12,10 +12,21 @@ from cyclemap.evidence.orientations.orientation_comparison import angle_between
 from cyclemap.evidence.pushes.theta0_statistics import angle_histogram
 from cyclemap.views.style import FORCE, QUIET, new_figure, picture_style
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import MeasuredFolder
-from .path_panels import MM, draw_paths, material_sentence, panel_title, shade_bar, turn_shades
-from .pushed_paths import CYCLES, DRAWN, PushedPaths, crossing_pairs, paths_on_four_surfaces
+from .pushed_paths import (
+    CYCLES,
+    DRAWN,
+    MM,
+    PushedPaths,
+    crossing_pairs,
+    draw_paths,
+    material_sentence,
+    panel_title,
+    paths_on_four_surfaces,
+    shade_bar,
+    turn_shades,
+)
 
 Arc = tuple[float, float]
 
@@ -127,11 +138,4 @@ def _told_arcs(paths: PushedPaths, arcs: list[Arc]) -> str:
     return f"{paths.surface} {told or 'nowhere'}"
 
 
-FIGURE = PaperFigure(
-    name="trajectories-robot-frame",
-    source="Fig. 4",
-    title="Paths of the centre in the robot's frame",
-    compute=compute,
-    draw=draw,
-    caption=caption,
-)
+FIGURE = PaperFigure(compute, draw, caption)

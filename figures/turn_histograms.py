@@ -10,11 +10,10 @@ from matplotlib.figure import Figure
 
 from cyclemap.evidence import TurnHistogram, turn_histogram
 from cyclemap.evidence.tables.set_fit import MotionLaw, motion_law
-from cyclemap.views.fit_panels import draw_turn_histogram
-from cyclemap.views.panel_parts import say
-from cyclemap.views.style import picture_style
+from cyclemap.views.fit_page import draw_turn_histogram
+from cyclemap.views.style import picture_style, say
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .material_panels import as_simulated, material_grid
 from .measured_folder import MeasuredFolder
 from .measured_sets import measured_run, measured_theta0, not_found
@@ -55,11 +54,7 @@ class TurnHistograms:
     absent: tuple[str, ...]
 
 
-def compute(
-    measured: MeasuredFolder,
-    sampling: Sampling = PAPER,
-    runs: int = DEFAULT_RUNS,
-) -> TurnHistograms:
+def compute(measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DEFAULT_RUNS) -> TurnHistograms:
     """Fit the law of Δθ to recorded pushes, else to simulated ones, and let it predict their histogram.
 
     runs : simulated sets that tell how far apart the two histograms may be by chance.
@@ -139,6 +134,4 @@ def _sentence(panel: TurnPanel) -> str:
     )
 
 
-FIGURE = PaperFigure(
-    "turn-histograms", "Fig. 7", "Histograms of the turn, predicted by the law and recorded", compute, draw, caption
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -10,11 +10,10 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
 from cyclemap.evidence.tables.set_fit import MotionLaw
-from cyclemap.views.fit_panels import CIRCLE, draw_law
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.style import INK, QUIET
+from cyclemap.views.fit_page import CIRCLE, draw_law
+from cyclemap.views.style import INK, QUIET, legend_above
 
-from .exhibit import PaperFigure
+from .catalogue import PaperFigure
 from .material_panels import as_simulated, draw_materials
 from .measured_folder import MeasuredFolder
 from .measured_sets import MeasuredRun, listed, measured_run, not_found
@@ -51,13 +50,6 @@ class MaterialTurns:
         return float("nan") if law is None else float(np.max(np.abs(law(CIRCLE) - self.curves[0])))
 
 
-@dataclass(frozen=True, eq=False)
-class TurnsOverTheta0:
-    """The four panels, in the paper's order."""
-
-    materials: tuple[MaterialTurns, ...]
-
-
 def shortest_arc(theta: Array, share: float) -> float:
     """Length (rad) of the shortest arc of the circle that holds a share, in (0, 1], of the angles (n,), any turn.
 
@@ -70,13 +62,11 @@ def shortest_arc(theta: Array, share: float) -> float:
     return float(np.min(ends - angles))
 
 
-def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> TurnsOverTheta0:
+def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[MaterialTurns, ...]:
     """Simulate pushes on each material, look for recorded ones, and fit the law of Δθ to both."""
-    return TurnsOverTheta0(
-        tuple(
-            _material(measured_run(measured, surface), sampled_run(material, sampling))
-            for surface, material in STANDS_FOR.items()
-        )
+    return tuple(
+        _material(measured_run(measured, surface), sampled_run(material, sampling))
+        for surface, material in STANDS_FOR.items()
     )
 
 
@@ -88,9 +78,9 @@ def _material(found: MeasuredRun | None, run: SampledRun) -> MaterialTurns:
     return MaterialTurns(run, found, law, simulated, curves)
 
 
-def draw(result: TurnsOverTheta0) -> Figure:
+def draw(result: tuple[MaterialTurns, ...]) -> Figure:
     """Draw a panel a material."""
-    return draw_materials(result.materials, _draw_material)
+    return draw_materials(result, _draw_material)
 
 
 def _draw_material(axes: Axes, one: MaterialTurns) -> None:
@@ -111,19 +101,19 @@ def _draw_material(axes: Axes, one: MaterialTurns) -> None:
     legend_above(axes, columns=2)
 
 
-def caption(result: TurnsOverTheta0) -> str:
+def caption(result: tuple[MaterialTurns, ...]) -> str:
     """What is drawn, and how far each law and each range of directions goes."""
-    count = result.materials[0].run.pushes.count
+    count = result[0].run.pushes.count
     told = [
         f"Turn of the push over θ0: predicted by the mechanics, and {count} simulated pushes a material with the law "
         "fitted to them. In each push friction is off by a random offset, as much as makes the next θ0 scatter by "
         "1.1°, as measured cycles on plywood do. Plywood is the one inferred from the measured staircase "
         "(plywood-measured), which wears; the curve of its last cycle is drawn too.",
-        *[_sentence(one) for one in result.materials],
+        *[_sentence(one) for one in result],
         "Where no push starts, a law only guesses: around the circle it misses the mechanics by up to "
-        f"{listed(_miss(one) for one in result.materials)}.",
+        f"{listed(f'{np.degrees(one.worst_miss):.1f}° on {one.run.surface}' for one in result)}.",
         _recorded(result),
-        not_found("pushes", [one.run.surface for one in result.materials if one.measured is None]),
+        not_found("pushes", [one.run.surface for one in result if one.measured is None]),
     ]
     return " ".join(filter(None, told))
 
@@ -139,12 +129,8 @@ def _sentence(one: MaterialTurns) -> str:
     )
 
 
-def _miss(one: MaterialTurns) -> str:
-    return f"{np.degrees(one.worst_miss):.1f}° on {one.run.surface}"
-
-
-def _recorded(result: TurnsOverTheta0) -> str:
-    there = [one for one in result.materials if one.measured is not None and one.law.law is not None]
+def _recorded(result: tuple[MaterialTurns, ...]) -> str:
+    there = [one for one in result if one.measured is not None and one.law.law is not None]
     told = [
         f"{one.run.surface} ({one.measured.pushes.count} pushes, law within {np.degrees(one.law.law.rmse):.2f}° RMS)"
         for one in there
@@ -153,6 +139,4 @@ def _recorded(result: TurnsOverTheta0) -> str:
     return f"Recorded pushes are drawn, and their law, on {listed(told)}." if told else ""
 
 
-FIGURE = PaperFigure(
-    "turn-over-theta0", "Fig. 5", "Turn of the push over its first orientation", compute, draw, caption
-)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -15,7 +15,6 @@ from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
 from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
-from cyclemap.views.panel_parts import legend_above
 from cyclemap.views.sentences import LONGEST_STAY
 from cyclemap.views.style import (
     MEASURED,
@@ -23,11 +22,12 @@ from cyclemap.views.style import (
     PREDICTED,
     QUIET,
     degree_axis,
+    legend_above,
     new_figure,
     picture_style,
 )
 
-from .exhibit import BEYOND, PaperFigure
+from .catalogue import PaperFigure
 from .measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder
 
 MATERIAL = "plywood-measured"
@@ -83,12 +83,7 @@ class WearDrift:
         return float(np.trapezoid(self.mean_turn, self.ages)) / (2 * np.pi)
 
 
-def compute(
-    measured: MeasuredFolder,
-    points: int = 17,
-    runs: int = 50,
-    harmonics: int | None = None,
-) -> WearDrift:
+def compute(measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonics: int | None = None) -> WearDrift:
     """Follow the map as the loop wears, foretell its staircase, and fit the measured map with its wear.
 
     points : ages at which the pace is foretold. runs : paths of the
@@ -108,13 +103,9 @@ def compute(
     if file is None:
         return WearDrift(cycles, least, turns, ages, mean_turn, error, None, None, None)
     fitted = measured_cycle_map(read_theta0_pairs(file), harmonics=harmonics, runs=runs)
-    seen = _least_turns(fitted, cycles), tuple(_where_seen(fitted, age) for age in AGES)
-    return WearDrift(cycles, least, turns, ages, mean_turn, error, fitted, *seen)
-
-
-def _least_turns(fitted: MeasuredCycleMap, cycles: Array) -> Array:
-    """The least turn (rad) of the fitted map at each cycle."""
-    return np.array([fitted.fitted.map_at(float(n)).turn(_GRID).min() for n in cycles])
+    fitted_least = np.array([fitted.fitted.map_at(float(n)).turn(_GRID).min() for n in cycles])
+    seen = tuple(_where_seen(fitted, age) for age in AGES)
+    return WearDrift(cycles, least, turns, ages, mean_turn, error, fitted, fitted_least, seen)
 
 
 def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
@@ -219,4 +210,4 @@ def caption(result: WearDrift) -> str:
     )
 
 
-FIGURE = PaperFigure("wear-drift", BEYOND, "The cycle map as plywood wears", compute, draw, caption)
+FIGURE = PaperFigure(compute, draw, caption)

@@ -1,7 +1,9 @@
 """Fixtures that several rooms' tests share."""
 
+import json
 import os
 import signal
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -64,3 +66,22 @@ def real_loop():
 def loop_of(real_loop):
     """Make a loop that has a given cycle map."""
     return partial(StubLoop, real_loop)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch) -> Path:
+    """An empty current folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def printed(capsys) -> Callable[[], tuple[dict, str]]:
+    """Read what was printed: JSON without NaN or infinity and its text, and nothing on stderr."""
+
+    def read() -> tuple[dict, str]:
+        shown = capsys.readouterr()
+        assert shown.err == ""
+        return json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}")), shown.out
+
+    return read

@@ -21,12 +21,9 @@ def audit_command(
     DATA is a file, folder or tree in the MIT layout, or a table: orientations alone tell much, poses more.
     """
     from cyclemap.cli.json_report import degrees, direction_deg
-    from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
-    from cyclemap.cli.terminal import PeopleConsole
+    from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
     from cyclemap.resets.monitor.audit import audit
     from cyclemap.views.audit_page import audit_headline, audit_page, audit_paragraph
-    from cyclemap.views.style import render
-    from cyclemap.whole_files import write_whole
 
     read = readable_data(data, columns, units, out)
     with progress_bar(f"auditing {data.name}") as report:
@@ -54,12 +51,6 @@ def audit_command(
         },
         "good": found.is_good,
     }
-    stem = f"audit_{file_stem(data.stem)}"
-    write_json(out / f"{stem}.json", told)
-    picture = out / f"{stem}.{picture_format}"
-    write_whole(picture, render(audit_page(found), picture_format))
-    if not publish_json(told, json_target):
-        console = PeopleConsole()
-        console.print(audit_headline(found), style="bold")
-        console.print(audit_paragraph(found))
-        console.print(f"picture: {picture}")
+    picture = publish(told, audit_page(found), out / f"audit_{file_stem(data.stem)}", picture_format, json_target)
+    if picture is not None:
+        PeopleConsole().tell(audit_headline(found), audit_paragraph(found), f"picture: {picture}")

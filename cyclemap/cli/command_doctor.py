@@ -48,7 +48,7 @@ def doctor_command(json_target: str | None) -> None:
 
 def _data_folder(problems: list[str]) -> str | None:
     from cyclemap.errors import InvalidInput
-    from cyclemap.figures.measured_folder import MeasuredFolder
+    from figures.measured_folder import MeasuredFolder
 
     try:
         path = MeasuredFolder.found().path
@@ -78,7 +78,7 @@ def _engine(problems: list[str]) -> tuple[str | None, float | None]:
 def _tell(report: Json, problems: list[str]) -> None:
     from rich.table import Table
 
-    from cyclemap.cli.terminal import PeopleConsole
+    from cyclemap.cli.output import PeopleConsole
 
     table = Table(title="cyclemap on this machine", title_justify="left", show_header=False)
     versions, error = report["versions"], report["self_check_error_deg"]

@@ -25,12 +25,7 @@ COLUMNS = ("law", "θ0 (°)", "model", "push turn (°)", "dx (mm)", "dy (mm)", "
 @click.option("--speed-mm-s", type=Real(), default=20.0, show_default=True, help="Speed of the rod.")
 @result_options("dynamics_MATERIAL.png and .json")
 def dynamics_command(
-    options: LoopOptions,
-    theta0_deg: str,
-    speed_mm_s: float,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    options: LoopOptions, theta0_deg: str, speed_mm_s: float, out: Path, picture_format: str, json_target: str | None
 ) -> None:
     """Set dynamic cycles (with inertia) beside quasi-static ones, on MATERIAL and on isotropic friction.
 
@@ -87,16 +82,14 @@ def _report(starts_deg: list[float], material: DynamicsComparison, isotropic: Dy
 
 
 def _print_for_people(material: DynamicsComparison, isotropic: DynamicsComparison, picture: Path) -> None:
-    from rich.table import Table
-
-    from cyclemap.cli.terminal import PeopleConsole
+    from cyclemap.cli.output import PeopleConsole, people_table
     from cyclemap.views.dynamics_page import difference_sentence
 
     console = PeopleConsole()
     console.tell(difference_sentence(material), difference_sentence(isotropic))
-    table = Table(title=f"Cycles at {1e3 * material.loop.speed:g} mm/s", title_justify="left")
-    for place, column in enumerate(COLUMNS):
-        table.add_column(column, justify="left" if place in (0, 2) else "right")
+    table = people_table(f"Cycles at {1e3 * material.loop.speed:g} mm/s", COLUMNS)
+    for place in (0, 2):
+        table.columns[place].justify = "left"
     for law, comparison in (("anisotropic", material), ("isotropic", isotropic)):
         for k in range(comparison.dynamic.theta.size):
             table.add_row(*_cells(law, "dynamic", comparison.dynamic, k))

@@ -37,13 +37,17 @@ def experiment_command(
     footprint if it is made of points, else on points that carry its pressure: the paper's grid:8 where it is even,
     weighted and with points along the rim where it leans or has parts.
     """
-    from cyclemap.cli.output import file_stem, progress_bar, publish
+    from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
     from cyclemap.cli.settings import chosen_loop
-    from cyclemap.cli.terminal import PeopleConsole
     from cyclemap.collection.batch_experiment import batch_experiment
     from cyclemap.collection.dynamic_loop import DynamicLoop
-    from cyclemap.views import experiment_sentences as sentences
-    from cyclemap.views.experiment_page import experiment_page
+    from cyclemap.views.experiment_page import (
+        experiment_headline,
+        experiment_page,
+        isotropic_sentence,
+        method_line,
+        spread_sentence,
+    )
 
     loop, _ = chosen_loop(options)
     run = loop if quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
@@ -52,9 +56,9 @@ def experiment_command(
     stem = out / f"experiment_{file_stem(loop.material.name)}"
     picture = publish(_report(experiment), experiment_page(experiment), stem, picture_format, json_target)
     if picture is not None:
-        told = (sentences.spread_sentence, sentences.isotropic_sentence, sentences.method_line)
+        told = (spread_sentence, isotropic_sentence, method_line)
         words = (sentence(experiment) for sentence in told)
-        PeopleConsole().tell(sentences.experiment_headline(experiment), *words, f"picture: {picture}")
+        PeopleConsole().tell(experiment_headline(experiment), *words, f"picture: {picture}")
 
 
 def _report(experiment: BatchExperiment) -> Json:

@@ -28,8 +28,7 @@ def explore_command(options: LoopOptions, data: Path | None, browser: bool) -> N
     """
     from cyclemap.cli.settings import chosen_loop, protocol_of, set_settings
     from cyclemap.evidence import read_theta0_pairs
-    from cyclemap.views.explorer.answers import coarse, exact, measured
-    from cyclemap.views.explorer.controls import explored
+    from cyclemap.views.explorer.answers import coarse, exact, explored, measured
     from cyclemap.views.explorer.server import ExplorerServer
 
     material = options.material or "plywood"

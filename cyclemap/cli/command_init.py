@@ -1,4 +1,4 @@
-"""`cyclemap init`: a collection file for one's own object, commented, and a picture of what it says."""
+"""`cyclemap init` and `check`: a file for one's own object, what is likely wrong with it, and a picture."""
 
 from __future__ import annotations
 
@@ -28,10 +28,7 @@ COMMENTS = (
     "--shape", metavar="NAME", help="An object of the MIT push dataset: rect1 to rect3, tri1 to tri3, hex, ..."
 )
 @click.option(
-    "--outline",
-    metavar="PATH",
-    type=click.Path(path_type=Path),
-    help="An SVG, DXF, STL, URDF or CSV file of it.",
+    "--outline", metavar="PATH", type=click.Path(path_type=Path), help="An SVG, DXF, STL, URDF or CSV file of it."
 )
 @click.option(
     "--unit", type=click.Choice(["mm", "cm", "m", "inch"]), help="Of the outline file. [default: guessed, said]"
@@ -57,8 +54,6 @@ def init_command(file: Path, json_target: str | None, **asked: Any) -> None:
     outline, said = _outline(asked)
     name = asked["name"] or asked["shape"] or (asked["outline"] or file).stem
     _write(file, outline, name, asked)
-    from cyclemap.cli.command_check import tell_check
-
     tell_check(file, file.with_suffix(".png"), json_target, [*said, f"written: {file}"])
 
 
@@ -136,3 +131,49 @@ def _write(file: Path, outline: Outline, name: str, asked: dict[str, Any]) -> No
     notes = {key: f"{one.meaning[0].upper()}{one.meaning[1:]}." for key, one in SETTINGS.items()}
     text = collection_text(loop, noise=DEFAULT_SIGMA if sigma is None else sigma, comments=COMMENTS, notes=notes)
     write_whole(file, text.encode())
+
+
+@click.command("check")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--out", metavar="DIR", type=click.Path(path_type=Path), default="out", show_default=True, help="Of the picture."
+)
+@click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
+def check_command(file: Path, out: Path, json_target: str | None) -> None:
+    """Look at a collection FILE.toml as a careful colleague would: say what is likely wrong, and draw it."""
+    tell_check(file, out / f"check_{file.stem}.png", json_target, [])
+
+
+def tell_check(file: Path, picture: Path, json_target: str | None, said: list[str]) -> None:
+    """Check a file, draw it, and tell what was said before and what was found; InvalidInput where nothing would run."""
+    from cyclemap.cli.output import PeopleConsole, publish_json
+    from cyclemap.collection.own_object import check_collection
+    from cyclemap.errors import InvalidInput
+    from cyclemap.views.object_page import object_page
+    from cyclemap.views.style import render
+    from cyclemap.whole_files import write_whole
+
+    found = check_collection(file)
+    wrong = [finding.words for finding in found.findings if finding.wrong]
+    doubts = [finding.words for finding in found.findings if not finding.wrong]
+    write_whole(picture, render(object_page(found)))
+    report: dict[str, object] = {
+        "file": str(file),
+        "said": said,
+        "wrong": wrong,
+        "doubts": doubts,
+        "picture": str(picture),
+    }
+    if not publish_json(report, json_target):
+        console = PeopleConsole()
+        for line in said:
+            console.print(line)
+        for words in doubts:
+            console.print(f"check: {words}")
+        if not (wrong or doubts):
+            console.print(f"{file}: nothing to object to", style="bold")
+        console.print(f"picture: {picture}")
+    if wrong:
+        raise InvalidInput(f"{file}: {'; '.join(wrong)}")
+    if json_target != "-":
+        PeopleConsole().print(f"next: cyclemap portrait {file}")

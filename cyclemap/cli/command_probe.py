@@ -8,14 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.options import (
-    LoopOptions,
-    Whole,
-    protocol_options,
-    readable_data,
-    result_options,
-    table_options,
-)
+from cyclemap.cli.options import LoopOptions, Whole, protocol_options, readable_data, result_options, table_options
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -44,11 +37,8 @@ def probe_command(options: LoopOptions, json_target: str | None, **asked: Any) -
     --command and --python.
     """
     from cyclemap.cli.json_report import degrees
-    from cyclemap.cli.output import publish_json, write_json
-    from cyclemap.cli.terminal import PeopleConsole
+    from cyclemap.cli.output import PeopleConsole, publish
     from cyclemap.views.probe_page import probe_page, probe_sentences
-    from cyclemap.views.style import render
-    from cyclemap.whole_files import write_whole
 
     found = _probed(options, asked)
     report = {
@@ -68,14 +58,9 @@ def probe_command(options: LoopOptions, json_target: str | None, **asked: Any) -
         "explained": found.explained,
         "locks_at_deg": [degrees(theta) for theta in found.stable] if found.found else [],
     }
-    write_json(asked["out"] / "probe.json", report)
-    picture = asked["out"] / f"probe.{asked['picture_format']}"
-    write_whole(picture, render(probe_page(found), asked["picture_format"]))
-    if not publish_json(report, json_target):
-        console = PeopleConsole()
-        for number, sentence in enumerate(probe_sentences(found)):
-            console.print(sentence, style=None if number else "bold")
-        console.print(f"picture: {picture}")
+    picture = publish(report, probe_page(found), asked["out"] / "probe", asked["picture_format"], json_target)
+    if picture is not None:
+        PeopleConsole().tell(*probe_sentences(found), f"picture: {picture}")
 
 
 def _probed(options: LoopOptions, asked: dict[str, Any]) -> Probe:

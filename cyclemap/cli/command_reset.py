@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from cyclemap.cli.options import LoopOptions, Real, Whole, loop_options, result_options
+
+if TYPE_CHECKING:
+    from cyclemap.cli.json_report import Json
+    from cyclemap.resets import ResetDesign, ResetRow
 
 _SHARE = Real(min=0.0, max=1.0, min_open=True, max_open=True)
 _ABOVE_ZERO = Real(min=0.0, min_open=True)
@@ -44,12 +48,8 @@ def reset_command(
     likely: tuple[str, ...], **wanted: Any,
 ) -> None:  # fmt: skip
     """Find a reset that spreads θ0 uniformly on MATERIAL and its likes, and write it as protocol and schedule."""
-    from rich.table import Table
-
-    from cyclemap.cli.output import file_stem, progress_bar, publish
-    from cyclemap.cli.reset_report import predicted, reset_report
+    from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
     from cyclemap.cli.settings import chosen_collection
-    from cyclemap.cli.terminal import PeopleConsole
     from cyclemap.collection.portrait import DEFAULT_SIGMA
     from cyclemap.mechanics import load_material
     from cyclemap.resets import (
@@ -77,9 +77,9 @@ def reset_command(
         )
     stem, strategy = out / f"reset_{file_stem(asked.loop.material.name)}", design.chosen.strategy
     protocol, schedule = (stem.with_name(f"{stem.name}.{end}") for end in ("toml", "csv"))
-    write_protocol(protocol, design.loop, strategy, noise=sigma, predicted=predicted(design.chosen))
+    write_protocol(protocol, design.loop, strategy, noise=sigma, predicted=_predicted(design.chosen))
     write_schedule(schedule, design.loop, strategy, cycles, seed)
-    told = reset_report(design, protocol, schedule)
+    told = _report(design, protocol, schedule)
     picture = publish(told, reset_page(design), stem, picture_format, json_target)
     if picture is None:
         return
@@ -87,11 +87,61 @@ def reset_command(
     for sentence in miss_sentences(design):
         console.print(sentence, style="bold red")
     console.tell(*design_sentences(design))
-    table = Table(title="Beside it", title_justify="left")
-    for place, column in enumerate(COLUMNS):
-        table.add_column(column, justify="left" if place < 2 else "right", no_wrap=place > 1)
+    table = people_table("Beside it", COLUMNS, words=2)
+    for column in table.columns[2:]:
+        column.no_wrap = True
     for row in design.rows[1:]:
         table.add_row(*row_cells(row))
     console.print_table(table)
     files = (f"picture: {picture}", f"protocol: {protocol}", f"schedule: {schedule}")
     console.print("\n".join(filter(None, (material_line(design.loop.material), *files))))
+
+
+def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
+    """The report of `cyclemap reset`; the chosen row is the first."""
+    from cyclemap.cli.json_report import actions_report, degrees
+    from cyclemap.views.reset_sentences import miss_sentences, recipe
+
+    rows: list[Json] = [
+        {
+            "roles": list(row.roles),
+            "recipe": recipe(row.strategy),
+            "actions": actions_report(row.strategy, design.loop),
+            **_predicted(row),
+            "worst_material": row.worst_material.name,
+            "histogram_spread": row.histogram[1],
+            "worst_histogram_distance": row.worst_histogram[0],
+            "seconds": row.seconds,
+            "reach_mm": 1e3 * row.room,
+            "shortest_contact_mm": 1e3 * row.contact,
+            "misses": list(row.misses),
+            "lacking": list(row.lacking),
+        }
+        for row in design.rows
+    ]
+    return {
+        "material": design.loop.material.name,
+        "noise_deg": degrees(design.sigma),
+        "range": {"told": design.about.told, "materials": [one.name for one in design.about.materials]},
+        "met": design.met,
+        "reasons": list(miss_sentences(design)),
+        "independent_histogram_distance": design.independent,
+        "histogram_distance_by_order": design.orders,
+        "friction_error": {"ratio": design.ratio_errors.tolist(), "tv": design.ratio_tv.tolist()},
+        "rows": rows,
+        "protocol": str(protocol),
+        "schedule": str(schedule),
+    }
+
+
+def _predicted(row: ResetRow) -> dict[str, float]:
+    """What a protocol file carries along."""
+    return {
+        "tv": row.nominal.total_variation,
+        "tv_after": row.nominal.after,
+        "within": row.nominal.pushes,
+        "worst_tv": row.worst,
+        "worst_tv_after": row.worst_after,
+        "histogram_distance": row.histogram[0],
+        "mean_drag_mm": 1e3 * row.drag,
+    }

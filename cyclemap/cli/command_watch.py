@@ -10,14 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.options import (
-    LoopOptions,
-    Real,
-    result_options,
-    table_options,
-    tell_what_was_read,
-    told_columns,
-)
+from cyclemap.cli.options import LoopOptions, Real, result_options, table_options, tell_what_was_read, told_columns
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -112,20 +105,21 @@ def _chooser(protocol: Path | None, material: str | None) -> Choose:
 def _tell(before: BiasReport, after: BiasReport, theta: float, chosen: Chosen | None, as_json: bool) -> None:
     """A line of JSON; or what changed: alarm, rest, another tenth of the circle; and what a strategy does next."""
     from cyclemap.cli.json_report import direction_deg
-    from cyclemap.views import watch_sentences as sentences
 
     if as_json:
         told = {"push": after.push, "theta0_deg": direction_deg(theta), **_report(after, chosen)}
         click.echo(json.dumps(told, allow_nan=False, ensure_ascii=False))
         return
+    from cyclemap.views.watch_page import advice_sentence, alarm_sentence, covered, next_action_sentence, rest_sentence
+
     news: list[str] = []
     if after.alarm is not None and before.alarm is None:
-        news += [sentences.alarm_sentence(after.alarm), sentences.advice_sentence(after)]
+        news += [alarm_sentence(after.alarm), advice_sentence(after)]
     elif after.alarm is not None and (after.rest is None) != (before.rest is None):
-        news.append(sentences.rest_sentence(after) or "θ0 moves on.")
+        news.append(rest_sentence(after) or "θ0 moves on.")
     if int(_TOLD_SHARES * after.coverage.covered) > int(_TOLD_SHARES * before.coverage.covered):
-        news.append(f"{sentences.covered(after.coverage)}.")
-    for line in (*news, *([] if chosen is None else [sentences.next_action_sentence(*chosen)])):
+        news.append(f"{covered(after.coverage)}.")
+    for line in (*news, *([] if chosen is None else [next_action_sentence(*chosen)])):
         click.echo(f"push {after.push}: {line}")
 
 
@@ -134,10 +128,8 @@ def _conclude(
     json_target: str | None, quiet: bool = False,
 ) -> None:  # fmt: skip
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
-    from cyclemap.cli.output import file_stem, publish
-    from cyclemap.cli.terminal import PeopleConsole
-    from cyclemap.views.watch_page import watch_page
-    from cyclemap.views.watch_sentences import next_action_sentence, watch_sentences
+    from cyclemap.cli.output import PeopleConsole, file_stem, publish
+    from cyclemap.views.watch_page import next_action_sentence, watch_page, watch_sentences
 
     last, chosen = reports[-1], choose(monitor)
     told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(last, chosen)}

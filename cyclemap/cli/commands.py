@@ -30,12 +30,7 @@ from cyclemap.cli.options import (
 @theta0_option
 @click.option("--out", metavar="DIR", type=click.Path(path_type=Path), help="Also write cycles_MATERIAL.json there.")
 @click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
-def cycle_command(
-    options: LoopOptions,
-    theta0_deg: str,
-    out: Path | None,
-    json_target: str | None,
-) -> None:
+def cycle_command(options: LoopOptions, theta0_deg: str, out: Path | None, json_target: str | None) -> None:
     """Run single cycles: one push and one drag back from each start angle."""
     from cyclemap.cli.run_cycle import run_cycle
 
@@ -45,11 +40,7 @@ def cycle_command(
 @click.command("portrait")
 @loop_options
 @run_options
-def portrait_command(
-    options: LoopOptions,
-    json_target: str | None,
-    **request: Any,
-) -> None:
+def portrait_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
     """Compute the cycle map of a material, tell what it implies, and draw it."""
     from cyclemap.cli.run_portrait import run_portrait
 
@@ -59,11 +50,7 @@ def portrait_command(
 @click.command("staircase")
 @loop_options
 @run_options
-def staircase_command(
-    options: LoopOptions,
-    json_target: str | None,
-    **request: Any,
-) -> None:
+def staircase_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
     """Predict the staircase of θ0: its steps, how long it rests on them, and one run."""
     from cyclemap.cli.run_staircase import run_staircase
 
@@ -74,18 +61,14 @@ def staircase_command(
 @protocol_options
 @click.option("--check", is_flag=True, help="Compute the full cycle map too, and set its directions beside.")
 @result_options("fingerprint_MATERIAL.png and .json")
-def fingerprint_command(
-    options: LoopOptions,
-    json_target: str | None,
-    **request: Any,
-) -> None:
+def fingerprint_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
     """Print the five numbers of a protocol and, for a material, the directions they predict.
 
     Without MATERIAL and friction settings only the protocol's own numbers are told.
     """
-    from cyclemap.cli.run_fingerprint import FingerprintRequest, run_fingerprint
+    from cyclemap.cli.run_fingerprint import run_fingerprint
 
-    run_fingerprint(options, FingerprintRequest(**request), json_target)
+    run_fingerprint(options, json_target=json_target, **request)
 
 
 _NOT_NEGATIVE = Real(min=0.0)
@@ -112,11 +95,7 @@ _NOT_NEGATIVE = Real(min=0.0)
     "--format", "suffix", type=click.Choice(["h5", "json"]), default="h5", show_default=True, help="Kind of the files."
 )
 @click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
-def simulate_command(
-    options: LoopOptions,
-    json_target: str | None,
-    **request: Any,
-) -> None:
+def simulate_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
     """Write a simulated collection as files of the MIT dataset's layout, to rehearse what comes after.
 
     Run it again with the same arguments to go on with a collection that was broken off.
@@ -145,9 +124,9 @@ def replay_command(options: LoopOptions, json_target: str | None, **request: Any
     the data's: MIT's by its name in them, any other from MATERIAL, --protocol or the collection.toml beside the data.
     On an isotropic surface the friction coefficient changes no motion.
     """
-    from cyclemap.cli.run_replay import ReplayRequest, run_replay
+    from cyclemap.cli.run_replay import run_replay
 
-    run_replay(options, ReplayRequest(**request), json_target)
+    run_replay(options, json_target=json_target, **request)
 
 
 MOST_HARMONICS = 50
@@ -171,6 +150,132 @@ def fit_command(data: Path, columns: str | None, units: str | None, json_target:
 
     data = readable_data(data, columns, units, request["out"])
     run_fit(data, FitRequest(**request), json_target)
+
+
+@click.command("identify")
+@click.argument("data", nargs=-1, required=True, type=click.Path(path_type=Path))
+@table_options
+@select_option
+@click.option("--protocol", metavar="TOML", type=click.Path(path_type=Path), help="The --set keys in TOML tables.")
+@click.option(
+    "--set",
+    "settings",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="One fact of the experiment (rod, ring, object); repeatable.",
+)
+@click.option("--first", type=Whole(min=0), default=0, show_default=True, help="Leave out cycles before this one.")
+@click.option(
+    "--most", type=Whole(min=2), default=2000, show_default=True, help="Pushes or drags of an object and file, at most."
+)
+@click.option("--start", metavar="MATERIAL", help="Where the search begins: a name or a TOML file.")
+@click.option("--free", metavar="NAMES", help="Parameters to identify, by commas. [default: what the data tell]")
+@click.option("--fix", metavar="NAME=VALUE", multiple=True, help="Hold a parameter (SI units); repeatable.")
+@click.option("--wear", is_flag=True, help="Let the friction change over the cycles.")
+@click.option("--no-priors", is_flag=True, help="Believe nothing beforehand: the data alone speak.")
+@click.option("--folds", type=Whole(min=0), help="Parts for cross-validation; 0: none. [default: 5]")
+@click.option(
+    "--student",
+    type=Real(min=1.0, min_open=True),
+    default=4.0,
+    show_default=True,
+    help="Freedom of Student noise, which lets outliers count less; a large one is normal noise.",
+)
+@click.option("--starts", type=Whole(min=1), default=2, show_default=True, help="Searches.")
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of starts, folds and draws.")
+@click.option("--name", help="Of the material. [default: SURFACE-identified]")
+@result_options("NAME.toml, identify_NAME.png and .json")
+def identify_command(
+    data: tuple[Path, ...], columns: str | None, units: str | None, json_target: str | None, **request: Any
+) -> None:
+    """Identify a surface from measured data, and write it as a material.
+
+    DATA are files, folders or trees: friction scans and pushes in the MIT layout, and CSV tables of push ends with
+    tip, of drag-backs, of θ0, or of wrenches and twists, of any number of objects on one surface. All are explained at
+    once: friction is the surface's, pressure each object's, the shift between robot and camera each data set's.
+    """
+    from cyclemap.cli.run_identify import IdentifyRequest, run_identify
+
+    data = tuple(readable_data(path, columns, units, request["out"]) for path in data)
+    run_identify(data, IdentifyRequest(**request), json_target)
+
+
+@click.command("compare")
+@loop_options
+@table_options
+@click.option(
+    "--data",
+    metavar="DATA",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="Measured pushes: a CSV table of θ0 or of poses, or a file or folder of the MIT layout.",
+)
+@click.option("--first", type=Whole(min=0), default=0, show_default=True, help="Leave out pushes before this one.")
+@select_option
+@click.option("--runs", type=Whole(min=19), default=199, show_default=True, help="Simulated collections.")
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of their noise.")
+@result_options("compare_MATERIAL.png and .json")
+def compare_command(
+    options: LoopOptions, columns: str | None, units: str | None, json_target: str | None, **request: Any
+) -> None:
+    """Set the prediction of a material beside measured data, and say where they agree."""
+    from cyclemap.cli.run_compare import run_compare
+
+    read = readable_data(request["data"], columns, units, request["out"])
+    run_compare(options, read=read, json_target=json_target, **request)
+
+
+@click.command("sweep")
+@protocol_options
+@click.option(
+    "--over",
+    metavar="KEY=VALUES",
+    multiple=True,
+    required=True,
+    help="A key of --set, noise_deg or material, with start:stop:count or a,b,c; start:stop with --sample. Repeatable.",
+)
+@click.option("--sample", metavar="N", type=Whole(min=1), help="N points of the ranges, not a grid.")
+@click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of the sample.")
+@click.option(
+    "--sequence",
+    type=click.Choice(["sobol", "uniform"]),
+    default="sobol",
+    show_default=True,
+    help="How the sample is spread.",
+)
+@click.option(
+    "--quantities",
+    metavar="LIST",
+    default="rotation,fixed_points,turns",
+    show_default=True,
+    help="By commas: rotation, fixed_points, turns, stationary, staircase, or all; stationary and staircase cost most.",
+)
+@click.option(
+    "--tolerance-deg",
+    type=Real(),
+    help="Of each cycle map. [default: 5.7e-04; 5.7e-05 is that of portraits, at twice the time]",
+)
+@click.option(
+    "--rotation-tolerance",
+    type=Real(),
+    default=1e-4,
+    show_default=True,
+    help="Turns a cycle to which rotation numbers need be known; 0 is a portrait's effort, far more.",
+)
+@click.option("--workers", type=Whole(min=1), help="Processes. [default: one a core]")
+@click.option("--export", metavar="LIST", default="", help="Also write csv, netcdf, or both, by commas.")
+@click.option("--draw", metavar="LIST", default="", help="Quantities to draw, by commas.")
+@click.option("--status", is_flag=True, help="Tell how far the sweep is, and compute nothing.")
+@result_options("the store sweep_MATERIAL.sqlite, .png, .csv and .nc")
+def sweep_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
+    """Sweep settings: the portrait's numbers at every point of a grid or a sample.
+
+    Results are stored as they come; the same command again goes on where it stopped, and ends at once when all is
+    there. Over one key or two it draws the bifurcation or phase diagram.
+    """
+    from cyclemap.cli.run_sweep import SweepRequest, run_sweep_command
+
+    run_sweep_command(options, SweepRequest(**request), json_target)
 
 
 @click.command("figures")

@@ -4,27 +4,21 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cyclemap.collection.loop import Cycle
-from cyclemap.collection.portrait import Portrait
-
 if TYPE_CHECKING:
+    from cyclemap.collection.loop import CollectionLoop, Cycle
+    from cyclemap.collection.portrait import Portrait
     from cyclemap.collection.staircase_forecast import StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
     from cyclemap.maps import SlowZone, StaircaseSummary, Steps
-
+    from cyclemap.resets import ResetStrategy
 
 Json = dict[str, object]
-
-
-def cycles_report(starts_deg: Sequence[float], cycles: Sequence[Cycle]) -> Json:
-    """The report of `cyclemap cycle`: cycles from the start angles as they were given (degrees)."""
-    return {"cycles": [cycle_report(start, cycle) for start, cycle in zip(starts_deg, cycles, strict=True)]}
 
 
 def cycle_report(start_deg: float, cycle: Cycle) -> Json:
@@ -82,6 +76,25 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
     return report if measured is None else {**report, "data": measured_report(measured)}
 
 
+def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
+    """The strategy's actions, filled in by their loop, with their shares of the cycles."""
+    from cyclemap.views.reset_sentences import action_words
+
+    return [
+        {
+            "name": action_words(action),
+            "weight": number(share),
+            "side": acted.push.side,
+            "fraction": number(acted.push.fraction),
+            "angle_deg": degrees(acted.push.angle),
+            "push_mm": number(1e3 * acted.push.distance),
+            "way_points_mm": [[number(1e3 * x), number(1e3 * y)] for x, y in acted.reset.way_points],
+            "gripper_turn_deg": degrees(action.turn),
+        }
+        for action, acted, share in zip(strategy.actions, strategy.loops(loop), strategy.shares, strict=True)
+    ]
+
+
 def json_text(report: Json) -> str:
     """The text of a report, ending with a line break; NaN and infinities are refused."""
     return json.dumps(report, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
@@ -127,9 +140,7 @@ def _rotation(portrait: Portrait) -> Json:
     rotation = portrait.rotation
     locked = rotation.locked
     return {
-        "value": number(rotation.value),
-        "lower": number(rotation.lower),
-        "upper": number(rotation.upper),
+        **numbers_of(rotation, "value", "lower", "upper"),
         "locked": None if locked is None else f"{locked.numerator}/{locked.denominator}",
     }
 
@@ -139,8 +150,7 @@ def _stationary(portrait: Portrait) -> Json:
     return {
         "noise_deg": degrees(portrait.noise.sigma),
         "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
-        "spectral_gap": number(operator.spectral_gap),
-        "mixing_cycles": number(operator.mixing_cycles),
+        **numbers_of(operator, "spectral_gap", "mixing_cycles"),
         "tv_from_uniform": number(portrait.tv_from_uniform),
     }
 
@@ -197,8 +207,7 @@ def measured_report(measured: MeasuredStaircase) -> Json:
         },
         "comparison": {
             "steps": number(comparison.net_steps),
-            "expected_steps": number(comparison.expected_steps),
-            "pace_p_value": number(comparison.pace_p_value),
+            **numbers_of(comparison, "expected_steps", "pace_p_value"),
             "visits": [
                 {
                     "centre_deg": direction_deg(visit.zone.centre),
@@ -242,6 +251,16 @@ def numbers(values: Iterable[float]) -> list[float | None]:
 def degrees(radians: float | None) -> float | None:
     """Return an angle in degrees."""
     return None if radians is None else number(math.degrees(radians))
+
+
+def numbers_of(one: object, *names: str) -> Json:
+    """Return attributes by their names, as `number` does."""
+    return {name: number(getattr(one, name)) for name in names}
+
+
+def degrees_of(one: object, *names: str) -> Json:
+    """Return attributes in radians as name_deg."""
+    return {f"{name}_deg": degrees(getattr(one, name)) for name in names}
 
 
 def direction_deg(radians: float) -> float:

@@ -15,28 +15,27 @@ import click
 from click.shell_completion import shell_complete
 
 from cyclemap.cli.command_audit import audit_command
-from cyclemap.cli.command_check import check_command
-from cyclemap.cli.command_compare import compare_command
 from cyclemap.cli.command_doctor import doctor_command
 from cyclemap.cli.command_dynamics import dynamics_command
 from cyclemap.cli.command_experiment import experiment_command
 from cyclemap.cli.command_explore import explore_command
-from cyclemap.cli.command_identify import identify_command
-from cyclemap.cli.command_init import init_command
+from cyclemap.cli.command_init import check_command, init_command
 from cyclemap.cli.command_probe import probe_command
 from cyclemap.cli.command_report import report_command
 from cyclemap.cli.command_reset import reset_command
-from cyclemap.cli.command_sweep import sweep_command
 from cyclemap.cli.command_watch import watch_command
 from cyclemap.cli.commands import (
+    compare_command,
     cycle_command,
     figures_command,
     fingerprint_command,
     fit_command,
+    identify_command,
     portrait_command,
     replay_command,
     simulate_command,
     staircase_command,
+    sweep_command,
 )
 from cyclemap.cli.complaints import one_line, told_warnings
 from cyclemap.cli.options import quiet_option
@@ -98,7 +97,11 @@ def run(arguments: Sequence[str]) -> int:
     if sys.stdout is None:
         return _complain("standard output is closed; send it to a file, or to /dev/null", FAILED)
     try:
-        _invoke(arguments)
+        # A terminal that cannot show θ gets a replacement sign, not a traceback.
+        if hasattr(sys.stdout, "reconfigure"):
+            sys.stdout.reconfigure(errors="replace")
+        with told_warnings(), cli.make_context("cyclemap", list(arguments)) as context:
+            cli.invoke(context)
         sys.stdout.flush()
     except click.exceptions.Exit as end:
         return end.exit_code
@@ -116,14 +119,6 @@ def run(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, click.Abort):
         return INTERRUPTED
     return DONE
-
-
-def _invoke(arguments: Sequence[str]) -> None:
-    # A terminal that cannot show θ gets a replacement sign, not a traceback.
-    if hasattr(sys.stdout, "reconfigure"):
-        sys.stdout.reconfigure(errors="replace")
-    with told_warnings(), cli.make_context("cyclemap", list(arguments)) as context:
-        cli.invoke(context)
 
 
 def _complain(message: str, code: int) -> int:

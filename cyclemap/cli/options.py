@@ -59,11 +59,7 @@ def protocol_options(command: Callable[..., None]) -> Callable[..., None]:
 def _gathering(command: Callable[..., None], needs_material: bool) -> Callable[..., None]:
     @wraps(command)
     def gathered(
-        material: str | None,
-        material_file: str | None,
-        protocol: Path | None,
-        settings: tuple[str, ...],
-        **others: Any,
+        material: str | None, material_file: str | None, protocol: Path | None, settings: tuple[str, ...], **others: Any
     ) -> None:
         one = (material is None) != (material_file is None)
         if not one and (needs_material or material is not None):
@@ -80,11 +76,7 @@ def _gathering(command: Callable[..., None], needs_material: bool) -> Callable[.
             help="The --set keys in TOML tables, and a [strategy].",
         ),
         click.option(
-            "--set",
-            "settings",
-            metavar="KEY=VALUE",
-            multiple=True,
-            help="One fact of the experiment; repeatable.",
+            "--set", "settings", metavar="KEY=VALUE", multiple=True, help="One fact of the experiment; repeatable."
         ),
     ]
     return decorated(gathered, decorators)

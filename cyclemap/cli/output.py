@@ -1,16 +1,20 @@
-"""Where results go: files that appear whole or not at all, the terminal, and a bar for slow work."""
+"""Where results go: files that appear whole or not at all, the terminal of people, and a bar for slow work."""
 
 from __future__ import annotations
 
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
+from rich.console import Console
+from rich.measure import Measurement
+from rich.table import Table
+from rich.text import Text
 
 from cyclemap.cli.complaints import warnings_so_far
 from cyclemap.cli.json_report import Json, json_text
@@ -23,6 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PATIENCE_SECONDS, LINE_SECONDS = 2.0, 5.0
+# More letters than any table has in a row.
+_WIDEST = 10_000
 
 
 def write_json(path: Path, report: Json) -> None:
@@ -58,6 +64,14 @@ def publish(report: Json, figure: Figure, stem: Path, picture_format: str, json_
     picture = stem.with_name(f"{stem.name}.{picture_format}")
     write_whole(picture, render(figure, picture_format))
     return None if publish_json(report, json_target) else picture
+
+
+def people_table(title: str, columns: Iterable[str], words: int = 0) -> Table:
+    """An empty table with numbers at the right of their columns; the first so many columns hold words."""
+    table = Table(title=title, title_justify="left")
+    for place, column in enumerate(columns):
+        table.add_column(column, justify="left" if place < words else "right")
+    return table
 
 
 @contextmanager
@@ -99,3 +113,47 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
         shown.join()
         if bar.live.is_started:
             bar.stop()
+
+
+class PeopleConsole(Console):
+    """Standard output without markup or guessed highlights; a reader that goes away is a BrokenPipeError."""
+
+    def __init__(self) -> None:
+        super().__init__(highlight=False, markup=False, soft_wrap=True, quiet=is_quiet())
+
+    def on_broken_pipe(self) -> NoReturn:
+        """Raise what plain output would raise, so that the command line answers both alike."""
+        raise BrokenPipeError
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Return a text, or a field of a table, as it is shown: names and paths hold what their givers like."""
+        return super().render_str(printable(text), **options)
+
+    def tell(self, headline: str, *sentences: str) -> None:
+        """Print a headline in bold, and sentences below it."""
+        self.print(headline, style="bold")
+        for sentence in sentences:
+            self.print(sentence)
+
+    def print_table(self, table: Table) -> None:
+        """Print a table at its own width; in a terminal too narrow for it, row by row, a line a column.
+
+        Squeezed it would lose its numbers, and broken lines are no table.
+        """
+        before, room = self.width, self.options.update(width=_WIDEST)
+        needed = Measurement.get(self, room, table).maximum
+        if self.is_terminal and needed > before:
+            self._print_rows(table)
+            return
+        self.width = max(before, needed)
+        self.print(table)
+        self.width = before
+
+    def _print_rows(self, table: Table) -> None:
+        if table.title:
+            self.print(table.title, style="italic")
+        for fields in zip(*(column.cells for column in table.columns), strict=True):
+            for column, field in zip(table.columns, fields, strict=True):
+                name = " ".join(str(column.header).split())
+                self.print(f"{name}: {field}" if name else str(field))
+            self.print()

@@ -5,71 +5,58 @@ from pathlib import Path
 
 from rich.table import Table
 
-from cyclemap.cli.command_compare import CompareRequest
-from cyclemap.cli.json_report import Json, degrees, direction_deg, number
+from cyclemap.cli.json_report import Json, degrees, degrees_of, direction_deg, number
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
+from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
-from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison.compare import Comparison, compare
 from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement
 from cyclemap.evidence.comparison.direction_agreement import DirectionAgreement
 from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
-from cyclemap.evidence.comparison.push_agreement import (
-    Distances,
-    PushAgreement,
-    QuantityAgreement,
-    mean_distances,
-)
+from cyclemap.evidence.comparison.push_agreement import Distances, PushAgreement, QuantityAgreement, mean_distances
 from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
 from cyclemap.evidence.orientations.goodness_of_fit import PValue
 from cyclemap.maps import StepComparison, WrappedNormal
-from cyclemap.views import compare_sentences as sentences
-from cyclemap.views.compare_page import compare_page
-from cyclemap.views.style import render
-from cyclemap.whole_files import write_whole
+from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
 
 PUSH_COLUMNS = ("", "measured", "std", "predicted", "bias", "spread", "RMSE", "%", "std %")
 SYMBOLS = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
 
 
-def run_compare(options: LoopOptions, request: CompareRequest, json_target: str | None) -> None:
-    """Compare the loop's prediction with the data, draw both, and print the answers for people or as JSON."""
-    loop, sigma = chosen_loop(options, request.data)
+def run_compare(
+    options: LoopOptions, data: Path, read: Path, first: int, select: tuple[str, ...], runs: int, seed: int,
+    out: Path, picture_format: str, json_target: str | None,
+) -> None:  # fmt: skip
+    """Compare the loop's prediction with the data, draw both, and print the answers for people or as JSON.
+
+    read : the data, or what was made of a table of the user's own.
+    """
+    loop, sigma = chosen_loop(options, data)
     name = loop.material.name
-    with progress_bar(f"{name} beside {request.data.name}") as report:
+    with progress_bar(f"{name} beside {data.name}") as report:
         found = compare(
             loop,
-            request.read,
+            read,
             noise=None if sigma is None else WrappedNormal(sigma),
-            first=request.first,
-            select=selected_values(request.select),
+            first=first,
+            select=selected_values(select),
             # MIT's own 150 mm are no answer for data that do not tell.
-            push_length=loop.push.distance if "push_mm" in told_settings(options, request.data)[1] else None,
-            runs=request.runs,
-            seed=request.seed,
+            push_length=loop.push.distance if "push_mm" in told_settings(options, data)[1] else None,
+            runs=runs,
+            seed=seed,
             progress=report,
         )
-    told = compare_report(name, found)
-    stem = request.out / f"compare_{file_stem(name)}"
-    write_json(stem.with_name(f"{stem.name}.json"), told)
-    picture = stem.with_name(f"{stem.name}.{request.picture_format}")
     page = compare_page(name, found, turn_curve(found.prediction.map_at(found.middle)))
-    write_whole(picture, render(page, request.picture_format))
-    if not publish_json(told, json_target):
-        _print_for_people(name, found, picture)
-
-
-def _print_for_people(name: str, found: Comparison, picture: Path) -> None:
+    stem = out / f"compare_{file_stem(name)}"
+    picture = publish(compare_report(name, found), page, stem, picture_format, json_target)
+    if picture is None:
+        return
     console = PeopleConsole()
-    console.print(sentences.headline(name, found), style="bold")
-    console.print(sentences.data_sentence(found))
-    for verdict in found.verdicts:
-        console.print(verdict.words)
-    for sentence in sentences.trust_sentences(found):
-        console.print(sentence)
+    verdicts = (verdict.words for verdict in found.verdicts)
+    told = (data_sentence(found), *verdicts, *trust_sentences(found))
+    console.tell(headline(name, found), *told)
     for whose, quantities in found.told_pushes:
         console.print_table(_push_table(whose, quantities))
     if found.orientations is not None:
@@ -78,9 +65,7 @@ def _print_for_people(name: str, found: Comparison, picture: Path) -> None:
 
 
 def _push_table(whose: str, quantities: tuple[QuantityAgreement, ...]) -> Table:
-    table = Table(title=f"{quantities[0].count} pushes{whose}", title_justify="left")
-    for column in PUSH_COLUMNS:
-        table.add_column(column, justify="right")
+    table = people_table(f"{quantities[0].count} pushes{whose}", PUSH_COLUMNS)
     for one in quantities:
         scale = math.degrees(1.0) if one.name == "dtheta" else 1000.0
         lengths = (one.measured_mean, one.measured_std, one.predicted_mean, one.bias, one.spread, one.rmse)
@@ -93,9 +78,8 @@ def _push_table(whose: str, quantities: tuple[QuantityAgreement, ...]) -> Table:
 
 def _test_table(found: Comparison) -> Table:
     assert found.orientations is not None
-    table = Table(title="Histogram of directions, measured against predicted", title_justify="left")
-    for column in ("test", "statistic", "p-value"):
-        table.add_column(column, justify="right")
+    title = "Histogram of directions, measured against predicted"
+    table = people_table(title, ("test", "statistic", "p-value"))
     for name, one in found.orientations.tests.items():
         value = f"{math.degrees(one.statistic):.2f}°" if name == "wasserstein" else f"{one.statistic:.3f}"
         table.add_row(name.replace("_", " "), value, f"{one.value:.3f} ± {one.standard_error:.3f}")
@@ -170,13 +154,8 @@ def _cycle(found: CycleAgreement) -> Json:
         "rms_deg": degrees(found.agreement.rms),
         "bins": found.agreement.bins,
         "bin_rms_deg": degrees(found.agreement.bin_rms),
-        "measured_turn_deg": degrees(found.measured_turn),
-        "predicted_turn_deg": degrees(found.predicted_turn),
-        "bias_deg": degrees(found.bias),
-        "bias_error_deg": degrees(found.bias_error),
-        "model_error_deg": degrees(found.model_error),
-        "isotropic_rms_deg": degrees(found.isotropic_rms),
-        "scatter_deg": degrees(found.scatter),
+        **degrees_of(found, "measured_turn", "predicted_turn", "bias", "bias_error", "model_error"),
+        **degrees_of(found, "isotropic_rms", "scatter"),
         "lag_correlation": number(found.lag_correlation),
         "map_test": _p_value(found.p_value),
     }

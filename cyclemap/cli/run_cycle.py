@@ -8,9 +8,8 @@ from rich.table import Table
 
 from cyclemap.cli.json_report import Json, cycle_report, degrees
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import file_stem, publish_json, write_json
+from cyclemap.cli.output import PeopleConsole, file_stem, people_table, publish_json, write_json
 from cyclemap.cli.settings import chosen_collection
-from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import plain_number
@@ -28,7 +27,7 @@ def run_cycle(options: LoopOptions, theta0_deg: str, out: Path | None, json_targ
     loop, strategy, name = chosen.loop, chosen.strategy, chosen.loop.material.name
     acts: list[tuple[CollectionLoop, float, Json, str]] = [(loop, 0.0, {}, f"{TITLE} {name}")]
     if strategy is not None:
-        from cyclemap.cli.reset_report import actions_report
+        from cyclemap.cli.json_report import actions_report
 
         parts = zip(strategy.actions, strategy.loops(loop), actions_report(strategy, loop), strict=True)
         acts = [
@@ -56,37 +55,27 @@ def parse_angles(text: str) -> list[float]:
     >>> parse_angles("0, -30,60.5")
     [0.0, -30.0, 60.5]
     """
-    return [_finite(part.strip()) for part in text.split(",")]
-
-
-def _finite(text: str) -> float:
-    try:
-        value = plain_number(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InvalidInput(f"--theta0-deg has {text!r}; give finite numbers with commas, such as 0,30,60")
-    if abs(value) > LARGEST_DEG:
-        raise InvalidInput(f"--theta0-deg has {text!r}, whose part of a turn is lost to rounding; wrap it first")
-    return value
+    angles = []
+    for part in map(str.strip, text.split(",")):
+        try:
+            value = plain_number(part)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise InvalidInput(f"--theta0-deg has {part!r}; give finite numbers with commas, such as 0,30,60")
+        if abs(value) > LARGEST_DEG:
+            raise InvalidInput(f"--theta0-deg has {part!r}, whose part of a turn is lost to rounding; wrap it first")
+        angles.append(value)
+    return angles
 
 
 def cycle_table(title: str, cycles: Sequence[Cycle], gripper_turn: float = 0.0) -> Table:
     """The cycles as a table; `gripper_turn` (rad) is added to where they end."""
-    table = Table(title=title, title_justify="left")
-    for column in COLUMNS:
-        table.add_column(column, justify="right")
+    table = people_table(title, COLUMNS)
     for cycle in cycles:
         dx, dy = (1000 * component for component in cycle.push_displacement)
-        turn, drag = math.degrees(cycle.push_turn), math.degrees(cycle.drag_turn)
-        row = (
-            math.degrees(cycle.theta),
-            turn,
-            dx,
-            dy,
-            drag,
-            1000 * cycle.drag_length,
-            math.degrees(cycle.theta_next + gripper_turn),
-        )
+        start, turn, drag = map(math.degrees, (cycle.theta, cycle.push_turn, cycle.drag_turn))
+        end = math.degrees(cycle.theta_next + gripper_turn)
+        row = (start, turn, dx, dy, drag, 1000 * cycle.drag_length, end)
         table.add_row(*(f"{value:.3f}" for value in row))
     return table

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from rich.table import Table
+
 from cyclemap.cli.json_report import Json
-from cyclemap.cli.output import progress_bar, publish_json, write_json
-from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, write_json
 from cyclemap.errors import CycleMapError, DataFileError
 from cyclemap.figures.catalogue import Entry, entries, load_exhibit
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
@@ -100,7 +101,7 @@ def _make_all(
 
 def _make(entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str) -> Made:
     """Compute, draw and write one exhibit."""
-    from cyclemap.figures.exhibit import PaperAnimation, PaperFigure
+    from cyclemap.figures.catalogue import PaperAnimation, PaperFigure
 
     exhibit, data = load_exhibit(entry.name), WatchedFolder(folder.path)
     result = exhibit.compute(data)
@@ -111,24 +112,19 @@ def _make(entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str) 
 
         suffix, content = picture_format, render(exhibit.draw(result), picture_format)
     elif isinstance(exhibit, PaperAnimation):
-        from cyclemap.figures.animation import animated_gif
+        from cyclemap.figures.locking_in import animated_gif
 
         suffix, content = "gif", animated_gif(exhibit.frames(result))
     else:
-        header, rows = exhibit.header, tuple(exhibit.rows(result))
-        suffix, content = "csv", _csv(header, rows)
+        header, rows, text = exhibit.header, tuple(exhibit.rows(result)), io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([header, *rows])
+        suffix, content = "csv", text.getvalue().encode()
     path = out / f"{entry.name}.{suffix}"
     write_whole(path, content)
-    names = {"name": exhibit.name, "title": exhibit.title, "source": exhibit.source}
+    names = {"name": entry.name, "title": entry.title, "source": entry.source}
     found = ", ".join(data.there) or None
     line: Json = {**names, "caption": typeset(exhibit.caption(result)), "file": path.name, "measured": found}
     return Made(line, bool(data.asked), header, rows)
-
-
-def _csv(header: tuple[str, ...], rows: tuple[tuple[str, ...], ...]) -> bytes:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([header, *rows])
-    return text.getvalue().encode()
 
 
 def _tell(console: PeopleConsole, made: Made, out: Path) -> None:
@@ -136,22 +132,16 @@ def _tell(console: PeopleConsole, made: Made, out: Path) -> None:
     line = made.line
     console.print(f"{line['name']}: {line['title']} ({line['source']})", style="bold")
     if made.header:
-        _print_table(made.header, made.rows)
+        table = Table()
+        for name in made.header:
+            table.add_column(name, no_wrap=True)
+        for row in made.rows:
+            table.add_row(*row)
+        console.print_table(table)
     console.print(str(line["caption"]))
     if made.asked:
         console.print(f"measured data: {line['measured'] or NO_DATA}")
     console.print(f"file: {out / str(line['file'])}\n")
-
-
-def _print_table(header: tuple[str, ...], rows: tuple[tuple[str, ...], ...]) -> None:
-    from rich.table import Table
-
-    table = Table()
-    for name in header:
-        table.add_column(name, no_wrap=True)
-    for row in rows:
-        table.add_row(*row)
-    PeopleConsole().print_table(table)
 
 
 def _read_index(path: Path) -> dict[str, Any]:

@@ -1,16 +1,12 @@
 """`cyclemap fingerprint`: the five numbers of a protocol and what they predict, in sentences, as JSON, as a picture."""
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 
-from rich.table import Table
-
-from cyclemap.cli.json_report import Json, degrees, direction_deg, number, uncertainty_report
+from cyclemap.cli.json_report import Json, degrees, degrees_of, direction_deg, number, uncertainty_report
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
+from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.settings import chosen_loop
-from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse, fingerprint
 from cyclemap.collection.fingerprint_check import CheckedDirection, PredictionCheck, check_prediction
 from cyclemap.collection.fingerprint_prediction import PredictedDirection, Prediction, predict
@@ -18,40 +14,35 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
-from cyclemap.views import fingerprint_sentences as sentences
-from cyclemap.views.fingerprint_page import fingerprint_page
+from cyclemap.views.fingerprint_page import (
+    check_sentence,
+    direction_sentence,
+    fingerprint_page,
+    five_numbers,
+    lock_in_sentence,
+    protocol_sentence,
+    surface_sentence,
+    trust_sentence,
+)
 from cyclemap.views.sentences import uncertainty_sentence
-from cyclemap.views.style import render
-from cyclemap.whole_files import write_whole
 
 COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)")
 
 
-@dataclass(frozen=True)
-class FingerprintRequest:
-    """Whether to check the prediction against the full map, and where results go."""
-
-    check: bool
-    out: Path
-    picture_format: str
-
-
-def run_fingerprint(options: LoopOptions, request: FingerprintRequest, json_target: str | None) -> None:
+def run_fingerprint(options: LoopOptions, check: bool, out: Path, picture_format: str, json_target: str | None) -> None:
     """Compute the fingerprint and the prediction, draw both, and print them for people or as JSON."""
     loop, _ = chosen_loop(options)
     surface = Anisotropy.of(loop.material.friction)
     predicts = options.material is not None or max(surface.offset, surface.ellipticity) > 0.0
-    if request.check and not predicts:
+    if check and not predicts:
         raise InvalidInput("--check compares a prediction with the full map: name a MATERIAL or set its friction")
     name = loop.material.name if predicts else "protocol"
-    found, prediction, checked = _computed(loop, surface if predicts else None, request.check, name)
+    found, prediction, checked = _computed(loop, surface if predicts else None, check, name)
     known = direction_uncertainty(loop) if predicts else None
     told = fingerprint_report(found, prediction, checked, name, known)
-    stem = request.out / f"fingerprint_{file_stem(name)}"
-    write_json(stem.with_name(f"{stem.name}.json"), told)
-    picture = stem.with_name(f"{stem.name}.{request.picture_format}")
-    write_whole(picture, render(fingerprint_page(found, prediction, checked, name), request.picture_format))
-    if not publish_json(told, json_target):
+    page = fingerprint_page(found, prediction, checked, name)
+    picture = publish(told, page, out / f"fingerprint_{file_stem(name)}", picture_format, json_target)
+    if picture is not None:
         _print_for_people(found, prediction, checked, name, known)
         PeopleConsole().print(f"picture: {picture}")
 
@@ -77,22 +68,20 @@ def _print_for_people(
     known: DirectionUncertainty | None,
 ) -> None:
     console = PeopleConsole()
-    table = Table(title="Fingerprint of the protocol", title_justify="left")
-    for column in COLUMNS:
-        table.add_column(column, justify="right" if column else "left")
+    table = people_table("Fingerprint of the protocol", COLUMNS, words=1)
     for part, response in (("push", found.push), ("drag", found.drag), ("cycle", found.cycle)):
-        table.add_row(part, *sentences.five_numbers(response))
+        table.add_row(part, *five_numbers(response))
     console.print_table(table)
-    console.print(sentences.protocol_sentence(found))
+    console.print(protocol_sentence(found))
     if prediction is not None:
-        console.print(sentences.surface_sentence(prediction, name))
-        console.print(sentences.direction_sentence(prediction, name), style="bold")
-        for sentence in filter(None, (sentences.lock_in_sentence(prediction), sentences.trust_sentence(prediction))):
+        console.print(surface_sentence(prediction, name))
+        console.print(direction_sentence(prediction, name), style="bold")
+        for sentence in filter(None, (lock_in_sentence(prediction), trust_sentence(prediction))):
             console.print(sentence)
     if told := uncertainty_sentence(name, known):
         console.print(told)
     if checked is not None:
-        console.print(sentences.check_sentence(checked))
+        console.print(check_sentence(checked))
 
 
 def fingerprint_report(
@@ -125,13 +114,8 @@ def fingerprint_report(
 
 
 def _response(response: TurnResponse) -> Json:
-    return {
-        "turn_deg": degrees(response.turn),
-        "offset_amplitude_deg": degrees(response.offset_amplitude),
-        "offset_phase_deg": degrees(response.offset_phase),
-        "ellipse_amplitude_deg": degrees(response.ellipse_amplitude),
-        "ellipse_phase_deg": degrees(response.ellipse_phase),
-    }
+    five = ("turn", "offset_amplitude", "offset_phase", "ellipse_amplitude", "ellipse_phase")
+    return degrees_of(response, *five)
 
 
 def _prediction(prediction: Prediction, name: str) -> Json:

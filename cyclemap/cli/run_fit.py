@@ -3,21 +3,24 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
-from cyclemap.cli.fit_report import fit_report, law_table, set_report, statistics_table
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
-from cyclemap.cli.terminal import PeopleConsole
+import numpy as np
+from rich.table import Table
+
+from cyclemap.cli.json_report import Json, degrees, number, numbers, numbers_of
+from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish, publish_json
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
-from cyclemap.evidence.tables.push_sets import PushSet, push_sets
-from cyclemap.evidence.tables.set_fit import SetFit, fit_set
+from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
+from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPace, TurnPlace, WornForecast
+from cyclemap.evidence.tables.push_sets import MotionStatistics, PushSet, PushStatistics, push_sets
+from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, SetLaws, TurnHistogram, fit_set
 from cyclemap.plain_text import plain_number
 from cyclemap.suggestions import unknown_name
 from cyclemap.views.fit_page import fit_page
 from cyclemap.views.fit_sentences import set_sentences
-from cyclemap.views.style import render
-from cyclemap.whole_files import write_whole
 
 # Bad files are told by name up to this many, and counted beyond.
 MOST_NAMED = 10
@@ -30,6 +33,20 @@ SELECT_KEYS = {
     "fraction": ("fraction", 1.0),
     "angle_deg": ("angle", math.radians(1.0)),
 }
+UNITS = {"dtheta": ("deg", math.degrees(1.0)), "dx": ("mm", 1000.0), "dy": ("mm", 1000.0)}
+# Facts of a set by their names in the report, and the factor to its units.
+FACTS = {
+    "acceleration": ("acceleration_mm_s2", 1000.0),
+    "speed": ("speed_mm_s", 1000.0),
+    "side": ("side", 1.0),
+    "fraction": ("fraction", 1.0),
+    "angle": ("angle_deg", math.degrees(1.0)),
+}
+QUANTITIES = (("dtheta", "Δθ (°)", math.degrees(1.0)), ("dx", "Δx (mm)", 1000.0), ("dy", "Δy (mm)", 1000.0))
+NOTHING = "–"
+# A percentage of a mean near 0 says nothing but that.
+MOST_PERCENT = 1000.0
+NOTE_LETTERS = 60
 
 
 @dataclass(frozen=True)
@@ -49,9 +66,16 @@ def run_fit(data: Path, request: FitRequest, json_target: str | None) -> None:
     chosen = selected_values(request.select)
     with progress_bar(f"reading {data.name}") as report:
         pushes = load_pushes(data, progress=report)
-    _check_readable(data, pushes)
+    if not len(pushes.table) and pushes.unreadable:
+        raise CycleMapError(f"{data}: no push could be read: {reasons_of(pushes.unreadable)}")
+    if not len(pushes.table):
+        raise InvalidInput(f"{data}: holds {len(pushes.scans)} friction scans and no push; give pushes to fit")
     fits = _fit_all(push_sets(pushes, chosen), request)
-    pictures = [_write(fit, request) for fit in fits if not fit.is_empty]
+    pictures = []
+    for fit in (one for one in fits if not one.is_empty):
+        stem = request.out / f"fit_{file_stem(fit.pushes.name)}"
+        publish(set_report(fit), fit_page(fit), stem, request.picture_format, None)
+        pictures.append(stem.with_name(f"{stem.name}.{request.picture_format}"))
     if not publish_json(fit_report(pushes, fits), json_target):
         _print_for_people(pushes, fits, pictures)
 
@@ -70,26 +94,15 @@ def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
         if key not in SELECT_KEYS:
             raise unknown_name("selection", key, SELECT_KEYS)
         column, unit = SELECT_KEYS[key]
-        values[column] = text if unit is None else unit * _finite(key, text)
+        values[column] = text
+        if unit is not None:
+            try:
+                values[column] = value = unit * plain_number(text)
+            except ValueError:
+                value = math.nan
+            if not math.isfinite(value):
+                raise InvalidInput(f"--select {key}={text}: give a finite number")
     return values
-
-
-def _finite(key: str, text: str) -> float:
-    try:
-        value = plain_number(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InvalidInput(f"--select {key}={text}: give a finite number")
-    return value
-
-
-def _check_readable(data: Path, pushes: PushTable) -> None:
-    if len(pushes.table):
-        return
-    if pushes.unreadable:
-        raise CycleMapError(f"{data}: no push could be read: {reasons_of(pushes.unreadable)}")
-    raise InvalidInput(f"{data}: holds {len(pushes.scans)} friction scans and no push; give pushes to fit")
 
 
 def reasons_of(left_out: Sequence[UnreadableFile]) -> str:
@@ -111,15 +124,6 @@ def _fit_all(sets: tuple[PushSet, ...], request: FitRequest) -> list[SetFit]:
     return fits
 
 
-def _write(fit: SetFit, request: FitRequest) -> Path:
-    """Write the page and the report of one set; returns the picture's path."""
-    stem = f"fit_{file_stem(fit.pushes.name)}"
-    write_json(request.out / f"{stem}.json", set_report(fit))
-    picture = request.out / f"{stem}.{request.picture_format}"
-    write_whole(picture, render(fit_page(fit), request.picture_format))
-    return picture
-
-
 def _print_for_people(pushes: PushTable, fits: list[SetFit], pictures: list[Path]) -> None:
     console = PeopleConsole()
     scans = f" and {len(pushes.scans)} friction scans" if len(pushes.scans) else ""
@@ -138,3 +142,226 @@ def _print_for_people(pushes: PushTable, fits: list[SetFit], pictures: list[Path
         console.print("nothing could be fitted: no set has enough pushes")
     for picture in pictures:
         console.print(f"picture: {picture}")
+
+
+def fit_report(pushes: PushTable, fits: list[SetFit]) -> Json:
+    """The report of a whole collection: what was read, what could not be, and every set."""
+    unreadable = [{"path": str(file.path), "reason": file.reason} for file in pushes.unreadable]
+    return {
+        "pushes": len(pushes.table),
+        "scans": len(pushes.scans),
+        "unreadable": unreadable,
+        "sets": [set_report(fit) for fit in fits],
+    }
+
+
+def set_report(fit: SetFit) -> Json:
+    """The report of one set, as fit_NAME.json holds it."""
+    pushes = fit.pushes
+    return {
+        "name": pushes.name,
+        "source": str(pushes.source),
+        **_facts(fit),
+        "contacts": pushes.contacts,
+        "pushes": pushes.count,
+        "covered_deg": [[degrees(edge) for edge in arc] for arc in covered_arcs(pushes.theta)] if pushes.count else [],
+        "statistics": _statistics(fit.statistics),
+        "laws": {law.quantity: _law(law) for law in fit.laws.laws},
+        "dtheta_histogram": None if fit.histogram is None else _turn_histogram(fit.histogram),
+        "cycle_map": {"problem": fit.map_problem} if fit.cycle_map is None else _cycle_map(fit.cycle_map),
+    }
+
+
+def _facts(fit: SetFit) -> Json:
+    told: Json = {name: fit.pushes.facts.get(name) for name in ("surface", "object")}
+    for column, (name, unit) in FACTS.items():
+        value = fit.pushes.facts.get(column)
+        told[name] = None if value is None else number(unit * value)
+    return told
+
+
+def _statistics(row: PushStatistics) -> Json:
+    given = {name: getattr(row, name) for name in UNITS}
+    return {
+        "problem": row.problem,
+        **{name: None if one is None else _one_statistic(name, one) for name, one in given.items()},
+    }
+
+
+def _one_statistic(name: str, one: MotionStatistics) -> Json:
+    unit, scale = UNITS[name]
+    return {
+        "count": one.count,
+        f"mean_{unit}": number(scale * one.mean),
+        f"std_{unit}": number(scale * one.std),
+        "percent": number(one.percent),
+    }
+
+
+def _law(found: MotionLaw) -> Json:
+    law, (unit, scale) = found.law, UNITS[found.quantity]
+    if law is None:
+        return {"problem": found.problem}
+    noise = law.noise(np.linspace(0.0, 2 * np.pi, 361))
+    return {
+        "problem": None,
+        "count": law.count,
+        "harmonics": law.harmonics,
+        f"rmse_{unit}": number(scale * law.rmse),
+        "percent": number(law.percent),
+        f"cross_validated_rmse_{unit}": number(scale * found.cross_validated_rmse),
+        "explained": number(found.explained),
+        f"scatter_{unit}": number(scale * law.sigma),
+        f"least_scatter_{unit}": number(scale * float(np.min(noise))),
+        f"most_scatter_{unit}": number(scale * float(np.max(noise))),
+        "lag_correlation": number(law.lag_correlation),
+        f"cosine_{unit}": numbers(scale * law.cosine),
+        f"sine_{unit}": numbers(scale * law.sine),
+        "log_variance": numbers(law.log_variance.tolist()),
+    }
+
+
+def _turn_histogram(found: TurnHistogram) -> Json:
+    return {
+        "edges_deg": numbers(np.degrees(found.edges)),
+        "measured": found.measured.tolist(),
+        "predicted": numbers(found.predicted.tolist()),
+        "law_alone": numbers(found.law_alone.tolist()),
+        **numbers_of(found, "total_variation", "chance_total_variation"),
+        "p_value": number(found.chance.value),
+        "distance_deg": degrees(found.distance),
+        "law_alone_total_variation": number(found.law_alone_total_variation),
+        "law_alone_distance_deg": degrees(found.law_alone_distance),
+    }
+
+
+def _cycle_map(found: MeasuredCycleMap) -> Json:
+    law = found.fitted.law if found.fitted.wear is None else found.fitted.wear.whole
+    return {
+        "problem": None,
+        "pairs": int(found.pairs.theta.size),
+        "dropped": dict(found.pairs.dropped),
+        "harmonics": law.harmonics,
+        "wear_degree": None if found.fitted.wear is None else found.fitted.wear.degree,
+        "rmse_deg": degrees(law.rmse),
+        "rmse_without_wear_deg": degrees(found.fitted.law.rmse),
+        "scatter_deg": degrees(law.sigma),
+        "least_scatter": _place(found.quietest, "scatter_deg"),
+        "most_scatter": _place(found.loudest, "scatter_deg"),
+        "lag_correlation": number(law.lag_correlation),
+        "early": _state(found.early),
+        "late": _state(found.late),
+        "forecast": None if found.forecast is None else _forecast(found.forecast),
+    }
+
+
+def _place(place: tuple[float, float], name: str) -> Json:
+    return {"theta_deg": degrees(place[0]), name: degrees(place[1])}
+
+
+def _state(state: MapState) -> Json:
+    return {
+        "cycle": number(state.cycle),
+        "fixed_points": [
+            {"theta_deg": degrees(orbit.points[0]), "multiplier": number(orbit.multiplier), "kind": orbit.kind}
+            for orbit in state.fixed_points
+        ],
+        "bottlenecks": [{**_turn_place(p), "cycles": number(p.cycles or math.nan)} for p in state.passages],
+        "undecided": [_turn_place(p) for p in state.undecided],
+        "slowest": _turn_place(state.slowest),
+    }
+
+
+def _turn_place(place: TurnPlace) -> Json:
+    edges = [degrees(place.lower), degrees(place.upper)]
+    return {"theta_deg": degrees(place.theta), "turn_deg": degrees(place.turn), "turn_95_deg": edges}
+
+
+def _forecast(found: WornForecast) -> Json:
+    low, high = np.quantile(found.turns, [0.025, 0.975])
+    return {
+        **numbers_of(found, "first_cycle", "measured_turns", "left_out_turns"),
+        "predicted_turns": number(float(np.mean(found.turns))),
+        "predicted_turns_std": number(float(np.std(found.turns))),
+        "predicted_turns_95": [number(float(low)), number(float(high))],
+        "full_turns": _pace(found.pace),
+        "peak_deg": _peak(found.measured_histogram),
+        "predicted_peak_deg": _peak(found.histogram),
+        "total_variation": number(found.total_variation),
+        "wasserstein_deg": degrees(found.wasserstein),
+    }
+
+
+def _pace(pace: TurnPace) -> list[Json]:
+    columns = zip(pace.start, pace.measured, pace.predicted, pace.lower, pace.upper, strict=True)
+    return [
+        {
+            "start_cycle": number(start),
+            "measured_pushes": number(measured),
+            "predicted_pushes": number(predicted),
+            "predicted_95": [number(low), number(high)],
+        }
+        for start, measured, predicted, low, high in columns
+    ]
+
+
+def _peak(histogram: AngleHistogram) -> list[float]:
+    """The ends of the highest bin."""
+    highest = int(np.argmax(histogram.density))
+    return [round(float(edge), 9) for edge in np.degrees(histogram.edges[highest : highest + 2])]
+
+
+def statistics_table(rows: list[PushStatistics]) -> Table:
+    """Mean, standard deviation and its percentage of Δθ, Δx and Δy, a row a set."""
+    notes = any(row.problem for row in rows)
+    title = "Pushes: mean, standard deviation σ, and σ in per cent of the mean"
+    table = _table(title, notes, "mean", "σ", "%")
+    for row in rows:
+        numbers = [_statistic(getattr(row, name), unit) for name, _, unit in QUANTITIES]
+        table.add_row(*_cells(row, numbers, notes))
+    return table
+
+
+def law_table(rows: list[SetLaws]) -> Table:
+    """RMSE of the laws of θ0 and its percentage, as in the paper, with that in pushes left out and the order."""
+    title = "Laws of θ0: RMSE, its per cent of the mean, RMSE in pushes left out (cv), harmonics (K)"
+    notes = any(row.problem for row in rows)
+    table = _table(title, notes, "RMSE", "%", "cv", "K")
+    for row in rows:
+        numbers = [_law_fields(getattr(row, name), unit) for name, _, unit in QUANTITIES]
+        table.add_row(*_cells(row, numbers, notes))
+    return table
+
+
+def _table(title: str, notes: bool, *columns: str) -> Table:
+    table = Table(title=title, title_justify="left")
+    table.add_column("set", no_wrap=True)
+    table.add_column("pushes", justify="right")
+    for _, label, _ in QUANTITIES:
+        for place, column in enumerate(columns):
+            table.add_column(f"{label}\n{column}" if place == 0 else f"\n{column}", justify="right", no_wrap=True)
+    if notes:
+        table.add_column("note", max_width=NOTE_LETTERS)
+    return table
+
+
+def _cells(row: PushStatistics | SetLaws, numbers: list[list[str]], notes: bool) -> list[str]:
+    return [row.name, str(row.count), *chain.from_iterable(numbers), *([row.problem or ""] if notes else [])]
+
+
+def _statistic(one: MotionStatistics | None, unit: float) -> list[str]:
+    if one is None:
+        return [NOTHING] * 3
+    return [f"{unit * one.mean:.2f}", f"{unit * one.std:.2f}", _percent(one.percent)]
+
+
+def _percent(value: float) -> str:
+    return f"{value:.2f}" if value < MOST_PERCENT else f">{MOST_PERCENT:.0f}"
+
+
+def _law_fields(found: MotionLaw, unit: float) -> list[str]:
+    law = found.law
+    if law is None:
+        return [NOTHING] * 4
+    errors = f"{unit * law.rmse:.2f}", _percent(law.percent), f"{unit * found.cross_validated_rmse:.2f}"
+    return [*errors, str(law.harmonics)]

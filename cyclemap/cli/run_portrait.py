@@ -11,16 +11,13 @@ from rich.table import Table
 
 from cyclemap.cli.json_report import portrait_report
 from cyclemap.cli.options import LoopOptions, RunRequest
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
+from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.settings import chosen_collection
-from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA, Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.views import sentences
 from cyclemap.views.portrait_page import portrait_page
-from cyclemap.views.style import render
-from cyclemap.whole_files import write_whole
 
 if TYPE_CHECKING:
     from cyclemap.evidence import MeasuredOverlay, Theta0Pairs
@@ -50,12 +47,9 @@ def _run_loop(
     """The portrait of a loop that does the same in every cycle."""
     drawn = _compute(loop, sigma, request, pairs)
     measured = None if pairs is None else _overlay(pairs, drawn)
-    report = portrait_report(drawn, measured)
-    stem = request.out / f"portrait_{file_stem(loop.material.name)}"
-    write_json(stem.with_name(f"{stem.name}.json"), report)
-    picture = stem.with_name(f"{stem.name}.{request.picture_format}")
-    write_whole(picture, render(portrait_page(drawn, portrait_curves(drawn), measured), request.picture_format))
-    if not publish_json(report, json_target):
+    page, stem = portrait_page(drawn, portrait_curves(drawn), measured), f"portrait_{file_stem(loop.material.name)}"
+    picture = publish(portrait_report(drawn, measured), page, request.out / stem, request.picture_format, json_target)
+    if picture is not None:
         _print_for_people(drawn, measured, picture)
 
 
@@ -66,12 +60,7 @@ def _compute(loop: CollectionLoop, sigma: float | None, request: RunRequest, pai
     start = 0.0 if path is None else float(path[0])
     with progress_bar(f"cycle map of {loop.material.name}") as report:
         return portrait(
-            loop,
-            sigma=sigma,
-            cycles=request.cycles or length,
-            start=start,
-            seed=request.seed,
-            progress=report,
+            loop, sigma=sigma, cycles=request.cycles or length, start=start, seed=request.seed, progress=report
         )
 
 
@@ -90,27 +79,22 @@ def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
 
 def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture: Path) -> None:
     console = PeopleConsole()
-    console.print(sentences.headline(drawn), style="bold")
-    for sentence in (sentences.lock_sentence(drawn), sentences.noise_sentence(drawn)):
-        console.print(sentence)
-    console.print(sentences.staircase_sentence(drawn))
-    if told := sentences.uncertainty_sentence(drawn.loop.material.name, drawn.uncertainty):
-        console.print(told)
+    told = [sentences.lock_sentence(drawn), sentences.noise_sentence(drawn), sentences.staircase_sentence(drawn)]
+    told.append(sentences.uncertainty_sentence(drawn.loop.material.name, drawn.uncertainty))
     if measured is not None:
-        console.print(sentences.agreement_sentence(measured.agreement))
+        told.append(sentences.agreement_sentence(measured.agreement))
+    console.tell(sentences.headline(drawn), *filter(None, told))
     if drawn.fixed_points:
         console.print_table(_fixed_point_table(drawn))
-    if told := sentences.material_line(drawn.loop.material):
-        console.print(told)
-    for line in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line):
-        console.print(line(drawn), style="dim")
+    if line := sentences.material_line(drawn.loop.material):
+        console.print(line)
+    for tell in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line):
+        console.print(tell(drawn), style="dim")
     console.print(f"picture: {picture}")
 
 
 def _fixed_point_table(drawn: Portrait) -> Table:
-    table = Table(title="Fixed points of the cycle map", title_justify="left")
-    for column in ("θ0 (°)", "multiplier", ""):
-        table.add_column(column, justify="right")
+    table = people_table("Fixed points of the cycle map", ("θ0 (°)", "multiplier", ""))
     for orbit in drawn.fixed_points:
         place = math.degrees(orbit.points[0])
         table.add_row(f"{place:.3f}", f"{orbit.multiplier:.4f}", orbit.kind)

@@ -1,23 +1,18 @@
 """`cyclemap replay`: recorded pushes replayed; errors by object in a table, all as JSON, and as a picture."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rich.table import Table
-
 from cyclemap.cli.json_report import Json
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
+from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.run_fit import reasons_of, selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
-from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.errors import CycleMapError
 from cyclemap.evidence.replay.replay_table import DATASET_PUSHER, ReplayedPushes, dataset_sliders, replay_pushes
 from cyclemap.views.replay_page import replay_headline, replay_page
-from cyclemap.views.style import render
-from cyclemap.whole_files import write_whole
 
 if TYPE_CHECKING:
     import pandas
@@ -29,54 +24,38 @@ COLUMNS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class ReplayRequest:
-    """What is asked of the replay: which data, the rod's friction where it is named, and where results go."""
-
-    data: Path
-    select: tuple[str, ...]
-    pusher_friction: float | None
-    out: Path
-    picture_format: str
-
-
-def run_replay(options: LoopOptions, request: ReplayRequest, json_target: str | None) -> None:
-    """Replay the pushes, write picture and JSON, and print for people or as JSON."""
-    loop, told = chosen_loop(options, request.data)[0], told_settings(options, request.data)[1]
+def run_replay(
+    options: LoopOptions, data: Path, select: tuple[str, ...], pusher_friction: float | None, out: Path,
+    picture_format: str, json_target: str | None,
+) -> None:  # fmt: skip
+    """Replay the pushes, write picture and JSON, and print for people or as JSON; the rod's friction may be named."""
+    loop, told = chosen_loop(options, data)[0], told_settings(options, data)[1]
     material, pusher = loop.material, loop.pusher
     found = material.found_with.pusher_friction
-    if request.pusher_friction is not None or ("pusher_mu" not in told and found is None):
-        named = request.pusher_friction
-        pusher = replace(pusher, friction=DATASET_PUSHER.friction if named is None else named)
+    if pusher_friction is not None or ("pusher_mu" not in told and found is None):
+        pusher = replace(pusher, friction=DATASET_PUSHER.friction if pusher_friction is None else pusher_friction)
     sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
-    with progress_bar(f"replaying {request.data.name}") as report:
+    with progress_bar(f"replaying {data.name}") as report:
         replayed = replay_pushes(
-            request.data,
+            data,
             material.friction,
             pusher=pusher,
             sliders=sliders,
             plates=material.plates,
             frames=material.frames,
-            select=selected_values(request.select),
+            select=selected_values(select),
             progress=report,
         )
     if not replayed.replays:
-        raise CycleMapError(f"{request.data}: no push could be replayed: {reasons_of(replayed.not_replayed)}")
+        raise CycleMapError(f"{data}: no push could be replayed: {reasons_of(replayed.not_replayed)}")
+    stem, page = out / f"replay_{file_stem(material.name)}", replay_page(replayed, material.name)
     report_json = replay_report(replayed, material.name, pusher.friction)
-    stem = f"replay_{file_stem(material.name)}"
-    write_json(request.out / f"{stem}.json", report_json)
-    picture = request.out / f"{stem}.{request.picture_format}"
-    write_whole(picture, render(replay_page(replayed, material.name), request.picture_format))
-    if not publish_json(report_json, json_target):
-        _print_for_people(replayed, picture)
-
-
-def _print_for_people(replayed: ReplayedPushes, picture: Path) -> None:
+    picture = publish(report_json, page, stem, picture_format, json_target)
+    if picture is None:
+        return
     console = PeopleConsole()
     console.print(replay_headline(replayed), style="bold")
-    table = Table(title="Error at the end, by object (means)", title_justify="left")
-    for number, column in enumerate(COLUMNS):
-        table.add_column(column, justify="left" if number < 2 else "right")
+    table = people_table("Error at the end, by object (means)", COLUMNS, words=2)
     for row in replayed.by("surface", "object").to_dict("records"):
         table.add_row(*_cells(row))
     console.print_table(table)

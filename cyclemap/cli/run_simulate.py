@@ -7,13 +7,12 @@ from typing import Any
 
 from cyclemap.cli.json_report import Json
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import progress_bar, publish_json
+from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json
 from cyclemap.cli.settings import ChosenCollection, chosen_collection
-from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence.recorded_push import RecordingNoise
-from cyclemap.evidence.simulated_collection import SimulatedCollection, simulate_collection
+from cyclemap.evidence.simulated_collection import simulate_collection
 from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import load_material
 
@@ -45,13 +44,20 @@ def run_simulate(options: LoopOptions, request: SimulationRequest, json_target: 
     loop, cycle_by_cycle = _prepared(chosen, request)
     own = loop.material.noise if request.noise_deg is None and chosen.sigma is None else None
     measured = None if own is None else LocalNoise(own.log_sigma, own.correlation)
+    sigma = DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
+    noise = RecordingNoise(
+        turn=sigma if request.noise_deg is None else math.radians(request.noise_deg),
+        position=1e-3 * request.pose_noise_mm,
+        angle=math.radians(request.pose_noise_deg),
+        force=request.force_noise_n,
+    )
     with progress_bar(f"collection on {loop.material.name}") as report:
         made = simulate_collection(
             loop,
             request.folder,
             request.cycles,
             start=math.radians(request.start_deg),
-            noise=_noise(request, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma),
+            noise=noise,
             cycle_noise=measured,
             speed=1e-3 * request.speed_mm_s,
             wear_to=None if request.wear_to is None else load_material(request.wear_to),
@@ -61,8 +67,22 @@ def run_simulate(options: LoopOptions, request: SimulationRequest, json_target: 
             progress=report,
             **cycle_by_cycle,
         )
-    if not publish_json(_report(made), json_target):
-        _print_for_people(made)
+    report_json: Json = {
+        "folder": str(made.folder),
+        "cycles": made.cycles,
+        "written": made.written,
+        "resumed": made.resumed,
+        "theta0_deg_last": math.degrees(made.theta_last),
+        "bytes": made.bytes,
+    }
+    if publish_json(report_json, json_target):
+        return
+    scans = f" and {made.scans} friction scans" if made.scans else ""
+    last = f"The last push starts at θ0 = {math.degrees(made.theta_last):.2f}°, counted without wrapping."
+    told = [last, f"next: cyclemap fit {made.folder}"]
+    if made.resumed:
+        told.insert(0, f"{made.resumed} of the pushes were there already, {made.written} were added.")
+    PeopleConsole().tell(f"{made.cycles} pushes{scans} in {made.folder}, {made.bytes / 1e6:.1f} MB", *told)
 
 
 def _prepared(chosen: ChosenCollection, request: SimulationRequest) -> tuple[CollectionLoop, dict[str, Any]]:
@@ -74,34 +94,3 @@ def _prepared(chosen: ChosenCollection, request: SimulationRequest) -> tuple[Col
     actions = strategy.run(request.cycles, request.seed)
     turns = tuple(action.turn for action in actions)
     return loop, {"cycle_loops": tuple(action.on(loop) for action in actions), "gripper_turns": turns}
-
-
-def _noise(request: SimulationRequest, sigma: float) -> RecordingNoise:
-    """The noise asked for; --noise-deg wins over the setting, `sigma` (rad)."""
-    return RecordingNoise(
-        turn=sigma if request.noise_deg is None else math.radians(request.noise_deg),
-        position=1e-3 * request.pose_noise_mm,
-        angle=math.radians(request.pose_noise_deg),
-        force=request.force_noise_n,
-    )
-
-
-def _report(made: SimulatedCollection) -> Json:
-    return {
-        "folder": str(made.folder),
-        "cycles": made.cycles,
-        "written": made.written,
-        "resumed": made.resumed,
-        "theta0_deg_last": math.degrees(made.theta_last),
-        "bytes": made.bytes,
-    }
-
-
-def _print_for_people(made: SimulatedCollection) -> None:
-    console = PeopleConsole()
-    scans = f" and {made.scans} friction scans" if made.scans else ""
-    console.print(f"{made.cycles} pushes{scans} in {made.folder}, {made.bytes / 1e6:.1f} MB", style="bold")
-    if made.resumed:
-        console.print(f"{made.resumed} of the pushes were there already, {made.written} were added.")
-    console.print(f"The last push starts at θ0 = {math.degrees(made.theta_last):.2f}°, counted without wrapping.")
-    console.print(f"next: cyclemap fit {made.folder}")

@@ -1,21 +1,22 @@
 """`cyclemap staircase`: the predicted staircase of a material in sentences, as JSON, and as a picture."""
 
-from pathlib import Path
-
 from cyclemap.cli.json_report import staircase_report
 from cyclemap.cli.options import LoopOptions, RunRequest
-from cyclemap.cli.output import file_stem, progress_bar, publish_json, write_json
+from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
 from cyclemap.cli.settings import chosen_collection
-from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
 from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
 from cyclemap.evidence import MeasuredStaircase, measured_staircase, read_theta0_pairs
-from cyclemap.views import staircase_sentences as sentences
 from cyclemap.views.sentences import uncertainty_sentence
-from cyclemap.views.staircase_page import staircase_page
-from cyclemap.views.style import render
-from cyclemap.whole_files import write_whole
+from cyclemap.views.staircase_page import (
+    fitted_sentence,
+    forecast_sentence,
+    measured_sentence,
+    run_sentence,
+    staircase_page,
+    worn_sentence,
+)
 
 
 def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
@@ -42,13 +43,16 @@ def _run_loop(
 ) -> None:
     """The staircase of a loop that does the same in every cycle."""
     forecast = _forecast(loop, sigma, request, measured)
-    report = staircase_report(forecast, measured)
     stem = request.out / f"staircase_{file_stem(loop.material.name)}"
-    write_json(stem.with_name(f"{stem.name}.json"), report)
-    picture = stem.with_name(f"{stem.name}.{request.picture_format}")
-    write_whole(picture, render(staircase_page(forecast, measured), request.picture_format))
-    if not publish_json(report, json_target):
-        _print_for_people(forecast, measured, picture)
+    page = staircase_page(forecast, measured)
+    picture = publish(staircase_report(forecast, measured), page, stem, request.picture_format, json_target)
+    if picture is None:
+        return
+    told = [worn_sentence(forecast), run_sentence(forecast)]
+    told.append(uncertainty_sentence(loop.material.name, forecast.uncertainty))
+    if measured is not None:
+        told += [measured_sentence(measured), fitted_sentence(measured)]
+    PeopleConsole().tell(forecast_sentence(forecast), *filter(None, told), f"picture: {picture}")
 
 
 def _forecast(
@@ -61,15 +65,3 @@ def _forecast(
         return staircase_forecast(
             loop, sigma=sigma, cycles=request.cycles or length, start=start, seed=request.seed, progress=report
         )
-
-
-def _print_for_people(forecast: StaircaseForecast, measured: MeasuredStaircase | None, picture: Path) -> None:
-    console = PeopleConsole()
-    console.print(sentences.forecast_sentence(forecast), style="bold")
-    known = uncertainty_sentence(forecast.loop.material.name, forecast.uncertainty)
-    for sentence in filter(None, (sentences.worn_sentence(forecast), sentences.run_sentence(forecast), known)):
-        console.print(sentence)
-    if measured is not None:
-        console.print(sentences.measured_sentence(measured))
-        console.print(sentences.fitted_sentence(measured))
-    console.print(f"picture: {picture}")

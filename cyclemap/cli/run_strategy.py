@@ -9,19 +9,17 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
-from cyclemap.cli.json_report import Json, degrees, direction_deg, measured_report, number, steps_report
+from cyclemap.cli.json_report import Json, actions_report, degrees, direction_deg, measured_report, number, steps_report
 from cyclemap.cli.options import RunRequest
-from cyclemap.cli.output import file_stem, progress_bar, publish
-from cyclemap.cli.reset_report import actions_report
-from cyclemap.cli.terminal import PeopleConsole
+from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
 from cyclemap.maps import find_steps
 from cyclemap.resets import ResetStrategy, map_turns, orientation_law, run_strategy, strategy_maps
 from cyclemap.resets.design.orientation_law import slowest_factor
+from cyclemap.views.reset_page import strategy_page
 from cyclemap.views.reset_sentences import recipe
-from cyclemap.views.strategy_page import strategy_page
 
 _EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
 _CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the distribution of θ0"

@@ -2,8 +2,7 @@
 
 import math
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,13 +10,12 @@ import click
 
 from cyclemap.cli.json_report import Json, number, numbers
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.output import file_stem, progress_bar, publish_json
+from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish_json
 from cyclemap.cli.settings import set_settings, told_settings
-from cyclemap.cli.terminal import PeopleConsole
 from cyclemap.collection.settings import layered, warn_of_defaults
 from cyclemap.errors import InvalidInput
 from cyclemap.suggestions import unknown_name
-from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, SweptKey, parse_over
+from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, parse_over
 from cyclemap.sweeps.portrait_numbers import PortraitNumbers
 from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
 from cyclemap.sweeps.sweep_curves import sweep_curves
@@ -25,8 +23,7 @@ from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_results import Sweep, load_sweep, write_csv, write_netcdf
 from cyclemap.sweeps.sweep_store import SweepStatus
 from cyclemap.views.style import render
-from cyclemap.views.sweep_page import sweep_page
-from cyclemap.views.sweep_sentences import sweep_headline, sweep_sentences
+from cyclemap.views.sweep_page import sweep_headline, sweep_page, sweep_sentences
 from cyclemap.whole_files import write_whole
 
 _EXPORTS = {"csv": (".csv", write_csv), "netcdf": (".nc", write_netcdf)}
@@ -55,12 +52,9 @@ class SweepRequest:
 
 def run_sweep_command(options: LoopOptions, request: SweepRequest, json_target: str | None) -> None:
     """Run what is missing of the sweep, then export, draw and tell; with --status only tell how far it is."""
-    exports, drawn = _exports(request.export), _words(request.draw)
+    exports, drawn = _words(request.export, _EXPORTS, "format to export"), _words(request.draw)
     plan = sweep_plan(options, request)
-    for name in drawn:
-        known = [one.name for one in plan.numbers.quantities if not one.listed]
-        if name not in known:
-            raise unknown_name("quantity to draw", name, known)
+    _words(request.draw, [one.name for one in plan.numbers.quantities if not one.listed], "quantity to draw")
     # The material, or the first few letters of those that are swept.
     name = "_".join(plan.materials)[:_LONGEST_NAME] if MATERIAL_KEY in plan.keys else plan.materials[""].name
     stem = request.out / f"sweep_{file_stem(name)}"
@@ -91,37 +85,26 @@ def sweep_plan(options: LoopOptions, request: SweepRequest) -> SweepPlan:
     warn_of_defaults(settings)
     tolerance = {} if request.tolerance_deg is None else {"tolerance": math.radians(request.tolerance_deg)}
     numbers = PortraitNumbers(_words(request.quantities), rotation_tolerance=request.rotation_tolerance, **tolerance)
-    return SweepPlan(_points(over, request), material, settings, numbers)
+    if request.sample is None:
+        return SweepPlan(Grid(over), material, settings, numbers)  # type: ignore[arg-type]
+    return SweepPlan(Sample(over, request.sample, request.seed, request.sequence), material, settings, numbers)
 
 
-def _points(over: tuple[SweptKey, ...], request: SweepRequest) -> Grid | Sample:
-    if request.sample is not None:
-        return Sample(over, request.sample, request.seed, request.sequence)
-    return Grid(over)  # type: ignore[arg-type]
-
-
-def _words(text: str) -> tuple[str, ...]:
-    return tuple(word.strip() for word in text.split(",") if word.strip())
-
-
-def _exports(text: str) -> tuple[str, ...]:
-    for name in _words(text):
-        if name not in _EXPORTS:
-            raise unknown_name("format to export", name, _EXPORTS)
-    return _words(text)
+def _words(text: str, known: Iterable[str] | None = None, what: str = "") -> tuple[str, ...]:
+    """The words of a list by commas; InvalidInput for one that is not among those known."""
+    words = tuple(word.strip() for word in text.split(",") if word.strip())
+    for word in words:
+        if known is not None and word not in known:
+            raise unknown_name(what, word, known)
+    return words
 
 
 def _run(plan: SweepPlan, store: Path, workers: int | None) -> None:
-    with progress_bar(f"sweep of {len(plan)} points") as report, _told_if_stopped(store, plan):
-        run_sweep(plan, store, workers=workers, progress=lambda status: report(status.stored / status.points))
-
-
-@contextmanager
-def _told_if_stopped(store: Path, plan: SweepPlan) -> Iterator[None]:
-    """Tell on Ctrl-C what is kept and how to go on."""
+    """Run what is missing; tell on Ctrl-C what is kept and how to go on."""
     begun = time.monotonic()
     try:
-        yield
+        with progress_bar(f"sweep of {len(plan)} points") as report:
+            run_sweep(plan, store, workers=workers, progress=lambda status: report(status.stored / status.points))
     except KeyboardInterrupt:
         status = sweep_status(store, plan)
         kept = f"{status.stored} of {status.points} points are stored in {store}"
@@ -161,11 +144,7 @@ def _tell_status(status: SweepStatus, store: Path, json_target: str | None) -> N
 
 def _tell(sweep: Sweep, files: list[Path]) -> None:
     console = PeopleConsole()
-    console.print(sweep_headline(sweep), style="bold")
-    for sentence in sweep_sentences(sweep):
-        console.print(sentence)
-    for path in files:
-        console.print(f"file: {path}")
+    console.tell(sweep_headline(sweep), *sweep_sentences(sweep), *(f"file: {path}" for path in files))
     if len(sweep.keys) > _MOST_DRAWN_KEYS:
         console.print("more than two keys: select values of the others in Python, or export, to draw", style="dim")
 

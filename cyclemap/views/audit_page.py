@@ -13,8 +13,7 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.resets.monitor.audit import Audit
 from cyclemap.views.sentences import angle
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, QUIET, new_figure, picture_style
-from cyclemap.views.watch_page import draw_path, draw_rose, draw_worth
-from cyclemap.views.watch_sentences import directions
+from cyclemap.views.watch_page import directions, draw_path, draw_rose, draw_worth
 
 _LETTERS = 165
 # Of the pushes behind an alarm, so many near its direction are a lock-in; fewer come and go.

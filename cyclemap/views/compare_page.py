@@ -1,6 +1,5 @@
-"""A prediction beside data on one landscape page: map, histogram, staircase, and the pushes where poses are known."""
+"""A prediction beside data: in sentences, and on a page with map, histogram, staircase, and pushes with poses."""
 
-from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -14,16 +13,29 @@ from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
 from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
-from cyclemap.evidence.comparison.push_agreement import QuantityAgreement
+from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, mean_distances
 from cyclemap.evidence.comparison.staircase_agreement import StaircaseAgreement
-from cyclemap.views.compare_sentences import data_sentence, headline, noise_words, summary_sentence
-from cyclemap.views.map_panels import draw_measured_turns, draw_turn
-from cyclemap.views.panel_parts import legend_above, say
-from cyclemap.views.record_panels import PER_DEGREE, draw_measured_histogram, draw_staircase
-from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET, degree_axis, new_figure, picture_style
+from cyclemap.views.map_panels import (
+    PER_DEGREE,
+    draw_measured_histogram,
+    draw_measured_turns,
+    draw_staircase,
+    draw_turn,
+)
+from cyclemap.views.sentences import angle
+from cyclemap.views.style import (
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    QUIET,
+    degree_axis,
+    legend_above,
+    new_figure,
+    picture_style,
+    say,
+    write_page,
+)
 
-PAGE_INCHES = (13.333, 7.5)
-LINE_LETTERS = 175
 # Points between a panel and its title, so that the legend has a line of its own.
 TITLE_PAD = 22.0
 # Fewer medians make no line.
@@ -36,12 +48,15 @@ _DOTS: dict[str, Any] = {
     "markeredgecolor": MEASURED_EDGE,
     "markeredgewidth": 0.3,
 }
+# A lag correlation beyond this makes p-values of independent noise too small.
+CORRELATED = 0.2
+ISOTROPIC = "isotropic friction under even pressure"
 
 
 def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     """Draw the comparison; ``curve``: the turn of the predicted map (at mid-run where it wears)."""
     with picture_style():
-        figure = new_figure(*PAGE_INCHES)
+        figure = new_figure()
         rows = bool(found.pushes) + (found.cycle is not None)
         grid = GridSpec(
             max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62
@@ -52,7 +67,10 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
             panels = [figure.add_subplot(grid[rows - 1, column]) for column in range(3)]
             draw = _draw_pushes if len(found.pushes) <= MOST_SETS else _draw_sets
             draw(panels, found)
-        _write_words(figure, name, found)
+        drawn = "all are drawn" if len(found.pushes) > MOST_SETS else "the largest is drawn"
+        sets = f"; {len(found.pushes)} sets of pushes, {drawn}" if len(found.pushes) > 1 else ""
+        told = (data_sentence(found), summary_sentence(found))
+        write_page(figure, headline(name, found), told, f"{noise_words(found)}{sets}")
     return figure
 
 
@@ -161,10 +179,69 @@ def _name_push_panel(axes: Axes, quantity: QuantityAgreement) -> None:
     legend_above(axes)
 
 
-def _write_words(figure: Figure, name: str, found: Comparison) -> None:
-    figure.text(0.015, 0.955, headline(name, found), fontsize=18, fontweight="bold", va="center")
-    told = f"{data_sentence(found)} {summary_sentence(found)}"
-    figure.text(0.015, 0.928, fill(told, LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
-    drawn = "all are drawn" if len(found.pushes) > MOST_SETS else "the largest is drawn"
-    sets = f"; {len(found.pushes)} sets of pushes, {drawn}" if len(found.pushes) > 1 else ""
-    figure.text(0.015, 0.02, f"{noise_words(found)}{sets}", fontsize=8, color=QUIET)
+def headline(name: str, found: Comparison) -> str:
+    """How many of the questions that could be answered agree."""
+    answered = [one for one in found.verdicts if one.agrees is not None]
+    kept = sum(one.agrees is True for one in answered)
+    if not answered:
+        return f"{name} beside the data"
+    return f"{name} agrees with the data in {kept} of {len(answered)} questions"
+
+
+def data_sentence(found: Comparison) -> str:
+    """What was compared, and what was left out."""
+    pushes = sum(one.count for one in found.pushes)
+    cycles = 0 if found.data.pairs is None else found.data.pairs.theta.size
+    used = [f"{pushes} push{'es' * (pushes > 1)} with end poses"] * bool(pushes) + [f"{cycles} cycles"] * bool(cycles)
+    out = [f"{count} ({reason})" for reason, count in found.data.left_out.items() if count]
+    files = [f"{found.data.unreadable} unreadable files"] * bool(found.data.unreadable)
+    left = f"; left out: {', '.join(out + files)}" if out or files else ""
+    return f"Compared: {' and '.join(used)}{left}."
+
+
+def trust_sentences(found: Comparison) -> list[str]:
+    """What to know before the p-values are believed."""
+    told = [f"Not certified: {one}." for one in found.uncertified]
+    if found.refitted:
+        told.append("The prediction was fitted to these data: it was fitted again on every simulated collection.")
+    correlation = 0.0 if found.cycle is None else found.cycle.lag_correlation or 0.0
+    if found.orientations is not None and abs(correlation) > CORRELATED:
+        told.append(
+            f"What a measured cycle differs from the best smooth map by goes with the next one's (correlation "
+            f"{correlation:.2f}): the surface wears or is disturbed slowly, the simulated noise is not."
+        )
+    return told
+
+
+def summary_sentence(found: Comparison) -> str:
+    """The questions by their answer, in a line or two."""
+    groups = {"Agree": True, "Do not agree": False, "Open": None}
+    listed = {word: [one.question for one in found.verdicts if one.agrees is answer] for word, answer in groups.items()}
+    return " ".join(f"{word}: {', '.join(questions)}." for word, questions in listed.items() if questions)
+
+
+def noise_words(found: Comparison) -> str:
+    """What is simulated."""
+    model = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}.get(found.prediction.kind, "fit")
+    if found.cycle is None:
+        return f"predicted by the {model}"
+    return f"predicted by the {model} with {angle(found.cycle.noise)} of noise a cycle"
+
+
+def explanation_sentences(name: str, found: Comparison) -> list[str]:
+    """What the turns of the measured cycles are explained by, and which of the explanations leaves least."""
+    said = []
+    if found.pushes:
+        sides = zip((name, ISOTROPIC), mean_distances(found.pushes), strict=True)
+        by_place = sorted(sides, key=lambda side: side[1])
+        told = ", ".join(f"{1e3 * place:.1f} mm and {angle(turn)} by {one}" for one, (place, turn) in by_place)
+        said.append(f"Of {sum(one.count for one in found.pushes)} pushes there is left on average: {told}.")
+    if found.cycle is None:
+        return said
+    cycle = found.cycle
+    left = {name: cycle.agreement.rms, "one turn for all orientations": cycle.blind_rms}
+    if cycle.isotropic_rms is not None:
+        left[ISOTROPIC] = cycle.isotropic_rms
+    told = ", ".join(f"{angle(rms)} by {one}" for one, rms in sorted(left.items(), key=lambda pair: pair[1]))
+    fitted = "" if cycle.scatter is None else f"; the best smooth map, fitted to these, {angle(cycle.scatter)}"
+    return [*said, f"Of the turns of {cycle.agreement.pairs} cycles there is left as root mean square {told}{fitted}."]

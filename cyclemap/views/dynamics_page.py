@@ -11,10 +11,8 @@ from matplotlib.ticker import MultipleLocator
 
 from cyclemap.arrays import Array
 from cyclemap.collection.dynamic_loop import DynamicsComparison
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET, new_figure, picture_style
+from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET, legend_above, new_figure, picture_style
 
-PAGE_INCHES = (13.333, 7.5)
 LINE_LETTERS = 175
 THETA0 = "θ0 (°)"
 # Name, colour, marker of each turn that is compared.
@@ -29,7 +27,7 @@ _PLACES = ((0, "dx", PREDICTED, "o"), (1, "dy", FORCE, "s"))
 def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -> Figure:
     """Draw the comparison on a material and on its isotropic twin, from the same orientations."""
     with picture_style():
-        figure = new_figure(*PAGE_INCHES)
+        figure = new_figure()
         grid = GridSpec(1, 3, figure, left=0.055, right=0.985, bottom=0.12, top=0.74, wspace=0.27)
         turns, differences, places = (figure.add_subplot(grid[0, column]) for column in range(3))
         _draw_turns(turns, material, isotropic)

@@ -1,6 +1,6 @@
-"""A fingerprint on one landscape page: how the protocol answers, and the predicted map beside the full one."""
+"""A fingerprint: in sentences, and on a page: how the protocol answers, the predicted map, the full one beside it."""
 
-from textwrap import fill
+import math
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,20 +9,11 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
-from cyclemap.collection.fingerprint_check import PredictionCheck
-from cyclemap.collection.fingerprint_prediction import Prediction
+from cyclemap.collection.fingerprint_check import CheckedDirection, PredictionCheck
+from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, PredictedDirection, Prediction
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import CircleMap, Orbit
-from cyclemap.views.fingerprint_sentences import (
-    check_sentence,
-    direction_sentence,
-    five_numbers,
-    lock_in_sentence,
-    protocol_sentence,
-    surface_sentence,
-    trust_sentence,
-)
-from cyclemap.views.panel_parts import legend_above, orbit_marker, stability
+from cyclemap.views.sentences import angle
 from cyclemap.views.style import (
     FORCE,
     INK,
@@ -32,27 +23,27 @@ from cyclemap.views.style import (
     PREDICTED_FILL,
     QUIET,
     degree_axis,
+    legend_above,
     new_figure,
+    orbit_marker,
     picture_style,
+    stability,
+    write_page,
 )
 
-PAGE_INCHES = (13.333, 7.5)
-LINE_LETTERS = 170
 _ANGLES = np.radians(np.arange(0.0, 361.0))
+ANYWHERE = math.radians(90.0)
 
 
 def fingerprint_page(
-    found: Fingerprint,
-    prediction: Prediction | None = None,
-    checked: PredictionCheck | None = None,
-    name: str = "",
+    found: Fingerprint, prediction: Prediction | None = None, checked: PredictionCheck | None = None, name: str = ""
 ) -> Figure:
     """Draw a fingerprint; with a prediction its map too, and the full map where that was computed.
 
     `name` is the material's, for the title and the sentences.
     """
     with picture_style():
-        figure = new_figure(*PAGE_INCHES)
+        figure = new_figure()
         grid = GridSpec(
             2, 2, figure, width_ratios=(1.0, 1.5), left=0.065, right=0.985, bottom=0.12, top=0.76, wspace=0.16,
             hspace=0.62,
@@ -138,18 +129,117 @@ def _write_words(
     figure: Figure, found: Fingerprint, prediction: Prediction | None, checked: PredictionCheck | None, name: str
 ) -> None:
     title = "Fingerprint of the protocol" if prediction is None else f"Fingerprint of the protocol, on {name}"
-    figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
     told = [protocol_sentence(found)]
     if prediction is not None:
         told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
         told += [lock_in_sentence(prediction), trust_sentence(prediction)]
     if checked is not None:
         told.append(check_sentence(checked))
-    figure.text(0.015, 0.925, fill(" ".join(filter(None, told)), LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
     numbers = "   ".join(
         f"{symbol} {value}°"
         for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
     )
-    figure.text(
-        0.015, 0.02, f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity", fontsize=8, color=QUIET
+    foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
+    write_page(figure, title, told, foot, top=0.925, letters=170)
+
+
+def five_numbers(response: TurnResponse) -> tuple[str, ...]:
+    """Ω, A₁, δ₁, A₂, δ₂ in degrees, as text with three decimals."""
+    values = (
+        response.turn,
+        response.offset_amplitude,
+        response.offset_phase,
+        response.ellipse_amplitude,
+        response.ellipse_phase,
     )
+    return tuple(f"{math.degrees(value):.3f}".replace("-", "−") for value in values)
+
+
+def protocol_sentence(found: Fingerprint) -> str:
+    """What the protocol does, in a sentence."""
+    parts = f"push {angle(found.push.turn)}, drag {angle(found.drag.turn)}"
+    offset, ellipse = (angle(0.01 * size, 2) for size in (found.offset_amplitude, found.ellipse_amplitude))
+    return (
+        f"On an isotropic surface a cycle turns the object by {angle(found.turn, 2)} ({parts}); an offset of 1 % "
+        f"changes that by up to {offset}, an ellipticity of 1 % by up to {ellipse}."
+    )
+
+
+def surface_sentence(prediction: Prediction, material: str) -> str:
+    """How anisotropic the surface is."""
+    surface = prediction.anisotropy
+    if not surface.offset and not surface.ellipticity:
+        return f"{material} is the same in every direction."
+    return (
+        f"{material}: offset {100 * surface.offset:.1f} % along {angle(surface.offset_direction % (2 * math.pi))}, "
+        f"ellipticity {100 * surface.ellipticity:.1f} % along {angle(surface.ellipse_direction)}."
+    )
+
+
+def direction_sentence(prediction: Prediction, material: str) -> str:
+    """Where the surface locks in, or how fast it drifts, to first order and with the error."""
+    stable = prediction.stable_directions
+    if stable:
+        places = ", ".join(_place(direction) for direction in stable)
+        return f"To first order {material} locks into {places}{_doubt(prediction, LOCKS)}."
+    pace = ""
+    if prediction.mean_turn is not None:
+        pace = f": the map turns {angle(prediction.mean_turn, 2)} a cycle on average"
+        slow = angle(float(prediction.turn(prediction.slowest)), 2)
+        pace += f", slowest near {angle(prediction.slowest, 0)} ({slow})" if prediction.ratio else ""
+    refined = [angle(orbit.points[0]) for orbit in prediction.second_order_points if orbit.stable]
+    second = f"; to second order it locks into {', '.join(refined)}" if refined else ""
+    return f"To first order {material} has no stable direction{pace}{_doubt(prediction, DRIFTS)}{second}."
+
+
+def lock_in_sentence(prediction: Prediction) -> str:
+    """How near the surface is to the edge of lock-in; empty where no anisotropy of this kind locks in."""
+    lock_in = prediction.lock_in
+    if not math.isfinite(lock_in.scale):
+        return ""
+    low, high = prediction.lock_in_range
+    between = f"{low:.2f} to {high:.2f}" if math.isfinite(high) else f"{low:.2f} or more"
+    return f"Lock-in begins at {lock_in.scale:.2f} times this anisotropy ({between}), near {angle(lock_in.theta, 0)}."
+
+
+def trust_sentence(prediction: Prediction) -> str:
+    """That the first-order law is not to be trusted here, and why; empty where it is."""
+    if prediction.trusted:
+        return ""
+    why = (
+        f"its error is {prediction.ratio:.0%} of what it predicts"
+        if prediction.second_order_found
+        else "the protocol's second order could not be found, so its error is not known"
+    )
+    return f"A first-order law is not to be trusted here: {why}; compute the full map."
+
+
+def check_sentence(checked: PredictionCheck) -> str:
+    """What the full map says of it."""
+    if not checked.stable_points:
+        return "The full map has no stable direction."
+    places = [f"{angle(orbit.points[0])} (multiplier {_signed(orbit.multiplier)})" for orbit in checked.stable_points]
+    misses = [_miss(direction) for direction in checked.directions if direction.predicted.stable]
+    return " ".join([f"The full map locks into {', '.join(places)}.", *misses])
+
+
+def _place(direction: PredictedDirection) -> str:
+    second = direction.second_order
+    refined = "" if second is None else f"; to second order {angle(second.points[0])}"
+    width = "± more than 90°" if direction.error > ANYWHERE else f"± {angle(direction.error)}"
+    return f"{angle(direction.theta)} {width} (multiplier {_signed(direction.multiplier)}{refined})"
+
+
+def _signed(value: float) -> str:
+    return f"{value:.3f}".replace("-", "−")
+
+
+def _doubt(prediction: Prediction, verdict: str) -> str:
+    return "" if prediction.verdict == verdict else ", but the error leaves open whether it locks at all"
+
+
+def _miss(checked: CheckedDirection) -> str:
+    if checked.full is None:
+        return "It has no such direction as predicted."
+    within = "within" if checked.within_error else "beyond"
+    return f"The prediction is {angle(checked.miss)} off, {within} its error."

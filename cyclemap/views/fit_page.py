@@ -1,33 +1,51 @@
-"""What was fitted to one set of pushes on a landscape page: laws, histograms, cycle map, staircase."""
+"""What was fitted to one set of pushes on a landscape page: laws, histograms, the worn cycle map, staircase, turns."""
 
 from collections.abc import Callable
-from textwrap import fill
+from dataclasses import replace
+from functools import partial
+from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap
+from cyclemap.evidence import LawBand
+from cyclemap.evidence.pushes.theta0_statistics import is_covered
+from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, TurnPace, WornForecast
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
-from cyclemap.views.fit_panels import (
-    draw_directions,
-    draw_law,
-    draw_pace,
-    draw_turn_histogram,
-    draw_worn_staircase,
-    draw_worn_turns,
-)
 from cyclemap.views.fit_sentences import SIGNS, set_sentences
-from cyclemap.views.style import QUIET, new_figure, picture_style
+from cyclemap.views.map_panels import PER_DEGREE, draw_measured_histogram, draw_staircase
+from cyclemap.views.style import (
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    degree_axis,
+    legend_above,
+    new_figure,
+    orbit_marker,
+    picture_style,
+    say,
+    stability,
+    write_tall_page,
+)
 
-PAGE_INCHES = (16.0, 9.6)
-LINE_LETTERS = 205
-# Shares of the page's height: a line of words, what lies below the panels, and titles and labels of a row.
-LINE_HEIGHT, FOOT, TITLES, LABELS = 0.0188, 0.03, 0.075, 0.06
+# Shares of the page's height: what lies below the panels, and titles and labels of a row.
+FOOT, TITLES, BELOW = 0.03, 0.075, 0.06
 # Points between a panel and its title: two rows of a legend.
 TITLE_PAD = 31.0
 Panel = tuple[str, Callable[[Axes], None]]
+THETA0 = "θ0, orientation before the push (°)"
+SCALES = {"dtheta": np.degrees(1.0), "dx": 1000.0, "dy": 1000.0}
+LABELS = {"dtheta": "turn of the push, Δθ (°)", "dx": "displacement, Δx (mm)", "dy": "displacement, Δy (mm)"}
+CIRCLE = np.linspace(0.0, 2 * np.pi, 721)
+LATE_FILL = "#cfcfcf"
 
 
 def fit_page(fit: SetFit) -> Figure:
@@ -35,58 +53,43 @@ def fit_page(fit: SetFit) -> Figure:
 
     Raises InvalidInput where nothing was fitted.
     """
-    rows = [row for row in (_push_row(fit), _map_row(fit.cycle_map)) if row]
+    rows = [row for row in _panels(fit) if row]
     if not rows:
         raise InvalidInput(f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}")
     with picture_style():
-        figure = new_figure(*PAGE_INCHES)
-        top = _write_words(figure, fit)
-        shared = _shared_out(rows)
-        height = (top - FOOT) / len(shared)
-        for number, row in enumerate(shared):
+        figure = new_figure(16.0, 9.6)
+        foot = "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes"
+        top = write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given")
+        if len(rows) == 1 and len(rows[0]) > 2:
+            half = (len(rows[0]) + 1) // 2
+            rows = [rows[0][:half], rows[0][half:]]
+        height = (top - FOOT) / len(rows)
+        for number, row in enumerate(rows):
             _draw_row(figure, row, top - number * height, height)
     return figure
 
 
-def _push_row(fit: SetFit) -> list[Panel]:
-    panels: list[Panel] = [(SIGNS[law.quantity], _law_drawer(law)) for law in fit.laws.laws if law.law is not None]
+def _panels(fit: SetFit) -> tuple[list[Panel], list[Panel]]:
+    """Titles and drawers of what is known of the pushes, and of the cycle map."""
+    laws = [law for law in fit.laws.laws if law.law is not None]
+    pushes: list[Panel] = [(SIGNS[law.quantity], partial(draw_law, law=law)) for law in laws]
     if fit.histogram is not None:
-        panels.append(("Histogram of Δθ", _histogram_drawer(fit.histogram)))
-    return panels
-
-
-def _map_row(found: MeasuredCycleMap | None) -> list[Panel]:
+        pushes.append(("Histogram of Δθ", partial(draw_turn_histogram, histogram=fit.histogram)))
+    found = fit.cycle_map
     if found is None:
-        return []
-    panels: list[Panel] = [("Cycle map", lambda axes: draw_worn_turns(axes, found))]
-    forecast = found.forecast
-    if forecast is not None:
-        panels.append(("Directions", lambda axes: draw_directions(axes, forecast)))
-        panels.append(("Staircase", lambda axes: draw_worn_staircase(axes, forecast)))
+        return pushes, []
+    cycles: list[Panel] = [("Cycle map", partial(draw_worn_turns, found=found))]
+    if (forecast := found.forecast) is not None:
+        cycles.append(("Directions", partial(draw_directions, forecast=forecast)))
+        cycles.append(("Staircase", partial(draw_worn_staircase, forecast=forecast)))
         if forecast.pace.measured.size:
-            panels.append(("Turns", lambda axes: draw_pace(axes, forecast.pace)))
-    return panels
-
-
-def _law_drawer(law: MotionLaw) -> Callable[[Axes], None]:
-    return lambda axes: draw_law(axes, law)
-
-
-def _histogram_drawer(histogram: TurnHistogram) -> Callable[[Axes], None]:
-    return lambda axes: draw_turn_histogram(axes, histogram)
-
-
-def _shared_out(rows: list[list[Panel]]) -> list[list[Panel]]:
-    """Two rows at most; a single row of several panels is split in two."""
-    if len(rows) == 1 and len(rows[0]) > 2:
-        half = (len(rows[0]) + 1) // 2
-        return [rows[0][:half], rows[0][half:]]
-    return rows
+            cycles.append(("Turns", partial(draw_pace, pace=forecast.pace)))
+    return pushes, cycles
 
 
 def _draw_row(figure: Figure, row: list[Panel], top: float, height: float) -> None:
     """Draw panels side by side in this part of the page, with room for titles above and labels below them."""
-    ends = {"top": top - TITLES, "bottom": top - height + LABELS, "left": 0.045, "right": 0.985}
+    ends = {"top": top - TITLES, "bottom": top - height + BELOW, "left": 0.045, "right": 0.985}
     grid = GridSpec(1, len(row), figure, wspace=0.27 if len(row) > 2 else 0.16, **ends)
     for column, (title, draw) in enumerate(row):
         axes = figure.add_subplot(grid[0, column])
@@ -94,13 +97,132 @@ def _draw_row(figure: Figure, row: list[Panel], top: float, height: float) -> No
         axes.set_title(title, pad=TITLE_PAD)
 
 
-def _write_words(figure: Figure, fit: SetFit) -> float:
-    """Write title, sentences and foot; returns where the sentences end, as a share of the page's height."""
-    figure.text(0.012, 0.968, f"Fitted to {fit.pushes.name}", fontsize=18, fontweight="bold", va="center")
-    told = fill(" ".join(set_sentences(fit)), LINE_LETTERS)
-    figure.text(0.012, 0.947, told, fontsize=9.5, va="top", linespacing=1.3)
-    foot = (
-        "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes unless given"
+def draw_law(axes: Axes, law: MotionLaw) -> None:
+    """Measured pushes over θ0, the law through them, the band of its mean and that of one push."""
+    scale = SCALES[law.quantity]
+    _draw_dots(axes, law.theta, scale * law.value)
+    if law.law is None:
+        say(axes, "no law")
+    else:
+        band = _where_measured(law.law.band(CIRCLE), law.theta)
+        _draw_band(axes, band, scale, PREDICTED_FILL, "95 % of pushes")
+        _draw_mean(axes, band, scale, PREDICTED, "law, 95 % band of its mean", "-")
+        _keep_to(axes, _bulk(scale * law.value), [scale * band.lower, scale * band.upper])
+    degree_axis(axes, THETA0)
+    axes.set_ylabel(LABELS[law.quantity])
+    legend_above(axes, columns=2)
+
+
+def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
+    """The measured turns of the cycle, and the fitted map's: early and late where it wears."""
+    axes.axhline(0.0, color=QUIET, linewidth=0.9)
+    turns = np.degrees(found.pairs.turn)
+    _draw_dots(axes, found.pairs.theta, turns)
+    edges, worn = [], found.fitted.wear
+    states = [(found.early, PREDICTED_FILL, PREDICTED, "-"), (found.late, LATE_FILL, INK, "--")]
+    for state, colour, line, dash in states if found.wears else states[:1]:
+        law = found.fitted.law if worn is None else worn.at(state.cycle)
+        band = _where_measured(law.band(CIRCLE), found.pairs.theta)
+        name = f"push {state.cycle:.0f}" if found.wears else "fitted map"
+        _draw_band(axes, band, SCALES["dtheta"], colour, None if found.wears else "95 % of pushes")
+        _draw_mean(axes, band, SCALES["dtheta"], line, name, dash)
+        for orbit in state.fixed_points:
+            axes.plot(np.degrees(orbit.points[0]), 0.0, **orbit_marker(stability(orbit)))
+        edges += [np.degrees(band.lower), np.degrees(band.upper)]
+    _keep_to(axes, _bulk(turns), edges)
+    degree_axis(axes, THETA0)
+    axes.set_ylabel("turn of one cycle (°)")
+    legend_above(axes, columns=2)
+
+
+def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
+    """Measured counts of Δθ, those the law predicts, and those it predicts without its scatter."""
+    edges = np.degrees(histogram.edges)
+    look: dict[str, Any] = {"facecolor": MEASURED, "edgecolor": MEASURED_EDGE, "linewidth": 0.6, "alpha": 0.65}
+    axes.stairs(histogram.measured, edges, fill=True, label="measured", zorder=2, **look)
+    axes.stairs(histogram.predicted, edges, color=PREDICTED, linewidth=1.8, label="law with scatter", zorder=4)
+    # A law alone piles up where it is flat: columns that run out of the panel are told by their height.
+    top, alone = float(max(np.max(histogram.measured), np.max(histogram.predicted))), float(np.max(histogram.law_alone))
+    told = f"law alone, up to {alone:.0f}" if alone > 1.5 * top else "law alone"
+    axes.stairs(histogram.law_alone, edges, color=INK, linewidth=0.9, linestyle="--", label=told, zorder=3)
+    axes.set(xlabel="turn of the push, Δθ (°)", ylabel="pushes", ylim=(0.0, 1.08 * min(max(top, alone), 1.5 * top)))
+    legend_above(axes, columns=2)
+
+
+def draw_directions(axes: Axes, forecast: WornForecast) -> None:
+    """How often each orientation was recorded, and how often the worn map's paths come by."""
+    draw_measured_histogram(axes, forecast.measured_histogram)
+    density, edges = PER_DEGREE * forecast.histogram.density, np.degrees(forecast.histogram.edges)
+    axes.stairs(density, edges, color=PREDICTED, linewidth=1.6, label="fitted map", zorder=4)
+    axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=3)
+    degree_axis(axes, THETA0)
+    axes.set_ylabel("probability per degree")
+    legend_above(axes, columns=2)
+
+
+def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
+    """The measured path, one of the fitted map, and where 95 % of its paths are."""
+    lower, upper = np.degrees(forecast.lower), np.degrees(forecast.upper)
+    axes.fill_between(
+        np.arange(lower.size), lower, upper, color=PREDICTED_FILL, linewidth=0, label="95 % of paths", zorder=1
     )
-    figure.text(0.012, 0.012, foot, fontsize=8, color=QUIET)
-    return 0.947 - LINE_HEIGHT * (told.count("\n") + 1)
+    draw_staircase(axes, forecast.run, forecast.measured)
+    legend_above(axes, columns=2)
+
+
+def draw_pace(axes: Axes, pace: TurnPace) -> None:
+    """Pushes that each full turn took, and the range that the fitted map gives it."""
+    # A range without an end, or a turn that most paths never finish, runs out of the panel.
+    finite = [pushes[np.isfinite(pushes)] for pushes in (pace.measured, pace.lower, pace.predicted, pace.upper)]
+    top = 1.4 * float(np.max(np.concatenate(finite)))
+    low, middle, high = (np.minimum(pushes, 2.0 * top) for pushes in (pace.lower, pace.predicted, pace.upper))
+    look: dict[str, Any] = {"fmt": "_", "color": PREDICTED, "elinewidth": 1.6, "markersize": 8}
+    axes.errorbar(pace.start, middle, yerr=[middle - low, high - middle], label="fitted map, 95 %", zorder=3, **look)
+    axes.plot(pace.start, pace.measured, "s", color=MEASURED, markeredgecolor=MEASURED_EDGE, label="measured", zorder=4)
+    axes.set_yscale("log")
+    axes.set_ylim(top=top)
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(ScalarFormatter())
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
+    axes.set(xlabel="cycle in which the turn began", ylabel="pushes a full turn")
+    legend_above(axes, columns=2)
+
+
+def _where_measured(band: LawBand, theta: Array) -> LawBand:
+    """The band with gaps where no orientation was measured."""
+    hidden = np.where(is_covered(theta, CIRCLE), 0.0, np.nan)
+    return replace(band, centre=band.centre + hidden)
+
+
+def _draw_dots(axes: Axes, theta: Array, value: Array) -> None:
+    look: dict[str, Any] = {"color": MEASURED, "markersize": 3, "markeredgewidth": 0, "alpha": 0.45}
+    axes.plot(np.degrees(np.mod(theta, 2 * np.pi)), value, "o", label="measured", zorder=2, **look)
+
+
+def _draw_band(axes: Axes, band: LawBand, scale: float, fill: str, label: str | None) -> None:
+    theta = np.degrees(band.theta)
+    axes.fill_between(
+        theta, scale * band.lower, scale * band.upper, color=fill, alpha=0.75, linewidth=0, label=label, zorder=1
+    )
+
+
+def _draw_mean(axes: Axes, band: LawBand, scale: float, line: str, label: str, dash: str) -> None:
+    theta = np.degrees(band.theta)
+    axes.fill_between(
+        theta, scale * band.mean_lower, scale * band.mean_upper, color=line, alpha=0.35, linewidth=0, zorder=3
+    )
+    axes.plot(theta, scale * band.centre, color=line, linewidth=1.4, linestyle=dash, label=label, zorder=4)
+
+
+def _bulk(value: Array) -> Array:
+    """The ends of what all but one in 200 values reach: a stray push does not set the scale."""
+    return np.asarray(np.quantile(value, [0.005, 0.995]))
+
+
+def _keep_to(axes: Axes, dots: Array, bands: list[Array]) -> None:
+    """Show the dots, and bands as far as they leave these no less than a third of the panel."""
+    low, high = float(np.min(dots)), float(np.max(dots))
+    reach, values = high - low or 1.0, np.concatenate(bands)
+    low, high = max(low - reach, min(low, float(np.nanmin(values)))), min(high + reach, max(high, np.nanmax(values)))
+    axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))

@@ -39,7 +39,9 @@ def count_sentence(fit: SetFit) -> str:
     pushes, contacts = fit.pushes, fit.pushes.contacts
     pooled = f" at {contacts} contacts, pooled: none was repeated often" if contacts > 1 else ""
     known = "" if pushes.has_motion else " of which θ0 alone is known"
-    dropped = "" if pushes.pairs is None or not pushes.pairs.dropped_count else f" ({_dropped(fit)})"
+    left = {} if pushes.pairs is None or not pushes.pairs.dropped_count else pushes.pairs.dropped
+    reasons = ", ".join(f"{count} left out: {reason}" for reason, count in left.items())
+    dropped = f" ({reasons})" if reasons else ""
     return f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.{_cover(pushes.theta)}"
 
 
@@ -197,8 +199,3 @@ def _pushes(value: float) -> str:
 
 def _share(value: float) -> str:
     return "an unknown share" if math.isnan(value) else f"{100.0 * value:.0f} %"
-
-
-def _dropped(fit: SetFit) -> str:
-    assert fit.pushes.pairs is not None
-    return ", ".join(f"{count} left out: {reason}" for reason, count in fit.pushes.pairs.dropped.items())

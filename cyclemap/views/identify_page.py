@@ -1,34 +1,52 @@
-"""An identified surface on a landscape page: its ellipse, how plates press, data beside predictions, intervals."""
+"""An identified surface: in sentences, and on a page with its ellipse, how plates press, data beside predictions."""
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from textwrap import fill
+from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
+from matplotlib.ticker import MaxNLocator
 
-from cyclemap.evidence.identification.identify import Identification
-from cyclemap.evidence.identified_curves import IdentifiedCurves
-from cyclemap.views.identify_panels import (
-    draw_cycles,
-    draw_ellipse,
-    draw_interval,
-    draw_places,
-    draw_shares,
-    draw_turns,
+from cyclemap.arrays import TWO_PI
+from cyclemap.evidence.identification.identify import Estimate, Identification
+from cyclemap.evidence.identified_curves import CycleFit, Derived, IdentifiedCurves, PlaceFit, TurnFit
+from cyclemap.evidence.identified_material import misfit_words, readable_kind, readable_unit
+from cyclemap.views.sentences import angle
+from cyclemap.views.style import (
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    degree_axis,
+    legend_above,
+    new_figure,
+    picture_style,
+    write_tall_page,
 )
-from cyclemap.views.style import QUIET, new_figure, picture_style
 
-PAGE_INCHES = (16.0, 9.6)
-LINE_LETTERS = 205
-LINE_HEIGHT = 0.0188
 TITLE_PAD = 22.0
 # Besides the intervals, which take the end of the first row.
 MOST_PANELS = 8
 # More intervals than fit above each other: those of plates and data sets are then in the tables alone.
 MOST_INTERVALS = 13
+# Errors that differ by less than this are as large.
+WORSE = 1.01
 Panel = tuple[str, Callable[[Axes], None]]
+_DOTS: dict[str, Any] = {
+    "color": MEASURED,
+    "markersize": 3.5,
+    "alpha": 0.55,
+    "markeredgecolor": MEASURED_EDGE,
+    "markeredgewidth": 0.3,
+    "linestyle": "none",
+}
 
 
 def identify_page(title: str, found: Identification, curves: IdentifiedCurves, words: Sequence[str]) -> Figure:
@@ -37,8 +55,11 @@ def identify_page(title: str, found: Identification, curves: IdentifiedCurves, w
     if len(found.plates) > 1:
         panels.insert(1, ("How the weight rests", partial(draw_shares, plates=found.plates)))
     with picture_style():
-        figure = new_figure(*PAGE_INCHES)
-        top = _write_words(figure, title, words, len(panels) - MOST_PANELS)
+        figure = new_figure(16.0, 9.6)
+        undrawn = len(panels) - MOST_PANELS
+        more = f"; {undrawn} panels more are not drawn" if undrawn > 0 else ""
+        foot = f"inferred from data; × at an interval's end: a bound, not excluded by the data{more}"
+        top = write_tall_page(figure, title, words, foot, size=13.0)
         rows, columns = _layout(min(len(panels), MOST_PANELS) + 1)
         ends = {"left": 0.05, "right": 0.985, "bottom": 0.085, "top": top - 0.07}
         grid = GridSpec(rows, columns, figure, wspace=0.24, hspace=0.24 + 0.14 * rows, **ends)
@@ -85,12 +106,160 @@ def _draw_intervals(figure: Figure, grid: GridSpec, found: Identification) -> No
         axes.set_position((place.x0 + 0.42 * place.width, place.y0, 0.58 * place.width, place.height))
 
 
-def _write_words(figure: Figure, title: str, words: Sequence[str], undrawn: int) -> float:
-    """Write title, sentences and foot; returns where the sentences end, as a share of the page's height."""
-    figure.text(0.012, 0.968, title, fontsize=13, fontweight="bold", va="center")
-    told = fill(" ".join(words), LINE_LETTERS)
-    figure.text(0.012, 0.947, told, fontsize=9.5, va="top", linespacing=1.3)
-    more = f"; {undrawn} panels more are not drawn" if undrawn > 0 else ""
-    foot = f"inferred from data; × at an interval's end: a bound, not excluded by the data{more}"
-    figure.text(0.012, 0.012, foot, fontsize=8, color=QUIET)
-    return 0.947 - LINE_HEIGHT * (told.count("\n") + 1)
+def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
+    """The friction ellipse over directions of sliding, what it may be, and the forces that scans measured."""
+    axes.add_collection(
+        LineCollection(list(curves.samples), colors=PREDICTED_FILL, linewidths=1.2, alpha=0.5, zorder=1)
+    )
+    axes.plot([], [], color=PREDICTED_FILL, linewidth=6, label="what it may be")
+    if curves.forces is not None:
+        axes.plot(*curves.forces.T, marker="o", label="measured", zorder=2, **_DOTS)
+    axes.plot(*curves.ellipse.T, color=PREDICTED, linewidth=1.8, label="identified", zorder=4)
+    if curves.worn is not None:
+        axes.plot(*curves.worn.T, color=INK, linewidth=1.4, linestyle="--", label="at the end", zorder=4)
+    axes.plot(0.0, 0.0, "+", color=QUIET, markersize=9, zorder=3)
+    axes.set_aspect("equal", adjustable="datalim")
+    unit = "" if curves.sized else ", size not told by motions"
+    axes.set(xlabel=f"friction coefficient along x{unit}", ylabel="along y")
+    legend_above(axes, columns=4)
+
+
+def draw_shares(axes: Axes, plates: Mapping[str, Mapping[str, float]]) -> None:
+    """Where the weight of each plate rests: a bar a plate, its shares from left to right."""
+    names = list(plates)[::-1]
+    left = np.zeros(len(names))
+    looks = {"inner_share": (QUIET, "inside"), "rim_share": (PREDICTED, "rim"), "corner_share": (MEASURED, "corners")}
+    for key, (colour, label) in looks.items():
+        size = 100.0 * np.array([plates[name][key] for name in names])
+        axes.barh(names, size, left=left, height=0.62, color=colour, label=label)
+        left += size
+    axes.barh(names, 100.0 - left, left=left, height=0.62, color=PREDICTED_FILL, label="even")
+    axes.set(xlim=(0.0, 100.0), xlabel="share of the weight (%)")
+    legend_above(axes, columns=4)
+
+
+def draw_turns(axes: Axes, fit: TurnFit) -> None:
+    """Predicted over measured turns of strokes."""
+    measured, predicted = np.degrees(fit.measured), np.degrees(fit.predicted)
+    axes.axline((0.0, 0.0), slope=1.0, color=PREDICTED, linewidth=1.4, label="equal", zorder=3)
+    axes.plot(measured, predicted, marker="o", label="strokes", zorder=2, **_DOTS)
+    axes.set(xlabel="measured turn (°)", ylabel="predicted turn (°)")
+    legend_above(axes)
+
+
+def draw_places(axes: Axes, fit: PlaceFit) -> None:
+    """Where pushes ended, predicted less measured, with the circle that half of them keep within."""
+    x, y = 1000.0 * fit.errors.T
+    half = float(np.median(np.hypot(x, y)))
+    around = np.linspace(0.0, 2 * np.pi, 121)
+    axes.plot(x, y, marker="o", label="pushes", zorder=2, **_DOTS)
+    axes.plot(
+        half * np.cos(around), half * np.sin(around), color=PREDICTED, label=f"half within {half:.2g} mm", zorder=3
+    )
+    axes.plot(0.0, 0.0, "+", color=QUIET, markersize=9, zorder=3)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set(xlabel="error of the place, x (mm)", ylabel="y (mm)")
+    legend_above(axes)
+
+
+def draw_cycles(axes: Axes, fit: CycleFit) -> None:
+    """Measured turns of cycles over θ0, and the fitted map's."""
+    axes.axhline(0.0, color=QUIET, linewidth=0.9)
+    theta = np.degrees(np.mod(fit.theta, 2 * np.pi))
+    axes.plot(theta, np.degrees(fit.turn), marker="o", label="measured", zorder=2, **_DOTS)
+    name = "identified" if fit.late is None else "at the start"
+    axes.plot(np.degrees(fit.grid), np.degrees(fit.fitted), color=PREDICTED, linewidth=1.8, label=name, zorder=4)
+    if fit.late is not None:
+        late = np.degrees(fit.late)
+        axes.plot(np.degrees(fit.grid), late, color=INK, linestyle="--", linewidth=1.4, label="at the end", zorder=4)
+    degree_axis(axes, "θ0, orientation before the push (°)")
+    axes.set_ylabel("turn of one cycle (°)")
+    legend_above(axes)
+
+
+def draw_interval(axes: Axes, one: Estimate) -> None:
+    """The interval of one parameter on an axis of its own, its name at the left."""
+    unit, factor = readable_unit(one.unit)
+    value, lower, upper = factor * one.value, factor * one.lower, factor * one.upper
+    look: dict[str, Any] = {
+        "color": PREDICTED if one.identifiable else QUIET,
+        "linewidth": 2.2,
+        "solid_capstyle": "butt",
+    }
+    axes.plot([lower, upper], [0.0, 0.0], **look)
+    axes.plot(value, 0.0, "o", color=look["color"], markersize=5)
+    for end, opened in ((lower, one.lower_open), (upper, one.upper_open)):
+        axes.plot(end, 0.0, "|" if not opened else "x", color=look["color"], markersize=8)
+    room = 0.35 * max(upper - lower, 1e-9)
+    # An interval narrower than the digits of its ticks would be labelled with an offset that nobody can read.
+    room = max(room, 1e-3 * max(abs(lower), abs(upper), 1e-3))
+    axes.set_xlim(lower - room, upper + room)
+    axes.ticklabel_format(axis="x", useOffset=False)
+    axes.set(yticks=[], ylim=(-1.0, 1.0))
+    axes.xaxis.set_major_locator(MaxNLocator(4))
+    axes.grid(visible=False)
+    for side in ("left", "top", "right"):
+        axes.spines[side].set_visible(False)
+    axes.tick_params(axis="x", labelsize=7, length=2, pad=1)
+    words = f"{one.name.replace('_', ' ')}{f' ({unit.strip()})' if unit else ''}"
+    axes.text(-0.03, 0.5, words, transform=axes.transAxes, ha="right", va="center", fontsize=8)
+
+
+def headline(name: str, derived: Sequence[Derived]) -> str:
+    """The friction ellipse as far as it is known: intervals, for no value is surer than its own."""
+    known = {one.name: one for one in derived}
+    told = []
+    if "axis_ratio" in known:
+        longer = _way(known, "axis_direction", " (longer along {})")
+        told.append(f"axes {_range(known['axis_ratio'], 1.0, 2)} : 1{longer}")
+    if "offset_size" in known:
+        towards = _way(known, "offset_direction", " towards {}")
+        told.append(f"centre {_range(known['offset_size'], 100.0, 1)} % off{towards}")
+    if "mean_friction" in known:
+        told.append(f"mean friction {_range(known['mean_friction'], 1.0, 3)}")
+    return f"{name}: friction ellipse with {', '.join(told)}" if told else f"{name}: friction taken as isotropic"
+
+
+def error_sentence(found: Identification) -> str:
+    """How far predictions lie from the data."""
+    return f"Predictions lie from the data by {misfit_words(found)}."
+
+
+def note_sentences(found: Identification) -> list[str]:
+    """What qualifies the result."""
+    return [*worse_than_isotropic(found), *(f"note: {note}" for note in found.notes)]
+
+
+def worse_than_isotropic(found: Identification) -> list[str]:
+    """Which data the identified surface predicts worse than isotropic friction does, by 1 %; left out where it was."""
+    worse = []
+    for one in found.errors:
+        mean = one.left_out_mean if one.left_out_mean == one.left_out_mean else one.mean
+        if mean > WORSE * one.isotropic_mean:
+            kind, unit, factor = readable_kind(one.kind)
+            worse.append(f"{one.block}, {kind} ({factor * mean:.3g} against {factor * one.isotropic_mean:.3g}{unit})")
+    return [f"Worse than isotropic friction does: {'; '.join(worse)}."] if worse else []
+
+
+def page_sentences(found: Identification) -> list[str]:
+    """What is written on the page."""
+    return [f"Ranges are intervals of {100.0 * found.level:g} %.", error_sentence(found), *worse_than_isotropic(found)]
+
+
+def _range(one: Derived, factor: float, decimals: int) -> str:
+    return _between(f"{factor * one.lower:.{decimals}f}", f"{factor * one.upper:.{decimals}f}")
+
+
+def _between(low: str, high: str) -> str:
+    return low if low == high else f"{low} to {high}"
+
+
+def _way(known: dict[str, Derived], name: str, words: str) -> str:
+    """The interval of a direction in these words; that it may be any; nothing where it was not asked for."""
+    if name not in known:
+        return ""
+    way = known[name]
+    if not way.known:
+        return ", in any direction"
+    whole = TWO_PI * math.floor((way.lower + math.pi) / TWO_PI)
+    return words.format(_between(angle(way.lower - whole, 0), angle(way.upper - whole, 0)))

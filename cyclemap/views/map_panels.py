@@ -1,4 +1,4 @@
-"""The map itself: its turn over the circle, and its cobweb."""
+"""The map and what the robot will record of it: turn, cobweb, histogram of directions, staircase."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from cyclemap.collection.portrait_curves import Cobweb, TurnCurve
+from cyclemap.arrays import Array
+from cyclemap.collection.portrait_curves import Cobweb, PortraitCurves, TurnCurve
 from cyclemap.collection.uncertain_directions import DirectionInterval
 from cyclemap.maps import Orbit
 from cyclemap.views.style import (
@@ -18,12 +19,16 @@ from cyclemap.views.style import (
     PREDICTED,
     PREDICTED_FILL,
     QUIET,
-    UNSTABLE,
     degree_axis,
+    orbit_marker,
+    unwrapped_axis,
 )
 
 if TYPE_CHECKING:
-    from cyclemap.evidence import Theta0Pairs, TurnBins
+    from cyclemap.evidence import AngleHistogram, Theta0Pairs, TurnBins
+
+PER_DEGREE = np.pi / 180
+LEAST_SPAN_DEG = 120.0
 
 
 def draw_turn(
@@ -54,16 +59,7 @@ def draw_turn(
 def draw_measured_turns(axes: Axes, pairs: Theta0Pairs, bins: TurnBins) -> None:
     """Measured pairs as light dots, and their medians by bin; the scale keeps to the medians."""
     theta = np.degrees(np.mod(pairs.theta, 2 * np.pi))
-    axes.plot(
-        theta,
-        np.degrees(pairs.turn),
-        ".",
-        color=MEASURED,
-        markersize=3,
-        alpha=0.35,
-        label="measured",
-        zorder=1,
-    )
+    axes.plot(theta, np.degrees(pairs.turn), ".", color=MEASURED, markersize=3, alpha=0.35, label="measured", zorder=1)
     axes.plot(
         np.degrees(bins.centre),
         np.degrees(bins.median),
@@ -87,8 +83,9 @@ def draw_cobweb(axes: Axes, cobweb: Cobweb, fixed_points: tuple[Orbit, ...]) -> 
         axes.plot(*np.degrees(path).T, color=INK, linewidth=0.7)
         axes.plot(*np.degrees(path[0]), marker="|", color=INK, markersize=7)
     for orbit in fixed_points:
-        for lift in _lifts(float(np.degrees(orbit.points[0])), *window):
-            axes.plot(lift, lift, **_marker(orbit))
+        for lift in float(np.degrees(orbit.points[0])) + 360.0 * np.arange(-2, 3):
+            if window[0] <= lift <= window[1]:
+                axes.plot(lift, lift, **_marker(orbit))
     axes.set(xlim=window, ylim=window, aspect="equal", anchor="W", xlabel="θ0 (°)", ylabel="next θ0 (°)")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 3, 4.5, 6, 9, 10]))
@@ -111,17 +108,40 @@ def _draw_fixed_points(axes: Axes, fixed_points: tuple[Orbit, ...]) -> None:
 
 
 def _marker(orbit: Orbit) -> dict[str, Any]:
-    face = PREDICTED if orbit.stable else UNSTABLE
-    return {
-        "marker": "o",
-        "markersize": 7.5,
-        "markerfacecolor": face,
-        "markeredgecolor": PREDICTED,
-        "markeredgewidth": 1.6,
-        "linestyle": "none",
-        "zorder": 5,
-    }
+    kind = "stable" if orbit.stable else "unstable"
+    return {**orbit_marker(kind), "markersize": 7.5, "markeredgewidth": 1.6, "clip_on": True}
 
 
-def _lifts(place: float, low: float, high: float) -> list[float]:
-    return [place + turn for turn in (-720.0, -360.0, 0.0, 360.0, 720.0) if low <= place + turn <= high]
+def draw_density(axes: Axes, curves: PortraitCurves) -> None:
+    """The predicted stationary density of θ0."""
+    theta, density = np.degrees(curves.density_theta), PER_DEGREE * curves.density
+    axes.fill_between(theta, density, color=PREDICTED_FILL, linewidth=0, zorder=1)
+    axes.plot(theta, density, color=PREDICTED, linewidth=1.8, label="predicted", zorder=3)
+    degree_axis(axes, "θ0, orientation before the push (°)")
+    axes.set_ylabel("probability per degree")
+
+
+def draw_measured_histogram(axes: Axes, histogram: AngleHistogram) -> None:
+    """How often each direction was recorded."""
+    axes.stairs(
+        PER_DEGREE * histogram.density,
+        np.degrees(histogram.edges),
+        fill=True,
+        facecolor=MEASURED,
+        edgecolor=MEASURED_EDGE,
+        linewidth=0.6,
+        alpha=0.65,
+        label="measured",
+        zorder=2,
+    )
+
+
+def draw_staircase(axes: Axes, predicted: Array, measured: Array | None) -> None:
+    """θ0 over the cycles, unwrapped: one predicted noisy run, and the measured one where there is one."""
+    if measured is not None:
+        axes.plot(np.degrees(measured), color=MEASURED, linewidth=2.2, label="measured", zorder=2)
+    axes.plot(np.degrees(predicted), color=PREDICTED, linewidth=1.2, label="predicted", zorder=3)
+    axes.set_xlabel("cycle")
+    axes.set_xlim(0, max(len(predicted), 0 if measured is None else len(measured)) - 1)
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
+    unwrapped_axis(axes, "θ0, unwrapped", LEAST_SPAN_DEG)

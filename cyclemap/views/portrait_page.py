@@ -11,9 +11,15 @@ from matplotlib.gridspec import GridSpec
 
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.portrait_curves import PortraitCurves
-from cyclemap.views.cycle_drawing import cycle_key, draw_cycle
-from cyclemap.views.map_panels import draw_cobweb, draw_measured_turns, draw_turn
-from cyclemap.views.record_panels import draw_density, draw_measured_histogram, draw_staircase
+from cyclemap.views.map_panels import (
+    draw_cobweb,
+    draw_density,
+    draw_measured_histogram,
+    draw_measured_turns,
+    draw_staircase,
+    draw_turn,
+)
+from cyclemap.views.object_page import cycle_key, draw_cycle
 from cyclemap.views.sentences import (
     accuracy_line,
     agreement_sentence,
@@ -32,7 +38,6 @@ if TYPE_CHECKING:
     from cyclemap.evidence import MeasuredOverlay
 
 
-PAGE_INCHES = (13.333, 7.5)
 LINE_LETTERS = 175
 # The top of its panel, where titles stand anyway; said, it spares Matplotlib the measuring of every tick label.
 _TITLE_PLACE = 1.0
@@ -45,7 +50,7 @@ _HEADLINE_LETTERS = 84
 def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None = None) -> Figure:
     """Draw `portrait`, whose curves are `curves`, with `measured` over it where given."""
     with picture_style():
-        figure = new_figure(*PAGE_INCHES)
+        figure = new_figure()
         grid = GridSpec(
             2, 3, figure, width_ratios=(5.2, 2.75, 3.2), left=0.055, right=0.99, bottom=0.145, top=0.80,
             wspace=0.24, hspace=0.42,

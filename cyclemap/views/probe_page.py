@@ -19,7 +19,9 @@ _LETTERS = 150
 
 def probe_sentences(found: Probe) -> tuple[str, ...]:
     """The answer, what was found, the ellipse that does the same, and the lock-in that it would cause."""
-    turn, place = _largest(found)
+    sizes = {name: max(one.amplitude for one in found.harmonics if one.outcome == name) for name in OUTCOMES}
+    turn = f"±{math.degrees(sizes['dtheta']):.2g}°"
+    place = f"±{1e3 * max(sizes['dx'], sizes['dy']):.2g} mm"
     noise = f"noise of one push {1e3 * max(found.noise[:2]):.2g} mm and {math.degrees(found.noise[2]):.2g}°"
     if not found.found:
         return (
@@ -34,13 +36,6 @@ def probe_sentences(found: Probe) -> tuple[str, ...]:
         f"off ({found.offset[1]:.2g} to {found.offset[2]:.2g}), explains {found.explained:.0%} of that; {noise}.",
         _lock_in(found),
     )
-
-
-def _largest(found: Probe) -> tuple[str, str]:
-    def largest(outcomes: tuple[str, ...]) -> float:
-        return max(one.amplitude for one in found.harmonics if one.outcome in outcomes)
-
-    return f"±{math.degrees(largest(('dtheta',))):.2g}°", f"±{1e3 * largest(('dx', 'dy')):.2g} mm"
 
 
 def _lock_in(found: Probe) -> str:

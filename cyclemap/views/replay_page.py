@@ -11,10 +11,17 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.arrays import Array
 from cyclemap.evidence.replay.replay_push import Replay
 from cyclemap.evidence.replay.replay_table import ReplayedPushes
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.style import FORCE, MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
+from cyclemap.views.style import (
+    FORCE,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    QUIET,
+    legend_above,
+    new_figure,
+    picture_style,
+)
 
-PAGE_INCHES = (13.333, 7.5)
 # Courses are drawn of the pushes at these shares of the order of their errors: a good, a usual, a bad one.
 _SHARES = (0.25, 0.5, 0.75)
 _MARKERS = "osD^vP*X<>ph"
@@ -33,7 +40,7 @@ def replay_headline(replayed: ReplayedPushes) -> str:
 def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
     """Draw the replays of a collection on `material`; at least one replay is needed."""
     with picture_style():
-        figure = new_figure(*PAGE_INCHES)
+        figure = new_figure()
         grid = GridSpec(
             2, 12, figure, left=0.055, right=0.985, bottom=0.12, top=0.83, wspace=1.9, hspace=0.62,
         )  # fmt: skip
@@ -108,7 +115,8 @@ def _draw_course(axes: Axes, replayed: ReplayedPushes, row: int) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
     speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
-    axes.set_title(f"{facts['object']}{speed}: off {_off(replay)}", pad=20.0)
+    off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
+    axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
     legend_above(axes, columns=4)
 
 
@@ -117,7 +125,3 @@ def _outline(replay: Replay, pose: Array) -> Array:
     c, s = math.cos(pose[2]), math.sin(pose[2])
     x, y = replay.outline.T
     return 1e3 * np.stack([pose[0] + c * x - s * y, pose[1] + s * x + c * y])
-
-
-def _off(replay: Replay) -> str:
-    return f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"

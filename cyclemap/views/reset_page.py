@@ -1,9 +1,10 @@
-"""A designed reset on one landscape page: where to push, what is recorded before and after, and how sure that is."""
+"""A designed reset, and a strategy whose cycles differ, each on one landscape page."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Sequence
 from textwrap import fill
 
 import numpy as np
@@ -13,17 +14,30 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import PercentFormatter
 from scipy.stats import binom
 
+from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import SidePush
-from cyclemap.resets import ResetDesign, ResetStrategy
+from cyclemap.resets import OrientationLaw, ResetDesign, ResetStrategy
 from cyclemap.resets.protocol.schedule_file import rod_start
 from cyclemap.views import style
+from cyclemap.views.map_panels import PER_DEGREE
 from cyclemap.views.object_page import number_sides
-from cyclemap.views.panel_parts import legend_above, name_tag
 from cyclemap.views.reset_sentences import COLUMNS, miss_sentences, recipe, row_cells
-from cyclemap.views.style import FORCE, INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET, degree_axis
+from cyclemap.views.style import (
+    FORCE,
+    INK,
+    MEASURED,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    degree_axis,
+    legend_above,
+    name_tag,
+    new_figure,
+    picture_style,
+    write_page,
+)
 
-PAGE_INCHES = (13.333, 7.5)
 _PLACES = (0.0, 0.105, 0.535, 0.6, 0.665, 0.745, 0.82, 0.885, 0.95)
 _ARROW, _NAMED = 0.45, 8
 
@@ -31,7 +45,7 @@ _ARROW, _NAMED = 0.45, 8
 def reset_page(design: ResetDesign) -> Figure:
     """Draw `design`."""
     with style.picture_style():
-        figure = style.new_figure(*PAGE_INCHES)
+        figure = style.new_figure()
         grid = GridSpec(
             1, 3, figure, width_ratios=(1.0, 1.55, 1.15), left=0.03, right=0.985, bottom=0.43, top=0.84, wspace=0.25
         )
@@ -117,3 +131,57 @@ def _write_rows(figure: Figure, design: ResetDesign) -> None:
         f"noise {math.degrees(design.sigma):.2g}° a cycle"
     )
     figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+
+
+def strategy_page(
+    words: Sequence[str], loop: CollectionLoop, strategy: ResetStrategy, theta: Array, measured: Array | None,
+    turns: Array | None = None, law: OrientationLaw | None = None,
+) -> Figure:  # fmt: skip
+    """Draw one run theta (n + 1,), rad, beside measured orientations; with turns (actions, n) rad and the law, if any.
+
+    words : the title, then what is said below it.
+    """
+    with picture_style():
+        figure = new_figure()
+        grid = GridSpec(2, 2, figure, left=0.06, right=0.98, bottom=0.09, top=0.77, wspace=0.18, hspace=0.5)
+        path = figure.add_subplot(grid[0, 0])
+        if measured is not None:
+            path.plot(np.degrees(measured) % 360.0, ".", color=MEASURED, markersize=4, label="measured")
+        path.plot(np.degrees(theta) % 360.0, ".", color=PREDICTED, markersize=2, label="predicted")
+        path.set(xlabel="cycle", ylabel="θ0 (°)", title="One run", ylim=(0.0, 360.0), yticks=range(0, 361, 90))
+        legend_above(path)
+        draw_pushes(figure.add_subplot(grid[0, 1]), loop, strategy)
+        _draw_shares(figure.add_subplot(grid[1, 0]), theta, measured, law)
+        last = figure.add_subplot(grid[1, 1])
+        if turns is None:
+            last.plot(np.degrees(theta), color=PREDICTED, linewidth=1.2)
+            last.set(xlabel="cycle", ylabel="θ0, not wrapped (°)", title="Staircase")
+        else:
+            _draw_turns(last, turns, strategy)
+        write_page(figure, words[0], words[1:])
+    return figure
+
+
+def _draw_shares(axes: Axes, theta: Array, measured: Array | None, law: OrientationLaw | None) -> None:
+    looks = ((theta, PREDICTED_FILL, "this run"), (measured, MEASURED, "measured"))
+    for place, (path, colour, name) in enumerate(looks):
+        if path is not None:
+            heights, edges = np.histogram(np.degrees(path) % 360.0, np.linspace(0.0, 360.0, 37), density=True)
+            axes.stairs(heights, edges, fill=place == 0, color=colour, label=name, linewidth=1.4)
+    if law is not None:
+        axes.plot(PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run")
+    axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
+    degree_axis(axes, "θ0, orientation before the push (°)")
+    axes.set(ylabel="probability per degree", title="Directions recorded")
+    legend_above(axes, columns=4)
+
+
+def _draw_turns(axes: Axes, turns: Array, strategy: ResetStrategy) -> None:
+    theta = np.linspace(0.0, 360.0, turns.shape[1], endpoint=False)
+    axes.axhline(0.0, color=QUIET, linewidth=0.9)
+    for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
+        axes.plot(theta, turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
+    axes.plot(theta, np.degrees(strategy.shares @ turns), color=INK, linewidth=1.6, linestyle="--", label="mean")
+    degree_axis(axes, "θ0, orientation before the push (°)")
+    axes.set(ylabel="turn of one cycle (°)", title="Turn of each action")
+    legend_above(axes)

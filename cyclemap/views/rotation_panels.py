@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.maps import RotationNumbers, RotationPlane, TongueBoundaries
-from cyclemap.views.panel_parts import legend_above, name_beside_path, name_tag, small
-from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL
+from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, legend_above, name_beside_path, name_tag, small
 
 ROTATION = "rotation number (turns a cycle)"
 # Tongues of longer periods are too many and too narrow to outline in a plane.
@@ -35,7 +34,7 @@ def draw_rotation_plane(
     longest_period: int = LONGEST_PERIOD,
 ) -> None:
     """Turns a cycle as colour, a colour bar; locked tongues outlined and named, cells of folded maps hatched."""
-    first, second = _cell_edges(plane.first_values), _cell_edges(plane.second_values)
+    first, second = cell_edges(plane.first_values), cell_edges(plane.second_values)
     mesh = axes.pcolormesh(first, second, plane.value.T, cmap="cividis", rasterized=True)
     _hatch_folded(axes, plane, first, second)
     _outline_tongues(axes, plane, first, second, longest_period)
@@ -48,8 +47,8 @@ def draw_rotation_plane(
     axes.get_figure(root=True).colorbar(mesh, ax=axes, label=ROTATION)  # type: ignore[union-attr]
 
 
-def _cell_edges(values: Array) -> Array:
-    """The edges (m + 1,) of cells round `values` (m,)."""
+def cell_edges(values: Array) -> Array:
+    """The edges (m + 1,) of cells round `values` (m,), half way between neighbours."""
     if values.size == 1:
         return np.array([values[0] - 0.5, values[0] + 0.5])
     middle = 0.5 * (values[:-1] + values[1:])

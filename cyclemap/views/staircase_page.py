@@ -1,6 +1,6 @@
-"""A predicted staircase on one landscape page, beside the measured one where there is one."""
+"""A predicted staircase, and the measured one where there is one: in sentences, and on a landscape page."""
 
-from textwrap import fill
+import math
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,26 +9,17 @@ from matplotlib.gridspec import GridSpec
 
 from cyclemap.collection.staircase_forecast import StaircaseForecast
 from cyclemap.evidence import MeasuredStaircase
-from cyclemap.views.record_panels import draw_staircase
-from cyclemap.views.sentences import uncertainty_sentence
-from cyclemap.views.staircase_sentences import (
-    fitted_sentence,
-    forecast_sentence,
-    measured_sentence,
-    run_sentence,
-    worn_sentence,
-)
+from cyclemap.maps import Estimate, SlowZone, StaircaseSummary, Steps
+from cyclemap.views.map_panels import draw_staircase
+from cyclemap.views.sentences import LONGEST_STAY, angle, cycles, number, power_of_ten, uncertainty_sentence, worn_rests
 from cyclemap.views.step_panels import draw_step_lengths, draw_steps
-from cyclemap.views.style import INK, QUIET, new_figure, picture_style
-
-PAGE_INCHES = (13.333, 7.5)
-LINE_LETTERS = 175
+from cyclemap.views.style import INK, new_figure, picture_style, write_page
 
 
 def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | None = None) -> Figure:
     """Draw `forecast`, with `measured` beside it where given."""
     with picture_style():
-        figure = new_figure(*PAGE_INCHES)
+        figure = new_figure()
         grid = GridSpec(
             2, 2, figure, width_ratios=(1.0, 1.0), left=0.06, right=0.985, bottom=0.115, top=0.755, wspace=0.17,
             hspace=0.5,
@@ -72,11 +63,83 @@ def _draw_found(steps: Axes, lengths: Axes, forecast: StaircaseForecast, measure
 
 def _write_words(figure: Figure, forecast: StaircaseForecast, measured: MeasuredStaircase | None) -> None:
     name = forecast.loop.material.name
-    figure.text(0.015, 0.955, f"Staircase of {name}", fontsize=18, fontweight="bold", va="center")
     told = [forecast_sentence(forecast), worn_sentence(forecast), run_sentence(forecast)]
     told += [uncertainty_sentence(name, forecast.uncertainty)]
     if measured is not None:
         told += [measured_sentence(measured), fitted_sentence(measured)]
-    figure.text(0.015, 0.928, fill(" ".join(filter(None, told)), LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
     foot = f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path alone, without a model"
-    figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+    write_page(figure, f"Staircase of {name}", told, foot)
+
+
+def forecast_sentence(forecast: StaircaseForecast) -> str:
+    """Where the predicted staircase rests, how long, and how high its steps are."""
+    prediction = forecast.prediction
+    noise = f"With {angle(forecast.noise.sigma)} of noise a cycle"
+    if not prediction.zones or prediction.step is None:
+        return f"{noise} θ0 rests nowhere: it moves {angle(prediction.mean_turn, 2)} a cycle on average."
+    rests = [_zone_clause(*pair) for pair in zip(prediction.zones, forecast.log10_residences, strict=True)]
+    climb = _pace_clause(prediction)
+    fresh = "" if forecast.worn is None else " on the fresh surface"
+    return f"{noise} θ0 rests{fresh} {' and '.join(rests)}; steps are {angle(prediction.step, 0)} high, {climb}."
+
+
+def worn_sentence(forecast: StaircaseForecast) -> str:
+    """What the wear of the surface does to the staircase by the end of the run; empty where it does not wear."""
+    worn = forecast.worn
+    if worn is None:
+        return ""
+    if not worn.zones or worn.step is None:
+        return f"The surface wears: by the last cycle θ0 rests nowhere and moves {angle(worn.mean_turn, 2)} a cycle."
+    return f"The surface wears: by the last cycle θ0 rests {worn_rests(worn)}, {_pace_clause(worn)}."
+
+
+def run_sentence(forecast: StaircaseForecast) -> str:
+    """What was found in the one run that is drawn."""
+    return f"In one run of {forecast.run.cycles} cycles (seed {forecast.run.seed}) it {_found(forecast.steps)}."
+
+
+def measured_sentence(measured: MeasuredStaircase) -> str:
+    """What was found in the measured path."""
+    pace = measured.cycles_a_turn
+    turned = f"a full turn took {number(pace)} cycles" if math.isfinite(pace) else "it ended where it began"
+    return f"In the {len(measured.path)} measured cycles it {_found(measured.steps)}; {turned}."
+
+
+def fitted_sentence(measured: MeasuredStaircase) -> str:
+    """What the map fitted to the data predicts, beside what was measured."""
+    fitted, comparison = measured.prediction, measured.comparison
+    law = f"{measured.fitted.cosine.size - 1} harmonics and {angle(measured.fitted.sigma)} of noise"
+    if fitted.step is None or comparison.net_steps is None or comparison.expected_steps is None:
+        return f"The map fitted to them ({law}) has no flat step."
+    climbed = f"where {comparison.net_steps:.1f} were climbed"
+    steps = f"{comparison.expected_steps:.1f} steps of {angle(fitted.step, 0)} {climbed}"
+    visits = [
+        f"{visit.predicted:.0f} cycles a visit to {angle(visit.zone.centre)} where {visit.mean:.0f} ± "
+        f"{visit.standard_error or math.nan:.0f} were measured"
+        for visit in comparison.visits
+        if visit.predicted is not None and visit.mean is not None
+    ]
+    return f"The map fitted to them ({law}) predicts {', and '.join([steps, *visits])}."
+
+
+def _zone_clause(zone: SlowZone, log10: Estimate | None) -> str:
+    place = f"{'near' if zone.kind == 'ghost' else 'at'} {angle(zone.centre)}"
+    if log10 is None:
+        return f"{place} for longer than can be computed"
+    if log10 > math.log10(LONGEST_STAY):
+        return f"{place} for {power_of_ten(math.floor(log10))} cycles"
+    return f"{place} for {cycles(zone.residence_cycles)}"
+
+
+def _pace_clause(prediction: StaircaseSummary) -> str:
+    pace = prediction.cycles_a_step
+    return "none to be expected" if pace is None or pace > 1e9 else f"one in {cycles(pace)}"
+
+
+def _found(steps: Steps) -> str:
+    if not steps.levels.size:
+        return "rests nowhere"
+    if not steps.count:
+        return f"stays at {angle(float(np.mod(steps.levels[0], 2 * np.pi)))}"
+    length = f"{number(float(np.median(steps.lengths)))} cycles"
+    return f"makes {steps.count} steps of {angle(float(np.median(steps.heights)), 0)} after rests of {length} (medians)"

@@ -10,9 +10,18 @@ from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import Array
 from cyclemap.maps import DriftSummary, StepComparison, Steps
-from cyclemap.views.panel_parts import legend_above, name_beside_path, say, unwrapped_axis
 from cyclemap.views.sentences import angle, number
-from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, UNSTABLE
+from cyclemap.views.style import (
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    UNSTABLE,
+    legend_above,
+    name_beside_path,
+    say,
+    unwrapped_axis,
+)
 
 # With more dwells than this their levels are not written beside them.
 MOST_NAMED = 12

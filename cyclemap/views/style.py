@@ -1,18 +1,22 @@
-"""One look for every picture: colours that differ in lightness too, so that a grey print still reads."""
+"""One look for every picture: colours that also differ in lightness, legends that cover nothing, markers, name tags."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
+from textwrap import fill
 from typing import Any
 
 import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, MultipleLocator
 
 from cyclemap.errors import InvalidInput
+from cyclemap.maps import Orbit
 from cyclemap.plain_text import printable, typeset
 
 INK = "#222222"
@@ -23,7 +27,6 @@ MEASURED = "#e69f00"
 MEASURED_EDGE = "#8a5a00"
 UNSTABLE = "#ffffff"
 FORCE = "#c1440e"
-
 # How each format is saved. Level 3 packs a drawing's PNG about as small as the usual 6 does, in half the time.
 _SAVED: dict[str, dict[str, Any]] = {
     "png": {"metadata": {}, "pil_kwargs": {"compress_level": 3}},
@@ -31,7 +34,6 @@ _SAVED: dict[str, dict[str, Any]] = {
     "svg": {"metadata": {"Date": None}},
 }
 PICTURE_FORMATS = tuple(_SAVED)
-
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 9.0,
@@ -66,6 +68,7 @@ _STYLE: dict[Any, Any] = {
     # A fixed salt and no date: the same portrait gives the same file.
     "svg.hashsalt": "cyclemap",
 }
+THETA = "θ (°)"
 
 
 @contextmanager
@@ -75,11 +78,31 @@ def picture_style() -> Iterator[None]:
         yield
 
 
-def new_figure(width: float, height: float) -> Figure:
-    """An empty figure of `width` by `height` inches."""
+def new_figure(width: float = 13.333, height: float = 7.5) -> Figure:
+    """An empty figure of `width` by `height` inches, a landscape page unless told."""
     figure = Figure(figsize=(width, height), facecolor="white")
     FigureCanvasAgg(figure)
     return figure
+
+
+def write_page(
+    figure: Figure, title: str, words: Iterable[str], foot: str = "", top: float = 0.928, letters: int = 175
+) -> None:
+    """Write the title, the sentences below it (those that are empty left out), and what is small at the foot."""
+    figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
+    told = fill(" ".join(filter(None, words)), letters)
+    figure.text(0.015, top, told, fontsize=10, va="top", linespacing=1.35)
+    if foot:
+        figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+
+
+def write_tall_page(figure: Figure, title: str, words: Iterable[str], foot: str, size: float = 18.0) -> float:
+    """The same on a page of 16 by 9.6 inches; returns where the sentences end, as a share of its height."""
+    figure.text(0.012, 0.968, title, fontsize=size, fontweight="bold", va="center")
+    told = fill(" ".join(words), 205)
+    figure.text(0.012, 0.947, told, fontsize=9.5, va="top", linespacing=1.3)
+    figure.text(0.012, 0.012, foot, fontsize=8, color=QUIET)
+    return 0.947 - 0.0188 * (told.count("\n") + 1)
 
 
 def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes:
@@ -100,3 +123,98 @@ def degree_axis(axes: Axes, label: str) -> None:
     axes.set_xlim(0.0, 360.0)
     axes.set_xticks(range(0, 361, 45))
     axes.set_xlabel(label)
+
+
+def legend_above(axes: Axes, columns: int = 3, handles: list[Any] | None = None) -> None:
+    """A legend above the panel, at its right end, where it covers no data; none where nothing has a label."""
+    shown = axes.get_legend_handles_labels()[0] if handles is None else handles
+    if shown:
+        axes.legend(
+            handles=shown,
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.0),
+            ncols=min(columns, len(shown)),
+            borderaxespad=0.2,
+            handlelength=1.8,
+            columnspacing=1.2,
+        )
+
+
+def name_tag(axes: Axes, x: float, y: float, name: str, **options: Any) -> None:
+    """A short name at a place of the data, on a white ground that lets lines through a little."""
+    ground = {"boxstyle": "round,pad=0.12", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
+    given: dict[str, Any] = {"fontsize": 7.5, "color": INK, "ha": "center", "va": "center", "zorder": 8, **options}
+    axes.annotate(name, (x, y), annotation_clip=True, bbox=ground, **given)
+
+
+def name_beside_path(axes: Axes, start: float, end: float, level: float, name: str, rises: bool) -> None:
+    """A name above a flat stretch, on the side where a rising (or a falling) curve leaves room for it."""
+    place, side, offset = (end, "right", (-3, 4)) if rises else (start, "left", (3, 4))
+    name_tag(axes, place, level, name, ha=side, va="bottom", xytext=offset, textcoords="offset points")
+
+
+def arrow(axes: Axes, tail: Any, tip: Any, colour: str, width: float = 1.8, zorder: float = 5.0, **look: Any) -> None:
+    """An arrow from one place of the data to another, (2,) each."""
+    props = {"arrowstyle": "-|>", "color": colour, "linewidth": width, "shrinkA": 0, "shrinkB": 0, **look}
+    axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=props, zorder=zorder)
+
+
+def say(axes: Axes, words: str) -> None:
+    """Words in the middle of a panel that has nothing to draw."""
+    axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=QUIET)
+
+
+def whole_turn_ticks(axes: Axes) -> None:
+    """Make the y axis of `axes` one circle in degrees."""
+    axes.set_ylim(0.0, 360.0)
+    axes.yaxis.set_major_locator(MultipleLocator(45.0))
+
+
+def unwrapped_axis(axes: Axes, name: str, least_span_deg: float = 0.0) -> None:
+    """Name the y axis of an angle that is drawn unwrapped, in degrees; from two turns on its ticks are whole turns.
+
+    To be called last: the window stays what it is then, or grows to `least_span_deg`, so that what is flat looks so.
+    """
+    low, high = axes.get_ylim()
+    slack = max(0.0, least_span_deg - (high - low)) / 2
+    axes.set_ylim(low - slack, high + slack)
+    climbs = high - low >= 720.0
+    if climbs:
+        whole = MaxNLocator(7, integer=True, steps=[1, 2, 5, 10]).tick_values(low / 360.0, high / 360.0)
+        axes.yaxis.set_major_locator(FixedLocator([360.0 * turn for turn in whole if low <= 360.0 * turn <= high]))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda degrees, _: f"{degrees / 360.0:.0f}".replace("-", "−")))
+    axes.set_ylabel(f"{name} ({'turns' if climbs else '°'})")
+
+
+def stability(orbit: Orbit) -> str:
+    """How an orbit is drawn: as "stable", "unstable" or "half-stable" (a saddle-node)."""
+    if orbit.kind == "saddle-node":
+        return "half-stable"
+    return "stable" if orbit.stable else "unstable"
+
+
+def orbit_marker(kind: str) -> dict[str, Any]:
+    """The marker of an orbit: filled where stable, open where unstable, half of each where half-stable."""
+    return {
+        "marker": "o",
+        "markersize": 7.0,
+        "fillstyle": "left" if kind == "half-stable" else "full",
+        "markerfacecolor": UNSTABLE if kind == "unstable" else PREDICTED,
+        "markerfacecoloralt": UNSTABLE,
+        "markeredgecolor": PREDICTED,
+        "markeredgewidth": 1.5,
+        "linestyle": "none",
+        "clip_on": False,
+        "zorder": 5,
+    }
+
+
+def orbit_keys(kinds: set[str]) -> list[Line2D]:
+    """Legend entries for the kinds of orbit that are drawn."""
+    order = ("stable", "half-stable", "unstable")
+    return [Line2D([], [], label=kind, **orbit_marker(kind)) for kind in order if kind in kinds]
+
+
+def small(value: float) -> str:
+    """A small number in one digit, for bounds on errors."""
+    return f"{value:.1g}".replace("e-0", "e-").replace("-", "−")

@@ -1,41 +1,87 @@
-"""A sweep on one page: the phase diagram over two keys, or the bifurcation diagram over one, with what was swept."""
+"""A sweep: in sentences, and drawn as a diagram over one key or two, or as a scatter of a sample."""
 
+import math
+from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
-from textwrap import fill
+from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.settings import apply_settings
+from cyclemap.maps import RotationPlane
 from cyclemap.mechanics import MIT_HITCH, MIT_SHAPE_NAMES
+from cyclemap.sweeps.point_sets import MATERIAL_KEY, SweepAxis
 from cyclemap.sweeps.portrait_numbers import Quantity
-from cyclemap.sweeps.sweep_curves import SweptCurves, SweptLines, SweptPlane
+from cyclemap.sweeps.sweep_curves import SweptCurves, SweptLines, SweptPlane, SweptScatter, axis_places
 from cyclemap.sweeps.sweep_results import Sweep
-from cyclemap.views.panel_parts import name_tag
-from cyclemap.views.style import INK, QUIET, UNSTABLE, new_figure, picture_style
-from cyclemap.views.sweep_panels import draw_fixed_points, draw_swept_line, draw_swept_plane, draw_swept_scatter
-from cyclemap.views.sweep_sentences import settings_line, sweep_headline, sweep_sentences
+from cyclemap.views.rotation_panels import cell_edges, draw_rotation_numbers, draw_rotation_plane
+from cyclemap.views.style import (
+    INK,
+    PREDICTED,
+    QUIET,
+    UNSTABLE,
+    legend_above,
+    name_tag,
+    new_figure,
+    orbit_keys,
+    picture_style,
+    say,
+    whole_turn_ticks,
+    write_page,
+)
 
-PAGE_INCHES = (13.333, 6.6)
-LINE_LETTERS = 175
 MOST_PANELS = 2
 # Points between a panel and its title: a row of a legend.
 TITLE_PAD = 24.0
 RING_KEYS = ("hitch_x_mm", "hitch_y_mm")
 MM = 1000.0
 Panel = tuple[str, Callable[[Axes], None]]
+REFUSED: dict[str, Any] = {"facecolor": "#f4f4f4", "edgecolor": QUIET, "hatch": "xxx", "linewidth": 0.0}
+_UNITS = {"_deg": "°", "_mm": "mm", "_kg": "kg"}
+_KEY_WORDS = {
+    "mu_a": "friction μa",
+    "mu_b": "friction μb",
+    "m0": "offset m0",
+    "n0": "offset n0",
+    "phi_deg": "direction φ of friction",
+    "pusher_mu": "friction of the rod",
+    "pusher_radius_mm": "radius of the rod",
+    "fraction": "place on the side",
+    "angle_deg": "angle of the push",
+    "push_mm": "length of the push",
+    "object_name": "object",
+    "hitch_x_mm": "ring x",
+    "hitch_y_mm": "ring y",
+    "pin_friction_mm": "friction radius of the pin",
+    "noise_deg": "noise of a cycle",
+}
+_SHORT_UNITS = {"degree": "°", "turns/cycle": "turns a cycle"}
+_MOST_COUNTS = 8
+_LONGEST_NAME = 22
+# Planes with as many values along both axes are fine enough for tongues to be more than a cell wide.
+_FINE_PLANE = 40
+_MOST_REASONS = 3
+_LONGEST_REASON = 160
 
 
 def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
     """Draw what `sweep_curves` worked out of a sweep: at most two panels side by side."""
     panels = _panels(curves)[:MOST_PANELS]
     with picture_style():
-        figure = new_figure(*PAGE_INCHES)
+        figure = new_figure(13.333, 6.6)
         grid = GridSpec(1, len(panels), figure, left=0.06, right=0.975, bottom=0.14, top=0.74, wspace=0.2)
         for place, (title, draw) in enumerate(panels):
             axes = figure.add_subplot(grid[0, place])
@@ -43,9 +89,7 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
             if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
                 _draw_object(axes, sweep)
             axes.set_title(title, pad=TITLE_PAD)
-        figure.text(0.015, 0.955, sweep_headline(sweep), fontsize=18, fontweight="bold", va="center")
-        told = fill(" ".join(sweep_sentences(sweep)), LINE_LETTERS)
-        figure.text(0.015, 0.915, told, fontsize=10, va="top", linespacing=1.35)
+        write_page(figure, sweep_headline(sweep), sweep_sentences(sweep), top=0.915)
         figure.text(0.015, 0.025, settings_line(sweep), fontsize=8, color=QUIET)
     return figure
 
@@ -90,3 +134,283 @@ def _title(meaning: str) -> str:
     """
     words = meaning.partition(",")[0]
     return words[:1].upper() + words[1:]
+
+
+def key_words(key: str) -> str:
+    """A swept key in words, without its unit.
+
+    >>> key_words("hitch_x_mm"), key_words("rim_share")
+    ('ring x', 'rim share')
+    """
+    ending = next(filter(key.endswith, _UNITS), "")
+    return _KEY_WORDS.get(key, key.removesuffix(ending).replace("_", " "))
+
+
+def key_unit(key: str) -> str:
+    """The unit of a swept key; empty where it has none."""
+    return next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
+
+
+def key_label(key: str) -> str:
+    """A swept key as the label of an axis.
+
+    >>> key_label("hitch_x_mm"), key_label("mu_a")
+    ('ring x (mm)', 'friction μa')
+    """
+    unit = key_unit(key)
+    return f"{key_words(key)} ({unit})" if unit else key_words(key)
+
+
+def quantity_label(quantity: Quantity) -> str:
+    """A quantity's meaning and unit, as the label of an axis."""
+    unit = _SHORT_UNITS.get(quantity.written_unit, quantity.written_unit)
+    return quantity.meaning if unit == "1" else f"{quantity.meaning} ({unit})"
+
+
+# -- over two keys -----------------------------------------------------------------------------------------
+
+
+def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
+    """One quantity over two keys, by colour; locked regions outlined, refused points crossed out."""
+    quantity, values = swept.planes[index]
+    if quantity.name == "rotation" and swept.rotation is not None and np.isfinite(values).any():
+        plane = without_specks(swept.rotation)
+        draw_rotation_plane(axes, plane, key_label(swept.first.key), key_label(swept.second.key))
+    else:
+        _draw_values(axes, swept, quantity, values)
+    _cross_out(axes, swept)
+    _name_ticks(axes.xaxis, swept.first)
+    _name_ticks(axes.yaxis, swept.second)
+
+
+def without_specks(plane: RotationPlane) -> RotationPlane:
+    """Of a fine plane, the tongues that are wide enough to be seen: narrower ones would be a litter of outlined cells.
+
+    A cell is kept where it is one of two by two that lock at the same p/q, or touches one that is and locks alike.
+    """
+    if min(plane.period.shape) < _FINE_PLANE:
+        return plane
+    ratio = np.where(plane.period > 0, plane.winding / np.maximum(plane.period, 1), np.nan)
+    wide = np.pad(np.where(_in_blocks(ratio), ratio, np.nan), 1, constant_values=np.nan)
+    rows, columns = ratio.shape
+    touched = [wide[i : i + rows, j : j + columns] == ratio for i in range(3) for j in range(3)]
+    kept = np.logical_or.reduce(touched)
+    return replace(plane, period=np.where(kept, plane.period, 0), winding=np.where(kept, plane.winding, 0))
+
+
+def _in_blocks(values: Array) -> NDArray[np.bool_]:
+    """Which cells are one of two by two that are equal."""
+    along = values[1:] == values[:-1]
+    block = along[:, 1:] & along[:, :-1] & (values[1:, 1:] == values[1:, :-1])
+    found = np.zeros(values.shape, dtype=bool)
+    for part in (found[1:, 1:], found[1:, :-1], found[:-1, 1:], found[:-1, :-1]):
+        part |= block
+    return found
+
+
+def _draw_values(axes: Axes, swept: SweptPlane, quantity: Quantity, values: Array) -> None:
+    first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
+    look, ticks = _shades(values)
+    mesh = axes.pcolormesh(first, second, values.T, rasterized=True, **look)
+    _add_scale(axes, mesh, quantity, ticks)
+    axes.set(xlabel=key_label(swept.first.key), ylabel=key_label(swept.second.key))
+    axes.set_xlim(float(first.min()), float(first.max()))
+    axes.set_ylim(float(second.min()), float(second.max()))
+    axes.grid(visible=False)
+
+
+def _shades(values: Array) -> tuple[dict[str, Any], Array | None]:
+    """One shade for each small count, light to dark; shades that run on for all else."""
+    found = values[np.isfinite(values)]
+    counted = found.size > 0 and bool(np.all(found == np.round(found))) and float(np.ptp(found)) < _MOST_COUNTS
+    if not counted:
+        return {"cmap": "cividis"}, None
+    levels = np.arange(found.min(), found.max() + 1.0)
+    # The lightest shade is not white: that is where no point is.
+    shades = ListedColormap(colormaps["Blues"](np.linspace(0.12, 0.95, levels.size)))
+    norm = BoundaryNorm(np.append(levels, levels[-1] + 1.0) - 0.5, levels.size)
+    return {"cmap": shades, "norm": norm}, levels
+
+
+def _add_scale(axes: Axes, drawn: ScalarMappable, quantity: Quantity, ticks: Array | None) -> None:
+    """The scale of the shades of `_shades` beside the axes."""
+    bar = axes.get_figure(root=True).colorbar(drawn, ax=axes, label=quantity_label(quantity))  # type: ignore[union-attr]
+    if ticks is not None:
+        bar.set_ticks(ticks.tolist())
+
+
+def _cross_out(axes: Axes, swept: SweptPlane) -> None:
+    """Crosses over the cells of points that were refused."""
+    if not swept.refused.any():
+        return
+    first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
+    for column in np.flatnonzero(swept.refused.any(axis=0)).tolist():
+        rows = np.flatnonzero(swept.refused[:, column])
+        runs = [(first[row], first[row + 1] - first[row]) for row in rows.tolist()]
+        axes.broken_barh(runs, (second[column], second[column + 1] - second[column]), **REFUSED, zorder=2)
+    told = axes.get_legend_handles_labels()[0]
+    legend_above(axes, handles=[*told[:1], Patch(**REFUSED, label="refused")])
+
+
+def _name_ticks(side: Axis, axis: SweepAxis) -> None:
+    """Words at the values of an axis that holds no numbers."""
+    if not axis.is_number:
+        side.set_ticks(axis_places(axis), [_short(value) for value in axis.values])
+
+
+# -- over one key ------------------------------------------------------------------------------------------
+
+
+def draw_fixed_points(axes: Axes, swept: SweptLines) -> None:
+    """The bifurcation diagram: directions of fixed points over the key, filled where stable."""
+    axes.set(xlabel=key_label(swept.axis.key), ylabel="θ of the fixed points (°)")
+    whole_turn_ticks(axes)
+    at, theta, stable = swept.points if swept.points is not None else (np.empty(0), np.empty(0), np.empty(0, bool))
+    if not at.size:
+        say(axes, "no fixed point")
+    size = float(np.clip(300.0 / max(swept.parameter.size, 1), 2.0, 6.0))
+    look: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": size, "markeredgecolor": PREDICTED}
+    axes.plot(at[~stable], theta[~stable], markerfacecolor=UNSTABLE, markeredgewidth=0.9, zorder=3, **look)
+    axes.plot(at[stable], theta[stable], markerfacecolor=PREDICTED, zorder=4, **look)
+    kinds = {"stable" if one else "unstable" for one in stable.tolist()}
+    _finish_line_axis(axes, swept, orbit_keys(kinds))
+
+
+def draw_swept_line(axes: Axes, swept: SweptLines, index: int) -> None:
+    """One quantity over the key: rotation numbers with their plateaus, anything else as a line with dots."""
+    quantity, values = swept.lines[index]
+    if quantity.name == "rotation" and swept.rotation is not None and swept.axis.is_number:
+        draw_rotation_numbers(axes, swept.rotation_at, swept.rotation, key_label(swept.axis.key))
+        handles = axes.get_legend_handles_labels()[0]
+    else:
+        style = "o-" if swept.axis.is_number else "o"
+        axes.plot(swept.parameter, values, style, color=PREDICTED, markersize=3.5, linewidth=1.4)
+        axes.set(xlabel=key_label(swept.axis.key), ylabel=quantity_label(quantity))
+        handles = []
+    _finish_line_axis(axes, swept, handles)
+
+
+def _finish_line_axis(axes: Axes, swept: SweptLines, handles: list[Any]) -> None:
+    """Limits and ticks of the key's axis, marks of refused points, the legend."""
+    low, high = float(axis_places(swept.axis).min()), float(axis_places(swept.axis).max())
+    margin = 0.02 * (high - low) if swept.axis.is_number and high > low else 0.5
+    axes.set_xlim(low - margin, high + margin)
+    _name_ticks(axes.xaxis, swept.axis)
+    if swept.refused.size:
+        bottom = axes.get_xaxis_transform()
+        marks = axes.plot(
+            swept.refused, np.full(swept.refused.size, 0.02), "x", color=INK, transform=bottom, label="refused"
+        )
+        handles = [*handles, *marks]
+    legend_above(axes, columns=4, handles=handles)
+
+
+# -- a sample ----------------------------------------------------------------------------------------------
+
+
+def draw_swept_scatter(axes: Axes, swept: SweptScatter, index: int) -> None:
+    """One quantity at the points of a sample over two keys, by colour; refused points as crosses."""
+    quantity, values = swept.values[index]
+    (first_key, first), (second_key, second) = swept.first, swept.second
+    look, ticks = _shades(values)
+    size = float(np.clip(6000.0 / max(first.size, 1), 6.0, 60.0))
+    found = np.isfinite(values)
+    dots = axes.scatter(
+        first[found], second[found], c=values[found], s=size, edgecolor=QUIET, linewidth=0.6, **look, zorder=3
+    )
+    _add_scale(axes, dots, quantity, ticks)
+    if swept.refused.any():
+        axes.plot(first[swept.refused], second[swept.refused], "x", color=INK, markersize=5, label="refused", zorder=4)
+    axes.set(xlabel=key_label(first_key), ylabel=key_label(second_key))
+    legend_above(axes)
+
+
+def _short(value: object) -> str:
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    return text if len(text) <= _LONGEST_NAME else f"{text[: _LONGEST_NAME - 1]}…"
+
+
+def axis_words(axis: SweepAxis) -> str:
+    """An axis in words: its key, ends and number of values.
+
+    >>> axis_words(SweepAxis("hitch_x_mm", (-12.0, -8.0, -4.0)))
+    'ring x -12 to -4 mm (3 values)'
+    """
+    name, unit = key_words(axis.key), key_unit(axis.key)
+    unit = unit if unit in ("", "°") else f" {unit}"
+    if axis.is_number and len(axis.values) > 1:
+        return f"{name} {_short(axis.values[0])} to {_short(axis.values[-1])}{unit} ({len(axis.values)} values)"
+    return f"{name} {', '.join(_short(value) for value in axis.values)}{unit}"
+
+
+def sweep_headline(sweep: Sweep) -> str:
+    """What was swept, in a line, and what was selected of it."""
+    names = "" if MATERIAL_KEY in sweep.keys else f"{', '.join(sweep.description['plan']['material'])}: "
+    kept = [axis.key for axis in sweep.axes] or list(sweep.keys)
+    values = {key: sweep.swept[key][0] for key in sweep.keys if key not in kept and len(sweep)}
+    fixed = [
+        f"{key_words(key)} = {f'{value:.5g}' if isinstance(value, float) else value}" for key, value in values.items()
+    ]
+    return f"{names}{' × '.join(map(key_words, kept))}{' at ' if fixed else ''}{', '.join(fixed)}"
+
+
+def sweep_sentences(sweep: Sweep) -> list[str]:
+    """How much is done, the share that locks, the stable directions, and the refusals."""
+    total = math.prod(sweep.shape) if sweep.axes else int(sweep.description["count"])
+    whole = f"{len(sweep)} points" if len(sweep) == total else f"{len(sweep)} of {total} points"
+    told = [f"{whole} over {_swept(sweep)}."]
+    if "locked_period" in sweep.columns:
+        told.append(_locked_sentence(sweep))
+    stable = sweep.columns.get("stable_points", np.empty(0))
+    if np.isfinite(stable).any():
+        counts = sorted(Counter(stable[np.isfinite(stable)].astype(int).tolist()).items())
+        told.append(f"Stable directions: {', '.join(f'{points} with {count}' for count, points in counts)}.")
+    refused = [text for text in sweep.refusals if text]
+    if refused:
+        told.append(_refusal_sentence(refused))
+    return told
+
+
+def settings_line(sweep: Sweep) -> str:
+    """What holds for all points: settings, and the accuracy asked for."""
+    plan = sweep.description["plan"]
+    told = ", ".join(f"{key}={value}" for key, value in plan["settings"].items())
+    asked = plan["quantities"]
+    accuracy = f"map to {np.degrees(asked['tolerance']):.1g}°" if "tolerance" in asked else ""
+    pace = asked.get("rotation_tolerance", 0.0)
+    turns = f"rotation numbers to {pace:g} turns a cycle" if pace and "rotation" in sweep.columns else ""
+    return "; ".join(part for part in (f"set: {told}" if told else "", accuracy, turns) if part)
+
+
+def _swept(sweep: Sweep) -> str:
+    if sweep.axes:
+        return ", ".join(axis_words(axis) for axis in sweep.axes)
+    sample = sweep.description["plan"]["points"]
+    ranges = (
+        f"{key_words(key)} {ends['low']:g} to {ends['high']:g}"
+        if isinstance(ends, dict)
+        else f"{key_words(key)} {', '.join(map(str, ends))}"
+        for key, ends in sample.get("ranges", {}).items()
+    )
+    return f"{', '.join(ranges)} ({sample.get('sequence')} sample, seed {sample.get('seed')})"
+
+
+def _locked_sentence(sweep: Sweep) -> str:
+    """How many points are proved to lock, and to what."""
+    period, winding = sweep.columns["locked_period"], sweep.columns["locked_winding"]
+    locked = period > 0
+    if not locked.any():
+        return "No point is proved to lock."
+    ratios = Counter(
+        f"{int(p)}/{int(q)}" for p, q in zip(winding[locked].tolist(), period[locked].tolist(), strict=True)
+    )
+    listed = ", ".join(f"{count} at {ratio}" for ratio, count in ratios.most_common(_MOST_REASONS))
+    more = ", ..." if len(ratios) > _MOST_REASONS else ""
+    return f"{int(locked.sum())} lock ({listed}{more})."
+
+
+def _refusal_sentence(refused: list[str]) -> str:
+    reason, count = Counter(text.partition(" (set:")[0] for text in refused).most_common(1)[0]
+    short = reason if len(reason) <= _LONGEST_REASON else f"{reason[: _LONGEST_REASON - 1]}…"
+    most = f"{count} of them" if count < len(refused) else "all of them" if count > 1 else "it"
+    return f"{len(refused)} refused; {most} so: {short}."

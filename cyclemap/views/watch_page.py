@@ -1,7 +1,6 @@
-"""A watched collection on one landscape page: θ0 push by push, the evidence, the directions, what it is worth."""
+"""A watched collection: in sentences, and as a page of θ0 push by push, evidence, directions, what it is worth."""
 
 from collections.abc import Sequence
-from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -11,13 +10,22 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from cyclemap.evidence import angle_histogram
-from cyclemap.resets import BiasMonitor, BiasReport
-from cyclemap.views.panel_parts import legend_above
-from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
-from cyclemap.views.watch_sentences import watch_sentences
+from cyclemap.resets import Alarm, BiasMonitor, BiasReport, CoverageState, CycleAction, NextAction
+from cyclemap.views.reset_sentences import action_words
+from cyclemap.views.sentences import angle, power_of_ten
+from cyclemap.views.style import (
+    FORCE,
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    QUIET,
+    legend_above,
+    new_figure,
+    picture_style,
+    write_page,
+)
 
-PAGE_INCHES = (13.333, 7.5)
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 
 
@@ -25,7 +33,7 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
     """Draw the course of a watched collection, its monitor's report after each push; ``name`` : of its file."""
     last = reports[-1]
     with picture_style():
-        figure = new_figure(*PAGE_INCHES)
+        figure = new_figure()
         edges = {"left": 0.06, "right": 0.975, "bottom": 0.115, "top": 0.8}
         grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.45, **edges)
         draw_path(figure.add_subplot(grid[0, 0]), monitor.path, last)
@@ -33,11 +41,8 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
         draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), monitor.path, last)
         draw_worth(figure.add_subplot(grid[1, 1]), [report.coverage.effective_pushes for report in reports])
         title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
-        figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
-        told = fill(" ".join(watch_sentences(last)), 175)
-        figure.text(0.015, 0.928, told, fontsize=10, va="top", linespacing=1.35)
         foot = "chance of an alarm, however long the collection, where no orientation lingers:"
-        figure.text(0.015, 0.02, f"{foot} {monitor.alarm_rate:g} at most", fontsize=8, color=QUIET)
+        write_page(figure, title, watch_sentences(last), f"{foot} {monitor.alarm_rate:g} at most")
     return figure
 
 
@@ -106,3 +111,71 @@ def _push_axis(axes: Axes, pushes: int) -> None:
     axes.set(xlabel="push", xlim=(-0.5, max(pushes, 2) - 0.5))
     axes.xaxis.set_major_locator(MaxNLocator(8, integer=True, min_n_ticks=1))
     legend_above(axes)
+
+
+def watch_sentences(report: BiasReport) -> tuple[str, ...]:
+    """The whole report: alarm, or how far it is from one, present rest, coverage, advice."""
+    if report.alarm is not None:
+        verdict = alarm_sentence(report.alarm)
+    else:
+        evidence = _power(max(report.rest_evidence, report.visit_evidence))
+        needed = f"of the {_power(report.threshold)} needed at an alarm rate of {2.0 * 10.0**-report.threshold:g}"
+        verdict = f"No alarm in {_pushes(report.push + 1)}: evidence {evidence} {needed}."
+    told = (verdict, rest_sentence(report), coverage_sentence(report), advice_sentence(report))
+    return tuple(filter(None, told))
+
+
+def alarm_sentence(alarm: Alarm) -> str:
+    """When the alarm was raised, and towards which directions."""
+    rests = "θ0 goes round" if len(alarm.directions) > 1 else "θ0 rests near"
+    how, since = (rests, f" since push {alarm.began}") if alarm.kind == "rest" else ("visits gather near", "")
+    return f"ALARM at push {alarm.push}: {how} {directions(alarm.directions)}{since}."
+
+
+def rest_sentence(report: BiasReport) -> str:
+    """Where it rests just now, and whether more pushes there are of use; empty where it does not rest."""
+    if report.rest is None:
+        return ""
+    useful = report.useful_pushes
+    pushes = _pushes(useful) if useful else "no push"
+    worth = "" if useful is None else f"; {pushes} more there would tell much that is new"
+    return f"It rests near {directions(report.rest.directions)} since push {report.rest.began}{worth}."
+
+
+def coverage_sentence(report: BiasReport) -> str:
+    """How much of the circle is covered, and what that is worth."""
+    count, effective = report.push + 1, report.coverage.effective_pushes
+    worth = f"worth {effective:.{int(effective < 10.0)}f} spread evenly ({report.recent_worth:.2f} a push lately)"
+    return f"{covered(report.coverage)}; the {_pushes(count)} {'is' if count == 1 else 'are'} {worth}."
+
+
+def covered(state: CoverageState) -> str:
+    """The share of the circle that is covered, and the widest gap."""
+    gap = f"the widest gap is {angle(state.largest_gap, 0)} about {angle(state.gap_centre, 0)}"
+    return f"{state.covered:.0%} of the circle is covered, {gap}"
+
+
+def advice_sentence(report: BiasReport) -> str:
+    """What to do next."""
+    aim, change = angle(report.advice.direction, 0), report.advice.change_reset
+    bring = f"Change the reset: bring θ0 to {aim}, the direction least covered."
+    return bring if change else f"Carry on; least covered: {aim}."
+
+
+def next_action_sentence(action: CycleAction, chosen: NextAction) -> str:
+    """Which action of the strategy to take next, and where it leads."""
+    where = f"{angle(chosen.lands, 0)}, where {chosen.crowding:.0%} of the mean are recorded"
+    return f"Next: {action_words(action)}; it brings θ0 to {where}."
+
+
+def directions(angles: Sequence[float]) -> str:
+    """Directions (rad) in degrees, one after the other."""
+    return ", ".join(angle(theta) for theta in angles)
+
+
+def _pushes(count: int) -> str:
+    return f"{count} push" if count == 1 else f"{count} pushes"
+
+
+def _power(log10: float) -> str:
+    return f"{10.0 ** max(log10, 0.0):.3g}" if log10 < 6.0 else power_of_ten(round(log10))

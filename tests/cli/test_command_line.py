@@ -12,15 +12,7 @@ import pytest
 
 from cyclemap.cli.main import run
 
-CYCLE_KEYS = [
-    "theta0_deg",
-    "push_turn_deg",
-    "push_dx_mm",
-    "push_dy_mm",
-    "drag_turn_deg",
-    "drag_mm",
-    "theta1_deg",
-]
+CYCLE_KEYS = ["theta0_deg", "push_turn_deg", "push_dx_mm", "push_dy_mm", "drag_turn_deg", "drag_mm", "theta1_deg"]
 PORTRAIT_KEYS = {
     "map": {
         "degree",
@@ -44,13 +36,6 @@ def refuse_constant(name: str) -> None:
 
 def strict_json(text: str) -> dict:
     return json.loads(text, parse_constant=refuse_constant)
-
-
-@pytest.fixture
-def here(tmp_path, monkeypatch) -> Path:
-    """An empty current folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 @pytest.fixture(scope="module")
@@ -97,13 +82,7 @@ def test_portrait_for_people_answers_in_sentences(here, capsys) -> None:
     shown = capsys.readouterr()
     assert shown.err == ""
     assert shown.out.startswith("plywood locks into ")
-    for part in (
-        "multiplier",
-        "recorded directions",
-        "The staircase",
-        "unstable",
-        "picture: out/portrait_plywood.svg",
-    ):
+    for part in ("multiplier", "recorded directions", "The staircase", "unstable", "picture: out/portrait_plywood.svg"):
         assert part in shown.out
     assert (here / "out" / "portrait_plywood.svg").read_bytes().startswith(b"<?xml")
 

@@ -12,8 +12,7 @@ from PIL import Image
 from cyclemap.cli import run_figures as command
 from cyclemap.cli.main import run
 from cyclemap.errors import ConvergenceError
-from cyclemap.figures.catalogue import CATALOGUE, entries
-from cyclemap.figures.exhibit import Frame, PaperAnimation, PaperFigure, PaperTable
+from cyclemap.figures.catalogue import CATALOGUE, Frame, PaperAnimation, PaperFigure, PaperTable, entries
 from cyclemap.figures.measured_folder import NO_DATA
 from cyclemap.views.style import new_figure
 
@@ -30,11 +29,6 @@ def here(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
-def _words(name: str) -> dict[str, str]:
-    entry = next(entry for entry in CATALOGUE if entry.name == name)
-    return {"name": name, "source": entry.source, "title": entry.title}
-
-
 def _figure() -> PaperFigure:
     """It asks for a data file and counts its lines."""
 
@@ -42,15 +36,13 @@ def _figure() -> PaperFigure:
         file = measured.file("given.csv")
         return 0 if file is None else len(file.read_text().splitlines())
 
-    return PaperFigure(
-        **_words("staircases"), compute=compute, draw=lambda _: new_figure(2, 1), caption=lambda n: f"{n} lines."
-    )
+    return PaperFigure(compute=compute, draw=lambda _: new_figure(2, 1), caption=lambda n: f"{n} lines.")
 
 
 def _table() -> PaperTable:
     rows = [("plywood, table I", "0.2545"), ("a surface whose name is longer than a narrow terminal is wide", "0.25")]
     return PaperTable(
-        **_words("table-friction"), compute=lambda _: rows, header=("surface", "μa"), rows=lambda found: found,
+        compute=lambda _: rows, header=("surface", "μa"), rows=lambda found: found,
         caption=lambda _: "Friction.",
     )  # fmt: skip
 
@@ -62,16 +54,14 @@ def _animation() -> PaperAnimation:
             pixels[place] = 0
             yield Frame(pixels, 0.1)
 
-    return PaperAnimation(**_words("locking-in"), compute=lambda _: 3, frames=frames, caption=lambda _: "It moves.")
+    return PaperAnimation(compute=lambda _: 3, frames=frames, caption=lambda _: "It moves.")
 
 
 def _failing() -> PaperFigure:
     def compute(measured):
         raise ConvergenceError("it does not converge; try again")
 
-    return PaperFigure(
-        **_words("fingerprint"), compute=compute, draw=lambda _: new_figure(1, 1), caption=lambda _: "Never."
-    )
+    return PaperFigure(compute=compute, draw=lambda _: new_figure(1, 1), caption=lambda _: "Never.")
 
 
 def test_without_a_name_all_are_listed_with_source_and_title(capsys) -> None:
@@ -95,7 +85,7 @@ def test_figures_tables_and_animations_are_written_with_an_index_of_their_captio
     assert all(list(one) == KEYS for one in made)
     folder = here / "gallery"
     assert sorted(path.name for path in folder.iterdir()) == [
-        *("figures.json", "locking-in.gif", "staircases.png", "table-friction.csv"),
+        *("figures.json", "locking-in.gif", "staircases.png", "table-friction.csv")
     ]
     assert json.loads((folder / "figures.json").read_text())["figures"] == made
     assert (folder / "staircases.png").read_bytes().startswith(b"\x89PNG")
@@ -135,7 +125,7 @@ def test_people_are_told_title_caption_file_and_the_rows_of_a_table_whole(capsys
     monkeypatch.setenv("COLUMNS", "40")
     assert run(["figures", "table-friction"]) == 0
     shown = capsys.readouterr().out
-    for part in (_words("table-friction")["title"], "Friction.", "table-friction.csv", "plywood, table I", "0.2545"):
+    for part in ("Friction ellipses of the materials", "Friction.", "table-friction.csv", "plywood, table I", "0.2545"):
         assert part in shown
     assert "longer than a narrow terminal is wide" in shown
 

@@ -43,12 +43,10 @@ def collection(file: Path, count: int = 120) -> Path:
 
 
 @pytest.mark.slow
-def test_json_tells_what_was_read_and_fitted_and_nothing_else(here, capsys) -> None:
+def test_json_tells_what_was_read_and_fitted_and_nothing_else(here, printed) -> None:
     collection(here / "pushes.csv")
     assert run(["fit", "pushes.csv", "--json", "-", "--out", "results"]) == 0
-    shown = capsys.readouterr()
-    assert shown.err == ""
-    report = json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
+    report, _ = printed()
     assert list(report) == ["pushes", "scans", "unreadable", "sets"]
     (found,) = report["sets"]
     assert set(found) == SET_KEYS

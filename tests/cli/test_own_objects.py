@@ -12,12 +12,6 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.resets import read_protocol
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def report(capsys, *arguments: str) -> dict:
     capsys.readouterr()
     assert run([*arguments, "--json", "-"]) == 0, capsys.readouterr().err

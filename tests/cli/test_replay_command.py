@@ -6,16 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.cli import main
-from cyclemap.cli.commands import replay_command
+from cyclemap.cli.main import run
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
 
 OFF_MM = (1.0, 3.0)
-
-
-@pytest.fixture(autouse=True)
-def known_command(monkeypatch) -> None:
-    monkeypatch.setitem(main.cli.commands, "replay", replay_command)
 
 
 @pytest.fixture(scope="module")
@@ -39,12 +33,10 @@ def data(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_json_tells_every_push_its_groups_and_the_files_left_out(data, tmp_path, capsys) -> None:
+def test_json_tells_every_push_its_groups_and_the_files_left_out(data, tmp_path, printed) -> None:
     arguments = ["replay", "isotropic", "--data", str(data), "--out", str(tmp_path / "pictures"), "--json", "-"]
-    assert main.run(arguments) == 0
-    shown = capsys.readouterr()
-    assert shown.err == ""
-    report = json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
+    assert run(arguments) == 0
+    report, text = printed()
     assert (report["material"], report["pusher_friction"], report["pushes"]) == ("isotropic", 0.25, 2)
     assert [row["error_mm"] for row in report["replays"]] == pytest.approx(list(OFF_MM), abs=0.01)
     assert [row["speed_mm_s"] for row in report["replays"]] == pytest.approx([100.0, 100.0])
@@ -56,13 +48,13 @@ def test_json_tells_every_push_its_groups_and_the_files_left_out(data, tmp_path,
     written = {path.name: path.read_bytes() for path in (tmp_path / "pictures").iterdir()}
     assert set(written) == {"replay_isotropic.png", "replay_isotropic.json"}
     assert written["replay_isotropic.png"].startswith(b"\x89PNG")
-    assert written["replay_isotropic.json"].decode() == shown.out
+    assert written["replay_isotropic.json"].decode() == text
 
 
 @pytest.mark.slow
 def test_people_get_a_table_by_object_whole_even_in_a_narrow_terminal(data, tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.setenv("COLUMNS", "60")
-    assert main.run(["replay", "isotropic", "--data", str(data), "--out", str(tmp_path), "--format", "svg"]) == 0
+    assert run(["replay", "isotropic", "--data", str(data), "--out", str(tmp_path), "--format", "svg"]) == 0
     shown = capsys.readouterr().out
     assert "2 pushes replayed: they end 2.0 mm and 0.0° off on average; 1 file could not be." in shown
     for part in ("turn error (°)", "rect1", "2.00", "cut.json: not JSON", "replay_isotropic.svg"):
@@ -75,7 +67,7 @@ def test_the_rods_friction_changes_the_replay(data, tmp_path, capsys) -> None:
     errors = []
     for friction in ("0.25", "0"):
         arguments = ["--data", str(data), "--pusher-friction", friction, "--out", str(tmp_path), "--json", "-"]
-        assert main.run(["replay", "isotropic", *arguments]) == 0
+        assert run(["replay", "isotropic", *arguments]) == 0
         errors.append(json.loads(capsys.readouterr().out)["mean_turn_error_deg"])
     assert errors[0] < 0.01
     assert errors[1] > 0.5
@@ -93,7 +85,7 @@ def test_the_rods_friction_changes_the_replay(data, tmp_path, capsys) -> None:
 )
 def test_bad_use_is_one_line_and_no_file(data, tmp_path, capsys, monkeypatch, arguments, code, told) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main.run(["replay", *(part.format(data=data) for part in arguments)]) == code
+    assert run(["replay", *(part.format(data=data) for part in arguments)]) == code
     shown = capsys.readouterr()
     assert told in shown.err
     assert len(shown.err.splitlines()) == 1

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cyclemap.cli import run_sweep as module
-from cyclemap.cli.command_sweep import sweep_command
+from cyclemap.cli.commands import sweep_command
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.resets import ResetStrategy, legs, write_protocol
@@ -82,11 +82,9 @@ def test_a_plane_is_stored_drawn_exported_and_told(here, capsys, fake) -> None:
 
 
 @pytest.mark.slow
-def test_json_tells_every_point_and_nothing_else(here, capsys, fake) -> None:
+def test_json_tells_every_point_and_nothing_else(here, printed, fake) -> None:
     sweep("plywood", *PLANE, "--json", "-")
-    shown = capsys.readouterr()
-    assert shown.err == ""
-    report = json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
+    report, _ = printed()
     assert (report["points"], report["stored"], report["refused"], report["complete"]) == (10, 10, 1, True)
     assert report["over"]["axes"] == {"hitch_x_mm": [-12.0, -9.0, -6.0, -3.0, 0.0], "mu_a": [0.2, 0.3]}
     assert report["units"]["fixed_point_theta_deg"] == "degree"

@@ -49,11 +49,9 @@ def test_one_look_writes_picture_and_json_and_tells_people(here, capsys) -> None
 
 
 @pytest.mark.slow
-def test_json_tells_alarm_direction_coverage_and_advice_and_nothing_else(here, capsys) -> None:
+def test_json_tells_alarm_direction_coverage_and_advice_and_nothing_else(here, printed) -> None:
     assert run(["watch", str(data_file(here)), "--alarm-rate", "0.1", "--json", "-"]) == 0
-    shown = capsys.readouterr()
-    assert shown.err == ""
-    report = json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}"))
+    report, _ = printed()
     assert set(report) == {
         *("file", "pushes", "alarm_rate", "alarm", "evidence", "rest", "useful_pushes", "recent_worth", "coverage"),
         "advice",

@@ -1,4 +1,4 @@
-"""The catalogue lists every exhibit of the room, in order, under the name, source and title that its module gives."""
+"""The catalogue lists every exhibit of the room, in order, under a name, a source and a title."""
 
 import subprocess
 import sys
@@ -9,8 +9,15 @@ import pytest
 
 import cyclemap.figures
 from cyclemap.errors import InvalidInput
-from cyclemap.figures.catalogue import CATALOGUE, EXPORTS, entries, load_exhibit
-from cyclemap.figures.exhibit import PaperAnimation, PaperFigure, PaperTable
+from cyclemap.figures.catalogue import (
+    CATALOGUE,
+    EXPORTS,
+    PaperAnimation,
+    PaperFigure,
+    PaperTable,
+    entries,
+    load_exhibit,
+)
 
 FOLDER = Path(cyclemap.figures.__file__).parent
 KINDS = {"FIGURE": PaperFigure, "TABLE": PaperTable, "ANIMATION": PaperAnimation}
@@ -33,10 +40,9 @@ def test_every_exhibit_is_in_the_catalogue_once_and_the_other_way_round() -> Non
     assert len(CATALOGUE) == 21
 
 
-def test_name_source_and_title_are_those_of_the_module_and_titles_differ() -> None:
+def test_every_entry_has_a_source_and_a_title_of_its_own_and_loads_what_its_module_exports() -> None:
     for entry in CATALOGUE:
         exhibit = load_exhibit(entry.name)
-        assert (exhibit.name, exhibit.source, exhibit.title) == (entry.name, entry.source, entry.title)
         assert entry.title.strip()
         assert entry.source.strip()
         (export,) = _exhibiting()[entry.module]

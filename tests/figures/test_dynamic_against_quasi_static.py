@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from cyclemap.figures.dynamic_against_quasi_static import FIGURE, InertiaStudy
-from cyclemap.figures.exhibit import BEYOND
 from cyclemap.figures.measured_folder import MeasuredFolder
 
 
@@ -38,7 +37,6 @@ def test_the_caption_tells_the_largest_differences_of_the_result() -> None:
 
 def test_the_figure_shows_both_differences_and_their_fall() -> None:
     figure = FIGURE.draw(small())
-    assert FIGURE.source == BEYOND
     turns, places, fall = figure.axes
     assert turns.get_ylabel() == "dynamic − quasi-static (°)" and places.get_ylabel() == "dynamic − quasi-static (mm)"
     assert (fall.get_xscale(), fall.get_yscale()) == ("log", "log")

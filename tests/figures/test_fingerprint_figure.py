@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn, words_of
+from figure_cases import assert_drawn, words_of
 
 from cyclemap.figures import fingerprint as figure
 from cyclemap.figures.fingerprint import FIGURE
@@ -54,4 +54,3 @@ def test_the_picture_has_three_panels_and_a_caption_with_its_numbers(result) -> 
     caption = FIGURE.caption(result)
     for words in ("Ω 8.00°", "59.4° ± 21.1°", "3.8° away, within that error", "power 2.0", "21.3 mm"):
         assert words in caption
-    assert FIGURE.name == "fingerprint" and FIGURE.source == "not in the paper"

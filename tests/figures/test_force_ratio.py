@@ -4,7 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn, words_of
+from figure_cases import assert_drawn, words_of
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import RecordingNoise, identify, read_push_file

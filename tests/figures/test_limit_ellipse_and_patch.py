@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn, words_of
+from figure_cases import assert_drawn, words_of
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import RecordingNoise
@@ -14,14 +14,15 @@ from cyclemap.evidence.pushes.push_files import write_push_file
 from cyclemap.evidence.recorded_push import Recording, record_scan, scan_set
 from cyclemap.figures.limit_ellipse_and_patch import (
     FIGURE,
+    GRID,
     compute,
     draw,
     lean_of,
     limit_curve,
     measured_scans,
+    patch_forces,
 )
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
-from cyclemap.figures.patch_forces import GRID, patch_forces
 from cyclemap.mechanics import EllipseFriction, LimitSurface
 from cyclemap.views.style import INK
 

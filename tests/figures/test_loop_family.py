@@ -9,8 +9,15 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.figures.loop_family import LoopFamily, chebyshev_nodes, loop_family
-from cyclemap.figures.loop_variants import ring_fold, ring_radius, with_anisotropy_times, with_ring_at
+from cyclemap.figures.loop_family import (
+    LoopFamily,
+    chebyshev_nodes,
+    loop_family,
+    ring_fold,
+    ring_radius,
+    with_anisotropy_times,
+    with_ring_at,
+)
 
 PLYWOOD = replace(CollectionLoop.mit(material="plywood"), accuracy=1e-6)
 RINGS = partial(with_ring_at, PLYWOOD)

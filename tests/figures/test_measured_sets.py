@@ -4,18 +4,13 @@ import shutil
 
 import numpy as np
 import pytest
-from small_collections import NOWHERE, RECORDED_ABS, RECORDED_PLYWOOD, SCANS, recorded_folder, recorded_loop
+from figure_cases import NOWHERE, RECORDED_ABS, RECORDED_PLYWOOD, SCANS, recorded_folder, recorded_loop
 
 from cyclemap.cli.run_figures import WatchedFolder
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import simulate_collection
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
-from cyclemap.figures.measured_sets import (
-    measured_run,
-    measured_scans,
-    measured_theta0,
-    not_found,
-)
+from cyclemap.figures.measured_sets import measured_run, measured_scans, measured_theta0, not_found
 from cyclemap.mechanics import SidePush
 
 

@@ -5,10 +5,10 @@ from functools import partial
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn
+from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.figures.loop_variants import ring_fold, with_anisotropy_times, with_ring_at
+from cyclemap.figures.loop_family import ring_fold, with_anisotropy_times, with_ring_at
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.phase_diagram import FIGURE, RADII, compute
 from cyclemap.maps import fixed_points

@@ -5,7 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
-from small_paths import CYCLES, DRAWN, RECORDED, recorded_folder, small_paths
+from figure_cases import CYCLES, DRAWN, RECORDED, recorded_plywood, small_paths
 
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.figures.measured_folder import MeasuredFolder
@@ -66,7 +66,7 @@ def test_isotropic_friction_gives_a_single_path_in_the_objects_frame(monkeypatch
 
 @pytest.mark.slow
 def test_recorded_pushes_are_read_back_as_the_paths_that_were_recorded(tmp_path_factory) -> None:
-    measured = recorded_folder(tmp_path_factory)
+    measured = recorded_plywood(tmp_path_factory)
     paths = recorded_paths(measured, "plywood", 5)
     assert paths is not None and paths.recorded
     assert paths.theta0.shape == (5,) and paths.orientations.shape == (RECORDED,)
@@ -81,7 +81,7 @@ def test_recorded_pushes_are_read_back_as_the_paths_that_were_recorded(tmp_path_
 
 @pytest.mark.slow
 def test_pushes_of_another_kind_in_the_folder_are_left_out(tmp_path, tmp_path_factory) -> None:
-    shutil.copytree(recorded_folder(tmp_path_factory).path, tmp_path / "mixed")
+    shutil.copytree(recorded_plywood(tmp_path_factory).path, tmp_path / "mixed")
     home = tmp_path / "mixed" / "plywood" / "rect1" / "normal"
     first = sorted(home.iterdir())[0]
     for old, new in (("=plywood", "=abs"), ("s=0.700", "s=0.200")):

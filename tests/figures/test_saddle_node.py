@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn
+from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.figures.loop_variants import with_ring_at
+from cyclemap.figures.loop_family import with_ring_at
 from cyclemap.figures.measured_folder import MeasuredFolder
 from cyclemap.figures.saddle_node import FIGURE, compute
 

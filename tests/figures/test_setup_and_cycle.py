@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn
+from figure_cases import assert_drawn
 from matplotlib.patches import Circle, Polygon
 
 from cyclemap.figures.measured_folder import MeasuredFolder

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn, words_of
-from small_paths import RECORDED, recorded_folder
+from figure_cases import RECORDED, assert_drawn, recorded_plywood, words_of
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
@@ -56,7 +55,7 @@ def test_without_data_the_caption_alone_says_so(result) -> None:
 @pytest.mark.slow
 def test_recorded_pushes_lie_on_the_curve_of_the_law_that_made_them(tmp_path_factory) -> None:
     """Made on Table I with the exact patch: off the 8 x 8 points by the grid's quarter of a degree."""
-    found = compute(recorded_folder(tmp_path_factory), NODES)
+    found = compute(recorded_plywood(tmp_path_factory), NODES)
     assert found.recorded is not None and found.recorded.pushes.count == RECORDED
     errors = [float(np.degrees(found.recorded_error(number))) for number in range(3)]
     assert errors[0] < 0.5 < min(errors[1:])

@@ -2,14 +2,20 @@
 
 import numpy as np
 import pytest
-from small_collections import SMALL
+from figure_cases import SMALL
 
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import SurfaceParameters
-from cyclemap.figures.simulated_collections import STANDS_FOR, Sampling, _friction_errors, fitted_laws, sampled_run
-from cyclemap.figures.surface_states import surface_state
+from cyclemap.figures.simulated_collections import (
+    STANDS_FOR,
+    Sampling,
+    _friction_errors,
+    fitted_laws,
+    sampled_run,
+    surface_state,
+)
 
 CIRCLE = np.linspace(0.0, 2 * np.pi, 2001)
 

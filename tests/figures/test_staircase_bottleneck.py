@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn
+from figure_cases import assert_drawn
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.figures.measured_folder import NO_DATA, THETA0_FILE, MeasuredFolder

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from drawn_words import assert_words_apart
-from small_collections import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_folder
+from figure_cases import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_folder
 
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.simulated_collections import Sampling
@@ -25,14 +25,14 @@ def measured(measured_data):
 
 
 def test_plywood_climbs_in_steps_of_a_whole_turn_and_faster_as_it_wears(result) -> None:
-    plywood = result.materials[0].climb
+    plywood = result[0].climb
     assert plywood.steps.count > 5
     assert np.degrees(np.median(plywood.steps.heights)) == pytest.approx(360.0, abs=5.0)
     assert plywood.turn_pushes[:3].mean() > plywood.turn_pushes[-3:].mean()
 
 
 def test_pu_never_rests_and_the_others_keep_a_direction(result) -> None:
-    _, one_abs, delrin, pu = result.materials
+    _, one_abs, delrin, pu = result
     assert pu.climb.steps.levels.size == 0 and pu.climb.turns > 20
     assert delrin.climb.steps.count == 0 and abs(delrin.climb.turns) < 0.1
     assert 0 < one_abs.climb.first_stay < 600
@@ -41,7 +41,7 @@ def test_pu_never_rests_and_the_others_keep_a_direction(result) -> None:
 
 def test_the_caption_tells_steps_rests_and_turns(result) -> None:
     told = caption(result)
-    plywood, one_abs, _, pu = result.materials
+    plywood, one_abs, _, pu = result
     heights = np.degrees(np.diff(plywood.climb.steps.levels))
     assert f"makes {heights.size} steps of {np.median(heights):.0f}° ({heights.min():.0f}° to" in told
     assert f"rests of {np.median(plywood.climb.steps.lengths):.0f} pushes" in told
@@ -53,7 +53,7 @@ def test_the_caption_tells_steps_rests_and_turns(result) -> None:
 
 
 def test_the_range_of_runs_holds_most_of_each_drawn_run(result) -> None:
-    for one in result.materials:
+    for one in result:
         inside = (one.lower - 1e-9 <= one.climb.path) & (one.climb.path <= one.upper + 1e-9)
         assert np.mean(inside) > 0.5, one.run.surface
         assert one.turns.size == RUNS and one.lower.size == LONG.pushes
@@ -66,12 +66,12 @@ def test_the_plywood_panel_shows_measured_and_predicted_together(measured) -> No
     assert sorted(names) == ["95 % of predicted runs", "measured", "predicted"]
     lines = {line.get_label(): line.get_ydata() for line in figure.axes[0].lines}
     assert lines["measured"].size == lines["predicted"].size == 2000
-    assert lines["measured"] == pytest.approx(np.degrees(measured.materials[0].recorded.path))
+    assert lines["measured"] == pytest.approx(np.degrees(measured[0].recorded.path))
     assert_words_apart(figure)
 
 
 def test_measured_plywood_climbs_18_turns_in_steps_of_360_as_the_caption_says(measured) -> None:
-    recorded = measured.materials[0].recorded
+    recorded = measured[0].recorded
     assert recorded.turns == pytest.approx(18.0, abs=0.1)
     assert np.degrees(np.median(recorded.steps.heights)) == pytest.approx(360.0, abs=1.0)
     told = caption(measured)
@@ -87,10 +87,10 @@ def test_axes_have_labels_with_units_and_a_recorded_set_is_drawn(tmp_path_factor
     found = compute(recorded_folder(tmp_path_factory), SMALL, RUNS)
     figure = draw(found)
     units = [label.removeprefix("θ0, unwrapped ") for _, label in labels(figure)]
-    climbs = [np.ptp(one.climb.path) > 1.1 * 4 * np.pi for one in found.materials]
+    climbs = [np.ptp(one.climb.path) > 1.1 * 4 * np.pi for one in found]
     assert any(climbs) and all(unit == "(turns)" for unit, climbing in zip(units, climbs, strict=True) if climbing)
     assert set(units) <= {"(turns)", "(°)"}
-    assert found.materials[1].recorded.path.size == RECORDED_ABS and found.materials[3].recorded is None
+    assert found[1].recorded.path.size == RECORDED_ABS and found[3].recorded is None
     assert f"The recorded path of {RECORDED_ABS} pushes" in caption(found)
 
 

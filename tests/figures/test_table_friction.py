@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from small_collections import NOWHERE, SCANS, recorded_folder
+from figure_cases import NOWHERE, SCANS, recorded_folder
 
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.table_friction import HEADER, TABLE, caption, compute, rows

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from drawn_words import assert_words_apart
-from small_collections import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_folder
+from figure_cases import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_folder
 
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.theta0_histograms import NEAR, PEAK_WORDS, UNIFORM, caption, compute, draw, share_near
-from cyclemap.views.fit_panels import CIRCLE
+from cyclemap.views.fit_page import CIRCLE
 
 
 @pytest.fixture(scope="module")
@@ -16,14 +16,14 @@ def result():
 
 
 def test_densities_and_histograms_have_area_one(result) -> None:
-    assert len(result.materials) == 4
-    for one in result.materials:
+    assert len(result) == 4
+    for one in result:
         assert np.trapezoid(one.density, CIRCLE) == pytest.approx(1.0, abs=5e-3)
         assert np.sum(one.simulated.density * np.diff(one.simulated.edges)) == pytest.approx(1.0)
 
 
 def test_each_highest_peak_lies_within_17_degrees_of_the_papers_high_one(result) -> None:
-    for one in result.materials[:3]:
+    for one in result[:3]:
         words = PEAK_WORDS[one.run.surface]
         high = one.run.published.directions[words.index("high" if "high" in words else "only")]
         assert np.cos(one.peaks[0] - high) > np.cos(np.deg2rad(17.0)), one.run.surface
@@ -31,7 +31,7 @@ def test_each_highest_peak_lies_within_17_degrees_of_the_papers_high_one(result)
 
 
 def test_pu_has_no_sharp_peak_and_the_paper_none(result) -> None:
-    pu = result.materials[3]
+    pu = result[3]
     assert pu.run.published.directions == () and PEAK_WORDS["pu"] == ()
     assert pu.density.max() < 3.5 * UNIFORM and pu.density.min() > 0.1 * UNIFORM
 
@@ -39,7 +39,7 @@ def test_pu_has_no_sharp_peak_and_the_paper_none(result) -> None:
 @pytest.mark.slow
 def test_the_caption_tells_peaks_and_shares(result) -> None:
     told = caption(result)
-    for one in result.materials[:3]:
+    for one in result[:3]:
         for peak in one.peaks:
             assert f"{np.degrees(peak):.0f}°" in told
         apart = np.abs(np.angle(np.exp(1j * np.subtract.outer(one.run.pushes.theta, one.run.published.directions))))
@@ -65,8 +65,8 @@ def test_without_data_the_caption_says_so(result) -> None:
 
 def test_measured_plywood_lingers_where_the_paper_saw_it(measured_data) -> None:
     found = compute(MeasuredFolder(measured_data), SMALL)
-    plywood = found.materials[0]
-    assert plywood.theta0.size == 2000 and found.materials[1].theta0 is None
+    plywood = found[0]
+    assert plywood.theta0.size == 2000 and found[1].theta0 is None
     assert share_near(plywood.theta0, plywood.run.published.directions) > 0.8
     told = caption(found)
     assert "of the 2000 recorded ones, whose highest bin is 95° to 100°" in told
@@ -76,7 +76,7 @@ def test_measured_plywood_lingers_where_the_paper_saw_it(measured_data) -> None:
 
 def test_a_recorded_set_gives_its_theta0(tmp_path_factory) -> None:
     found = compute(recorded_folder(tmp_path_factory), SMALL)
-    assert found.materials[1].theta0.size == RECORDED_ABS
+    assert found[1].theta0.size == RECORDED_ABS
     figure = draw(found)
     assert labels(figure) == [("θ0, orientation before the push (°)", "probability per degree")] * 4
     assert_words_apart(figure)

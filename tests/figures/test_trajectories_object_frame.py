@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn, words_of
-from small_paths import CYCLES, DRAWN, assert_starts_where_the_robot_did, recorded_folder
+from figure_cases import CYCLES, DRAWN, assert_drawn, assert_starts_where_the_robot_did, recorded_plywood, words_of
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
@@ -78,7 +77,7 @@ def test_without_data_the_caption_and_the_panels_say_so(result) -> None:
 
 @pytest.mark.slow
 def test_recorded_pushes_take_the_place_of_simulated_ones(tmp_path_factory) -> None:
-    found = compute(recorded_folder(tmp_path_factory), CYCLES, DRAWN)
+    found = compute(recorded_plywood(tmp_path_factory), CYCLES, DRAWN)
     told, figure = FIGURE.caption(found), draw(found)
     assert "Recorded pushes: plywood." in told
     assert f"Recorded pushes on abs, delrin and pu: {NO_DATA}." in told

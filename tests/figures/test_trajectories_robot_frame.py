@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn, words_of
+from figure_cases import CYCLES, DRAWN, assert_drawn, assert_starts_where_the_robot_did, recorded_plywood, words_of
 from matplotlib.colors import to_hex
-from small_paths import CYCLES, DRAWN, assert_starts_where_the_robot_did, recorded_folder
 
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.trajectories_robot_frame import CROWDED, FIGURE, compute, crowded_arcs, draw
@@ -69,7 +68,7 @@ def test_every_path_starts_the_rings_distance_from_the_target(result) -> None:
 @pytest.mark.slow
 def test_the_picture_has_four_full_panels_with_and_without_recorded_pushes(result, tmp_path_factory) -> None:
     assert_drawn(draw(result), 5)
-    found = compute(recorded_folder(tmp_path_factory), CYCLES, DRAWN)
+    found = compute(recorded_plywood(tmp_path_factory), CYCLES, DRAWN)
     figure = draw(found)
     assert "plywood, recorded" in words_of(figure)
     assert "Recorded pushes: plywood." in FIGURE.caption(found)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from drawn_words import assert_words_apart
-from small_collections import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_folder
+from figure_cases import NOWHERE, RECORDED_ABS, SMALL, labels, recorded_folder
 
 from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
 from cyclemap.figures.turn_histograms import caption, compute, draw

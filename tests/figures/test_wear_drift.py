@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from drawn_figures import assert_drawn
+from figure_cases import assert_drawn
 
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
@@ -56,14 +56,14 @@ def test_without_data_the_caption_says_so_and_the_picture_shows_what_there_is(re
     assert NO_DATA in FIGURE.caption(result)
 
 
-def test_the_robot_took_257_cycles_a_turn_early_on_and_45_late(measured_data) -> None:
+def test_the_robot_took_257_cycles_a_turn_early_on_and_45_late(measured_data, result) -> None:
     found = compute(MeasuredFolder(measured_data), points=3, runs=8, harmonics=10)
     assert found.fitted is not None
     assert found.fitted.forecast is not None
     pace = found.fitted.forecast.pace
     assert pace.measured[[0, -1]] == pytest.approx((257, 45), abs=2)
     assert pace.inside > 0.6
-    assert found.measured_least is not None
+    assert found.measured_least is not None and found.least == pytest.approx(result.least)
     assert found.measured_least[-1] > found.measured_least[0]
     assert found.measured_turns is not None
     assert np.isnan(found.measured_turns[0]).mean() > 0.5

@@ -33,11 +33,7 @@ def sawtooth() -> CircleMap:
     )
 
 
-MAPS = {
-    "locked": CircleMap.arnold(0.01, 0.2),
-    "rotating": CircleMap.arnold(0.02, 0.1),
-    "jumping": sawtooth(),
-}
+MAPS = {"locked": CircleMap.arnold(0.01, 0.2), "rotating": CircleMap.arnold(0.02, 0.1), "jumping": sawtooth()}
 
 
 def staircase_pairs(circle_map: CircleMap) -> Theta0Pairs:

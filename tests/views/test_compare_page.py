@@ -10,7 +10,7 @@ from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence import Comparison, Theta0Pairs, compare
 from cyclemap.evidence.comparison.push_agreement import PushAgreement, quantity_agreement
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
-from cyclemap.views import compare_sentences as sentences
+from cyclemap.views import compare_page as sentences
 from cyclemap.views.compare_page import compare_page, residual_page
 from cyclemap.views.style import render
 

@@ -20,8 +20,7 @@ import pytest
 import cyclemap as cm
 from cyclemap.cli.settings import set_settings
 from cyclemap.resets import read_protocol
-from cyclemap.views.explorer.answers import cell_density, coarse, exact
-from cyclemap.views.explorer.controls import CONTROLS, explored
+from cyclemap.views.explorer.answers import CONTROLS, cell_density, coarse, exact, explored
 from cyclemap.views.explorer.server import LONGEST_BODY, ExplorerServer
 
 SIGMA = math.radians(1.1)

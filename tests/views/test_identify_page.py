@@ -22,7 +22,7 @@ from cyclemap.evidence.identification.data_block import FunctionBlock, PlateBloc
 from cyclemap.evidence.identification.surface_parameters import Parameter
 from cyclemap.evidence.identified_curves import Derived, IdentifiedCurves, derived_quantities, identified_curves
 from cyclemap.mechanics import EllipseFriction, Pose, Slider
-from cyclemap.views import identify_sentences as sentences
+from cyclemap.views import identify_page as sentences
 from cyclemap.views.identify_page import identify_page
 from cyclemap.views.style import render
 

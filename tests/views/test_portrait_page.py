@@ -1,5 +1,7 @@
-"""The page: what it shows, that it says so with units, and that no words collide."""
+"""The portrait's page and its sentences."""
 
+import math
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -7,8 +9,13 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
+from cyclemap.collection import CollectionLoop, portrait
+from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.errors import InvalidInput
-from cyclemap.views import style
+from cyclemap.evidence import MapAgreement
+from cyclemap.maps import Estimate, fixed_points
+from cyclemap.mechanics import load_material
+from cyclemap.views import sentences, style
 from cyclemap.views.style import render
 
 CASES = [("locked", False), ("locked", True), ("rotating", True), ("jumping", False)]
@@ -168,3 +175,124 @@ def test_png_has_the_size_of_a_talk_slide_and_is_small(drawn) -> None:
 def test_unknown_format_is_refused(drawn) -> None:
     with pytest.raises(InvalidInput, match="'gif' is unknown; use one of png, pdf, svg"):
         render(drawn("locked").page, "gif")
+
+
+def both(orientation_deg: float) -> str:
+    """The MIT push goes towards the object's -y: a quarter turn clockwise of its orientation."""
+    return f"orientation {orientation_deg:.1f}°, pushed towards {orientation_deg - 90.0:.1f}°".replace("-", "−")
+
+
+@pytest.mark.slow
+def test_headline_names_every_stable_direction_or_none(drawn) -> None:
+    assert sentences.headline(drawn("rotating").portrait) == "plywood locks into no direction"
+    # Arnold: θ + 0.02π - 0.2 sin θ is fixed where sin θ = 0.1π.
+    assert (
+        sentences.headline(drawn("locked").portrait)
+        == f"plywood locks into {both(math.degrees(math.asin(0.1 * math.pi)))}"
+    )
+
+
+def test_what_noise_carries_off_within_the_run_is_not_locked(drawn) -> None:
+    """The stable point stays for 45 cycles on average: the run of 200 is told as resting, one of 40 as locked."""
+    found = drawn("locked").portrait
+    (zone,) = found.prediction.zones
+    short = replace(found.prediction, zones=(replace(zone, residence_cycles=Estimate(45.0, 0.1)),))
+    resting = replace(found, prediction=short)
+    assert sentences.headline(resting) == f"plywood rests at {both(18.3)}, for 45 cycles at a time"
+    brief = replace(resting, staircase=replace(found.staircase, theta=found.staircase.theta[:41]))
+    assert sentences.headline(brief) == f"plywood locks into {both(18.3)}"
+    unknown = replace(found, prediction=replace(found.prediction, zones=()))
+    assert sentences.headline(unknown) == f"plywood rests at {both(18.3)}"
+
+
+@pytest.mark.slow
+def test_near_the_saddle_node_the_ring_at_9_8_mm_rests_and_does_not_lock() -> None:
+    """The fixed points, 160.9° among them, are still there, and noise carries θ0 off in 45 cycles."""
+    base = CollectionLoop.mit("plywood")
+    loop = CollectionLoop.from_settings({"hitch_x_mm": -6.93, "hitch_y_mm": 6.93}, base)
+    found = portrait(loop, tolerance=1e-5)
+    assert len(found.fixed_points) == 2
+    assert sentences.headline(found) == f"plywood rests at {both(160.9)}, for 45 cycles at a time"
+    gone = CollectionLoop.from_settings({"hitch_x_mm": -6.9, "hitch_y_mm": 6.9}, base)
+    assert not fixed_points(gone.circle_map(tolerance=1e-5))
+
+
+@pytest.mark.slow
+def test_a_portrait_of_a_surface_that_wears_does_not_say_that_it_locks() -> None:
+    """plywood-measured: one stable point when fresh, 17.5 turns measured and some 16 made as it wears."""
+    found = portrait(CollectionLoop.mit("plywood-measured"), tolerance=1e-4, sigma=math.radians(1.0))
+    assert found.drifting is not None and found.worn is not None
+    said = sentences.headline(found)
+    assert said.startswith("plywood-measured rests at orientation ") and "when fresh, near 9" in said
+    told = " ".join([said, sentences.lock_sentence(found), sentences.noise_sentence(found)])
+    told += sentences.staircase_sentence(found)
+    assert "locks" not in told and "flat" not in told
+    turns = (found.staircase.theta[-1] - found.staircase.theta[0]) / (2 * math.pi)
+    assert 10.0 < turns < 25.0
+    assert f"makes {turns:.1f} turns; by then θ0 rests near 9" in told
+    curves = portrait_curves(found)
+    assert math.isclose(sum(curves.density[:-1]) * 2 * math.pi / 1440, 1.0, rel_tol=1e-3)
+    fresh = found.operator.density(curves.density_theta)
+    assert abs(curves.density - fresh).max() > 1.0
+
+
+def test_speed_of_locking_follows_from_the_multiplier(drawn) -> None:
+    multiplier = 1 - 0.2 * math.cos(math.asin(0.1 * math.pi))
+    tenth = math.log(0.1) / math.log(multiplier)
+    said = sentences.lock_sentence(drawn("locked").portrait)
+    fast = f"a tenth of an error is left after {tenth:.0f} cycles."
+    assert said == f"Stable at 18.3°, multiplier {multiplier:.3f}: {fast}"
+
+
+@pytest.mark.slow
+def test_without_fixed_points_the_pace_is_told(drawn) -> None:
+    # 2πΩ = 7.2 and K = 5.7 degrees: the turn runs from their difference to their sum.
+    said = sentences.lock_sentence(drawn("rotating").portrait)
+    assert said.startswith("Without noise a cycle turns the object by 1.5° to 12.9°; a full turn takes ")
+
+
+@pytest.mark.slow
+def test_attracting_jump_is_told(drawn) -> None:
+    assert sentences.lock_sentence(drawn("jumping").portrait) == "Orbits gather about the jump at 114.6°."
+
+
+def test_noise_and_staircase_sentences_carry_the_numbers(drawn) -> None:
+    found = drawn("rotating").portrait
+    assert "With 1.1° of noise a cycle the recorded directions peak at" in sentences.noise_sentence(found)
+    flat = replace(found, prediction=replace(found.prediction, step=None, mean_turn=math.radians(4.321)))
+    assert sentences.staircase_sentence(flat).endswith("on average θ0 moves 4.32° a cycle.")
+    steps = replace(found.prediction, step=2 * math.pi, mean_residence_cycles=257.4, mean_turn=math.radians(0.9))
+    said = sentences.staircase_sentence(replace(found, prediction=steps))
+    assert "rests 257 cycles on a step, steps are 360° high, and on average θ0 moves 0.90° a cycle" in said
+
+
+def test_agreement_sentence_gives_both_distances() -> None:
+    said = sentences.agreement_sentence(MapAgreement(1996, math.radians(7.06), 62, math.radians(12.3)))
+    assert said == ("1996 measured cycles lie 7.1° RMS from the predicted turn; the medians of 62 directions 12.3°.")
+
+
+def test_parameters_line_holds_the_protocol(drawn) -> None:
+    said = sentences.parameters_line(drawn("locked").portrait)
+    for part in ("μa 0.2545", "μb 0.2346", "m0 0.0325", "n0 0.0082", "φ 150.0°", "rod ⌀ 9.5 mm, μ 0.15"):
+        assert part in said
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [(0.04, "0.0"), (9.94, "9.9"), (12.4, "12"), (99_999.0, "99999"), (2e7, "10⁷"), (math.inf, "more than 10¹²")],
+)
+def test_counts_are_short(value, said) -> None:
+    assert sentences.number(value) == said
+
+
+def test_angles_never_say_minus_zero() -> None:
+    assert sentences.angle(-1e-9) == "0.0°"
+    assert sentences.angle(math.radians(-65.04)) == "−65.0°"
+
+
+def test_a_material_says_where_it_is_from_and_what_it_misses() -> None:
+    told = sentences.material_line(load_material("plywood-measured"))
+    assert told.startswith("plywood-measured was inferred, not measured: blocks left out")
+    assert "wears over 2000 cycles" in told
+    assert "where isotropic friction misses" in sentences.material_line(load_material("plywood"))
+    assert sentences.material_line(load_material("isotropic")) == ""

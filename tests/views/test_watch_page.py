@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cyclemap.resets import BiasMonitor, watch
-from cyclemap.views import watch_sentences as sentences
+from cyclemap.views import watch_page as sentences
 from cyclemap.views.style import render
 from cyclemap.views.watch_page import watch_page
 

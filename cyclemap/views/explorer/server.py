@@ -53,7 +53,10 @@ class ExplorerServer(ThreadingHTTPServer):
     def __init__(self, answers: dict[str, Work]) -> None:
         """Bind to a free port of the loopback."""
         self.answers, self.token = answers, secrets.token_urlsafe(24)
-        self.files = {f"/{name}": _file(name) for name in _FILES}
+        here = resources.files("cyclemap.views.explorer")
+        self.files = {
+            f"/{name}": (_TYPES[name.rpartition(".")[2]], here.joinpath(name).read_bytes()) for name in _FILES
+        }
         self.files["/"] = self.files["/page.html"]
         self.working, self.newest = threading.Lock(), OrderedDict[str, int]()
         super().__init__(("127.0.0.1", 0), _Request)
@@ -160,7 +163,3 @@ class _Request(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *arguments: Any) -> None:
         """Say nothing: the terminal is the user's."""
-
-
-def _file(name: str) -> tuple[str, bytes]:
-    return _TYPES[name.rpartition(".")[2]], resources.files("cyclemap.views.explorer").joinpath(name).read_bytes()

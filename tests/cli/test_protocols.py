@@ -1,4 +1,4 @@
-"""A protocol with a strategy through every command: followed, applied, or refused; never passed over."""
+"""--set, protocol files and strategies: what is understood, what is refused, which of two wins, what follows."""
 
 import json
 import math
@@ -10,9 +10,10 @@ import pytest
 
 from cyclemap.cli.main import run
 from cyclemap.cli.options import LoopOptions
-from cyclemap.cli.settings import chosen_loop
+from cyclemap.cli.settings import chosen_loop, set_settings
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
+from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence import load_pushes
 from cyclemap.mechanics import DragBack, SidePush
 from cyclemap.resets import (
@@ -40,6 +41,98 @@ FIXED = ResetStrategy((CycleAction(((0.02, 0.01),)),), hitch=(0.0, 0.02))
 LEG = ResetStrategy(legs(0.05, 4))
 GRIPPER = ResetStrategy((CycleAction(turn=0.2),))
 PLYWOOD = ["plywood", "--json", "-", "--protocol"]
+DETERMINISTIC = [
+    (["cycle", "--theta0-deg", "10"], FIXED),
+    (["dynamics", "--theta0-deg", "10", "--speed-mm-s", "500"], FIXED),
+    # Isotropic friction and a ring elsewhere turn the object rigidly, which is quick.
+    (["portrait", "--cycles", "20", "--set", "noise_deg=20"], RING),
+    (["staircase", "--cycles", "100", "--set", "noise_deg=20"], RING),
+]
+REFUSING = [
+    ["fingerprint", "plywood"],
+    ["dynamics", "plywood"],
+    ["experiment", "plywood"],
+    ["compare", "plywood", "--data", "measured.csv"],
+    ["identify", "measured.csv"],
+]
+
+
+@pytest.fixture
+def protocol_text(tmp_path):
+    def write(text):
+        path = tmp_path / "protocol.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize("text", ["mu_a", "=3", "mu_a=", " = ", ""])
+def test_set_without_key_or_value_is_refused(text) -> None:
+    with pytest.raises(InvalidInput, match="is not of the form key=value"):
+        set_settings([text])
+
+
+def test_later_set_wins() -> None:
+    assert set_settings(["mu_a=0.1", "mu_a = 0.2"]) == {"mu_a": 0.2}
+
+
+def test_protocol_tables_are_headings_only(protocol_text) -> None:
+    path = protocol_text('push_mm = 140\n[pusher]\npusher_mu = 0.2\n[slider]\nfootprint = "grid:8"\n')
+    assert read_protocol(path)[0] == {"push_mm": 140, "pusher_mu": 0.2, "footprint": "grid:8"}
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[push\n", "not TOML"),
+        ("[push]\nside = true\n", ", line 2: side is True; it must be a number, text"),
+        ("[push]\n[push.deeper]\nside = 1\n", ", line 2: deeper is {'side': 1}; it must be a number, text"),
+        ("[push]\nside = 1\nmu_a = 'rough'\n", ", line 3: mu_a must be a finite number, not 'rough'"),
+        ("[[strategy.actions]]\nside = 0\n[push]\nsdie = 1\n", ", line 4: unknown setting 'sdie': did you mean 'si"),
+        ("[a]\nside = 1\n[b]\nside = 2\n", ", line 4: side is given twice"),
+    ],
+)
+def test_bad_protocol_is_refused_by_file_and_line(protocol_text, text, said) -> None:
+    path = protocol_text(text)
+    with pytest.raises(DataFileError) as refusal:
+        read_protocol(path)
+    assert str(path) in str(refusal.value)
+    assert said in str(refusal.value)
+
+
+def test_absent_protocol_is_refused(tmp_path) -> None:
+    with pytest.raises(DataFileError, match="there is no such file"):
+        read_protocol(tmp_path / "none.toml")
+    with pytest.raises(DataFileError, match="cannot be read"):
+        read_protocol(tmp_path)
+
+
+def test_set_wins_over_protocol_over_material_over_mit(protocol_text) -> None:
+    path = protocol_text("[push]\nmu_a = 0.3\nmu_b = 0.28\npusher_mu = 0.2\n")
+    loop, sigma = chosen_loop(LoopOptions("plywood", path, ("mu_a=0.31",)))
+    friction = loop.material.friction
+    assert (friction.mu_a, friction.mu_b, friction.m0) == (0.31, 0.28, 0.0325)
+    assert loop.pusher.friction == 0.2
+    assert loop.pusher.radius == 0.00475
+    assert sigma is None
+
+
+def test_noise_is_read_in_degrees() -> None:
+    _, sigma = chosen_loop(LoopOptions("plywood", None, ("noise_deg=2.5",)))
+    assert sigma == pytest.approx(math.radians(2.5))
+
+
+@pytest.mark.parametrize("text", ["noise_deg=0", "noise_deg=-1", "noise_deg=nan", "noise_deg=loud"])
+def test_noise_must_be_positive(text) -> None:
+    with pytest.raises(InvalidInput, match="noise_deg"):
+        chosen_loop(LoopOptions("plywood", None, (text,)))
+
+
+@pytest.mark.parametrize(("key", "meant"), [("mu_aa", "mu_a"), ("nois_deg", "noise_deg"), ("push_mn", "push_mm")])
+def test_unknown_key_names_the_one_that_was_meant(key, meant) -> None:
+    with pytest.raises(InvalidInput, match=f"'{key}'.*did you mean '{meant}'"):
+        chosen_loop(LoopOptions("plywood", None, (f"{key}=1",)))
 
 
 @pytest.fixture
@@ -94,7 +187,7 @@ def test_a_portrait_tells_the_distribution_of_its_mixture(protocol, capsys) -> N
     """Against the strategy's own maps and law, made here."""
     report = report_of(capsys, ["portrait", *PLYWOOD, protocol(RANDOM), "--cycles", "300", "--set", "noise_deg=6"])
     assert list(report) == [
-        *("strategy", "map", "fixed_points", "fixed_points_reason", "rotation_number", "stationary", "staircase"),
+        *("strategy", "map", "fixed_points", "fixed_points_reason", "rotation_number", "stationary", "staircase")
     ]
     turns = map_turns(strategy_maps(LOOP, RANDOM))
     law = orientation_law(turns, RANDOM, math.radians(6.0))
@@ -134,15 +227,6 @@ def test_a_portrait_takes_measured_directions_beside_a_strategy(protocol, capsys
     assert report["staircase"]["run"]["cycles"] == 79
 
 
-DETERMINISTIC = [
-    (["cycle", "--theta0-deg", "10"], FIXED),
-    (["dynamics", "--theta0-deg", "10", "--speed-mm-s", "500"], FIXED),
-    # Isotropic friction and a ring elsewhere turn the object rigidly, which is quick.
-    (["portrait", "--cycles", "20", "--set", "noise_deg=20"], RING),
-    (["staircase", "--cycles", "100", "--set", "noise_deg=20"], RING),
-]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "strategy"), DETERMINISTIC, ids=lambda part: part[0] if isinstance(part, list) else ""
@@ -177,15 +261,6 @@ def test_a_fixed_loop_from_python_and_from_the_file_are_one(protocol, capsys) ->
     assert math.radians(found["theta1_deg"]) == pytest.approx(loop.cycle(math.radians(40.0)).theta_next, abs=1e-12)
 
 
-REFUSING = [
-    ["fingerprint", "plywood"],
-    ["dynamics", "plywood"],
-    ["experiment", "plywood"],
-    ["compare", "plywood", "--data", "measured.csv"],
-    ["identify", "measured.csv"],
-]
-
-
 @pytest.mark.parametrize("strategy", [RANDOM, LEG, IN_TURN, GRIPPER])
 @pytest.mark.parametrize("command", REFUSING, ids=lambda command: command[0])
 def test_a_command_about_one_loop_refuses_a_strategy_and_says_which_take_it(
@@ -204,12 +279,7 @@ def test_a_command_about_one_loop_refuses_a_strategy_and_says_which_take_it(
 
 @pytest.mark.parametrize(
     ("strategy", "pair"),
-    [
-        (RANDOM, "side=1"),
-        (FIXED, "hitch_x_mm=3"),
-        (FIXED, "way_points_mm=[[1, 2]]"),
-        (LEG, "way_points_mm=[[1, 2]]"),
-    ],
+    [(RANDOM, "side=1"), (FIXED, "hitch_x_mm=3"), (FIXED, "way_points_mm=[[1, 2]]"), (LEG, "way_points_mm=[[1, 2]]")],
 )
 def test_a_setting_that_the_strategy_overrules_is_refused(protocol, capsys, strategy, pair) -> None:
     assert run(["cycle", "plywood", "--protocol", protocol(strategy), "--set", pair]) == 2

@@ -1,0 +1,109 @@
+"""`cyclemap staircase` and `fingerprint` from outside: their JSON, pictures, words, and what they refuse."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from cyclemap.cli.main import run
+from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
+
+ZONE_KEYS = {"centre_deg", "arc_deg", "kind", "residence_cycles", "log10_residence_cycles"}
+RUN_KEYS = {"seed", "cycles", "climb_deg", "steps", "heights_deg", "dwells"}
+# A ring 9.8 mm from the centre instead of 15: the two fixed points of plywood have met and gone.
+GHOST = ["staircase", "plywood", "--set", "hitch_x_mm=-6.9", "--set", "hitch_y_mm=6.9"]
+FIVE = ("turn_deg", "offset_amplitude_deg", "offset_phase_deg", "ellipse_amplitude_deg", "ellipse_phase_deg")
+
+
+def staircase_file(folder: Path, cycles: int = 1_500) -> Path:
+    path = sample_staircase(CircleMap.arnold(0.11, 0.6), WrappedNormal(0.03), cycles, seed=1).theta
+    file = folder / "measured.csv"
+    rows = "".join(f"{math.degrees(theta) % 360:.4f}\n" for theta in path)
+    file.write_text("theta0_deg\n" + rows)
+    return file
+
+
+@pytest.mark.slow
+def test_json_tells_prediction_run_and_data_and_nothing_else(here, printed) -> None:
+    data = staircase_file(here)
+    assert run([*GHOST, "--data", str(data), "--json", "-", "--out", "pictures"]) == 0
+    report, text = printed()
+    assert list(report) == ["noise_deg", "prediction", "run", "uncertainty", "data"]
+    (zone,) = report["prediction"]["zones"]
+    assert set(zone) == ZONE_KEYS
+    assert zone["kind"] == "ghost"
+    assert report["prediction"]["step_deg"] == pytest.approx(360.0)
+    assert set(report["run"]) == RUN_KEYS
+    assert report["run"]["cycles"] == 1_500
+    assert len(report["run"]["heights_deg"]) == report["run"]["steps"] == len(report["run"]["dwells"]) - 1
+    assert set(report["data"]) == RUN_KEYS - {"seed"} | {"fitted", "comparison"}
+    assert report["data"]["fitted"]["noise_deg"] == pytest.approx(math.degrees(0.03), rel=0.1)
+    written = {path.name: path.read_bytes() for path in (here / "pictures").iterdir()}
+    assert set(written) == {"staircase_plywood.png", "staircase_plywood.json"}
+    assert written["staircase_plywood.png"].startswith(b"\x89PNG")
+    assert written["staircase_plywood.json"].decode() == text
+
+
+@pytest.mark.slow
+def test_people_are_told_where_it_rests_how_long_and_how_high_it_climbs(here, capsys) -> None:
+    assert run([*GHOST, "--format", "svg", "--cycles", "1000"]) == 0
+    shown = capsys.readouterr().out
+    for part in ("θ0 rests near", "steps are 360° high", "In one run of 1000 cycles", "staircase_plywood.svg"):
+        assert part in shown
+    assert (here / "out" / "staircase_plywood.svg").read_bytes().startswith(b"<?xml")
+
+
+def test_pairs_without_an_order_are_refused(here, capsys) -> None:
+    (here / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 2}\n" for k in range(50)))
+    assert run(["staircase", "plywood", "--data", "pairs.csv"]) == 2
+    assert "order" in capsys.readouterr().err
+
+
+def run_json(tmp_path, printed, *arguments):
+    assert run(["fingerprint", *arguments, "--out", str(tmp_path), "--json", "-"]) == 0
+    return printed()
+
+
+@pytest.mark.slow
+def test_json_of_a_material_tells_the_numbers_of_the_protocol_and_where_the_full_map_locks(tmp_path, printed) -> None:
+    report, text = run_json(tmp_path, printed, "plywood", "--check")
+    assert [report[key] for key in FIVE] == pytest.approx([8.0022, 117.279, 129.478, 101.365, -111.061], abs=1e-3)
+    assert report["push"]["turn_deg"] + report["drag"]["turn_deg"] == pytest.approx(report["turn_deg"])
+    prediction = report["prediction"]
+    assert (prediction["material"], prediction["verdict"], prediction["trusted"]) == ("plywood", "locks", True)
+    assert prediction["offset"] == pytest.approx(math.hypot(0.0325, 0.0082) / math.sqrt(0.2545 * 0.2346))
+    stable, unstable = prediction["directions"]
+    assert (stable["stable"], unstable["stable"]) == (True, False)
+    full = report["full_map"]["fixed_points"]
+    assert [point["theta_deg"] for point in full] == pytest.approx([63.168, 199.876], abs=2e-3)
+    for predicted, checked, point in zip(prediction["directions"], report["full_map"]["checked"], full, strict=True):
+        assert checked["full_deg"] == point["theta_deg"] and checked["within_error"]
+        assert checked["miss_deg"] == pytest.approx(abs(predicted["theta_deg"] - point["theta_deg"]))
+        assert checked["miss_deg"] <= predicted["error_deg"]
+    low, high = prediction["lock_in_scale_range"]
+    assert low < prediction["lock_in_scale"] < high < 1.0
+    written = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert set(written) == {"fingerprint_plywood.png", "fingerprint_plywood.json"}
+    assert written["fingerprint_plywood.png"].startswith(b"\x89PNG")
+    assert written["fingerprint_plywood.json"].decode() == text
+
+
+@pytest.mark.slow
+def test_without_a_material_only_the_protocol_is_told_and_settings_change_it(tmp_path, printed) -> None:
+    plain, _ = run_json(tmp_path, printed)
+    assert set(plain) == {*FIVE, "push", "drag", "remainder_per_rad"}
+    changes = ("--set", "push_mm=50", "--set", "mu_a=.26", "--set", "mu_b=.24", "--format", "svg")
+    changed, _ = run_json(tmp_path, printed, *changes)
+    assert changed["turn_deg"] == pytest.approx(-1.5527, abs=1e-3) != plain["turn_deg"]
+    assert changed["prediction"]["ellipticity"] == pytest.approx(0.5 * math.log(0.26 / 0.24))
+    assert changed["prediction"]["offset"] == 0.0
+    written = {path.name for path in tmp_path.iterdir()}
+    assert {"fingerprint_protocol.png", "fingerprint_isotropic_changed.svg"} < written
+
+
+@pytest.mark.slow
+def test_people_read_the_five_numbers_and_the_direction_with_its_error(tmp_path, capsys) -> None:
+    assert run(["fingerprint", "plywood", "--out", str(tmp_path)]) == 0
+    shown = capsys.readouterr().out
+    for words in ("8.002", "117.279", "129.478", "101.365", "−111.061", "plywood locks into 59.4° ± 21.1°"):
+        assert words in shown

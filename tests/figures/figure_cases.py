@@ -1,0 +1,96 @@
+"""What the tests of figures share: small simulated runs, folders of recorded pushes, and what every drawing must be."""
+
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from drawn_words import assert_words_apart, words_of_figure
+from matplotlib.figure import Figure
+
+from cyclemap.collection import CollectionLoop
+from cyclemap.evidence import RecordingNoise, simulate_collection
+from cyclemap.figures.catalogue import PaperFigure
+from cyclemap.figures.measured_folder import MeasuredFolder
+from cyclemap.figures.pushed_paths import PushedPaths, paths_on_four_surfaces
+from cyclemap.figures.simulated_collections import Sampling
+from cyclemap.mechanics import SidePush
+from cyclemap.views.style import render
+
+# Of every run of these tests, so that one computation serves them all.
+SMALL = Sampling(pushes=300, states=2, tolerance=1e-3)
+NOWHERE = MeasuredFolder(None)
+RECORDED_ABS, RECORDED_PLYWOOD, SCANS = 24, 20, 144
+# Enough cycles for the runs to leave where they start.
+CYCLES, DRAWN = 400, 24
+# The fewest that count as a set.
+RECORDED = 20
+UNIT = re.compile(r"\((mm|°|1|N|per degree)\)")
+DIMENSIONLESS = ("coefficient", "cycle")
+
+
+def recorded_loop(material: str) -> CollectionLoop:
+    """The loop that is recorded: shorter pushes than the paper's, for time's sake."""
+    return CollectionLoop.mit(material, accuracy=1e-5, push=SidePush(distance=0.05))
+
+
+@cache
+def _made(place: Path) -> MeasuredFolder:
+    simulate_collection(recorded_loop("abs"), place / "one", RECORDED_ABS, start=2.6)
+    simulate_collection(recorded_loop("plywood"), place / "two", RECORDED_PLYWOOD, scans=True)
+    return MeasuredFolder(place)
+
+
+def recorded_folder(tmp_path_factory) -> MeasuredFolder:
+    """24 pushes on abs, 20 on plywood with its 144 friction scans: simulated, in files as a robot leaves them."""
+    return _made(tmp_path_factory.getbasetemp() / "recorded collections")
+
+
+def labels(figure) -> list[tuple[str, str]]:
+    """The labels of both axes of every panel."""
+    return [(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes]
+
+
+@cache
+def small_paths() -> list[PushedPaths]:
+    return paths_on_four_surfaces(MeasuredFolder(None), CYCLES, DRAWN)
+
+
+def recorded_plywood(factory: pytest.TempPathFactory) -> MeasuredFolder:
+    """Recorded pushes on "plywood", as the MIT dataset names them, made by the mechanics without noise.
+
+    All tests of a run share them: a collection that is complete is not made again.
+    """
+    loop, folder = CollectionLoop.mit("plywood", accuracy=1e-6), factory.getbasetemp() / "recorded_pushes"
+    simulate_collection(loop, folder, RECORDED, noise=RecordingNoise(turn=0.0))
+    return MeasuredFolder(folder)
+
+
+def assert_starts_where_the_robot_did(exhibit: PaperFigure, found: Any) -> None:
+    """The pushes drawn of plywood begin at measured orientations, from the first to the last, and it is said."""
+    plywood = found.surfaces[0]
+    assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
+    assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))
+    told, figure = exhibit.caption(found), exhibit.draw(found)
+    assert f"from {DRAWN} of the 2000 measured orientations of plywood" in told
+    assert "plywood, from measured θ0" in words_of(figure).replace("\n", " ")
+    assert_drawn(figure, 5)
+
+
+def assert_drawn(figure: Figure, panels: int) -> None:
+    """A picture comes out; so many panels, bars of shades among them, none empty, all with units, words apart."""
+    assert render(figure, "png", 60).startswith(b"\x89PNG")
+    assert len(figure.axes) == panels
+    for axes in figure.axes:
+        assert axes.lines or axes.collections or axes.patches, "an empty panel"
+        for label in (axes.get_xlabel(), axes.get_ylabel()):
+            assert not label or UNIT.search(label) or any(word in label for word in DIMENSIONLESS), label
+        assert axes.get_xlabel() or axes.get_ylabel()
+    assert_words_apart(figure)
+
+
+def words_of(figure: Figure) -> str:
+    """All texts of the figure and its panels, legends included, in one line."""
+    return " | ".join(text.get_text() for text in words_of_figure(figure))

@@ -1,0 +1,130 @@
+"""Tables II and III: the paper's rows as printed, and simulated and recorded ones that are their pushes' own."""
+
+import numpy as np
+import pytest
+from figure_cases import NOWHERE, RECORDED_ABS, SMALL, recorded_folder
+
+from cyclemap.figures import table_deviations, table_law_errors
+from cyclemap.figures.measured_folder import NO_DATA, MeasuredFolder
+from cyclemap.figures.simulated_collections import sampled_run
+from cyclemap.figures.table_law_errors import simulated_laws
+
+# As printed, of Δθ (°), Δx (mm), Δy (mm): standard deviation and percentage in Table II, RMSE and percentage in III.
+SPREADS = {
+    "plywood": ("4.74", "6.86", "2.84", "7.75", "8.57", "9.09"),
+    "abs": ("3.21", "4.30", "1.59", "3.97", "5.31", "7.86"),
+    "delrin": ("1.28", "1.63", "0.97", "2.49", "3.21", "6.33"),
+    "pu": ("4.53", "6.53", "2.93", "7.30", "11.39", "13.40"),
+}
+ERRORS = {
+    "plywood": ("2.07", "2.99", "0.91", "2.46", "3.39", "3.66"),
+    "abs": ("2.99", "4.00", "1.56", "3.88", "3.21", "4.75"),
+    "delrin": ("1.28", "1.63", "0.81", "2.07", "1.61", "3.08"),
+    "pu": ("1.14", "1.64", "0.60", "1.49", "1.56", "1.86"),
+}
+both = pytest.mark.parametrize("module", [table_deviations, table_law_errors])
+
+
+@pytest.fixture(scope="module")
+def deviations():
+    return table_deviations.compute(NOWHERE, SMALL)
+
+
+@pytest.fixture(scope="module")
+def errors():
+    return table_law_errors.compute(NOWHERE, SMALL)
+
+
+def test_the_papers_rows_are_those_it_prints(deviations, errors) -> None:
+    """Every row fills the header; three cells a quantity, of which the printed two come after a mean, or first."""
+    for module, result, printed, free in (
+        (table_deviations, deviations, SPREADS, 0),
+        (table_law_errors, errors, ERRORS, 2),
+    ):
+        told = module.rows(result)
+        paper = {row[0]: row[3:] for row in told if row[1] == "paper"}
+        assert list(paper) == list(printed)
+        for name, cells in paper.items():
+            assert tuple(cell for place, cell in enumerate(cells) if place % 3 != free) == printed[name]
+        assert len(told) == 9 and {len(row) for row in told} == {len(module.HEADER)} == {12}
+    (plywood,) = [row for row in table_deviations.rows(deviations) if row[:2] == ("plywood", "paper")]
+    assert plywood[3:10:3] == ("69.1", "36.6", "94.3")
+
+
+@both
+def test_recorded_pushes_have_a_row_of_their_own(tmp_path_factory, module) -> None:
+    found = module.compute(recorded_folder(tmp_path_factory), SMALL)
+    (row,) = [row for row in module.rows(found) if row[:2] == ("abs", "recorded")]
+    assert row[2] == str(RECORDED_ABS) and row[3] != ""
+    # A law explains pushes without noise to the last digit; their spread stays.
+    assert (float(row[4]) > 0.0) == (module is table_deviations)
+    assert module.TABLE.caption(found).endswith(f"Recorded pushes on delrin and pu: {NO_DATA}.")
+
+
+@both
+def test_the_folder_of_measured_data_adds_no_row(measured_data, deviations, errors, module) -> None:
+    result = deviations if module is table_deviations else errors
+    assert module.rows(module.compute(MeasuredFolder(measured_data), SMALL)) == module.rows(result)
+
+
+def test_simulated_rows_are_the_statistics_of_their_pushes_in_the_papers_signs(deviations) -> None:
+    pushes = sampled_run("pu", SMALL).pushes
+    (row,) = [row for row in table_deviations.rows(deviations) if row[1] == "simulated, pu"]
+    assert row[2] == str(SMALL.pushes)
+    for place, value in enumerate((np.degrees(pushes.dtheta), 1e3 * pushes.dx, -1e3 * pushes.dy)):
+        mean, std = np.mean(value), np.std(value, ddof=1)
+        assert row[3 + 3 * place : 6 + 3 * place] == (f"{mean:.1f}", f"{std:.2f}", f"{100 * std / mean:.2f}")
+
+
+def test_plywood_is_simulated_twice(deviations) -> None:
+    sources = [row[1] for row in table_deviations.rows(deviations) if row[0] == "plywood"]
+    assert sources == ["paper", "simulated, plywood", "simulated, plywood-measured"]
+
+
+def test_the_caption_tells_how_far_simulated_rows_lie_from_the_papers(deviations) -> None:
+    told, cells = table_deviations.caption(deviations), table_deviations.rows(deviations)
+    for place, (name, unit) in enumerate((("Δθ", "°"), ("Δx", " mm"), ("Δy", " mm"))):
+        column, offs, shares = 3 + 3 * place, [], []
+        for row in cells:
+            if row[1] == "paper":
+                mean, std = float(row[column]), float(row[column + 1])
+            else:
+                offs.append(abs(float(row[column]) - mean))
+                shares.append(float(row[column + 1]) / std)
+        words = told.split(f"means of {name} are within ")[1]
+        assert float(words.split(unit)[0]) == pytest.approx(max(offs), abs=0.16)
+        low, high = words.split("spreads ")[1].split(" of the paper's")[0].split(" to ")
+        assert (float(low), float(high)) == pytest.approx((min(shares), max(shares)), abs=0.011)
+    assert told.endswith(f"Recorded pushes on plywood, abs, delrin and pu: {NO_DATA}.")
+
+
+def test_simulated_errors_are_the_residuals_of_the_laws(errors) -> None:
+    cells = iter([row for row in table_law_errors.rows(errors) if row[1].startswith("simulated")])
+    checked = 0
+    for laws in errors.laws:
+        for one in simulated_laws(laws):
+            row = next(cells)
+            for place, (found, unit) in enumerate(zip(one.laws, (180 / np.pi, 1e3, 1e3), strict=True)):
+                off = unit * np.sqrt(np.mean((found.value - found.law(found.theta)) ** 2))
+                assert row[3 + 3 * place] == f"{off:.2f}"
+                assert row[5 + 3 * place] == str(found.law.harmonics)
+                checked += 1
+    assert checked == 15
+
+
+def test_scatter_of_friction_explains_dy_on_pu_and_less_than_half_of_dtheta_but_on_plywood(errors) -> None:
+    """Of plywood the law is of one harmonic over pushes that wear: what it leaves is no scatter alone."""
+    for each, laws in zip(errors.materials, errors.laws, strict=True):
+        law = simulated_laws(laws)[-1]
+        assert (law.dtheta.law.rmse < 0.5 * each.published.rmse[0]) == (each.surface != "plywood")
+    pu = simulated_laws(errors.laws[3])[-1]
+    assert pu.dy.law.rmse == pytest.approx(errors.materials[3].published.rmse[2], rel=0.2)
+
+
+def test_the_caption_tells_each_simulated_error_beside_the_papers(errors) -> None:
+    told = table_law_errors.caption(errors)
+    last = {row[0]: row for row in table_law_errors.rows(errors) if row[1].startswith("simulated")}
+    for name, printed in ERRORS.items():
+        for place, value in enumerate(printed[::2]):
+            assert f"{last[name][3 + 3 * place]} of {value} on {name}" in told
+    assert told.endswith(f"Recorded pushes on plywood, abs, delrin and pu: {NO_DATA}.")
