@@ -48,7 +48,7 @@ def doctor_command(json_target: str | None) -> None:
 
 def _data_folder(problems: list[str]) -> str | None:
     from cyclemap.errors import InvalidInput
-    from figures.measured_folder import MeasuredFolder
+    from cyclemap.figures.measured_folder import MeasuredFolder
 
     try:
         path = MeasuredFolder.found().path
