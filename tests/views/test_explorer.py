@@ -19,6 +19,7 @@ import pytest
 
 import cyclemap as cm
 from cyclemap.cli.settings import set_settings
+from cyclemap.collection.portrait import noises_of
 from cyclemap.resets import read_protocol
 from cyclemap.views.explorer.answers import CONTROLS, cell_density, coarse, exact, explored
 from cyclemap.views.explorer.server import LONGEST_BODY, ExplorerServer
@@ -105,6 +106,15 @@ def test_sliders_stand_where_the_loop_is_and_reach_as_far() -> None:
     assert same.loop.cycle(1.0).theta_next == pytest.approx(start.loop.cycle(1.0).theta_next, abs=1e-7)
     disc = explored(("abs",), "abs", {"shape": "ellip1"})
     assert {"side", "corner_share"}.isdisjoint(one["key"] for one in disc.controls())
+
+
+def test_the_noise_slider_stands_at_the_noise_that_is_used() -> None:
+    """A material with a noise of its own is drawn with that, not with the usual 1.1 degrees."""
+    start = explored(("plywood-measured",), "plywood-measured", {})
+    (noise,) = (one["value"] for one in start.controls() if one["key"] == "noise_deg")
+    used = noises_of(start.loop, start.loop.circle_map(), None)[0].sigma
+    assert noise == pytest.approx(math.degrees(used), rel=0.02)
+    assert noise < 0.8
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from cyclemap.checks import finite_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.portrait import DEFAULT_SIGMA, Portrait, Progress, portrait
+from cyclemap.collection.portrait import DEFAULT_SIGMA, Portrait, Progress, noises_of, portrait
 from cyclemap.collection.setting_table import NOISE_KEY, SETTINGS, Settings, without_noise
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import Theta0Pairs
@@ -69,6 +69,8 @@ class Explored:
         # A footprint that is left to the object is the uniform one, whose shares are nought.
         loop = replace(self.loop, footprint=self.loop.footprint or PatchFootprint(self.loop.slider.outline))
         sigma = DEFAULT_SIGMA if self.sigma is None else self.sigma
+        if self.sigma is None and loop.material.noise is not None:
+            sigma = noises_of(loop, loop.circle_map(tolerance=COARSE_TOLERANCE), None)[0].sigma
         found = {}
         for one in CONTROLS:
             value = sigma if one.key == NOISE_KEY else one.of(loop)
@@ -123,10 +125,10 @@ def _text(value: object) -> str:
 def coarse(loop: CollectionLoop, sigma: float | None, start: float, cycles: int) -> dict[str, object]:
     """The answer while a slider moves; sigma, start in rad, cycles of the staircase."""
     circle_map = loop.circle_map(tolerance=COARSE_TOLERANCE)
-    noise = WrappedNormal(DEFAULT_SIGMA if sigma is None else sigma)
+    noise, kicks = noises_of(loop, circle_map, sigma)
     points = tuple(fixed_points(circle_map))
     stable = [sentences.angle(orbit.points[0]) for orbit in points if orbit.stable]
-    path = sample_staircase(circle_map, noise, cycles, start, 0).theta
+    path = sample_staircase(circle_map, kicks, cycles, start, 0).theta
     return {
         "exact": False,
         "may_lie": [],
