@@ -12,11 +12,14 @@ from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison.compare import Comparison, compare
-from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement
-from cyclemap.evidence.comparison.direction_agreement import DirectionAgreement
-from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
+from cyclemap.evidence.comparison.cycle_agreement import (
+    CycleAgreement,
+    DirectionAgreement,
+    OrientationAgreement,
+    SimulatedQuantity,
+    StaircaseAgreement,
+)
 from cyclemap.evidence.comparison.push_agreement import Distances, PushAgreement, QuantityAgreement, mean_distances
-from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
 from cyclemap.evidence.orientations.goodness_of_fit import PValue
 from cyclemap.maps import StepComparison, WrappedNormal
 from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences

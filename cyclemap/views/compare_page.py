@@ -12,9 +12,8 @@ from cyclemap.arrays import TWO_PI
 from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
-from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
+from cyclemap.evidence.comparison.cycle_agreement import OrientationAgreement, StaircaseAgreement
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, mean_distances
-from cyclemap.evidence.comparison.staircase_agreement import StaircaseAgreement
 from cyclemap.views.map_panels import (
     PER_DEGREE,
     draw_measured_histogram,

@@ -5,10 +5,8 @@ from functools import partial
 
 import numpy as np
 
-from cyclemap.evidence.comparison.cycle_agreement import map_misfit
-from cyclemap.evidence.comparison.direction_agreement import direction_agreement
+from cyclemap.evidence.comparison.cycle_agreement import direction_agreement, map_misfit, simulated_quantity
 from cyclemap.evidence.comparison.push_agreement import mean_error, within_error
-from cyclemap.evidence.comparison.staircase_agreement import simulated_quantity
 from cyclemap.evidence.laws.fit_map import map_of_turn
 from cyclemap.evidence.laws.wear import fit_worn_law
 from cyclemap.evidence.orientations.collection_null import (

@@ -13,9 +13,17 @@ from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.evidence.comparison.collection_data import CollectionData, collection_data
-from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement, cycle_agreement, map_misfit
-from cyclemap.evidence.comparison.direction_agreement import DirectionAgreement, direction_agreement
-from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement, orientation_agreement
+from cyclemap.evidence.comparison.cycle_agreement import (
+    CycleAgreement,
+    DirectionAgreement,
+    OrientationAgreement,
+    StaircaseAgreement,
+    cycle_agreement,
+    direction_agreement,
+    map_misfit,
+    orientation_agreement,
+    staircase_agreement,
+)
 from cyclemap.evidence.comparison.prediction import Prediction, as_prediction, refit_rule
 from cyclemap.evidence.comparison.push_agreement import (
     PushAgreement,
@@ -24,7 +32,6 @@ from cyclemap.evidence.comparison.push_agreement import (
     pooled_quantities,
     push_agreements,
 )
-from cyclemap.evidence.comparison.staircase_agreement import StaircaseAgreement, staircase_agreement
 from cyclemap.evidence.comparison.verdicts import Verdict, all_verdicts
 from cyclemap.evidence.orientations.collection_null import (
     CollectionRefit,

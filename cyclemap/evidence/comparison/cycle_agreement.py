@@ -1,13 +1,14 @@
-"""The predicted cycle map against measured pairs: RMS over pairs and directions, the mean turn, a test of the map."""
+"""Measured cycles beside the predicted: the map, orientations, stable directions and the staircase of a collection."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import read_only
 from cyclemap.collection import CollectionLoop, isotropic_twin
 from cyclemap.errors import InvalidInput, UnsupportedContact
@@ -17,9 +18,31 @@ from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
 from cyclemap.evidence.orientations.collection_null import Ensemble
-from cyclemap.evidence.orientations.goodness_of_fit import PValue
+from cyclemap.evidence.orientations.goodness_of_fit import PValue, monte_carlo_p_value
+from cyclemap.evidence.orientations.orientation_comparison import (
+    DEFAULT_BANDWIDTH,
+    angle_between,
+    kernel_modes,
+    nearest_modes,
+)
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
-from cyclemap.evidence.pushes.theta0_statistics import MapAgreement, TurnBins, turn_bins
+from cyclemap.evidence.pushes.theta0_statistics import (
+    AngleHistogram,
+    MapAgreement,
+    TurnBins,
+    angle_histogram,
+    turn_bins,
+)
+from cyclemap.maps import SlowZone, StaircaseSummary, StepComparison, Steps, compare_steps, find_steps
+
+ORIENTATION_TESTS = ("wasserstein", "total_variation", "kuiper", "watson")
+# Orientations of the ensemble from which the predicted modes are taken.
+_POOLED = 12_000
+# The share of simulated collections within the range that is told.
+RANGE = (0.025, 0.975)
+
+
+# -- the map -------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,3 +151,205 @@ def _best_law(pairs: Theta0Pairs) -> PeriodicLaw | None:
         return fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
     except InvalidInput:
         return None
+
+
+# -- orientations --------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class OrientationAgreement:
+    """The recorded orientations beside the predicted ones.
+
+    wasserstein (statistic in rad), total_variation, kuiper, watson : distances from the law of the predicted
+        collections, with p-values under simulated collections as long and from the same start.
+    measured, predicted : histograms over the same bins, per rad.
+    """
+
+    count: int
+    wasserstein: PValue
+    total_variation: PValue
+    kuiper: PValue
+    watson: PValue
+    measured: AngleHistogram
+    predicted: AngleHistogram
+
+    @property
+    def tests(self) -> dict[str, PValue]:
+        """The four by name."""
+        return {name: getattr(self, name) for name in ORIENTATION_TESTS}
+
+
+def orientation_agreement(path: Array, ensemble: Ensemble, tested: dict[str, PValue]) -> OrientationAgreement:
+    """Gather what ``tested`` says of the path (n,) rad, and both histograms."""
+    measured = angle_histogram(path)
+    bins = measured.density.size
+    density = ensemble.law.bin_probabilities(bins) * (bins / TWO_PI)
+    predicted = AngleHistogram(measured.edges, np.asarray(read_only(density)))
+    return OrientationAgreement(
+        path.size, **{name: tested[name] for name in ORIENTATION_TESTS}, measured=measured, predicted=predicted
+    )
+
+
+# -- stable directions ---------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class DirectionMatch:
+    """A predicted direction and the measured mode nearest to it, rad in [0, 2π).
+
+    kind : "stable", "jump", "ghost", as of a ``SlowZone``. centre : of the zone.
+    predicted_mode : mode of the predicted collections' orientations nearest to the centre, by the kernel that the
+        measured modes come from: a ghost's mode lies beside its slowest point. measured_mode : nearest to that.
+    difference : measured less predicted mode, in [-π, π). None where there is no mode.
+    p_value : of a difference so large, among simulated collections; exact for a prediction that was not fitted to
+        these data, else too large.
+    """
+
+    kind: str
+    centre: float
+    predicted_mode: float | None
+    measured_mode: float | None
+    difference: float | None
+    p_value: PValue | None
+
+
+@dataclass(frozen=True, eq=False)
+class DirectionAgreement:
+    """All directions. matches : one a predicted zone. measured_modes, predicted_modes : (k,) rad, sorted."""
+
+    matches: tuple[DirectionMatch, ...]
+    measured_modes: Array
+    predicted_modes: Array
+
+
+def direction_agreement(
+    path: Array,
+    zones: tuple[SlowZone, ...],
+    ensemble: Ensemble,
+    null: Array,
+    bandwidth: float = DEFAULT_BANDWIDTH,
+) -> DirectionAgreement:
+    """Match the predicted ``zones`` with the modes of ``path`` (n,) rad.
+
+    ensemble : of the predicted collections. null : (runs, n) others, of which the p-values are made.
+    bandwidth : of the kernel estimates, rad.
+    """
+    measured = kernel_modes(path, bandwidth)
+    stride = max(1, ensemble.paths.size // _POOLED)
+    predicted = kernel_modes(ensemble.paths.ravel()[::stride], bandwidth)
+    simulated = [kernel_modes(one, bandwidth) for one in null] if zones else []
+    matches = tuple(_match(zone, predicted, measured, simulated) for zone in zones)
+    return DirectionAgreement(matches, read_only(measured), read_only(predicted))
+
+
+def _match(zone: SlowZone, predicted: Array, measured: Array, simulated: list[Array]) -> DirectionMatch:
+    mode = _nearest(zone.centre, predicted)
+    seen = None if mode is None else _nearest(mode, measured)
+    if mode is None or seen is None:
+        return DirectionMatch(zone.kind, zone.centre, mode, seen, None, None)
+    off = float(angle_between(np.asarray(mode), np.asarray(seen)))
+    # A simulated collection without any mode is as far off as can be.
+    null = [_distance(mode, modes) for modes in simulated]
+    return DirectionMatch(zone.kind, zone.centre, mode, seen, off, monte_carlo_p_value(abs(off), null))
+
+
+def _nearest(target: float, modes: Array) -> float | None:
+    return float(nearest_modes(np.asarray(target), modes)) if modes.size else None
+
+
+def _distance(target: float, modes: Array) -> float:
+    seen = _nearest(target, modes)
+    return float(np.pi) if seen is None else abs(float(angle_between(np.asarray(target), np.asarray(seen))))
+
+
+# -- the staircase -------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class SimulatedQuantity:
+    """A number of the measured staircase among those of simulated collections; None where it does not exist.
+
+    predicted : median of the simulated ones. lower, upper : the range of 95 % of them.
+    p_value : two-sided, by the distance from their median, among the simulated collections that have such a number:
+        exact for a prediction that was not fitted to these data. None where the measured one has none.
+    """
+
+    measured: float | None
+    predicted: float | None
+    lower: float | None
+    upper: float | None
+    p_value: PValue | None
+
+
+@dataclass(frozen=True, eq=False)
+class StaircaseAgreement:
+    """The staircase of a collection beside simulated ones that begin alike; angles in rad, lengths in cycles.
+
+    steps : found in the measured path without a model. run : one simulated collection, (n,) rad.
+    turns : whole turns climbed. step_count : steps found. step_height, residence : medians over the steps and the
+        dwells of a collection, dwells that its ends cut off included.
+    theory : the visits to the predicted zones and the pace, against their exact law; None for a map that wears and
+        where that law could not be computed. Its p-values do not know of parameters fitted to the same data.
+    """
+
+    steps: Steps
+    run: Array
+    turns: SimulatedQuantity
+    step_count: SimulatedQuantity
+    step_height: SimulatedQuantity
+    residence: SimulatedQuantity
+    theory: StepComparison | None
+
+
+def staircase_agreement(
+    path: Array,
+    null: Array,
+    summary: StaircaseSummary | None,
+    progress: Callable[[float], None] | None = None,
+) -> StaircaseAgreement:
+    """Set the path (n,) rad, unwrapped, beside simulated ones ``null`` (runs, n), from the same start.
+
+    summary : of the map where it does not wear. progress : called with the fraction done, in (0, 1].
+    """
+    report, found, measured = progress or (lambda fraction: None), [], _numbers(path, find_steps(path))
+    for done, one in enumerate(null, 1):
+        found.append(_numbers(one, find_steps(one)))
+        report(done / len(null))
+    columns = np.array(found).T
+    quantities = [simulated_quantity(value, column) for value, column in zip(measured, columns, strict=True)]
+    named = dict(zip(("turns", "step_count", "step_height", "residence"), quantities, strict=True))
+    return StaircaseAgreement(find_steps(path), null[0], theory=_theory(path, summary), **named)
+
+
+def simulated_quantity(measured: float, simulated: Array) -> SimulatedQuantity:
+    """Where ``measured`` lies among ``simulated`` (runs,); NaN stands for a number that does not exist.
+
+    >>> found = simulated_quantity(9.0, np.arange(99.0))
+    >>> found.predicted, round(found.p_value.value, 2)
+    (49.0, 0.22)
+    """
+    known = simulated[np.isfinite(simulated)]
+    value = measured if np.isfinite(measured) else None
+    if not known.size:
+        return SimulatedQuantity(value, None, None, None, None)
+    lower, middle, upper = np.quantile(known, [RANGE[0], 0.5, RANGE[1]]).tolist()
+    if value is None:
+        return SimulatedQuantity(value, middle, lower, upper, None)
+    # The median of all of them: the measured number is then treated as every simulated one is.
+    centre = float(np.median(np.append(known, value)))
+    p_value = monte_carlo_p_value(abs(value - centre), np.abs(known - centre))
+    return SimulatedQuantity(value, middle, lower, upper, p_value)
+
+
+def _numbers(path: Array, steps: Steps) -> tuple[float, float, float, float]:
+    """Turns, steps, median height and median length; NaN without steps or dwells."""
+    height = float(np.median(np.abs(steps.heights))) if steps.heights.size else np.nan
+    length = float(np.median(steps.lengths)) if steps.lengths.size else np.nan
+    return float(path[-1] - path[0]) / TWO_PI, float(steps.count), height, length
+
+
+def _theory(path: Array, summary: StaircaseSummary | None) -> StepComparison | None:
+    if summary is None:
+        return None
+    zones = summary.zones or None
+    return compare_steps(find_steps(path, zones=zones), summary)

@@ -7,11 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.evidence.comparison.cycle_agreement import CycleAgreement
-from cyclemap.evidence.comparison.direction_agreement import DirectionAgreement, DirectionMatch
-from cyclemap.evidence.comparison.orientation_agreement import OrientationAgreement
+from cyclemap.evidence.comparison.cycle_agreement import (
+    CycleAgreement,
+    DirectionAgreement,
+    DirectionMatch,
+    OrientationAgreement,
+    SimulatedQuantity,
+    StaircaseAgreement,
+)
 from cyclemap.evidence.comparison.push_agreement import Distances, QuantityAgreement
-from cyclemap.evidence.comparison.staircase_agreement import SimulatedQuantity, StaircaseAgreement
 from cyclemap.evidence.orientations.goodness_of_fit import PValue
 
 # A prediction is rejected below this p-value.
