@@ -164,10 +164,8 @@ def test_relative_import_inside_a_package_init_resolves_to_that_package() -> Non
 # What the parts of a crowded room may import: themselves, those before them in their row, and what all share.
 ROWS = {
     "maps": (
-        ("lifts", "orbits", "algebra"),
-        ("lifts", "orbits", "rotation", "families"),
-        ("lifts", "orbits", "noise", "uniform", "passages"),
-        ("lifts", "orbits", "algebra", "rotation", "noise", "uniform", "passages", "operator", "staircases"),
+        ("lifts", "orbits", "noise", "passages", "operator", "families"),
+        ("lifts", "orbits", "noise", "passages", "operator", "staircases"),
     ),
     "evidence": (
         ("pushes", "laws", "orientations", "tables", "comparison"),
@@ -176,7 +174,7 @@ ROWS = {
     ),
     "resets": (("monitor", "design", "protocol"),),
 }
-PARTS_SHARED: dict[str, set[str]] = {"maps": {"arcs", "estimate", "quadrature"}, "evidence": set(), "resets": set()}
+PARTS_SHARED: dict[str, set[str]] = {"maps": {"estimate", "quadrature"}, "evidence": set(), "resets": set()}
 
 
 def allowed(place: str, part: str) -> set[str]:

@@ -84,6 +84,7 @@ if TYPE_CHECKING:
         orbit_diagram,
     )
     from cyclemap.maps.families.orbit_equations import Bifurcation
+    from cyclemap.maps.families.rotation_numbers import RotationNumbers, RotationPlane, rotation_numbers, rotation_plane
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
     from cyclemap.maps.lifts.branches import Branch, branches, preimages
     from cyclemap.maps.lifts.circle_map import CircleMap
@@ -111,7 +112,6 @@ if TYPE_CHECKING:
         rotation_interval,
         rotation_number,
     )
-    from cyclemap.maps.orbits.rotation_numbers import RotationNumbers, RotationPlane, rotation_numbers, rotation_plane
     from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
     from cyclemap.maps.passages.log_passage import log10_passage_time
     from cyclemap.maps.passages.passage_times import (

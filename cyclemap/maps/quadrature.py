@@ -16,7 +16,7 @@ from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SNAP
-from cyclemap.maps.orbits.scan import bracketed_root, monotone_cells
+from cyclemap.maps.lifts.scan import bracketed_root, monotone_cells
 
 MAX_NODES = 400_000
 _PANELS = 8  # panels a turn at least, where the map is given by formulas

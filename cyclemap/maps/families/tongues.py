@@ -25,9 +25,9 @@ from cyclemap.maps.families.family import (
     parameter_tangent,
 )
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.scan import monotone_cells
 from cyclemap.maps.orbits.diagonal import displacement
 from cyclemap.maps.orbits.envelopes import lower_envelope, upper_envelope
-from cyclemap.maps.orbits.scan import monotone_cells
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
 _FAR = 3.0  # radians

@@ -15,7 +15,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, Scalar, base_angles
-from cyclemap.maps.orbits.scan import Cells, bracketed_root, monotone_cells
+from cyclemap.maps.lifts.scan import Cells, bracketed_root, monotone_cells
 
 
 @dataclass(frozen=True, eq=False)

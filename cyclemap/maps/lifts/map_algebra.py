@@ -17,7 +17,7 @@ from cyclemap.maps.estimate import SAME_ANGLE
 from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches, preimages_on
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, SNAP, Scalar, base_angles, distance_to_break
-from cyclemap.maps.orbits.scan import INSET
+from cyclemap.maps.lifts.scan import INSET
 
 
 @dataclass(frozen=True, eq=False)

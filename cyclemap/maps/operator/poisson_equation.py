@@ -15,10 +15,10 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
+from cyclemap.maps.lifts.scan import monotone_cells, preimages
 from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise, WrappedNormal
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
-from cyclemap.maps.orbits.scan import monotone_cells, preimages
 from cyclemap.maps.quadrature import arc_rule, gauss_rule
 
 _POINTS = 8  # grid points a basis function

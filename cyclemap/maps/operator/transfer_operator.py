@@ -16,6 +16,7 @@ from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise.bounded_noise import UniformNoise
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, needed_modes
@@ -41,7 +42,6 @@ from cyclemap.maps.operator.spectrum import (
     mixing_time,
     second_modulus,
 )
-from cyclemap.maps.orbits.scan import bracketed_root
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import arc_rule, graded_rule
 

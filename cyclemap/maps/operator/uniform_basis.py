@@ -14,8 +14,9 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.scan import Cells, monotone_cells
 from cyclemap.maps.noise.bounded_noise import UniformNoise
-from cyclemap.maps.operator.panels import (
+from cyclemap.maps.noise.panels import (
     ORDER,
     LevelSteps,
     Panels,
@@ -25,7 +26,6 @@ from cyclemap.maps.operator.panels import (
     resolving_cuts,
     with_ends,
 )
-from cyclemap.maps.orbits.scan import Cells, monotone_cells
 
 RESOLUTION = 512
 MAX_PANELS = 100

@@ -11,8 +11,8 @@ from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.scan import INSET, Cells, monotone_cells, preimages
 from cyclemap.maps.orbits.periodic_points import Orbit, PeriodicPoints, periodic_orbits, periodic_points
-from cyclemap.maps.orbits.scan import INSET, Cells, monotone_cells, preimages
 
 MAX_PERIOD = 8
 LEFT_OVER = 1e-6  # share of the circle

@@ -10,7 +10,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.scan import INSET, Cells, is_continuous, is_rising, iterate, monotone_cells
+from cyclemap.maps.lifts.scan import INSET, Cells, is_continuous, is_rising, iterate, monotone_cells
 
 RESOLUTION = 512  # cells a turn, at least
 TANGENCY = 1e-12  # radians: extrema and ends of jumps this near a whole turn touch it

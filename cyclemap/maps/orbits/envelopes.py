@@ -12,7 +12,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SIDE_STEP
-from cyclemap.maps.orbits.scan import GRAIN, INSET, bracketed_root, monotone_cells
+from cyclemap.maps.lifts.scan import GRAIN, INSET, bracketed_root, monotone_cells
 
 _RESOLUTION = 512
 SLACK = 1e-12  # radians: a smaller descent is rounding

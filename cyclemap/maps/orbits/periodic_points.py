@@ -14,6 +14,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SNAP
+from cyclemap.maps.lifts.scan import roots_between
 from cyclemap.maps.orbits.diagonal import (
     TANGENCY,
     DiagonalScan,
@@ -22,7 +23,6 @@ from cyclemap.maps.orbits.diagonal import (
     displacement,
     nearest_on_circle,
 )
-from cyclemap.maps.orbits.scan import roots_between
 
 NEUTRAL = 1e-7
 _LINKED = 1e-9  # radians: the image of a point and the point it is, beyond both their error bounds

@@ -10,8 +10,8 @@ from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.scan import Cells, is_continuous, is_rising, monotone_cells
 from cyclemap.maps.orbits.diagonal import RESOLUTION, TANGENCY, displacement
-from cyclemap.maps.orbits.scan import Cells, is_continuous, is_rising, monotone_cells
 
 LEAST_CYCLES = 10.0
 REACH = 4.0  # widths on each side of the slowest point across which ``relative_error`` looks

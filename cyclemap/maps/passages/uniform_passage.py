@@ -13,9 +13,9 @@ from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import EPS, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.scan import Cells, monotone_cells
 from cyclemap.maps.noise.bounded_noise import UniformNoise
-from cyclemap.maps.operator.panels import Panels, Singularities, level_steps, refined, with_ends
-from cyclemap.maps.orbits.scan import Cells, monotone_cells
+from cyclemap.maps.noise.panels import Panels, Singularities, level_steps, refined, with_ends
 from cyclemap.maps.passages.killed_chain import Arc, arcs_between
 
 _SLIVER = 1e-12  # radians: an overlap no longer than this is none

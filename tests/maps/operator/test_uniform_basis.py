@@ -6,9 +6,9 @@ from scipy.special import jv
 
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal
-from cyclemap.maps.operator.panels import ORDER, Panels, law_singularities, level_steps
+from cyclemap.maps.lifts.scan import monotone_cells
+from cyclemap.maps.noise.panels import ORDER, Panels, law_singularities, level_steps
 from cyclemap.maps.operator.uniform_basis import uniform_discretisation
-from cyclemap.maps.orbits.scan import monotone_cells
 
 TWO_PI = 2 * np.pi
 MIXED = Panels(np.array([0.0, 1.0, 1.5, 2.0]), np.array([1.0, 1.5, 2.0, 3.0]), np.array([False, True, True, False]))

@@ -5,7 +5,7 @@ import pytest
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, fixed_points, is_nondecreasing
-from cyclemap.maps.orbits.scan import bracketed_root, iterate, monotone_cells, preimages
+from cyclemap.maps.lifts.scan import bracketed_root, iterate, monotone_cells, preimages
 
 TWO_PI = 2 * np.pi
 

@@ -5,7 +5,7 @@ import pytest
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, UniformNoise, hitting_probability
-from cyclemap.maps.orbits.scan import monotone_cells
+from cyclemap.maps.lifts.scan import monotone_cells
 from cyclemap.maps.passages.uniform_passage import Intervals, Reach, uniform_hitting_probability, uniform_passage_time
 
 TWO_PI = 2 * np.pi

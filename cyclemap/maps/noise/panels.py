@@ -12,7 +12,7 @@ from numpy.polynomial import legendre
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.scan import Cells, monotone_cells, preimages, solved
+from cyclemap.maps.lifts.scan import Cells, monotone_cells, preimages, solved
 
 ORDER = 24  # polynomials on each panel
 _SLOPE_INSET = 1e-5  # how near a bent panel's end, in t, slopes are read
