@@ -1,1 +1,1 @@
-"""Families of maps: long orbits over parameters, orbits followed, bifurcations, tongue boundaries."""
+"""Families of maps: rotation numbers and long orbits, orbits followed, bifurcations, tongue boundaries."""

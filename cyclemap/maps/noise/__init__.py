@@ -1,1 +1,1 @@
-"""Laws of the noise that is added after each cycle."""
+"""The noise that is added after each cycle, and the panels on which uniform noise is resolved."""

@@ -60,7 +60,7 @@ def sample_turns(
     """Return the turns of one cycle of every action on every material from `samples` equally spaced orientations.
 
     loop : prepared by the strategy (its ring's place). Actions that differ in a gripper's turn alone are run once.
-    About 0.3 ms a cycle and core where compiled. Raises what a cycle raises that leads out of the mechanics.
+    About 0.3 ms a cycle and core. Raises what a cycle raises that leads out of the mechanics.
 
     >>> from cyclemap.mechanics import load_material
     >>> loop = CollectionLoop.mit()

@@ -43,7 +43,7 @@ def run_strategy(
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> StrategyRun:
-    """Run `runs` collections of `cycles` cycles each by the full mechanics, some 0.3 ms a cycle where compiled.
+    """Run `runs` collections of `cycles` cycles each by the full mechanics, some 0.3 ms a cycle.
 
     start : rad, of all runs or one each. sigma : noise of a cycle, rad. The first run does what
     `strategy.run(cycles, seed)` says, so that a robot can be given the very same. A surface that wears does so.
