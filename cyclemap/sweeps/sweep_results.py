@@ -8,6 +8,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -302,4 +303,7 @@ def _coordinates(sweep: Sweep) -> dict[str, Any]:
 
 def write_netcdf(sweep: Sweep, path: str | Path) -> None:
     """Write `to_dataset` as a NetCDF-4 file, whole or not at all (OSError)."""
-    write_whole(Path(path), bytes(to_dataset(sweep).to_netcdf(engine="h5netcdf")))
+    with TemporaryDirectory() as folder:
+        made = Path(folder) / "sweep.nc"
+        to_dataset(sweep).to_netcdf(made, engine="h5netcdf")
+        write_whole(Path(path), made.read_bytes())

@@ -267,8 +267,10 @@ def _mit_outline(name: str | None) -> NDArray[np.float64] | None:
 def _sorted_frame(rows: list[dict[str, Any]], columns: tuple[str, ...], order: tuple[str, ...]) -> pandas.DataFrame:
     import pandas
 
-    kinds = {name: "str" if name in _TEXT else "int64" if name == "samples" else "float64" for name in columns}
+    # Not "str": pandas 2 makes the word "None" of a fact that is not known; here it is NaN as in other columns.
+    kinds = {name: "object" if name in _TEXT else "int64" if name == "samples" else "float64" for name in columns}
     frame = pandas.DataFrame(rows, columns=list(columns)).astype(kinds)
+    frame = frame.where(frame.notna(), math.nan)
     return frame.sort_values(list(order), kind="stable", ignore_index=True)
 
 
