@@ -23,20 +23,20 @@ def printable(text: str) -> str:
     """
     if text.isascii() and text.isprintable():
         return text
-    return "".join(sign if _is_seen(sign) else sign.encode("unicode_escape").decode() for sign in text)
+    return "".join(
+        sign if sign in "\n\t" or unicodedata.category(sign) not in _UNSEEN else sign.encode("unicode_escape").decode()
+        for sign in text
+    )
 
 
 def typeset(text: str) -> str:
-    """Return `text` as print has it: minus signs for the hyphens of numbers and terms, raised powers of ten.
+    """Return `text` as print has it: minus signs for the hyphens of numbers and terms, ± for +-, raised powers of ten.
 
-    >>> typeset("-1.5 to -1, f(x) - x, 10^12 at 3-4, run-2")
-    '−1.5 to −1, f(x) − x, 10¹² at 3-4, run-2'
+    >>> typeset("-1.5 +- 1, f(x) - x, 10^12 at 3-4, run-2")
+    '−1.5 ± 1, f(x) − x, 10¹² at 3-4, run-2'
     """
-    return _POWER.sub(lambda found: f"10{found[1].translate(_RAISED)}", _HYPHEN_MINUS.sub("−", text))
-
-
-def _is_seen(sign: str) -> bool:
-    return sign in "\n\t" or unicodedata.category(sign) not in _UNSEEN
+    raised = _POWER.sub(lambda found: f"10{found[1].translate(_RAISED)}", text.replace(" +- ", " ± "))
+    return _HYPHEN_MINUS.sub("−", raised)
 
 
 def plain_number(text: str) -> float:

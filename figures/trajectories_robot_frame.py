@@ -7,8 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 
-from cyclemap.arrays import Array
-from cyclemap.evidence.orientations.orientation_comparison import angle_between
+from cyclemap.arrays import Array, shorter_way
 from cyclemap.evidence.pushes.theta0_statistics import angle_histogram
 from cyclemap.views.style import FORCE, QUIET, new_figure, picture_style
 
@@ -79,7 +78,7 @@ def crowded_arcs(orientations: Array) -> list[Arc]:
 def _crossings(paths: PushedPaths) -> tuple[int, int, int]:
     chosen = np.unique(np.linspace(0, len(paths.theta0) - 1, COUNTED).round().astype(int))
     theta = paths.theta0[chosen]
-    apart = np.abs(angle_between(theta[:, None], theta)) >= APART
+    apart = np.abs(shorter_way(theta - theta[:, None])) >= APART
     # Every second station: the paths bend too little between them to hide a crossing.
     here, pairs = crossing_pairs(paths.robot_frame[chosen, ::2], apart)
     return here, crossing_pairs(paths.object_frame[chosen, ::2], apart)[0], pairs
@@ -112,7 +111,7 @@ def _mark(axes: Axes, paths: PushedPaths, arc: Arc) -> None:
     inside = np.mod(paths.theta0 - arc[0], 2 * np.pi) <= arc[1] - arc[0]
     if not inside.any():
         return
-    ahead = angle_between(paths.theta0[inside], np.arctan2(end[inside, 1], end[inside, 0]))
+    ahead = shorter_way(np.arctan2(end[inside, 1], end[inside, 0]) - paths.theta0[inside])
     middle = float(np.angle(np.mean(np.exp(1j * ahead))))
     radius = MM * float(np.hypot(*end[inside].T).max()) + _MARK_GAP
     angle = np.linspace(*arc, 60) + middle

@@ -85,3 +85,15 @@ def printed(capsys) -> Callable[[], tuple[dict, str]]:
         return json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}")), shown.out
 
     return read
+
+
+@pytest.fixture
+def protocol_file(tmp_path) -> Callable[[str], Path]:
+    """Write a text as a protocol file."""
+
+    def write(text: str) -> Path:
+        path = tmp_path / "protocol.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write

@@ -59,7 +59,7 @@ def init_command(file: Path, json_target: str | None, **asked: Any) -> None:
 
 def _ask(asked: dict[str, Any]) -> None:
     """Ask people what was not said; InvalidInput where nobody answers."""
-    if not _is_asked():
+    if sys.stdin is None or not sys.stdin.isatty():
         raise InvalidInput(
             "say what the object is: --rectangle-mm 120,60, --ellipse-mm 80,80, --shape NAME or --outline FILE"
         )
@@ -70,11 +70,6 @@ def _ask(asked: dict[str, Any]) -> None:
     asked[key] = Path(answer) if key == "outline" else answer
     asked["name"] = asked["name"] or (None if key == "shape" else click.prompt("A name for it", default="object"))
     asked["surface"] = click.prompt("A name for the surface", default=asked["surface"])
-
-
-def _is_asked() -> bool:
-    """Whether people sit at the other end."""
-    return sys.stdin is not None and sys.stdin.isatty()
 
 
 def _outline(asked: dict[str, Any]) -> tuple[Outline, list[str]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -43,6 +44,7 @@ def report_command(options: LoopOptions, data: Path | None, reset: bool, out: Pa
     from cyclemap.collection.portrait import DEFAULT_SIGMA, portrait
     from cyclemap.collection.portrait_curves import portrait_curves
     from cyclemap.evidence import read_theta0_pairs
+    from cyclemap.plain_text import typeset
     from cyclemap.views.portrait_page import portrait_page
     from cyclemap.views.report.report_page import Section, report_html, ring_answers
     from cyclemap.views.style import render
@@ -63,7 +65,8 @@ def report_command(options: LoopOptions, data: Path | None, reset: bool, out: Pa
         if reset:
             section, downloads = _what_to_do(found, sigma, lambda share: progress(0.9 + 0.1 * share))
             sections.append(section)
-        sections += [_how_sure(found), Section("Methods", (METHODS,)), Section("To cite", (BIBTEX,))]
+        told = [replace(one, paragraphs=tuple(map(typeset, one.paragraphs))) for one in (*sections, _how_sure(found))]
+        sections = [*told, Section("Methods", (METHODS,)), Section("To cite", (BIBTEX,))]
     words = [
         "cyclemap",
         "report",

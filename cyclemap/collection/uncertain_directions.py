@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI
+from cyclemap.arrays import TWO_PI, shorter_way
 from cyclemap.collection.found_with import sampled_loop
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics.cycle_batch import run_batch
@@ -81,7 +81,7 @@ class DirectionUncertainty:
 
     def of(self, theta: float) -> DirectionInterval | None:
         """Return the interval of the stated numbers' stable direction `theta`, rad; None where there is none."""
-        near = [one for one in self.directions if one.theta is not None and abs(_wrapped(one.theta - theta)) < 0.01]
+        near = [one for one in self.directions if one.theta is not None and abs(shorter_way(one.theta - theta)) < 0.01]
         return near[0] if near else None
 
 
@@ -187,7 +187,7 @@ def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
         even = np.linspace(0, len(none) - 1, _JUDGES).round().astype(int)
         return sorted({none[index] for index in even}), []
     middle = np.angle(np.exp(1j * np.concatenate([points[index] for index in some])).sum())
-    order = np.argsort([_wrapped(points[index] - middle)[0] for index in some])
+    order = np.argsort([shorter_way(points[index] - middle)[0] for index in some])
     ends = 0.5 * (1.0 - LEVEL) + LEVEL * np.linspace(0.0, 1.0, _JUDGES)
     ranks = (ends * (len(some) - 1)).round().astype(int)
     telling = {some[order[rank]] for rank in ranks.tolist()}
@@ -275,8 +275,8 @@ def _intervals(nominal: Array, points: Sequence[Array], span: bool = False) -> t
     for index, centre in enumerate(centres):
         away = []
         for some in points:
-            nearest = np.argmin(np.abs(_wrapped(some[:, None] - centres)), axis=1) if some.size else np.zeros(0)
-            own = _wrapped(some[nearest == index] - centre)
+            nearest = np.argmin(np.abs(shorter_way(some[:, None] - centres)), axis=1) if some.size else np.zeros(0)
+            own = shorter_way(some[nearest == index] - centre)
             away += [own[np.argmin(np.abs(own))]] if own.size else []
         told = np.array([*away, 0.0] if span and nominal.size else away)
         if told.size == 0:
@@ -306,8 +306,4 @@ def _distance(first: Array, other: Array) -> float:
         return math.inf
     if not first.size:
         return 0.0
-    return float(np.abs(_wrapped(first[:, None] - other)).min(axis=1).max())
-
-
-def _wrapped(angle: Array | float) -> Array:
-    return np.asarray((np.asarray(angle) + math.pi) % TWO_PI - math.pi)
+    return float(np.abs(shorter_way(first[:, None] - other)).min(axis=1).max())

@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, shorter_way
 from cyclemap.checks import whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
@@ -220,7 +220,8 @@ class PublishedComparison:
     @property
     def misses(self) -> Array:
         """How far (rad) each published direction lies from the nearest peak; inf where there is none. (d,)"""
-        return _distance(np.array(self.published.directions), self.peaks)
+        off = np.abs(shorter_way(np.array(self.published.directions)[:, np.newaxis] - self.peaks))
+        return np.asarray(np.min(off, axis=1, initial=np.inf))
 
     @property
     def sentence(self) -> str:
@@ -290,12 +291,6 @@ def comparison_table(comparisons: Iterable[PublishedComparison]) -> str:
             lines.append(f"  {name:16}{f'{mean:.1f} +- {std:.2f}':>18}{f'{at:.1f} +- {by:.2f}':>18}")
         lines.append(f"  {one._directions()}")
     return "\n".join(lines)
-
-
-def _distance(angles: Array, others: Array) -> Array:
-    """Distance (n,) on the circle of each of `angles` (n,) from the nearest of `others`; inf where there is none."""
-    off = np.abs((angles[:, np.newaxis] - others + np.pi) % (2.0 * np.pi) - np.pi)
-    return np.asarray(np.min(off, axis=1, initial=np.inf))
 
 
 def _degrees(angles: Iterable[float]) -> str:

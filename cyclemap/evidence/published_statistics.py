@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, shorter_way
 from cyclemap.checks import finite_array, positive_number, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.suggestions import unknown_name
@@ -156,7 +156,7 @@ def run_law(turn: Array, sigma: float, cycles: int, start: float | None = None) 
     step, matrix = np.full(turns.size, 1.0 / turns.size), _noisy_map(turns, positive_number("sigma", sigma))
     if start is not None:
         off = 2.0 * np.pi * np.arange(turns.size) / turns.size - start
-        step = np.exp(-0.5 * (((off + np.pi) % (2.0 * np.pi) - np.pi) / START_SPREAD) ** 2)
+        step = np.exp(-0.5 * (shorter_way(off) / START_SPREAD) ** 2)
         step /= step.sum()
     total = np.zeros(turns.size)
     for done in range(1, whole_number("cycles", cycles, least=1) + 1):

@@ -99,7 +99,10 @@ def _material_of(table: dict[str, object], name: str) -> Material:
         plates=tuple(PlatePressure(plate, **shares) for plate, shares in pressures.items()),  # type: ignore[arg-type]
         posterior=_posterior_of(_table(table, "posterior", ("parameters", "samples"))),
         noise=_noise_of(_table(table, "cycle_noise", ("log_sigma", "correlation"))),
-        frames=tuple(_shift_of(plate, shift) for plate, shift in shifts.items()),
+        frames=tuple(
+            FrameShift(plate, *(1e-3 * finite_number(key, shift.get(key, 0.0)) for key in ("shift_x_mm", "shift_y_mm")))
+            for plate, shift in shifts.items()
+        ),
     )
 
 
@@ -156,11 +159,6 @@ def _noise_of(noise: dict[str, object]) -> CycleNoise | None:
     if noise and "log_sigma" not in noise:
         raise InvalidInput("a table [cycle_noise] needs log_sigma, the logarithm of its standard deviation in radians")
     return CycleNoise(**noise) if noise else None  # type: ignore[arg-type]
-
-
-def _shift_of(plate: str, shift: dict[str, object]) -> FrameShift:
-    x, y = (finite_number(key, shift.get(key, 0.0)) for key in ("shift_x_mm", "shift_y_mm"))
-    return FrameShift(plate, 1e-3 * x, 1e-3 * y)
 
 
 def material_toml(material: Material) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
 
 # A stay longer than this is beyond any experiment: only its order of magnitude is told.
 LONGEST_STAY = 1e5
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MOST_PEAKS = 3
 
 
@@ -182,7 +180,7 @@ def parameters_line(portrait: Portrait) -> str:
     ring_x, ring_y = (1000 * coordinate for coordinate in loop.slider.hitch)
     friction = f"friction μa {law.mu_a:g}, μb {law.mu_b:g}, m0 {law.m0:g}, n0 {law.n0:g}, φ {angle(law.phi)}"
     rod = f"rod ⌀ {2000 * loop.pusher.radius:g} mm, μ {loop.pusher.friction:g}"
-    return signed(f"{friction}  ·  {rod}  ·  ring at ({ring_x:.1f}, {ring_y:.1f}) mm")
+    return f"{friction}  ·  {rod}  ·  ring at ({ring_x:.1f}, {ring_y:.1f}) mm"
 
 
 def material_line(material: Material) -> str:
@@ -191,7 +189,7 @@ def material_line(material: Material) -> str:
     said += [f"{material.name}: {material.misfit}"] if material.misfit and not material.inferred else []
     if material.wear is not None:
         said.append(f"it wears over {material.wear.cycles:g} cycles")
-    return signed("; ".join(said))
+    return "; ".join(said)
 
 
 def push_line(portrait: Portrait) -> str:
@@ -218,34 +216,16 @@ def angle(radians: float, decimals: int = 1) -> str:
     return f"{round(math.degrees(radians), decimals) + 0.0:.{decimals}f}°".replace("-", "−")
 
 
-def power_of_ten(exponent: int) -> str:
-    """A power of ten for people.
-
-    >>> power_of_ten(-12)
-    '10⁻¹²'
-    """
-    return "10" + str(exponent).translate(_RAISED)
-
-
-def signed(words: str) -> str:
-    """Words from a file with the signs that people print.
-
-    >>> signed("dy -89.3 +- 4.21, 10-mm steps")
-    'dy −89.3 ± 4.21, 10-mm steps'
-    """
-    return re.sub(r"(?<![\w)])-(?=\d)", "−", words.replace("+-", "±"))
-
-
 def number(value: float) -> str:
     """A count for people: whole from ten on, a power of ten when it is beyond any experiment.
 
     >>> number(1.234), number(12.345), number(3.2e9)
-    ('1.2', '12', '10⁹')
+    ('1.2', '12', '10^9')
     """
     if value >= 1e12:
-        return f"more than {power_of_ten(12)}"
+        return "more than 10^12"
     if value >= LONGEST_STAY:
-        return power_of_ten(math.floor(math.log10(value)))
+        return f"10^{math.floor(math.log10(value))}"
     return f"{value:.1f}" if value < 10 else f"{value:.0f}"
 
 

@@ -11,7 +11,7 @@ from cyclemap.collection.staircase_forecast import StaircaseForecast
 from cyclemap.evidence import MeasuredStaircase
 from cyclemap.maps import Estimate, SlowZone, StaircaseSummary, Steps
 from cyclemap.views.map_panels import draw_staircase
-from cyclemap.views.sentences import LONGEST_STAY, angle, cycles, number, power_of_ten, uncertainty_sentence, worn_rests
+from cyclemap.views.sentences import LONGEST_STAY, angle, cycles, number, uncertainty_sentence, worn_rests
 from cyclemap.views.step_panels import draw_step_lengths, draw_steps
 from cyclemap.views.style import INK, new_figure, picture_style, write_page
 
@@ -127,7 +127,7 @@ def _zone_clause(zone: SlowZone, log10: Estimate | None) -> str:
     if log10 is None:
         return f"{place} for longer than can be computed"
     if log10 > math.log10(LONGEST_STAY):
-        return f"{place} for {power_of_ten(math.floor(log10))} cycles"
+        return f"{place} for 10^{math.floor(log10)} cycles"
     return f"{place} for {cycles(zone.residence_cycles)}"
 
 

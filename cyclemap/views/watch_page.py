@@ -12,7 +12,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLoca
 from cyclemap.evidence import angle_histogram
 from cyclemap.resets import Alarm, BiasMonitor, BiasReport, CoverageState, CycleAction, NextAction
 from cyclemap.views.reset_sentences import action_words
-from cyclemap.views.sentences import angle, power_of_ten
+from cyclemap.views.sentences import angle
 from cyclemap.views.style import (
     FORCE,
     INK,
@@ -178,4 +178,4 @@ def _pushes(count: int) -> str:
 
 
 def _power(log10: float) -> str:
-    return f"{10.0 ** max(log10, 0.0):.3g}" if log10 < 6.0 else power_of_ten(round(log10))
+    return f"{10.0 ** max(log10, 0.0):.3g}" if log10 < 6.0 else f"10^{log10:.0f}"

@@ -1,5 +1,6 @@
 """From one's own object to a judgement: what each command writes the next one reads, nothing edited by hand."""
 
+import io
 import json
 import math
 import sys
@@ -151,15 +152,12 @@ def test_what_init_cannot_use_is_one_clear_line(here, capsys, monkeypatch, argum
 
 @pytest.mark.slow
 def test_init_asks_back_and_writes_over_nothing(here, capsys, monkeypatch) -> None:
-    from click.testing import CliRunner
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
 
-    from cyclemap.cli import command_init
-    from cyclemap.cli.main import cli
-
-    monkeypatch.setattr(command_init, "_is_asked", lambda: True)
-    answers = "ellipse\n100,60\npuck\nglass\n"
-    done = CliRunner().invoke(cli, ["init", "puck.toml"], input=answers)
-    assert done.exit_code == 0, done.output
+    monkeypatch.setattr(sys, "stdin", Terminal("ellipse\n100,60\npuck\nglass\n"))
+    assert run(["init", "puck.toml"]) == 0
     loop = CollectionLoop.from_file("puck.toml")
     assert (loop.slider.name, loop.material.name) == ("puck", "glass")
     assert (loop.slider.outline.semi_x, loop.slider.outline.semi_y) == pytest.approx((0.05, 0.03))

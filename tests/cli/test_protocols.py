@@ -57,16 +57,6 @@ REFUSING = [
 ]
 
 
-@pytest.fixture
-def protocol_text(tmp_path):
-    def write(text):
-        path = tmp_path / "protocol.toml"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
-
-
 @pytest.mark.parametrize("text", ["mu_a", "=3", "mu_a=", " = ", ""])
 def test_set_without_key_or_value_is_refused(text) -> None:
     with pytest.raises(InvalidInput, match="is not of the form key=value"):
@@ -77,8 +67,8 @@ def test_later_set_wins() -> None:
     assert set_settings(["mu_a=0.1", "mu_a = 0.2"]) == {"mu_a": 0.2}
 
 
-def test_protocol_tables_are_headings_only(protocol_text) -> None:
-    path = protocol_text('push_mm = 140\n[pusher]\npusher_mu = 0.2\n[slider]\nfootprint = "grid:8"\n')
+def test_protocol_tables_are_headings_only(protocol_file) -> None:
+    path = protocol_file('push_mm = 140\n[pusher]\npusher_mu = 0.2\n[slider]\nfootprint = "grid:8"\n')
     assert read_protocol(path)[0] == {"push_mm": 140, "pusher_mu": 0.2, "footprint": "grid:8"}
 
 
@@ -93,8 +83,8 @@ def test_protocol_tables_are_headings_only(protocol_text) -> None:
         ("[a]\nside = 1\n[b]\nside = 2\n", ", line 4: side is given twice"),
     ],
 )
-def test_bad_protocol_is_refused_by_file_and_line(protocol_text, text, said) -> None:
-    path = protocol_text(text)
+def test_bad_protocol_is_refused_by_file_and_line(protocol_file, text, said) -> None:
+    path = protocol_file(text)
     with pytest.raises(DataFileError) as refusal:
         read_protocol(path)
     assert str(path) in str(refusal.value)
@@ -108,8 +98,8 @@ def test_absent_protocol_is_refused(tmp_path) -> None:
         read_protocol(tmp_path)
 
 
-def test_set_wins_over_protocol_over_material_over_mit(protocol_text) -> None:
-    path = protocol_text("[push]\nmu_a = 0.3\nmu_b = 0.28\npusher_mu = 0.2\n")
+def test_set_wins_over_protocol_over_material_over_mit(protocol_file) -> None:
+    path = protocol_file("[push]\nmu_a = 0.3\nmu_b = 0.28\npusher_mu = 0.2\n")
     loop, sigma = chosen_loop(LoopOptions("plywood", path, ("mu_a=0.31",)))
     friction = loop.material.friction
     assert (friction.mu_a, friction.mu_b, friction.m0) == (0.31, 0.28, 0.0325)

@@ -22,16 +22,6 @@ from cyclemap.resets.protocol.protocol_file import protocol_text
 LOOP = CollectionLoop.mit()
 
 
-@pytest.fixture
-def protocol(tmp_path):
-    def write(text):
-        path = tmp_path / "protocol.toml"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
-
-
 @settings(max_examples=400, deadline=None)
 @given(st.floats(-1e3, 1e3), st.sampled_from((MILLIMETRES, DEGREES, NUMBER)))
 # Its decimal ends in noughts, which the text leaves out.
@@ -141,8 +131,8 @@ def test_a_change_of_any_character_is_noticed_unless_the_checksum_is_taken_out(t
         ("hitch_mm = 3\nactions = [{ gripper_turn_deg = 1 }]", "hitch_mm must hold [x, y]"),
     ],
 )
-def test_a_bad_strategy_is_told_by_file_key_and_value(protocol, text, said) -> None:
-    path = protocol(f"[strategy]\n{text}\n")
+def test_a_bad_strategy_is_told_by_file_key_and_value(protocol_file, text, said) -> None:
+    path = protocol_file(f"[strategy]\n{text}\n")
     with pytest.raises(DataFileError, match=re.escape(said)) as refusal:
         read_protocol(path)
     assert str(refusal.value).startswith(f"{path}: [")
@@ -224,16 +214,16 @@ REFUSALS = [
 
 
 @pytest.mark.parametrize(("text", "said"), REFUSALS)
-def test_a_bad_protocol_is_told_by_file_key_and_value(protocol, text, said) -> None:
-    path = protocol(text)
+def test_a_bad_protocol_is_told_by_file_key_and_value(protocol_file, text, said) -> None:
+    path = protocol_file(text)
     with pytest.raises(DataFileError, match=said) as refusal:
         read_protocol(path)
     assert str(refusal.value).startswith(str(path))
 
 
-def test_what_may_be_left_out_takes_its_default(protocol) -> None:
+def test_what_may_be_left_out_takes_its_default(protocol_file) -> None:
     action = "[[strategy.actions]]\nside = 2\nfraction = 0.6\npush_mm = 80\n"
-    found = read_protocol(protocol(f"[push]\nside = 2\n[strategy]\n{action}"))
+    found = read_protocol(protocol_file(f"[push]\nside = 2\n[strategy]\n{action}"))
     assert found == ({"side": 2}, ResetStrategy((CycleAction(push=SidePush(2, 0.6, 0.0, 0.08)),)))
 
 

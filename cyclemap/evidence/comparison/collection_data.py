@@ -29,6 +29,8 @@ from cyclemap.whole_files import file_stem
 if TYPE_CHECKING:
     import pandas
 
+# The columns of a CSV table of poses.
+_POSES = {"x0", "y0", "x1", "y1"}
 SET_COLUMNS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
 # File names give fractions and angles to three decimals.
 _ROUNDED = 6e-4
@@ -112,17 +114,13 @@ def collection_data(
 
 def _read(path: Path, progress: Callable[[float], None] | None) -> PushTable | Theta0Pairs:
     """A CSV file of θ0 as pairs, which keep their path; all else as a table of pushes."""
-    if path.suffix.lower() == CSV_SUFFIX and not path.is_dir() and not _has_poses(read_csv_table(path).header):
+    if path.suffix.lower() == CSV_SUFFIX and not path.is_dir() and not set(read_csv_table(path).header) >= _POSES:
         return read_theta0_pairs(path)
     table = load_pushes(path, progress=progress)
     if not len(table.table):
         worst = f"; the first: {table.unreadable[0].path}: {table.unreadable[0].reason}" if table.unreadable else ""
         raise InvalidInput(f"{path}: no push could be read, {len(table.unreadable)} files are bad{worst}")
     return table
-
-
-def _has_poses(header: tuple[str, ...]) -> bool:
-    return {"x0", "y0", "x1", "y1"} <= set(header)
 
 
 # -- pairs of θ0 ---------------------------------------------------------------------------------------------------
@@ -164,7 +162,8 @@ def _of_table(given: PushTable, loop: CollectionLoop | None, first: int, length:
     pushes = [] if loop is None else _push_sets(sets, loop, length, left_out)
     pairs, cycle, path, begin, own = _cycles(sets, loop, length, left_out)
     if not pushes and pairs is None:
-        raise InvalidInput(f"nothing is left of {len(table)} pushes to compare with ({_listed(left_out)})")
+        told = "; ".join(f"{count}: {reason}" for reason, count in left_out.items() if count) or "it holds none"
+        raise InvalidInput(f"nothing is left of {len(table)} pushes to compare with ({told})")
     counts = {reason: count for reason, count in left_out.items() if count}
     return CollectionData(tuple(pushes), pairs, cycle, path, begin, counts, own, len(given.unreadable))
 
@@ -313,7 +312,3 @@ def _longest_path(theta: Array, ahead: Array, number: Array) -> tuple[Array | No
     low, high = edges[::2][longest], edges[1::2][longest]
     turns = ahead[low:high] - theta[low:high]
     return theta[low] + np.concatenate([[0.0], np.cumsum(turns)]), int(number[low])
-
-
-def _listed(left_out: Mapping[str, int]) -> str:
-    return "; ".join(f"{count}: {reason}" for reason, count in left_out.items() if count) or "it holds none"

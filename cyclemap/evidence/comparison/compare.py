@@ -39,7 +39,6 @@ from cyclemap.evidence.orientations.collection_null import (
     collection_statistics,
     simulated_ensemble,
 )
-from cyclemap.evidence.orientations.goodness_of_fit import PValue
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import Noise, StaircaseSummary, predict_staircase
@@ -196,6 +195,9 @@ def _of_path(
     summary, uncertified = _summary(prediction, data.path_first + path.size // 2)
     fixed = None if prediction.is_drifting else summary
     stairs = staircase_agreement(path, null, fixed, lambda done: report(0.5 + 0.4 * done))
+    if refit is not None:
+        # The number of turns with the p-value that knows of the fit.
+        stairs = replace(stairs, turns=replace(stairs.turns, p_value=tested["turns"]))
     return Comparison(
         prediction=prediction,
         data=data,
@@ -203,15 +205,10 @@ def _of_path(
         cycle=cycle_agreement(prediction, data.pairs, data.cycle, tested["map"]),
         orientations=orientation_agreement(path, ensemble, tested),
         directions=direction_agreement(path, () if summary is None else summary.zones, ensemble, null),
-        staircase=_with_turns(stairs, tested["turns"] if refit else None),
+        staircase=stairs,
         refitted=refit is not None,
         uncertified=uncertified,
     )
-
-
-def _with_turns(stairs: StaircaseAgreement, p_value: PValue | None) -> StaircaseAgreement:
-    """The number of turns with the p-value that knows of the fit, where there is one."""
-    return stairs if p_value is None else replace(stairs, turns=replace(stairs.turns, p_value=p_value))
 
 
 def _summary(prediction: Prediction, middle: int) -> tuple[StaircaseSummary | None, tuple[str, ...]]:

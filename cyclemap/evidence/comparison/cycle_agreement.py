@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import read_only
 from cyclemap.collection import CollectionLoop, isotropic_twin
 from cyclemap.errors import InvalidInput, UnsupportedContact
@@ -21,7 +21,6 @@ from cyclemap.evidence.orientations.collection_null import Ensemble
 from cyclemap.evidence.orientations.goodness_of_fit import PValue, monte_carlo_p_value
 from cyclemap.evidence.orientations.orientation_comparison import (
     DEFAULT_BANDWIDTH,
-    angle_between,
     kernel_modes,
     nearest_modes,
 )
@@ -247,19 +246,15 @@ def _match(zone: SlowZone, predicted: Array, measured: Array, simulated: list[Ar
     seen = None if mode is None else _nearest(mode, measured)
     if mode is None or seen is None:
         return DirectionMatch(zone.kind, zone.centre, mode, seen, None, None)
-    off = float(angle_between(np.asarray(mode), np.asarray(seen)))
+    off = float(shorter_way(seen - mode))
+    nearest = [_nearest(mode, modes) for modes in simulated]
     # A simulated collection without any mode is as far off as can be.
-    null = [_distance(mode, modes) for modes in simulated]
+    null = [np.pi if one is None else abs(float(shorter_way(one - mode))) for one in nearest]
     return DirectionMatch(zone.kind, zone.centre, mode, seen, off, monte_carlo_p_value(abs(off), null))
 
 
 def _nearest(target: float, modes: Array) -> float | None:
     return float(nearest_modes(np.asarray(target), modes)) if modes.size else None
-
-
-def _distance(target: float, modes: Array) -> float:
-    seen = _nearest(target, modes)
-    return float(np.pi) if seen is None else abs(float(angle_between(np.asarray(target), np.asarray(seen))))
 
 
 # -- the staircase -------------------------------------------------------------------------------------------------

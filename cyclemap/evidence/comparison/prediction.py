@@ -97,14 +97,7 @@ class PosteriorModel(CollectionModel):
 
 
 def _turn(one: CircleMap | DriftingMap, theta: Array, cycle: Array) -> Array:
-    if isinstance(one, CircleMap):
-        return one.turn(theta)
-    image = np.empty_like(theta)
-    for part in one.stretches(int(cycle.min()), int(cycle.max()) + 1):
-        here = (cycle >= part.first) & (cycle < part.last)
-        before, share = part.before(theta[here]), part.share[cycle[here].astype(np.int64) - part.first]
-        image[here] = before + share * (part.after(theta[here]) - before)
-    return image - theta
+    return one.turn(theta) if isinstance(one, CircleMap) else one.images(theta, cycle) - theta
 
 
 def as_prediction(
@@ -136,7 +129,8 @@ def as_prediction(
         return Prediction(given.map, noise or _scatter(given.sigma), "fitted map", given)
     if isinstance(given, FittedMap):
         kind = "fitted map" if given.wear is None else "worn fitted map"
-        return Prediction(_map_of_fit(given, last), noise or _scatter(_sigma(given)), kind, given)
+        chosen = given.map if given.wear is None else given.drifting_map(last + 1, first=0.0)
+        return Prediction(chosen, noise or _scatter(_sigma(given)), kind, given)
     # A loop is told by what it can do, so that a loop whose map is known may stand in for it.
     if callable(getattr(given, "circle_map", None)) and callable(getattr(given, "cycle", None)):
         report = progress or (lambda fraction: None)
@@ -239,10 +233,6 @@ def _alike_wear(first: FittedMap, other: FittedMap) -> bool:
     if first.wear is None or other.wear is None:
         return first.wear is other.wear
     return _alike(first.wear.coefficients, other.wear.coefficients)
-
-
-def _map_of_fit(fitted: FittedMap, last: int) -> CircleMap | DriftingMap:
-    return fitted.map if fitted.wear is None else fitted.drifting_map(last + 1, first=0.0)
 
 
 def _map_of_refit(fitted: FittedMap) -> CircleMap | DriftingMap:

@@ -178,6 +178,8 @@ def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement,
 def quantity_agreement(name: str, measured: Array, predicted: Array, model_error: float = 0.0) -> QuantityAgreement:
     """Bias, spread and RMSE of ``predicted`` (n,) about ``measured`` (n,), n ≥ 1, in order of recording.
 
+    Both in rad or m; model_error : of the mean of ``predicted``, in the same unit.
+
     >>> found = quantity_agreement("dx", np.array([1.0, 2.0, 3.0]), np.array([1.5, 2.5, 3.5]))
     >>> found.bias, found.spread, found.rmse, found.percent
     (0.5, 0.0, 0.5, 25.0)
@@ -201,7 +203,7 @@ def quantity_agreement(name: str, measured: Array, predicted: Array, model_error
 def mean_error(values: Array, model_error: float = 0.0) -> float | None:
     """Standard error of the mean of ``values`` (n,), correlated with their neighbours; None below three.
 
-    model_error : what is added to it in squares.
+    model_error : an independent error of the mean, in the unit of ``values``, added in squares.
     """
     if values.size < FEWEST:
         return None

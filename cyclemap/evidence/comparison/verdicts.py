@@ -146,7 +146,7 @@ def _direction_verdict(found: DirectionMatch) -> Verdict:
     if found.difference is None or found.predicted_mode is None or found.measured_mode is None:
         return Verdict(place, None, f"The predicted {place} has no peak of a histogram to be set beside.")
     peaks = f"a predicted peak at {_direction(found.predicted_mode)}, measured at {_direction(found.measured_mode)}"
-    off = f"{_signed(np.degrees(found.difference), 1)}° off"
+    off = f"{round(float(np.degrees(found.difference)), 1) + 0.0:+.1f}° off".replace("-", "−")
     kept = None if found.p_value is None else _kept(found.p_value)
     told = "" if found.p_value is None else f" ({_p(found.p_value)})"
     return Verdict(place, kept, f"The predicted {place} makes {peaks}: {off}{told}.")
@@ -196,10 +196,6 @@ def _degrees(radians: float, digits: int = 1) -> str:
 
 def _direction(radians: float) -> str:
     return f"{float(np.degrees(radians)) % 360.0:.1f}°"
-
-
-def _signed(value: float, digits: int = 2) -> str:
-    return f"{round(float(value), digits) + 0.0:+.{digits}f}".replace("-", "−")
 
 
 def _fixed(value: float, digits: int) -> str:

@@ -178,12 +178,7 @@ class CollectionModel:
         """F_n(θ_n) of each orientation but the last, of paths (..., n): shape (..., n - 1), rad, on the same lift."""
         if isinstance(self.begun, CircleMap):
             return self.begun(paths[..., :-1])
-        found = np.empty_like(paths[..., :-1])
-        for part in self.begun.stretches(0, paths.shape[-1] - 1):
-            theta = paths[..., part.first : part.last]
-            before = part.before(theta)
-            found[..., part.first : part.last] = before + part.share * (part.after(theta) - before)
-        return found
+        return self.begun.images(paths[..., :-1], np.arange(paths.shape[-1] - 1))
 
 
 @dataclass(frozen=True, eq=False)

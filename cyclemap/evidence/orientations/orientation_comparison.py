@@ -55,13 +55,8 @@ def nearest_modes(targets: Array, modes: Array) -> Array:
     """Of each target angle the nearest of ``modes`` round the circle, shape of ``targets``; nan without modes."""
     if modes.size == 0:
         return np.full(np.shape(targets), np.nan)
-    apart = np.abs(angle_between(np.asarray(targets)[..., None], modes))
+    apart = np.abs(shorter_way(modes - np.asarray(targets)[..., None]))
     return np.asarray(modes[np.argmin(apart, axis=-1)])
-
-
-def angle_between(first: Array, second: Array) -> Array:
-    """second - first, taken the shorter way round: in [-π, π), radians."""
-    return shorter_way(second - first)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +123,7 @@ def compare_orientations(
         effective_count=effective_count(path.size, operator),
         predicted_peaks=read_only(peaks),
         nearest_modes=read_only(nearest),
-        peak_offsets=read_only(angle_between(peaks, nearest)),
+        peak_offsets=read_only(shorter_way(nearest - peaks)),
         measured_modes=read_only(modes),
         refitted=refit is not None,
         **tested,

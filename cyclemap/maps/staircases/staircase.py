@@ -110,6 +110,15 @@ class DriftingMap:
         a, b = self.cycles[after - 1], self.cycles[after]
         return _blended(self.maps[after - 1], self.maps[after], float((now - a) / (b - a)))
 
+    def images(self, theta: Array, cycle: Array) -> Array:
+        """F_n(θ) of angles (..., k) in the whole cycles n (k,): (..., k), radians, on the lift of ``theta``."""
+        found = np.empty_like(theta)
+        for part in self.stretches(int(cycle.min()), int(cycle.max()) + 1):
+            here = (cycle >= part.first) & (cycle < part.last)
+            before, share = part.before(theta[..., here]), part.share[cycle[here].astype(np.int64) - part.first]
+            found[..., here] = before + share * (part.after(theta[..., here]) - before)
+        return found
+
     def stretches(self, first: int, last: int) -> Iterator[Stretch]:
         """The cycles first, ..., last - 1 in stretches between neighbouring maps, in order."""
         inner = np.ceil(self.cycles[(self.cycles > first) & (self.cycles < last)]).astype(int)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 
 CHANCE = 0.5  # a rest is where θ0 comes back more likely than not
 _RATES = np.array([0.75, 0.9, 0.98])  # chances of coming back that are betted on, in equal shares
@@ -189,7 +189,7 @@ class DirectionTrack:
         if not self._begun:
             self._begun, self._start, self._last, self.present = True, theta, theta, theta
             return
-        step = (theta - self._last + math.pi) % TWO_PI - math.pi
+        step = float(shorter_way(theta - self._last))
         x = self._last - self._start
         sums = (self._count, self._x, self._y, self._xx, self._xy)
         news = (1.0, x, step, x * x, x * step)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.linear_fit import fourier_columns
@@ -97,7 +97,7 @@ class Coverage:
     def add(self, theta: float) -> None:
         """Record the direction ``theta`` (rad, any number of turns)."""
         place = theta % TWO_PI
-        distance = np.abs((_CENTRES - place + math.pi) % TWO_PI - math.pi)
+        distance = np.abs(shorter_way(_CENTRES - place))
         self._visited[_cell(place)] = True
         self._covered |= distance <= REACH
         self.crowding.add(np.array([place]))

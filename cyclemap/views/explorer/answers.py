@@ -20,6 +20,7 @@ from cyclemap.evidence import Theta0Pairs
 from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, toml_text
 from cyclemap.maps import CircleMap, Orbit, WrappedNormal, fixed_points, sample_staircase
 from cyclemap.mechanics import Ellipse, PatchFootprint
+from cyclemap.plain_text import typeset
 from cyclemap.suggestions import unknown_name
 from cyclemap.views import sentences
 
@@ -94,7 +95,8 @@ class Explored:
 
     def command(self) -> str:
         """The command line that gives the same portrait."""
-        told = [f"{key}={_text(value)}" for key, value in self.settings.items()]
+        texts = {key: f"{one:.10g}" if isinstance(one, float) else str(one) for key, one in self.settings.items()}
+        told = [f"{key}={text}".replace("'", '"') for key, text in texts.items()]
         return shlex.join(["cyclemap", "portrait", *self.words, *(word for one in told for word in ("--set", one))])
 
     def protocol(self) -> str:
@@ -116,10 +118,6 @@ def _with_settings(found: Explored, settings: Mapping[str, object]) -> Explored:
     sigma = found.sigma if sigma is None else sigma
     loop = CollectionLoop.from_settings(mechanical, found.loop)
     return replace(found, settings={**found.settings, **settings}, loop=loop, sigma=sigma)
-
-
-def _text(value: object) -> str:
-    return f"{value:.10g}" if isinstance(value, float) else str(value).replace("'", '"')
 
 
 def coarse(loop: CollectionLoop, sigma: float | None, start: float, cycles: int) -> dict[str, object]:
@@ -151,7 +149,7 @@ def of_portrait(found: Portrait, start: float, progress: Progress | None = None)
     certain, known = found.operator.is_certain, found.uncertainty
     said = []
     for sentence in _SENTENCES:
-        said.append(sentence(found))
+        said.append(typeset(sentence(found)))
         if progress is not None:
             progress(1.0)
     return {

@@ -8,7 +8,6 @@ import pytest
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import harmonic_map, read_theta0_pairs
 from cyclemap.evidence.orientations.orientation_comparison import (
-    angle_between,
     compare_orientations,
     effective_count,
     kernel_modes,
@@ -50,7 +49,6 @@ def test_modes_turn_with_the_sample_and_a_uniform_one_has_none() -> None:
 def test_the_nearest_mode_is_found_round_the_circle() -> None:
     assert nearest_modes(np.array([0.1, 3.0]), np.array([2.0, 6.2])).tolist() == [6.2, 2.0]
     assert np.isnan(nearest_modes(np.array([0.1]), np.array([]))).all()
-    assert angle_between(np.array([6.2]), np.array([0.1]))[0] == pytest.approx(0.1 + TURN - 6.2)
 
 
 @pytest.mark.slow
