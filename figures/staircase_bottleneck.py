@@ -20,7 +20,6 @@ from cyclemap.evidence import (
     TurnBins,
     angle_histogram,
     fit_map,
-    harmonic_map,
     read_theta0_pairs,
     turn_bins,
 )
@@ -125,7 +124,7 @@ def measured_bottleneck(file: Path) -> Bottleneck:
     pairs = read_theta0_pairs(file)
     if pairs.path is None:
         raise InvalidInput(f"{file}: the pairs come in no known order; a staircase needs one row a push in order")
-    fitted = harmonic_map(pairs)
+    fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=HARMONICS)
     found = bottleneck("measured plywood", fitted.map, fitted.sigma, pairs.path, turn_bins(pairs))
     if pairs.cycle is None:
         return found

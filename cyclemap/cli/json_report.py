@@ -199,7 +199,7 @@ def measured_report(measured: MeasuredStaircase) -> Json:
     return {
         **steps_report(measured.steps),
         "fitted": {
-            "harmonics": measured.fitted.cosine.size - 1,
+            "harmonics": measured.fitted.law.harmonics,
             "pairs": measured.fitted.pairs,
             "noise_deg": degrees(measured.fitted.sigma),
             **_staircase(measured.prediction),

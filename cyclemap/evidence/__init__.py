@@ -11,7 +11,7 @@ push_sets, PushSet, dataset_sliders : pushes made alike; the objects that files 
 
 Fitting
 -------
-fit_map, FittedMap, harmonic_map, HarmonicMap, refit_harmonic_map : a cycle map from pairs
+fit_map, FittedMap : a cycle map from pairs
 fit_periodic_law, PeriodicLaw, fit_worn_law, WornLaw : a periodic function of θ, also one that wears
 LawBand, OrderScores : its bands; how well each order predicts what was left out
 fit_set, SetFit, set_laws, SetLaws : a set with all its laws, as in the paper's tables
@@ -33,9 +33,7 @@ Comparing
 compare, Comparison, Verdict : a prediction beside data, question by question
 replay_pushes, ReplayedPushes, replay_push, Replay : recorded pushes, run again by the mechanics
 published_comparison, comparison_table : beside what is published of MIT's pushes
-compare_orientations, OrientationComparison : a path beside a stationary distribution
-collection_p_values, CollectionModel, simulated_ensemble : p-values of a path by simulated collections
-chain_p_value, chain_p_values, PValue : of one statistic, and of several
+collection_p_values, PValue, CollectionModel, simulated_ensemble : p-values of a path by simulated collections
 CircularLaw, kernel_modes : a tabulated distribution; maxima of an estimated density
 circular_wasserstein, total_variation : distances
 kuiper_statistic, watson_statistic : of orientations against a distribution
@@ -68,32 +66,18 @@ if TYPE_CHECKING:
     from cyclemap.evidence.identification.identify import Identification, identify
     from cyclemap.evidence.identification.surface_parameters import Parameter, ParameterSpace, SurfaceParameters
     from cyclemap.evidence.identified_material import identified_material
-    from cyclemap.evidence.laws.fit_map import (
-        FittedMap,
-        HarmonicMap,
-        MeasuredStaircase,
-        fit_map,
-        harmonic_map,
-        measured_staircase,
-    )
+    from cyclemap.evidence.laws.fit_map import FittedMap, MeasuredStaircase, fit_map, measured_staircase
     from cyclemap.evidence.laws.linear_fit import OrderScores
     from cyclemap.evidence.laws.periodic_law import LawBand, PeriodicLaw, fit_periodic_law
     from cyclemap.evidence.laws.wear import WornLaw, fit_worn_law
     from cyclemap.evidence.orientations.circular_distance import CircularLaw, circular_wasserstein, total_variation
     from cyclemap.evidence.orientations.collection_null import (
         CollectionModel,
-        chain_p_value,
-        chain_p_values,
         collection_p_values,
-        refit_harmonic_map,
         simulated_ensemble,
     )
     from cyclemap.evidence.orientations.goodness_of_fit import PValue, kuiper_statistic, watson_statistic
-    from cyclemap.evidence.orientations.orientation_comparison import (
-        OrientationComparison,
-        compare_orientations,
-        kernel_modes,
-    )
+    from cyclemap.evidence.orientations.kernel_modes import kernel_modes
     from cyclemap.evidence.published_comparison import comparison_table, published_comparison
     from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes, simulated_push
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
@@ -135,7 +119,6 @@ __all__ = [
     "DataBlock",
     "FittedMap",
     "FunctionBlock",
-    "HarmonicMap",
     "Identification",
     "LawBand",
     "MapAgreement",
@@ -145,7 +128,6 @@ __all__ = [
     "MeasuredPush",
     "MeasuredStaircase",
     "OrderScores",
-    "OrientationComparison",
     "PValue",
     "Parameter",
     "ParameterSpace",
@@ -171,14 +153,11 @@ __all__ = [
     "WornLaw",
     "WrenchTwists",
     "angle_histogram",
-    "chain_p_value",
-    "chain_p_values",
     "circular_wasserstein",
     "collected_blocks",
     "collection_p_values",
     "command_push",
     "compare",
-    "compare_orientations",
     "comparison_table",
     "contact_force_ratio",
     "dataset_sliders",
@@ -189,7 +168,6 @@ __all__ = [
     "fit_worn_law",
     "friction_ellipse_from_scans",
     "friction_scan_block",
-    "harmonic_map",
     "identified_material",
     "identify",
     "kernel_modes",
@@ -210,7 +188,6 @@ __all__ = [
     "read_push_file",
     "read_theta0_pairs",
     "read_wrench_twists",
-    "refit_harmonic_map",
     "replay_push",
     "replay_pushes",
     "set_laws",

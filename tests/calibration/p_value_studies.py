@@ -7,14 +7,12 @@ import numpy as np
 
 from cyclemap.evidence.comparison.cycle_agreement import direction_agreement, map_misfit, simulated_quantity
 from cyclemap.evidence.comparison.push_agreement import mean_error, within_error
-from cyclemap.evidence.laws.fit_map import map_of_turn
+from cyclemap.evidence.laws.fit_map import fit_map, map_of_turn
 from cyclemap.evidence.laws.wear import fit_worn_law
 from cyclemap.evidence.orientations.collection_null import (
     CollectionModel,
-    chain_p_values,
     collection_p_values,
     collection_statistics,
-    refit_harmonic_map,
     simulated_ensemble,
 )
 from cyclemap.maps import (
@@ -25,7 +23,6 @@ from cyclemap.maps import (
     find_steps,
     predict_staircase,
     sample_staircases,
-    transfer_operator,
 )
 
 TWO_PI = 2.0 * np.pi
@@ -63,18 +60,10 @@ def mean_errors(count: int, runs: int, seed: int) -> Found:
     return gathered([{name: p_value(*case) for name, case in zip(names, cases, strict=True)} for _ in range(count)])
 
 
-def chain(count: int, runs: int, seed: int, refitted: bool = False) -> Found:
-    """The stationary law of a slow chain: given in full, or fitted to the path (two harmonics and the scatter)."""
-    starts = np.random.default_rng(seed).uniform(0.0, TWO_PI, count)
-    paths = sample_staircases(SLOW, SLOW_NOISE, LENGTH - 1, starts, seed + 1)
-    refit = partial(refit_harmonic_map, harmonics=2) if refitted else None
-    operator = None if refitted else transfer_operator(SLOW, SLOW_NOISE)
-    rows = []
-    for k, path in enumerate(paths):
-        model = refit(path) if refit else (SLOW, SLOW_NOISE)
-        found = chain_p_values(path, *model, runs=runs, seed=seed + 2 + k, refit=refit, operator=operator)
-        rows.append({f"{name}, {'refitted chain' if refitted else 'chain'}": one.value for name, one in found.items()})
-    return gathered(rows)
+def fit_still(path: np.ndarray) -> CollectionModel:
+    """Two harmonics, and the scatter about them."""
+    fitted = fit_map(path[:-1], path[1:], harmonics=2)
+    return CollectionModel(fitted.map, WrappedNormal(fitted.sigma))
 
 
 def fit_worn(path: np.ndarray) -> CollectionModel:
@@ -85,16 +74,21 @@ def fit_worn(path: np.ndarray) -> CollectionModel:
     return CollectionModel(DriftingMap.between(ends), WrappedNormal(worn.sigma))
 
 
-def wear(count: int, runs: int, seed: int, refitted: bool = False) -> Found:
-    """Collections of a map that wears: given in full, or fitted to the path."""
-    truth = CollectionModel(WORN, WORN_NOISE)
-    paths = truth.paths(0.5, LENGTH, count, seed)
+TRUTHS = {
+    "chain": (CollectionModel(SLOW, SLOW_NOISE), fit_still),
+    "wear": (CollectionModel(WORN, WORN_NOISE), fit_worn),
+}
+
+
+def collections(count: int, runs: int, seed: int, kind: str = "wear", refitted: bool = False) -> Found:
+    """Collections of a slow chain or of a map that wears: given in full, or fitted to the path."""
+    truth, fit = TRUTHS[kind]
     statistics = {**collection_statistics(), "map": map_misfit}
     rows = []
-    for k, path in enumerate(paths):
-        model, refit = (fit_worn(path), fit_worn) if refitted else (truth, None)
+    for k, path in enumerate(truth.paths(0.5, LENGTH, count, seed)):
+        model, refit = (fit(path), fit) if refitted else (truth, None)
         found = collection_p_values(path, model, statistics, runs=runs, seed=seed + 10 + 3 * k, refit=refit)
-        rows.append({f"{name}, {'refitted wear' if refitted else 'wear'}": one.value for name, one in found.items()})
+        rows.append({f"{name}, {'refitted ' * refitted}{kind}": one.value for name, one in found.items()})
     return gathered(rows)
 
 
@@ -136,10 +130,10 @@ def steps(count: int, runs: int, seed: int, kind: str = "ghost") -> Found:
 # Name: (study, simulations of the null of each p-value). Refits are slow: fewer simulations.
 STUDIES: dict[str, tuple[Callable[[int, int, int], Found], int]] = {
     "bias": (mean_errors, 1),
-    "chain": (chain, 99),
-    "chain-refitted": (partial(chain, refitted=True), 99),
-    "wear": (wear, 99),
-    "wear-refitted": (partial(wear, refitted=True), 39),
+    "chain": (partial(collections, kind="chain"), 99),
+    "chain-refitted": (partial(collections, kind="chain", refitted=True), 39),
+    "wear": (collections, 99),
+    "wear-refitted": (partial(collections, refitted=True), 39),
     "details": (details, 39),
     "ghost": (partial(steps, kind="ghost"), 1),
     "well": (partial(steps, kind="well"), 1),

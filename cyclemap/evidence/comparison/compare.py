@@ -116,8 +116,8 @@ def compare(
 
     Parameters
     ----------
-    prediction : a ``CollectionLoop`` (its mechanics), a ``CircleMap`` or ``DriftingMap`` with ``noise``, a
-        ``FittedMap`` (the worn map where it has wear) or a ``HarmonicMap``. Cycle n of a map that wears is push n.
+    prediction : a ``CollectionLoop`` (its mechanics), a ``CircleMap`` or ``DriftingMap`` with ``noise``, or
+        a ``FittedMap`` (the worn map where it has wear). Cycle n of a map that wears is push n.
     data : a ``PushTable``, ``Theta0Pairs``, or the path of a file or folder of either.
     noise : of one cycle; None takes a fit's own scatter, for a loop 1.1 degrees.
     first : pushes numbered below it are left out (500 leaves out the bedding-in of a fresh surface).

@@ -19,11 +19,7 @@ from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
 from cyclemap.evidence.orientations.collection_null import Ensemble
 from cyclemap.evidence.orientations.goodness_of_fit import PValue, monte_carlo_p_value
-from cyclemap.evidence.orientations.orientation_comparison import (
-    DEFAULT_BANDWIDTH,
-    kernel_modes,
-    nearest_modes,
-)
+from cyclemap.evidence.orientations.kernel_modes import DEFAULT_BANDWIDTH, kernel_modes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.evidence.pushes.theta0_statistics import (
     AngleHistogram,
@@ -254,7 +250,7 @@ def _match(zone: SlowZone, predicted: Array, measured: Array, simulated: list[Ar
 
 
 def _nearest(target: float, modes: Array) -> float | None:
-    return float(nearest_modes(np.asarray(target), modes)) if modes.size else None
+    return float(modes[np.argmin(np.abs(shorter_way(modes - target)))]) if modes.size else None
 
 
 # -- the staircase -------------------------------------------------------------------------------------------------

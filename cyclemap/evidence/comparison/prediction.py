@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,14 +14,14 @@ from cyclemap.collection import CollectionLoop, drifting_map
 from cyclemap.collection.found_with import sampled_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence.laws.fit_map import FittedMap, HarmonicMap, harmonic_map
+from cyclemap.evidence.laws.fit_map import FittedMap
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
 from cyclemap.evidence.laws.wear import fit_worn_law
 from cyclemap.evidence.orientations.collection_null import CollectionModel, CollectionRefit
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal
 
-PREDICTIONS = "a CollectionLoop, a CircleMap or DriftingMap with noise, a FittedMap or a HarmonicMap"
+PREDICTIONS = "a CollectionLoop, a CircleMap or DriftingMap with noise, or a FittedMap"
 # Cycles between which a refitted map that wears is blended, for each degree of its polynomials above one.
 REFIT_KNOTS = 10
 # Coefficients that agree so well were fitted to the same pairs.
@@ -33,7 +32,7 @@ _SAMPLE_TOLERANCE, _SAMPLE_BLEND = 1e-3, 1e-2
 _APART = 1_000  # between the seeds of two samples
 
 Progress = Callable[[float], None]
-Fit = Callable[[Theta0Pairs, Array], FittedMap | HarmonicMap]
+Fit = Callable[[Theta0Pairs, Array], FittedMap]
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,8 +124,6 @@ def as_prediction(
             )
         kind = "map" if isinstance(given, CircleMap) else "drifting map"
         return Prediction(given, noise, kind, given)
-    if isinstance(given, HarmonicMap):
-        return Prediction(given.map, noise or _scatter(given.sigma), "fitted map", given)
     if isinstance(given, FittedMap):
         kind = "fitted map" if given.wear is None else "worn fitted map"
         chosen = given.map if given.wear is None else given.drifting_map(last + 1, first=0.0)
@@ -184,8 +181,6 @@ def refit_rule(given: Any, pairs: Theta0Pairs, cycle: Array, first: int) -> Coll
     def refitted(path: Array) -> CollectionModel:
         numbers = first + np.arange(path.size - 1.0)
         again = fit(Theta0Pairs(path[:-1], path[1:]), numbers)
-        if isinstance(again, HarmonicMap):
-            return CollectionModel(again.map, _scatter(again.sigma))
         return CollectionModel(_map_of_refit(again), _scatter(_sigma(again)), first)
 
     return refitted
@@ -193,32 +188,18 @@ def refit_rule(given: Any, pairs: Theta0Pairs, cycle: Array, first: int) -> Coll
 
 def _same_fit(given: Any, pairs: Theta0Pairs, cycle: Array) -> Fit | None:
     """The rule that makes ``given`` of these pairs, or None."""
-    if isinstance(given, HarmonicMap):
-        order = given.cosine.size - 1
-        same = given.pairs == pairs.theta.size and _alike(given.cosine, harmonic_map(pairs, order).cosine)
-        return (lambda some, _: harmonic_map(some, order)) if same else None
     if not isinstance(given, FittedMap) or given.pairs != pairs.theta.size:
         return None
-    for fit in _possible_fits(given):
-        again = fit(pairs, cycle)
-        if _alike(given.law.coefficients, again.law.coefficients) and _alike_wear(given, again):
-            return fit
-    return None
 
-
-def _possible_fits(given: FittedMap) -> list[Callable[[Theta0Pairs, Array], FittedMap]]:
-    """The fits with the orders of ``given``: least squares, and Huber's weights where its scatter is constant."""
-
-    def fit(robust: bool, pairs: Theta0Pairs, cycle: Array) -> FittedMap:
-        law = fit_periodic_law(pairs.theta, pairs.turn, robust=robust, **_orders(given.law))
+    def fit(pairs: Theta0Pairs, cycle: Array) -> FittedMap:
+        law = fit_periodic_law(pairs.theta, pairs.turn, **_orders(given.law))
         if given.wear is None:
             return FittedMap(law)
         orders = {**_orders(given.wear.whole), "harmonics": given.wear.harmonics, "degree": given.wear.degree}
-        return FittedMap(law, fit_worn_law(pairs.theta, pairs.turn, cycle, robust=robust, **orders))
+        return FittedMap(law, fit_worn_law(pairs.theta, pairs.turn, cycle, **orders))
 
-    laws = [given.law] if given.wear is None else [given.law, given.wear.whole]
-    constant = all(law.log_variance.size == 1 for law in laws)
-    return [partial(fit, robust) for robust in ((False, True) if constant else (False,))]
+    again = fit(pairs, cycle)
+    return fit if _alike(given.law.coefficients, again.law.coefficients) and _alike_wear(given, again) else None
 
 
 def _orders(law: PeriodicLaw) -> dict[str, Any]:

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, finite_number, read_only, whole_number
+from cyclemap.checks import finite_array, finite_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.linear_fit import fourier_columns, fourier_slopes
 from cyclemap.evidence.laws.periodic_law import MAX_HARMONICS, LawBand, PeriodicLaw, fit_periodic_law, paired_arrays
 from cyclemap.evidence.laws.wear import MAX_WEAR_DEGREE, WornLaw, fit_worn_law
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
@@ -117,8 +116,6 @@ def fit_map(
     harmonics: int | None = None,
     max_harmonics: int = MAX_HARMONICS,
     noise_harmonics: int | None = 0,
-    robust: bool = False,
-    correlated: bool = False,
     cycle: ArrayLike | None = None,
     wear_degree: int | None = None,
     max_wear_degree: int = MAX_WEAR_DEGREE,
@@ -139,8 +136,8 @@ def fit_map(
     (0.8, 60)
     """
     angles, images = paired_arrays("theta_next", theta, theta_next)
-    orders = {"harmonics": harmonics, "max_harmonics": max_harmonics, "noise_harmonics": noise_harmonics}
-    options: dict[str, Any] = {**orders, "robust": robust, "correlated": correlated, "seed": seed}
+    options: dict[str, Any] = {"harmonics": harmonics, "max_harmonics": max_harmonics}
+    options |= {"noise_harmonics": noise_harmonics, "seed": seed}
     law = fit_periodic_law(angles, images - angles, **options)
     if cycle is None:
         return FittedMap(law)
@@ -168,44 +165,6 @@ def map_of_turn(law: PeriodicLaw) -> CircleMap:
 
 
 @dataclass(frozen=True, eq=False)
-class HarmonicMap:
-    """The map θ → θ + c_0 + Σ_k c_k cos kθ + s_k sin kθ that fits measured pairs best, in least squares.
-
-    cosine : (harmonics + 1,) rad, c_0 first. sine : (harmonics + 1,) rad, s_0 = 0. pairs : how many were fitted.
-    sigma : rad, the scatter of one cycle about it; wear and outliers of the data are in it.
-    """
-
-    cosine: Array
-    sine: Array
-    sigma: float
-    pairs: int
-
-    @property
-    def map(self) -> CircleMap:
-        """The fitted map as a lift of degree 1."""
-        order = self.cosine.size - 1
-        coefficients = np.append(self.cosine[0], np.stack([self.cosine[1:], self.sine[1:]], axis=-1).ravel())
-        return CircleMap(
-            lambda theta: np.asarray(theta + fourier_columns(theta, order) @ coefficients),
-            lambda theta: np.asarray(1.0 + fourier_slopes(theta, order) @ coefficients),
-        )
-
-
-def harmonic_map(pairs: Theta0Pairs, harmonics: int = HARMONICS) -> HarmonicMap:
-    """Fit `harmonics` harmonics of θ0 to the measured turns, all pairs alike.
-
-    Raises InvalidInput where the pairs do not fix the coefficients.
-
-    >>> theta = np.linspace(0.0, 6.0, 40)
-    >>> fitted = harmonic_map(Theta0Pairs(theta, theta + 0.2 + 0.1 * np.cos(2 * theta)), harmonics=2)
-    >>> (fitted.cosine.round(9) + 0.0).tolist(), round(fitted.sigma, 9)
-    ([0.2, 0.0, 0.1], 0.0)
-    """
-    law = fit_periodic_law(pairs.theta, pairs.turn, harmonics=whole_number("harmonics", harmonics, least=0))
-    return HarmonicMap(read_only(law.cosine), read_only(law.sine), law.sigma, law.count)
-
-
-@dataclass(frozen=True, eq=False)
 class MeasuredStaircase:
     """A measured path, and the staircase of the map fitted to it.
 
@@ -217,7 +176,7 @@ class MeasuredStaircase:
 
     path: Array
     steps: Steps
-    fitted: HarmonicMap
+    fitted: FittedMap
     prediction: StaircaseSummary
     run: Staircase
     comparison: StepComparison
@@ -237,7 +196,7 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
     """
     if pairs.path is None:
         raise InvalidInput("the pairs come in no known order: a staircase needs theta0_deg, one row a push in order")
-    fitted = harmonic_map(pairs)
+    fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=HARMONICS)
     if fitted.sigma < LEAST_SCATTER:
         raise InvalidInput("the measured turns lie exactly on a smooth curve: they are no measurement with noise")
     noise, fitted_map = WrappedNormal(fitted.sigma), fitted.map

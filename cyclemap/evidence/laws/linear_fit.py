@@ -10,13 +10,8 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, read_only, whole_number
-from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.errors import InvalidInput
 
-# Huber's constant: 95 % of the efficiency of least squares where the residuals are normal.
-HUBER = 1.345
-# Median absolute deviation of a normal law, in standard deviations.
-NORMAL_MAD = 0.6744897501960817
-MAX_ROUNDS = 200
 FOLDS = 10
 BLOCKS_A_FOLD = 5
 SMALLEST_BLOCK = 8
@@ -30,27 +25,19 @@ def fourier_columns(theta: Any, harmonics: int) -> Array:
     >>> fourier_columns(0.0, 2).tolist()
     [1.0, 1.0, 0.0, 1.0, 0.0]
     """
-    return _columns(theta, harmonics, lambda angle, _: np.cos(angle), lambda angle, _: np.sin(angle), 1.0)
+    angles = np.asarray(theta, dtype=np.float64)
+    multiples = np.multiply.outer(angles, np.arange(1, harmonics + 1))
+    columns = np.ones((*angles.shape, 2 * harmonics + 1))
+    columns[..., 1::2], columns[..., 2::2] = np.cos(multiples), np.sin(multiples)
+    return columns
 
 
 def fourier_slopes(theta: Any, harmonics: int) -> Array:
-    """The derivatives of ``fourier_columns`` by θ, of the same shape.
-
-    >>> fourier_slopes(0.0, 2).tolist()
-    [0.0, -0.0, 1.0, -0.0, 2.0]
-    """
-    return _columns(theta, harmonics, lambda angle, k: -k * np.sin(angle), lambda angle, k: k * np.cos(angle), 0.0)
-
-
-def _columns(theta: Any, harmonics: int, even: Any, odd: Any, constant: float) -> Array:
-    angles = np.asarray(theta, dtype=np.float64)
-    order = np.arange(1, harmonics + 1)
-    multiples = np.multiply.outer(angles, order)
-    made = np.empty((*angles.shape, 2 * harmonics + 1))
-    made[..., 0] = constant
-    made[..., 1::2] = even(multiples, order)
-    made[..., 2::2] = odd(multiples, order)
-    return made
+    """The derivatives of ``fourier_columns`` by θ, of the same shape."""
+    columns, order = fourier_columns(theta, harmonics), np.arange(1, harmonics + 1)
+    slopes = np.zeros_like(columns)
+    slopes[..., 1::2], slopes[..., 2::2] = -order * columns[..., 2::2], order * columns[..., 1::2]
+    return slopes
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,34 +50,32 @@ class LinearFit:
     sigma: float
 
 
-def fit_linear(design: Array, value: Array, *, robust: bool = False, correlated: bool = False) -> LinearFit:
-    """Fit value ≈ design @ coefficients, design (n, p) with rows in order of recording.
+def fit_linear(design: Array, value: Array, *, correlated: bool = False) -> LinearFit:
+    """Fit value ≈ design @ coefficients in least squares, design (n, p) with rows in order of recording.
 
-    Ordinary least squares, with the covariance sigma²(XᵀX)⁻¹, unless one of these is asked for:
-    robust : Huber's weights (Huber 1964), the scatter from the median absolute residual, the covariance Huber's (1981,
-        ch. 7).
-    correlated : the covariance of Newey and West (1987), which holds for residuals correlated with their neighbours in
-        the order of the rows; over 1.3√n lags (Lazarus et al. 2018). In short records it is a little small.
+    The covariance is sigma²(XᵀX)⁻¹, or, if ``correlated``, that of Newey and West (1987), which holds for residuals
+    correlated with their neighbours; over 1.3√n lags (Lazarus et al. 2018). In short records it is a little small.
 
     Raises InvalidInput where the values do not fix the coefficients.
 
     >>> fit_linear(np.ones((4, 1)), np.array([1.0, 2.0, 3.0, 4.0])).coefficients.round(12).tolist()
     [2.5]
     """
-    weight = huber_weights(design, value) if robust else np.ones(value.size)
-    coefficients, inverse = weighted_least_squares(design, value, weight)
+    coefficients, inverse = weighted_least_squares(design, value, np.ones(value.size))
     residuals = value - design @ coefficients
     free = value.size - coefficients.size
-    sigma = _robust_scale(residuals, free) if robust else float(np.sqrt(residuals @ residuals / free))
-    if robust:
-        inverse = np.asarray(np.linalg.inv(design.T @ design), dtype=np.float64)
-    pull = weight * residuals
-    linear = np.mean(np.abs(residuals) <= HUBER * sigma) if robust and sigma > 0.0 else 1.0
+    variance = float(residuals @ residuals / free)
+    covariance = inverse * variance
     if correlated:
-        covariance = inverse @ _long_run(design * pull[:, np.newaxis]) @ inverse * (value.size / free) / linear**2
-    else:
-        covariance = inverse * (pull @ pull / free) / linear**2
-    return LinearFit(coefficients, covariance, residuals, sigma)
+        # The covariances of the moments over lags, with Bartlett's weights: never negative.
+        moments, count = design * residuals[:, np.newaxis], value.size
+        lags = min(count - 1, int(np.ceil(1.3 * np.sqrt(count))))
+        total = moments.T @ moments
+        for lag in range(1, lags + 1):
+            shared = moments[lag:].T @ moments[:-lag]
+            total += (1.0 - lag / (lags + 1.0)) * (shared + shared.T)
+        covariance = inverse @ total @ inverse * (count / free)
+    return LinearFit(coefficients, covariance, residuals, float(np.sqrt(variance)))
 
 
 def weighted_least_squares(design: Array, value: Array, weight: Array) -> tuple[Array, Array]:
@@ -107,29 +92,6 @@ def weighted_least_squares(design: Array, value: Array, weight: Array) -> tuple[
     return inverse_root @ (q.T @ (root * value)), inverse_root @ inverse_root.T
 
 
-def huber_weights(design: Array, value: Array) -> Array:
-    """The weights (n,) in (0, 1] of Huber's estimate: 1 within 1.345 standard deviations, falling as 1/|residual|.
-
-    >>> weights = huber_weights(np.ones((6, 1)), np.array([-1.0, -0.5, 0.0, 0.5, 1.0, 30.0]))
-    >>> weights[:5].tolist(), bool(weights[5] < 0.1)
-    ([1.0, 1.0, 1.0, 1.0, 1.0], True)
-    """
-    weight, free, scale = np.ones(value.size), value.size - design.shape[1], float(np.max(np.abs(value), initial=0.0))
-    for _ in range(MAX_ROUNDS):
-        coefficients, _ = weighted_least_squares(design, value, weight)
-        residuals = value - design @ coefficients
-        limit = HUBER * _robust_scale(residuals, free)
-        # Residuals of rounding size have no scale to speak of: nothing is an outlier then.
-        renewed = np.minimum(1.0, limit / np.maximum(np.abs(residuals), 1e-300)) if limit > 1e-13 * scale else weight
-        change = float(np.max(np.abs(renewed - weight)))
-        weight = renewed
-        if change < 1e-6:
-            return weight
-    raise ConvergenceError(
-        f"the robust weights still change by {change:.3g} after {MAX_ROUNDS} rounds: use robust=False"
-    )
-
-
 def lag_correlation(residuals: Array) -> float:
     """The correlation of each residual with the next, in order of recording; 0 for residuals that are all 0.
 
@@ -138,21 +100,6 @@ def lag_correlation(residuals: Array) -> float:
     """
     power = float(residuals @ residuals)
     return float(residuals[1:] @ residuals[:-1]) / power if power > 0.0 else 0.0
-
-
-def _robust_scale(residuals: Array, free: int) -> float:
-    return float(np.median(np.abs(residuals)) / NORMAL_MAD * np.sqrt(residuals.size / free))
-
-
-def _long_run(moments: Array) -> Array:
-    """Σ of the moments' covariances over lags with Bartlett's weights: never negative (Newey & West 1987)."""
-    count = moments.shape[0]
-    lags = min(count - 1, int(np.ceil(1.3 * np.sqrt(count))))
-    total = moments.T @ moments
-    for lag in range(1, lags + 1):
-        shared = moments[lag:].T @ moments[:-lag]
-        total += (1.0 - lag / (lags + 1.0)) * (shared + shared.T)
-    return np.asarray(total)
 
 
 def student_quantile(level: float, freedom: float) -> float:

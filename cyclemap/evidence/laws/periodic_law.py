@@ -19,7 +19,6 @@ from cyclemap.evidence.laws.linear_fit import (
     fit_linear,
     fourier_columns,
     fourier_slopes,
-    huber_weights,
     lag_correlation,
     nested_errors,
     simplest_good,
@@ -42,22 +41,24 @@ def fit_with_scatter(
     design: Array,
     value: Array,
     noise_harmonics: int | None = 0,
-    robust: bool = False,
-    correlated: bool = False,
     seed: int = 0,
 ) -> tuple[LinearFit, Array]:
     """The fit of value (n,) ≈ design (n, p) @ coefficients, and the log-variance (2q + 1,) of its scatter in θ.
 
-    noise_harmonics : q; 0 for constant scatter (see ``fit_linear`` for the rest), None chooses up to 3.
+    noise_harmonics : q; 0 for constant scatter, None chooses up to 3.
 
     >>> fit, log_variance = fit_with_scatter(np.zeros(4), np.ones((4, 1)), np.array([-1.0, 1.0, -1.0, 1.0]))
     >>> np.exp(log_variance).round(9).tolist()
     [1.333333333]
     """
-    if (robust or correlated) and noise_harmonics != 0:
-        raise InvalidInput(f"noise_harmonics is {noise_harmonics}; robust and correlated fits need noise_harmonics=0")
-    fit = fit_linear(design, value, robust=robust, correlated=correlated)
-    order = _noise_order(noise_harmonics, theta, design, value, fit, seed)
+    order = None if noise_harmonics is None else whole_number("noise_harmonics", noise_harmonics, least=0)
+    fit = fit_linear(design, value)
+    if fit.sigma <= ROUNDING * float(np.max(np.abs(value))):
+        if order:
+            raise InvalidInput(f"noise_harmonics is {order} but the values lie exactly on a smooth curve; use 0")
+        order = 0
+    elif order is None:
+        order = choose_noise_harmonics(theta, design, value, cycle_folds(value.size, seed))
     if order == 0:
         # No scatter at all has no logarithm: the smallest positive number stands for it.
         return fit, np.array([2.0 * np.log(max(fit.sigma, np.finfo(float).tiny))])
@@ -88,6 +89,12 @@ def fit_log_variance(columns: Array, squares: Array) -> Array:
     >>> fit_log_variance(np.ones((3, 1)), np.array([1.0, 2.0, 3.0])).round(9).tolist()
     [0.693147181]
     """
+
+    def loss(gamma: Array) -> float:
+        """Mean of g + r²e^{-g}, twice minus the log-likelihood a value; inf where it overflows."""
+        level = columns @ gamma
+        return float(np.mean(level + squares * np.exp(-level))) if np.min(level) > -600.0 else np.inf
+
     gamma = np.zeros(columns.shape[1])
     gamma[0] = np.log(np.mean(squares))
     for _ in range(MAX_ROUNDS):
@@ -98,25 +105,16 @@ def fit_log_variance(columns: Array, squares: Array) -> Array:
         decrease = float(-slope @ step) / squares.size
         if decrease < TOLERANCE:
             return gamma
-        gamma = gamma + _halved(columns, squares, gamma, step, decrease) * step
+        # The share 1, ½, ¼, ... of the step whose gain is a fair part of what its slope promises (Armijo's rule).
+        start, share = loss(gamma), 1.0
+        while not start - (ahead := loss(gamma + share * step)) >= 1e-4 * share * decrease:
+            if share < 1e-6 and np.isfinite(ahead):
+                break
+            if share < 1e-12:
+                raise ConvergenceError("the scatter vanishes along a part of the circle: use fewer noise harmonics")
+            share *= 0.5
+        gamma = gamma + share * step
     raise ConvergenceError(f"the likelihood of the scatter still gains {decrease:.3g}: use fewer noise harmonics")
-
-
-def _halved(columns: Array, squares: Array, gamma: Array, step: Array, decrease: float) -> float:
-    """The share 1, ½, ¼, ... of the step whose gain is a fair part of what its slope promises (Armijo's rule)."""
-    start, share = _loss(columns @ gamma, squares), 1.0
-    while not start - (loss := _loss(columns @ (gamma + share * step), squares)) >= 1e-4 * share * decrease:
-        if share < 1e-6 and np.isfinite(loss):
-            break
-        if share < 1e-12:
-            raise ConvergenceError("the scatter vanishes along a part of the circle: use fewer noise harmonics")
-        share *= 0.5
-    return share
-
-
-def _loss(level: Array, squares: Array) -> float:
-    """Mean of g + r²e^{-g}, twice minus the log-likelihood a value; inf where it overflows."""
-    return float(np.mean(level + squares * np.exp(-level))) if np.min(level) > -600.0 else np.inf
 
 
 def fit_mean_and_noise(design: Array, value: Array, columns: Array) -> tuple[Array, Array, Array]:
@@ -152,29 +150,13 @@ def choose_noise_harmonics(theta: Array, design: Array, value: Array, fold: NDAr
     orders = np.arange(MAX_NOISE_HARMONICS + 1)
     losses = np.empty((value.size, orders.size))
     for order in orders.tolist():
-        losses[:, order] = _held_out_losses(fourier_columns(theta, order), squares, fold)
+        columns = fourier_columns(theta, order)
+        for one in range(int(fold.max()) + 1):
+            out = fold == one
+            level = columns[out] @ fit_log_variance(columns[~out], squares[~out])
+            # A law that leaves no scatter at all where something was left out is lost by any measure.
+            losses[out, order] = 0.5 * (level + squares[out] * np.exp(np.minimum(-level, _LARGEST_EXPONENT)))
     return simplest_good(losses, 2 * orders + 1, fold)[0]
-
-
-def _noise_order(given: int | None, theta: Array, design: Array, value: Array, fit: LinearFit, seed: int) -> int:
-    exact = fit.sigma <= ROUNDING * float(np.max(np.abs(value)))
-    if given is None:
-        return 0 if exact else choose_noise_harmonics(theta, design, value, cycle_folds(value.size, seed))
-    order = whole_number("noise_harmonics", given, least=0)
-    if order and exact:
-        raise InvalidInput(f"noise_harmonics is {order} but the values lie exactly on a smooth curve; use 0")
-    return order
-
-
-def _held_out_losses(columns: Array, squares: Array, fold: NDArray[np.int64]) -> Array:
-    """Minus the log-likelihood (n,) of each residual, up to a constant, under the scatter fitted without its fold."""
-    losses = np.empty(squares.size)
-    for one in range(int(fold.max()) + 1):
-        out = fold == one
-        level = columns[out] @ fit_log_variance(columns[~out], squares[~out])
-        # A law that leaves no scatter at all where something was left out is lost by any measure.
-        losses[out] = 0.5 * (level + squares[out] * np.exp(np.minimum(-level, _LARGEST_EXPONENT)))
-    return losses
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,8 +203,8 @@ class PeriodicLaw:
     log_variance : (2q + 1,) the log of the scatter's variance, a series in the same order; (1,) for constant scatter.
     sigma : root mean square scatter of one value about the law, degrees of freedom counted.
     count : values fitted. rmse : root mean square residual. mean, total_std : of the values themselves.
-    lag_correlation : correlation of each residual with the next in order of recording; far from 0, the covariance of
-        independent residuals is too small, and ``correlated=True`` should be asked for.
+    lag_correlation : correlation of each residual with the next in order of recording; far from 0, the covariance,
+        that of independent residuals, is too small.
     scores : the cross-validation, by order; None where the order was given.
     """
 
@@ -305,8 +287,6 @@ def fit_periodic_law(
     harmonics: int | None = None,
     max_harmonics: int = MAX_HARMONICS,
     noise_harmonics: int | None = 0,
-    robust: bool = False,
-    correlated: bool = False,
     seed: int = 0,
 ) -> PeriodicLaw:
     """Fit a Fourier series in θ to values measured at ``theta``, in least squares.
@@ -317,11 +297,7 @@ def fit_periodic_law(
     noise_harmonics : the order of the log-variance of the scatter in θ; 0 takes it constant, None chooses from 0 to 3
         by cross-validated likelihood. Where it is not 0 the law is the one of maximum likelihood, and its order is
         chosen twice: with equal weights, then with the weights 1/variance (of mean 1) of that first law.
-    robust : Huber's weights, for data with outliers; the order is chosen with the weights of the largest order. It goes
-        with constant scatter only, which is then that of the values that are no outliers.
-    correlated : a covariance that allows for residuals correlated with their neighbours in order of recording (Newey &
-        West 1987, with 1.3√n lags); it goes with constant scatter only. A fixed order does not depend on the order of
-        the values otherwise.
+    A law of a fixed order does not depend on the order of the values.
 
     Raises InvalidInput for lists of different lengths, values that are not finite, and too few values for the order.
 
@@ -334,16 +310,16 @@ def fit_periodic_law(
     most = whole_number("max_harmonics", max_harmonics, least=0)
     if harmonics is not None:
         design = fourier_columns(angles, whole_number("harmonics", harmonics, least=0))
-        fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, robust, correlated, seed)
+        fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, seed)
         return law_of(fit, log_variance, values, None)
     weight, fold = np.ones(values.size), cycle_folds(values.size, seed)
     highest = min(most, (values.size - int(np.bincount(fold).max()) - 2) // 2)
     for _ in range(1 if noise_harmonics == 0 else 2):
         columns = fourier_columns(angles, highest)
-        root = np.sqrt(huber_weights(columns, values) if robust else weight)
+        root = np.sqrt(weight)
         scores = choose_harmonics(columns * root[:, np.newaxis], values * root, fold)
         design = fourier_columns(angles, scores.chosen)
-        fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, robust, correlated, seed)
+        fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, seed)
         weight = scatter_weights(angles, log_variance)
     return law_of(fit, log_variance, values, scores)
 

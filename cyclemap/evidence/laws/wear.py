@@ -14,7 +14,6 @@ from cyclemap.evidence.laws.linear_fit import (
     LinearFit,
     cycle_folds,
     fourier_columns,
-    huber_weights,
     nested_errors,
     simplest_good,
 )
@@ -91,8 +90,6 @@ def fit_worn_law(
     degree: int | None = None,
     max_degree: int = MAX_WEAR_DEGREE,
     noise_harmonics: int | None = 0,
-    robust: bool = False,
-    correlated: bool = False,
     seed: int = 0,
 ) -> WornLaw:
     """Fit a Fourier series in θ whose coefficients are polynomials of the cycle number, in least squares.
@@ -100,7 +97,7 @@ def fit_worn_law(
     theta, value, cycle : (n,), radians, any unit, and numbers of the cycles; the rows in order of recording.
     harmonics, degree : the two orders; what is None is chosen, both together, as in ``fit_periodic_law``: by blocks of
         successive cycles left out, the fewest coefficients within one standard error of the best.
-    noise_harmonics, robust, correlated, seed : as in ``fit_periodic_law``.
+    noise_harmonics, seed : as in ``fit_periodic_law``.
 
     Raises InvalidInput as there, and where all cycles are the same.
 
@@ -120,9 +117,9 @@ def fit_worn_law(
     polynomials = _polynomials(cycles, first, last, max(orders[1]))
     weight = np.ones(values.size)
     for _ in range(1 if noise_harmonics == 0 else 2):
-        table, order, power = _chosen(angles, values, polynomials, orders, robust, weight, seed)
+        table, order, power = _chosen(angles, values, polynomials, orders, weight, seed)
         design = _worn_columns(angles, polynomials[:, : power + 1], order)
-        fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, robust, correlated, seed)
+        fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, seed)
         weight = scatter_weights(angles, log_variance)
     shape = (2 * order + 1, power + 1)
     coefficients = read_only(fit.coefficients.reshape(shape).T)
@@ -156,7 +153,6 @@ def _chosen(
     values: Array,
     polynomials: Array,
     orders: tuple[list[int], list[int]],
-    robust: bool,
     weight: Array,
     seed: int,
 ) -> tuple[Array | None, int, int]:
@@ -165,8 +161,6 @@ def _chosen(
     if len(waves) == len(powers) == 1:
         return None, waves[0], powers[0]
     fold = cycle_folds(values.size, seed)
-    if robust:
-        weight = huber_weights(fourier_columns(angles, min(max(waves), (values.size - 2) // 4)), values)
     root = np.sqrt(weight)
     errors, sizes = [], []
     for power in powers:

@@ -4,152 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
-from types import MappingProxyType
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, whole_number
-from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.laws.fit_map import HARMONICS, harmonic_map
-from cyclemap.evidence.orientations.circular_distance import (
-    DEFAULT_BINS,
-    CircularLaw,
-    circular_wasserstein,
-    total_variation,
-)
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.orientations.circular_distance import CircularLaw, circular_wasserstein, total_variation
 from cyclemap.evidence.orientations.goodness_of_fit import (
     PValue,
     kuiper_statistic,
     monte_carlo_p_value,
     watson_statistic,
 )
-from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
-from cyclemap.maps import (
-    CircleMap,
-    DriftingMap,
-    Noise,
-    TransferOperator,
-    WrappedNormal,
-    sample_staircases,
-    transfer_operator,
-)
+from cyclemap.maps import CircleMap, DriftingMap, Noise, sample_staircases
 
-Statistic = Callable[[Array, CircularLaw], Array]
-Refit = Callable[[Array], tuple[CircleMap, Noise]]
 _CELLS = 4096  # of the grid on which the images of an ensemble are counted
 _REFIT_ENSEMBLE = 40  # paths of the ensemble of each refitted model
-
-
-def orientation_statistics(bins: int = DEFAULT_BINS) -> Mapping[str, Statistic]:
-    """The four statistics by name: wasserstein (rad), total_variation over ``bins`` bins, kuiper and watson."""
-    count = whole_number("bins", bins, least=1)
-    return MappingProxyType(
-        {
-            "wasserstein": circular_wasserstein,
-            "total_variation": partial(total_variation, bins=count),
-            "kuiper": kuiper_statistic,
-            "watson": watson_statistic,
-        }
-    )
-
-
-def chain_p_value(
-    theta: Any,
-    circle_map: CircleMap,
-    noise: Noise,
-    statistic: str | Statistic,
-    *,
-    runs: int = 200,
-    seed: int = 0,
-    refit: Refit | None = None,
-) -> PValue:
-    """P-value of a path of orientations under θ' = F(θ) + ξ, autocorrelation and fitted parameters included.
-
-    The statistic sets the path against the stationary law of the map and noise; the null is the same statistic of
-    ``runs`` simulated paths, as long and from the same start.
-
-    Parameters
-    ----------
-    theta : shape (n,), radians, n ≥ 2, in the order of the cycles; whole turns do not matter.
-    circle_map, noise : the model. Where it was fitted to ``theta``, give ``refit`` too.
-    statistic : "wasserstein", "total_variation", "kuiper" or "watson", or a vectorised callable of paths (runs, n)
-        and a ``CircularLaw`` that gives (runs,), large where they disagree.
-    runs : simulated paths; the smallest p-value is 1/(runs + 1). seed : of their noise.
-    refit : None for a model given in full, else what fits a path (n,), unwrapped, to a (map, noise): every simulated
-        path then is set against the law of its own fit (parametric bootstrap), as the measured one is. It must be
-        what made ``circle_map`` and ``noise`` of ``theta``; otherwise p is too small or too large.
-
-    Without ``refit`` the value is exact: P(p ≤ a) ≤ a under the null for any n and ``runs`` (Davison & Hinkley 1997,
-    chapter 4). With ``refit`` it is so to first order in the error of the fit: true models of a slow chain of 300
-    orientations, fitted with two harmonics, are measured to be rejected at the 5 % level in 2 to 5 % of runs, at 10 %
-    in 7 to 10 %, the Wasserstein distance least often.
-    Raises InvalidInput for a path or counts that cannot be used, ConvergenceError where a stationary law is not known
-    to a tenth of the uniform density; what ``refit`` raises passes through.
-
-    >>> model = CircleMap.rigid(0.0), WrappedNormal(0.2)
-    >>> path = sample_staircases(*model, 50, [0.0])[0]
-    >>> chain_p_value(path, *model, "watson", runs=99).value > 0.05
-    True
-    """
-    known = orientation_statistics()
-    if not callable(statistic) and statistic not in known:
-        raise InvalidInput(f"statistic is {statistic!r}: it must be a callable or one of {', '.join(known)}")
-    chosen = {"statistic": statistic if callable(statistic) else known[statistic]}
-    return chain_p_values(theta, circle_map, noise, chosen, runs=runs, seed=seed, refit=refit)["statistic"]
-
-
-def chain_p_values(
-    theta: Any,
-    circle_map: CircleMap,
-    noise: Noise,
-    statistics: Mapping[str, Statistic] | None = None,
-    *,
-    runs: int = 200,
-    seed: int = 0,
-    refit: Refit | None = None,
-    operator: TransferOperator | None = None,
-) -> dict[str, PValue]:
-    """The same for several statistics on the same simulated paths; None takes ``orientation_statistics()``.
-
-    operator : of this map and noise, where it is at hand already.
-    """
-    path = checked_path(theta)
-    count = whole_number("runs", runs, least=1)
-    chosen = orientation_statistics() if statistics is None else statistics
-    made = transfer_operator(circle_map, noise) if operator is None else operator
-    law = stationary_law(made)
-    starts = np.full(count, path[0])
-    paths = sample_staircases(circle_map, noise, path.size - 1, starts, whole_number("seed", seed, least=0))
-    own = None if refit is None else lambda one: stationary_law(transfer_operator(*refit(one)))
-    return _p_values(chosen, path, paths, law, own)
-
-
-def stationary_law(operator: TransferOperator) -> CircularLaw:
-    """The stationary law of a noisy map as a table; ConvergenceError where it is not known well enough to test."""
-    if not operator.is_certain:
-        raise ConvergenceError(
-            f"the stationary density is known to {operator.error_bound:.2g} a radian only: the noise hardly ever "
-            "connects the map's basins, and no collection visits them by that law; raise the noise"
-        )
-    return CircularLaw(operator.density)
-
-
-def checked_path(theta: Any) -> Array:
-    """``theta`` as a finite path (n,) of at least two orientations, or InvalidInput."""
-    path = finite_array("theta", theta, ndim=1)
-    if path.size < 2:
-        raise InvalidInput(f"theta holds {path.size} orientations: a chain needs at least two, in order")
-    return path
-
-
-def refit_harmonic_map(path: Array, harmonics: int = HARMONICS) -> tuple[CircleMap, WrappedNormal]:
-    """The ``harmonic_map`` of an unwrapped path (n,) and its scatter as normal noise: a ``refit``."""
-    unwrapped = checked_path(path)
-    fitted = harmonic_map(Theta0Pairs(unwrapped[:-1], unwrapped[1:]), harmonics)
-    return fitted.map, WrappedNormal(fitted.sigma)
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,24 +89,29 @@ def simulated_ensemble(model: CollectionModel, start: float, length: int, count:
     """
     size = whole_number("length", length, least=2)
     paths = model.paths(finite_number("start", start), size, whole_number("count", count, least=1), seed)
-    return Ensemble(model, paths, _occupation_law(model.images(paths), model.noise))
+    # The images counted on a fine grid, and the noise added by Fourier coefficients.
+    cell = np.mod(np.floor(model.images(paths) * (_CELLS / TWO_PI)).astype(np.int64), _CELLS)
+    share = np.bincount(cell.ravel(), minlength=_CELLS) / cell.size
+    smooth = np.fft.rfft(share) * model.noise.coefficients(np.arange(_CELLS // 2 + 1))
+    density = np.maximum(np.fft.irfft(smooth, _CELLS), 0.0) * (_CELLS / TWO_PI)
+    density *= _CELLS / TWO_PI / np.sum(density)
+    middles = (np.arange(_CELLS) + 0.5) * (TWO_PI / _CELLS)
+    return Ensemble(model, paths, CircularLaw(lambda theta: np.interp(theta, middles, density, period=TWO_PI)))
 
 
-def collection_statistics(bins: int = DEFAULT_BINS) -> Mapping[str, CollectionStatistic]:
+def collection_statistics() -> dict[str, CollectionStatistic]:
     """The statistics of a collection by name.
 
-    wasserstein (rad), total_variation over ``bins`` bins, kuiper, watson : of its orientations against the ensemble's
-    law. turns : |its climb less the ensemble's mean climb|, in turns.
+    wasserstein (rad), total_variation, kuiper, watson : of its orientations against the ensemble's law.
+    turns : |its climb less the ensemble's mean climb|, in turns.
     """
-
-    def against_law(measure: Statistic) -> CollectionStatistic:
-        return lambda paths, ensemble: measure(paths, ensemble.law)
-
-    def turns(paths: Array, ensemble: Ensemble) -> Array:
-        return np.asarray(np.abs(paths[:, -1] - paths[:, 0] - ensemble.climb) / TWO_PI)
-
-    known = {name: against_law(measure) for name, measure in orientation_statistics(bins).items()}
-    return MappingProxyType({**known, "turns": turns})
+    return {
+        "wasserstein": lambda paths, ensemble: circular_wasserstein(paths, ensemble.law),
+        "total_variation": lambda paths, ensemble: total_variation(paths, ensemble.law),
+        "kuiper": lambda paths, ensemble: kuiper_statistic(paths, ensemble.law),
+        "watson": lambda paths, ensemble: watson_statistic(paths, ensemble.law),
+        "turns": lambda paths, ensemble: np.abs(paths[:, -1] - paths[:, 0] - ensemble.climb) / TWO_PI,
+    }
 
 
 def collection_p_values(
@@ -275,63 +153,34 @@ def collection_p_values(
     >>> [collection_p_values(path, one)["turns"].value < 0.05 for one in (model, still)]
     [False, True]
     """
-    path, report = checked_path(theta), progress or (lambda fraction: None)
+    path, report = finite_array("theta", theta, ndim=1), progress or (lambda fraction: None)
+    if path.size < 2:
+        raise InvalidInput(f"theta holds {path.size} orientations: a chain needs at least two, in order")
     count, first_seed = whole_number("runs", runs, least=1), whole_number("seed", seed, least=0)
     chosen = collection_statistics() if statistics is None else statistics
     size = max(count, 200) if refit is None else _REFIT_ENSEMBLE
     known = ensemble or simulated_ensemble(model, float(path[0]), path.size, size, first_seed + 1)
     paths = model.paths(float(path[0]), path.size, count, first_seed)
 
-    def own(one: Array) -> Ensemble:
-        """An ensemble of a simulated collection's own fit, made as the measured one's was."""
-        assert refit is not None
-        return simulated_ensemble(refit(one), float(one[0]), one.size, known.paths.shape[0], first_seed + 1)
-
-    found = _p_values(chosen, path, paths, known, None if refit is None else own, report)
-    report(1.0)
-    return found
-
-
-def _p_values(
-    chosen: Mapping[str, Callable[[Array, Any], Array]],
-    path: Array,
-    paths: Array,
-    model: Any,
-    own_model: Callable[[Array], Any] | None,
-    report: Callable[[float], None] = lambda fraction: None,
-) -> dict[str, PValue]:
-    """P-values of statistics of a path against a model among those of simulated paths (runs, n).
-
-    own_model : gives what a simulated path is set against; None: the same model as the measured one.
-    """
-
-    def values(some: Array, against: Any) -> dict[str, Array]:
-        found = {
-            name: finite_array("the statistic's values", measure(some, against)) for name, measure in chosen.items()
-        }
-        for one in found.values():
-            if one.shape != (len(some),):
-                raise InvalidInput(f"the statistic gave shape {one.shape} for {len(some)} paths: give one value a path")
+    def values(some: Array, against: Ensemble) -> dict[str, Array]:
+        found = {}
+        for name, measure in chosen.items():
+            found[name] = finite_array("the statistic's values", measure(some, against))
+            if found[name].shape != (len(some),):
+                told = f"shape {found[name].shape} for {len(some)} paths"
+                raise InvalidInput(f"the statistic gave {told}: give one value a path")
         return found
 
-    observed = values(path[None], model)
-    if own_model is None:
-        null = values(paths, model)
+    observed = values(path[None], known)
+    if refit is None:
+        null = values(paths, known)
     else:
         parts = []
         for done, one in enumerate(paths, 1):
-            parts.append(values(one[None], own_model(one)))
+            # An ensemble of the simulated collection's own fit, made as the measured one's was.
+            own = simulated_ensemble(refit(one), float(one[0]), one.size, known.paths.shape[0], first_seed + 1)
+            parts.append(values(one[None], own))
             report(done / len(paths))
         null = {name: np.concatenate([part[name] for part in parts]) for name in chosen}
+    report(1.0)
     return {name: monte_carlo_p_value(float(observed[name][0]), null[name]) for name in chosen}
-
-
-def _occupation_law(images: Array, noise: Noise) -> CircularLaw:
-    """The law of an image drawn at random, plus noise: a count on a fine grid, convolved by Fourier coefficients."""
-    cell = np.mod(np.floor(images * (_CELLS / TWO_PI)).astype(np.int64), _CELLS)
-    share = np.bincount(cell.ravel(), minlength=_CELLS) / images.size
-    smooth = np.fft.rfft(share) * noise.coefficients(np.arange(_CELLS // 2 + 1))
-    density = np.maximum(np.fft.irfft(smooth, _CELLS), 0.0) * (_CELLS / TWO_PI)
-    density *= _CELLS / TWO_PI / np.sum(density)
-    middles = (np.arange(_CELLS) + 0.5) * (TWO_PI / _CELLS)
-    return CircularLaw(lambda theta: np.interp(theta, middles, density, period=TWO_PI))

@@ -30,11 +30,10 @@ def worst(law: PeriodicLaw) -> float:
 
 def test_without_noise_the_law_its_order_and_its_slope_are_found_exactly() -> None:
     theta, value = made(0, sigma=0.0)
-    for kind in ({}, {"robust": True}, {"correlated": True}, {"noise_harmonics": None}):
-        law = fit_periodic_law(theta, value, **kind)
+    for noise_harmonics in (0, None):
+        law = fit_periodic_law(theta, value, noise_harmonics=noise_harmonics)
         assert law.harmonics == 3
-        assert worst(law) < 1e-13
-        assert law.rmse < 1e-13
+        assert max(worst(law), law.rmse) < 1e-13
     step = 1e-5
     assert np.allclose(law.slope(GRID), (truth(GRID + step) - truth(GRID - step)) / (2 * step), atol=1e-9)
 
@@ -100,9 +99,11 @@ def test_with_correlated_residuals_only_the_covariance_made_for_them_covers() ->
         kick = np.random.default_rng(seed).standard_normal(1100)
         scatter = np.array([kick[k : k + 1000] * 0.7**j for j, k in enumerate(range(100, 60, -1))]).sum(axis=0)
         value = truth(theta) + 0.05 * scatter
+        at = fourier_columns(1.0, 3)
         for correlated in (False, True):
-            band = fit_periodic_law(theta, value, harmonics=3, correlated=correlated).band(1.0)
-            hit = bool(band.mean_lower <= truth(np.array(1.0)) <= band.mean_upper)
+            fit = fit_linear(fourier_columns(theta, 3), value, correlated=correlated)
+            off = abs(float(at @ fit.coefficients - truth(np.array(1.0))))
+            hit = off <= 1.96 * float(np.sqrt(at @ fit.covariance @ at))
             right, plain = right + (hit and correlated), plain + (hit and not correlated)
     assert plain / runs < 0.75
     assert 0.88 <= right / runs <= 0.99
@@ -161,11 +162,6 @@ def test_weighing_by_the_scatter_makes_the_law_as_sure_as_theory_says_and_its_ba
     assert plain_error == pytest.approx(expected[1], rel=0.15)
 
 
-def test_constant_scatter_is_mostly_found_constant() -> None:
-    sizes = [fit_periodic_law(*made(seed), harmonics=3, noise_harmonics=None).log_variance.size for seed in range(30)]
-    assert sizes.count(1) >= 27
-
-
 def test_the_fitted_log_variance_makes_the_likelihood_stationary() -> None:
     columns = fourier_columns(np.linspace(0.0, 5.0, 50), 2)
     squares = np.random.default_rng(0).standard_normal(50) ** 6
@@ -189,21 +185,7 @@ def test_scatter_that_vanishes_on_an_arc_is_said_to() -> None:
         fit_log_variance(fourier_columns(theta, 6), np.where(np.cos(theta) > 0.5, 1.0, 0.0))
 
 
-def test_robust_fits_withstand_outliers_and_cover_on_clean_data() -> None:
-    theta, value = made(5, count=1000)
-    spoilt = value.copy()
-    spoilt[::20] += 3.0
-    assert worst(fit_periodic_law(theta, spoilt, harmonics=3)) > 0.1
-    law = fit_periodic_law(theta, spoilt, robust=True)
-    assert law.harmonics == 3
-    assert worst(law) < 0.03
-    assert law.sigma == pytest.approx(0.05, rel=0.15)
-    bands = [(fit_periodic_law(*made(s, 200), harmonics=3, robust=True).band(GRID)) for s in range(60)]
-    covered = np.mean([(b.mean_lower <= truth(GRID)) & (truth(GRID) <= b.mean_upper) for b in bands])
-    assert covered == pytest.approx(0.95, abs=0.03)
-
-
-@pytest.mark.parametrize("kind", [{}, {"robust": True}, {"correlated": True}, {"noise_harmonics": 1}])
+@pytest.mark.parametrize("kind", [{}, {"noise_harmonics": 1}])
 def test_turning_the_angles_turns_the_law_and_changes_nothing_else(kind: dict[str, Any]) -> None:
     theta, value = made(6)
     one, turned = fit_periodic_law(theta, value, **kind), fit_periodic_law(theta + 0.7, value, **kind)
@@ -214,7 +196,7 @@ def test_turning_the_angles_turns_the_law_and_changes_nothing_else(kind: dict[st
     assert np.allclose(turned.noise(GRID + 0.7), one.noise(GRID), rtol=1e-5)
 
 
-@pytest.mark.parametrize("kind", [{}, {"robust": True}, {"noise_harmonics": 1}])
+@pytest.mark.parametrize("kind", [{}, {"noise_harmonics": 1}])
 def test_the_order_of_the_values_does_not_matter_for_a_fixed_order(kind: dict[str, Any]) -> None:
     theta, value = made(7)
     shuffled = np.random.default_rng(0).permutation(theta.size)
@@ -244,31 +226,6 @@ def test_the_covariance_is_that_of_refits_to_new_noise() -> None:
     assert np.allclose(told, measured, rtol=0.15)
 
 
-def test_bad_input_is_refused_by_name() -> None:
-    theta, value = made(10)
-    with pytest.raises(InvalidInput, match="400 and 399 entries"):
-        fit_periodic_law(theta, value[:-1])
-    with pytest.raises(InvalidInput, match="entry 2 is nan"):
-        fit_periodic_law(theta, np.where(np.arange(400) == 2, np.nan, value))
-    with pytest.raises(InvalidInput, match="too few to choose"):
-        fit_periodic_law(theta[:19], value[:19])
-    with pytest.raises(InvalidInput, match="7 pairs cannot fix 7 coefficients"):
-        fit_periodic_law(theta[:7], value[:7], harmonics=3)
-    with pytest.raises(InvalidInput, match="fix 1 of 3 coefficients"):
-        fit_periodic_law(np.ones(50), value[:50], harmonics=1)
-    for name in ("harmonics", "max_harmonics", "noise_harmonics", "seed"):
-        with pytest.raises(InvalidInput, match=f"{name} must be at least 0"):
-            fit_periodic_law(theta, value, **{name: -1})
-    with pytest.raises(InvalidInput, match="need noise_harmonics=0"):
-        fit_periodic_law(theta, value, robust=True, noise_harmonics=1)
-    with pytest.raises(InvalidInput, match="exactly on a smooth curve"):
-        fit_periodic_law(theta, truth(theta), harmonics=3, noise_harmonics=1)
-    with pytest.raises(InvalidInput, match="level is 95"):
-        fit_periodic_law(theta, value, harmonics=3).band(GRID, level=95)
-    with pytest.raises(InvalidInput, match="entries; give equally many"):
-        fit_periodic_law([], [])
-
-
 def test_a_plain_linear_fit_agrees_with_numpy() -> None:
     theta, value = made(11)
     design = fourier_columns(theta, 3)
@@ -276,3 +233,29 @@ def test_a_plain_linear_fit_agrees_with_numpy() -> None:
     coefficients, squares, _, _ = np.linalg.lstsq(design, value)
     assert np.allclose(fit.coefficients, coefficients, atol=1e-13)
     assert np.allclose(fit.covariance, np.linalg.inv(design.T @ design) * squares[0] / 393, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "options", "match"),
+    [
+        (lambda theta, value: (theta, value[:-1]), {}, "400 and 399 entries"),
+        (lambda theta, value: ([], []), {}, "entries; give equally many"),
+        (lambda theta, value: (theta, np.where(np.arange(400) == 2, np.nan, value)), {}, "entry 2 is nan"),
+        (lambda theta, value: (theta[:19], value[:19]), {}, "too few to choose"),
+        (lambda theta, value: (theta[:7], value[:7]), {"harmonics": 3}, "7 pairs cannot fix 7 coefficients"),
+        (lambda theta, value: (np.ones(50), value[:50]), {"harmonics": 1}, "fix 1 of 3 coefficients"),
+        (lambda theta, value: (theta, truth(theta)), {"harmonics": 3, "noise_harmonics": 1}, "on a smooth curve"),
+        *(
+            (lambda *made: made, {name: -1}, f"{name} must be at least 0")
+            for name in ("harmonics", "max_harmonics", "noise_harmonics", "seed")
+        ),
+    ],
+)
+def test_bad_input_is_refused_by_name(change, options, match) -> None:
+    with pytest.raises(InvalidInput, match=match):
+        fit_periodic_law(*change(*made(10)), **options)
+
+
+def test_a_band_of_no_probability_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="level is 95"):
+        fit_periodic_law(*made(10), harmonics=3).band(GRID, level=95)
