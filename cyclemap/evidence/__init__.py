@@ -18,7 +18,7 @@ fit_set, SetFit, set_laws, SetLaws : a set with all its laws, as in the paper's 
 push_statistics, PushStatistics : mean and deviation of what pushes did
 measured_cycle_map, MeasuredCycleMap, measured_staircase, MeasuredStaircase : map and steps of a measured path
 turn_bins, TurnBins, angle_histogram, AngleHistogram, turn_histogram, TurnHistogram : medians and counts
-measured_overlay, MeasuredOverlay, map_agreement, MapAgreement : pairs over a map, and their distance from it
+measured_overlay, MeasuredOverlay, MapAgreement : pairs over a map, and their distance from it
 
 Identifying
 -----------
@@ -96,7 +96,6 @@ if TYPE_CHECKING:
         MeasuredOverlay,
         TurnBins,
         angle_histogram,
-        map_agreement,
         measured_overlay,
         turn_bins,
     )
@@ -173,7 +172,6 @@ __all__ = [
     "kernel_modes",
     "kuiper_statistic",
     "load_pushes",
-    "map_agreement",
     "measured_cycle_map",
     "measured_overlay",
     "measured_staircase",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -28,8 +28,6 @@ FIRST_CLOCK = 1_451_606_400.0
 MIT_TARGET = (0.350, -0.030)
 # The rod starts this far (m) before it touches.
 APPROACH = 0.001
-# Object's x, y, theta; the rod's force on it, x and y; the contact point from the rod's centre, x and y.
-_POSE, _FORCE, _LEVER = slice(0, 3), slice(3, 5), slice(5, 7)
 # As in the dataset: 120 mm through this place (m, robot's frame), every five degrees, twice each.
 SCAN_CENTRE = (0.350, -0.018)
 SCAN_STROKE = 0.120
@@ -44,9 +42,6 @@ class RecordingNoise:
     turn : rad, scatter of θ0 from cycle to cycle, added to what the cycle map gives: the object really lies there.
     position, angle : m and rad, error of each recorded pose of the object (x and y alike); the robot's tip has none.
     force : N, error of each recorded force component; the torque's is this times the rod's radius.
-
-    >>> RecordingNoise(turn=0.0).force
-    0.0
     """
 
     turn: float = DEFAULT_SIGMA
@@ -113,15 +108,22 @@ def record_push(push: PushResult, distance: float, recording: Recording, generat
     """
     seconds = recorded_seconds(distance, recording.speed)
     object_time, tip_time, wrench_time = (recording.clock(seconds, lag) for lag in (0.0, TIP_LAG, WRENCH_LAG))
-    course = _Course(push, distance, recording.speed)
-    pose = course.states(object_time[1])[:, _POSE] + (*recording.target, 0.0)
+    # The rod's way from first touch, m, negative before it.
+    object_way, tip_way, wrench_way = (
+        np.clip(recording.speed * (elapsed - REST_SECONDS) - APPROACH, -APPROACH, distance)
+        for _, elapsed in (object_time, tip_time, wrench_time)
+    )
+    states = _states(push, distance, np.concatenate([object_way, wrench_way]))
+    pose = states[: len(object_way), :3] + (*recording.target, 0.0)
     pose += recording.noise.of_poses(len(pose), generator)
     pose[:, 2] = shorter_way(pose[:, 2])
-    state = course.states(wrench_time[1])
-    force, lever = -state[:, _FORCE], state[:, _LEVER]
+    force, lever = -states[len(object_way) :, 3:5], states[len(object_way) :, 5:]
     wrench = np.column_stack([force, lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]])
-    wrench += recording.noise.of_wrenches(len(state), recording.rod_radius, generator)
-    tip = course.rod(tip_time[1]) + recording.target
+    wrench += recording.noise.of_wrenches(len(wrench), recording.rod_radius, generator)
+    strokes = push.course.strokes
+    direction = strokes.direction + (push.start.theta if strokes.with_object else 0.0)
+    toward = np.array([math.cos(direction), math.sin(direction)])
+    tip = push.trajectory.pusher[0] + tip_way[:, None] * toward + recording.target
     return PushRecord(
         np.column_stack([object_time[0], pose]),
         np.column_stack([tip_time[0], tip, np.zeros(len(tip))]),
@@ -129,64 +131,32 @@ def record_push(push: PushResult, distance: float, recording: Recording, generat
     )
 
 
-class _Course:
-    """A push as a function of the time since its record began, in the frame of the mechanics."""
+def _states(push: PushResult, distance: float, travel: Array) -> Array:
+    """At travels (n,) of the rod, m: the object's x, y, theta; the force on it and the contact from the rod's centre.
 
-    def __init__(self, push: PushResult, distance: float, speed: float) -> None:
-        if push.travel > distance * (1.0 + 1e-9):
-            raise InvalidInput(f"the push went {push.travel:g} m, further than the stroke of {distance:g} m")
-        self.push, self.distance, self.speed = push, distance, speed
-        course = push.trajectory
-        rows = np.column_stack([course.pose, course.contact_force, course.contact_point - course.pusher])
-        # Each phase begins with a row of its own, where the one before it ended.
-        phases = [course.phase == number for number in range(course.phase[-1] + 1)]
-        self.begins = np.array([course.path[phase][0] for phase in phases])
-        self.phases = [_spline(course.path[phase], rows[phase]) for phase in phases]
-        self.first_place, self.last_row = course.pusher[0], rows[-1]
-
-    def travel(self, elapsed: Array) -> Array:
-        """The rod's way from first touch, m; negative before it."""
-        return np.clip(self.speed * (elapsed - REST_SECONDS) - APPROACH, -APPROACH, self.distance)
-
-    def rod(self, elapsed: Array) -> Array:
-        """(n, 2) m, the rod's centre."""
-        strokes = self.push.course.strokes
-        direction = strokes.direction + (self.push.start.theta if strokes.with_object else 0.0)
-        way = np.array([math.cos(direction), math.sin(direction)])
-        return np.asarray(self.first_place + self.travel(elapsed)[:, None] * way)
-
-    def states(self, elapsed: Array) -> Array:
-        """(n, 7): pose, force and lever; no force where the rod does not touch."""
-        travel = self.travel(elapsed)
-        state = np.empty((len(travel), self.last_row.size))
-        number = np.maximum(np.searchsorted(self.begins, travel, side="right") - 1, 0)
-        for phase, spline in enumerate(self.phases):
-            state[number == phase] = spline(travel[number == phase])
-        start, end = self.push.start, self.push.end
-        before, after = travel < 0.0, travel >= self.push.travel
-        state[before] = (start.x, start.y, start.theta, 0.0, 0.0, 0.0, 0.0)
-        state[after] = (end.x, end.y, end.theta, *self.last_row[3:])
-        if self.push.ended == "left":
-            state[after, 3:] = 0.0
-        return state
-
-
-def _spline(path: Array, rows: Array) -> Callable[[Array], Array]:
-    """The cubic spline through the rows (k, m) of one phase; straight where there are two, constant without length."""
+    In the frame of the mechanics, (n, 7); no force where the rod does not touch.
+    """
     from scipy.interpolate import CubicSpline
 
-    kept = np.diff(path, prepend=-math.inf) > 0.0
-    if np.count_nonzero(kept) < 2:
-        return lambda travel: np.broadcast_to(rows[-1], (len(travel), rows.shape[1]))
-    return CubicSpline(path[kept], rows[kept])  # type: ignore[no-any-return]
+    if push.travel > distance * (1.0 + 1e-9):
+        raise InvalidInput(f"the push went {push.travel:g} m, further than the stroke of {distance:g} m")
+    course = push.trajectory
+    rows = np.column_stack([course.pose, course.contact_force, course.contact_point - course.pusher])
+    state = np.empty((len(travel), 7))
+    # Each phase begins with a row of its own, where the one before it ended, and is constant where it has no length.
+    for number in range(course.phase[-1] + 1):
+        path, own = course.path[course.phase == number], rows[course.phase == number]
+        on, kept = travel >= (path[0] if number else -math.inf), np.diff(path, prepend=-math.inf) > 0.0
+        state[on] = CubicSpline(path[kept], own[kept])(travel[on]) if np.count_nonzero(kept) > 1 else own[-1]
+    start, end = push.start, push.end
+    state[travel < 0.0] = (start.x, start.y, start.theta, 0.0, 0.0, 0.0, 0.0)
+    last = rows[-1, 3:] if push.ended != "left" else np.zeros(4)
+    state[travel >= push.travel] = (end.x, end.y, end.theta, *last)
+    return state
 
 
 def scan_set(surface: str, shape: str, speed: float) -> Iterator[ScanFacts]:
-    """The scans of one object on one surface, as the dataset names them; speed in m/s.
-
-    >>> sum(1 for facts in scan_set("plywood", "rect1", 0.02))
-    144
-    """
+    """The scans of one object on one surface, as the dataset names them; speed in m/s."""
     for degrees in range(0, 360, SCAN_STEP_DEGREES):
         for repetition in range(SCAN_REPETITIONS):
             direction = math.radians((degrees + 180) % 360)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -19,8 +18,8 @@ from cyclemap.collection.collection_file import FILE_NAME, SIMULATION, collectio
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.errors import CycleMapError, InvalidInput
-from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_name, scan_name
-from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, write_push_file
+from cyclemap.evidence.pushes.mit_names import PushFacts, push_name, scan_name
+from cyclemap.evidence.pushes.push_files import SUFFIXES, write_push_file
 from cyclemap.evidence.recorded_push import (
     FIRST_CLOCK,
     Recording,
@@ -111,10 +110,6 @@ class CollectionPlan:
         """The push of `cycle`."""
         return self.loop.push if self.cycle_loops is None else self.cycle_loops[cycle].push
 
-    def gripper_turn_at(self, cycle: int) -> float:
-        """The turn (rad) by a gripper after the drag of `cycle`."""
-        return 0.0 if self.gripper_turns is None else self.gripper_turns[cycle]
-
     def generator(self, stream: int, number: int) -> np.random.Generator:
         """The random numbers of one stream for one cycle, the same whatever was drawn before."""
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(stream, number)))
@@ -189,6 +184,7 @@ class CollectionFolder:
     def __init__(self, folder: str | Path, plan: CollectionPlan) -> None:
         self.folder, self.plan = Path(folder), plan
         self.surface, self.shape = file_stem(plan.loop.material.name), file_stem(plan.loop.slider.name)
+        self.home = self.folder / self.surface / self.shape
         arguments = plan.arguments()
         record, unfinished = self.folder / FILE_NAME, f".*{UNFINISHED_SUFFIX}"
         begun = record.is_file()
@@ -218,15 +214,7 @@ class CollectionFolder:
         push, plan = self.plan.push_at(cycle), self.plan
         place = (float(push.side), push.fraction, push.angle, float(cycle))
         facts = PushFacts(self.surface, self.shape, 0.0, plan.speed, *place)
-        return self._home / PUSH_FOLDER / f"{push_name(facts)}{plan.suffix}"
-
-    def scan_path(self, scan: ScanFacts) -> Path:
-        """Where a friction scan is kept."""
-        return self._home / SCAN_FOLDER / f"{scan_name(scan)}{self.plan.suffix}"
-
-    @property
-    def _home(self) -> Path:
-        return self.folder / self.surface / self.shape
+        return self.home / PUSH_FOLDER / f"{push_name(facts)}{plan.suffix}"
 
     def known_theta(self) -> list[float]:
         """The true θ0 of the cycles that are complete, and of the next: where to go on; the start if there are none.
@@ -239,8 +227,11 @@ class CollectionFolder:
         kept = [self._truth_line(0, self.plan.start, b"")]
         if lines[:1] == kept:
             for cycle, line in enumerate(lines[1 : self.plan.cycles + 1], 1):
-                value = _number(line)
-                if value is None or line != self._truth_line(cycle, value, kept[-1]):
+                try:
+                    value = plain_number(line.split()[1].decode())
+                except (IndexError, ValueError):
+                    break
+                if line != self._truth_line(cycle, value, kept[-1]):
                     break
                 theta.append(value)
                 kept.append(line)
@@ -266,16 +257,7 @@ class CollectionFolder:
 
     def size(self) -> int:
         """Bytes of all pushes and scans."""
-        return sum(path.stat().st_size for path in self._home.rglob(f"*{self.plan.suffix}"))
-
-
-def _number(line: bytes) -> float | None:
-    """The θ0 of a line of the truth; None where it has none."""
-    found = re.fullmatch(rb"\d+ (\S+) # \w+\n", line)
-    try:
-        return plain_number(found[1].decode()) if found else None
-    except ValueError:
-        return None
+        return sum(path.stat().st_size for path in self.home.rglob(f"*{self.plan.suffix}"))
 
 
 @dataclass(frozen=True)
@@ -339,35 +321,26 @@ def simulate_collection(
     report = progress or (lambda fraction: None)
     with only_writer(Path(folder)):
         home = CollectionFolder(folder, plan)
-        scans = _write_scans(home, plan) if plan.scans else 0
+        scans = 0
+        # Made anew if they are there: they are quick.
+        for scans, scan in enumerate(scan_set(home.surface, home.shape, plan.speed) if plan.scans else (), 1):
+            friction, weight, instruments = loop.material.friction, loop.model.weight, plan.generator(SCANS, scans)
+            made = record_scan(friction, weight, scan.direction, plan.recording(0), instruments)
+            write_push_file(home.home / SCAN_FOLDER / f"{scan_name(scan)}{plan.suffix}", made)
         theta = home.known_theta()
         resumed = len(theta) - 1
         for cycle in range(resumed, plan.cycles):
-            record, following = _run(plan, cycle, theta[-1])
+            now, distance = plan.loop_at(cycle), plan.push_at(cycle).distance
+            try:
+                push, back = now.strokes(theta[-1], distance / _RECORDED)
+            except CycleMapError as error:
+                place = f"cycle {cycle}, from θ0 = {math.degrees(theta[-1]):.3f} degrees"
+                raise type(error)(f"{place}: {error}") from error
+            record = record_push(push, distance, plan.recording(cycle), plan.generator(INSTRUMENTS, cycle))
             write_push_file(home.push_path(cycle), record)
-            home.append_truth(cycle + 1, following)
-            theta.append(following)
+            gripped = 0.0 if plan.gripper_turns is None else plan.gripper_turns[cycle]
+            theta.append(back.end.theta + gripped + plan.kick(cycle, theta[-1]))
+            home.append_truth(cycle + 1, theta[-1])
             report((cycle + 1) / plan.cycles)
     written = plan.cycles - resumed
     return SimulatedCollection(home.folder, plan.cycles, written, resumed, scans, theta[-2], home.size())
-
-
-def _run(plan: CollectionPlan, cycle: int, theta: float) -> tuple[PushRecord, float]:
-    """The record of a cycle's push from `theta`, and the θ0 after its drag (rad)."""
-    loop = plan.loop_at(cycle)
-    try:
-        push, back = loop.strokes(theta, loop.push.distance / _RECORDED)
-    except CycleMapError as error:
-        raise type(error)(f"cycle {cycle}, from θ0 = {math.degrees(theta):.3f} degrees: {error}") from error
-    instruments = plan.generator(INSTRUMENTS, cycle)
-    record = record_push(push, loop.push.distance, plan.recording(cycle), instruments)
-    return record, back.end.theta + plan.gripper_turn_at(cycle) + plan.kick(cycle, theta)
-
-
-def _write_scans(home: CollectionFolder, plan: CollectionPlan) -> int:
-    """Write the scans, anew if they are there: they are quick; return how many there are."""
-    count, friction, weight = 0, plan.loop.material.friction, plan.loop.model.weight
-    for count, scan in enumerate(scan_set(home.surface, home.shape, plan.speed), 1):
-        record = record_scan(friction, weight, scan.direction, plan.recording(0), plan.generator(SCANS, count))
-        write_push_file(home.scan_path(scan), record)
-    return count

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.periodic_law import MAX_HARMONICS, LawBand, PeriodicLaw, fit_periodic_law, paired_arrays
+from cyclemap.evidence.laws.periodic_law import MAX_HARMONICS, PeriodicLaw, fit_periodic_law, paired_arrays
 from cyclemap.evidence.laws.wear import MAX_WEAR_DEGREE, WornLaw, fit_worn_law
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import (
@@ -61,14 +61,6 @@ class FittedMap:
     def pairs(self) -> int:
         """How many pairs were fitted."""
         return self.law.count
-
-    def noise(self, theta: Any) -> Array:
-        """Radians, the standard deviation of the next θ0 about the map at θ."""
-        return self.law.noise(theta)
-
-    def band(self, theta: Any, level: float = 0.95) -> LawBand:
-        """The bands of the turn at θ (rad): of its mean, and of one cycle."""
-        return self.law.band(theta, level)
 
     def map_at(self, cycle: float) -> CircleMap:
         """The map of one cycle; outside the measured cycles, that of the nearest.
@@ -146,12 +138,7 @@ def fit_map(
 
 
 def map_of_turn(law: PeriodicLaw) -> CircleMap:
-    """The lift θ → θ + law(θ) of degree 1, with its derivative, and a form for one number at a time.
-
-    >>> law = fit_periodic_law(np.arange(9.0), np.full(9, 0.25), harmonics=1)
-    >>> round(map_of_turn(law).scalar()(1.0), 9)
-    1.25
-    """
+    """The lift θ → θ + law(θ) of degree 1, with its derivative, and a form for one number at a time."""
     # c_k cos kθ + s_k sin kθ is the real part of (c_k - i s_k) e^{ikθ}: one exponential, then Horner's rule.
     descending = (law.cosine - 1j * law.sine)[::-1].tolist()
 

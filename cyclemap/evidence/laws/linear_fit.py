@@ -57,9 +57,6 @@ def fit_linear(design: Array, value: Array, *, correlated: bool = False) -> Line
     correlated with their neighbours; over 1.3√n lags (Lazarus et al. 2018). In short records it is a little small.
 
     Raises InvalidInput where the values do not fix the coefficients.
-
-    >>> fit_linear(np.ones((4, 1)), np.array([1.0, 2.0, 3.0, 4.0])).coefficients.round(12).tolist()
-    [2.5]
     """
     coefficients, inverse = weighted_least_squares(design, value, np.ones(value.size))
     residuals = value - design @ coefficients
@@ -93,21 +90,13 @@ def weighted_least_squares(design: Array, value: Array, weight: Array) -> tuple[
 
 
 def lag_correlation(residuals: Array) -> float:
-    """The correlation of each residual with the next, in order of recording; 0 for residuals that are all 0.
-
-    >>> lag_correlation(np.array([1.0, 1.0, -1.0, -1.0]))
-    0.25
-    """
+    """The correlation of each residual with the next, in order of recording; 0 for residuals that are all 0."""
     power = float(residuals @ residuals)
     return float(residuals[1:] @ residuals[:-1]) / power if power > 0.0 else 0.0
 
 
 def student_quantile(level: float, freedom: float) -> float:
-    """Return t such that a Student variable lies within -t and t with probability `level`.
-
-    >>> round(student_quantile(0.95, 10_000_000), 4)
-    1.96
-    """
+    """Return t such that a Student variable lies within -t and t with probability `level`."""
     from scipy.special import stdtrit
 
     probability = finite_number("level", level)
@@ -138,9 +127,6 @@ def cycle_folds(count: int, seed: int) -> NDArray[np.int64]:
     blocks dealt to the folds at random, from ``seed``.
 
     Raises InvalidInput for fewer than two values a fold.
-
-    >>> np.bincount(cycle_folds(100, seed=0)).tolist()
-    [10, 10, 10, 10, 10, 10, 10, 10, 10, 10]
     """
     if count < 2 * FOLDS:
         raise InvalidInput(f"{count} pairs are too few to choose an order by {FOLDS} folds; give the order yourself")

@@ -46,10 +46,6 @@ def fit_with_scatter(
     """The fit of value (n,) ≈ design (n, p) @ coefficients, and the log-variance (2q + 1,) of its scatter in θ.
 
     noise_harmonics : q; 0 for constant scatter, None chooses up to 3.
-
-    >>> fit, log_variance = fit_with_scatter(np.zeros(4), np.ones((4, 1)), np.array([-1.0, 1.0, -1.0, 1.0]))
-    >>> np.exp(log_variance).round(9).tolist()
-    [1.333333333]
     """
     order = None if noise_harmonics is None else whole_number("noise_harmonics", noise_harmonics, least=0)
     fit = fit_linear(design, value)
@@ -62,18 +58,27 @@ def fit_with_scatter(
     if order == 0:
         # No scatter at all has no logarithm: the smallest positive number stands for it.
         return fit, np.array([2.0 * np.log(max(fit.sigma, np.finfo(float).tiny))])
-    coefficients, inverse, gamma = fit_mean_and_noise(design, value, fourier_columns(theta, order))
+    # Reweighted least squares: the mean with weights 1/variance, the log-variance of its residuals, and so on to the
+    # maximum of the normal likelihood; the variance is then raised by n/(n - p).
+    columns, weight, change = fourier_columns(theta, order), np.ones(value.size), np.inf
+    for _ in range(MAX_ROUNDS):
+        coefficients, _ = weighted_least_squares(design, value, weight)
+        gamma = fit_log_variance(columns, (value - design @ coefficients) ** 2)
+        renewed = np.exp(-(columns @ gamma))
+        change, weight = float(np.max(np.abs(renewed / weight - 1.0))), renewed
+        if change < 1e-8:
+            break
+    else:
+        raise ConvergenceError(f"mean and scatter still change by {change:.3g}: use fewer noise harmonics")
+    gamma[0] += np.log(value.size / (value.size - design.shape[1]))
+    coefficients, inverse = weighted_least_squares(design, value, np.exp(-(columns @ gamma)))
     residuals = value - design @ coefficients
     sigma = float(np.sqrt(residuals @ residuals / (value.size - coefficients.size)))
     return LinearFit(coefficients, inverse, residuals, sigma), gamma
 
 
 def scatter_weights(theta: Array, log_variance: Array) -> Array:
-    """The weights 1/variance at θ (n,), scaled to a mean of 1.
-
-    >>> scatter_weights(np.array([0.0, np.pi]), np.array([5.0])).tolist()
-    [1.0, 1.0]
-    """
+    """The weights 1/variance at θ (n,), scaled to a mean of 1."""
     level = -(fourier_columns(theta, log_variance.size // 2) @ log_variance)
     weight = np.exp(level - np.max(level))
     return np.asarray(weight / np.mean(weight))
@@ -85,9 +90,6 @@ def fit_log_variance(columns: Array, squares: Array) -> Array:
     Harvey's model (1976). Minus the log-likelihood ½Σ(g + r²e^{-g}) is convex in γ: Newton's method with halved steps
     finds its one minimum, until the decrease it foresees is below 1e-12 a value. Raises ConvergenceError where the
     residuals vanish along a part of the circle, since the likelihood then has no bound.
-
-    >>> fit_log_variance(np.ones((3, 1)), np.array([1.0, 2.0, 3.0])).round(9).tolist()
-    [0.693147181]
     """
 
     def loss(gamma: Array) -> float:
@@ -115,26 +117,6 @@ def fit_log_variance(columns: Array, squares: Array) -> Array:
             share *= 0.5
         gamma = gamma + share * step
     raise ConvergenceError(f"the likelihood of the scatter still gains {decrease:.3g}: use fewer noise harmonics")
-
-
-def fit_mean_and_noise(design: Array, value: Array, columns: Array) -> tuple[Array, Array, Array]:
-    """Mean and log-variance together by iteratively reweighted least squares: (coefficients, (XᵀWX)⁻¹, γ).
-
-    Each round fits the mean with weights 1/variance and then the log-variance to its residuals, until the weights no
-    longer change: the maximum of the normal likelihood. The variance is then raised by n/(n - p).
-    """
-    weight, change = np.ones(value.size), np.inf
-    for _ in range(MAX_ROUNDS):
-        coefficients, _ = weighted_least_squares(design, value, weight)
-        gamma = fit_log_variance(columns, (value - design @ coefficients) ** 2)
-        renewed = np.exp(-(columns @ gamma))
-        change, weight = float(np.max(np.abs(renewed / weight - 1.0))), renewed
-        if change < 1e-8:
-            break
-    else:
-        raise ConvergenceError(f"mean and scatter still change by {change:.3g}: use fewer noise harmonics")
-    gamma[0] += np.log(value.size / (value.size - design.shape[1]))
-    return (*weighted_least_squares(design, value, np.exp(-(columns @ gamma))), gamma)
 
 
 def choose_noise_harmonics(theta: Array, design: Array, value: Array, fold: NDArray[np.int64]) -> int:

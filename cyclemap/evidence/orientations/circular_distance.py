@@ -126,7 +126,14 @@ def circular_wasserstein(sample: Any, law: Any) -> Array:
     """
     given = law_or_sample(law)
     if not isinstance(given, CircularLaw):
-        return _between_samples(orientations("the sample", sample, single=True), given)
+        # F - G is constant from one angle of either sample to the next.
+        pair = orientations("the sample", sample, single=True), given
+        angles = np.unique(np.concatenate(pair))
+        shares = [np.searchsorted(np.sort(one), angles, side="right") / one.size for one in pair]
+        levels, gaps = shares[0] - shares[1], np.diff(angles, append=angles[0] + TWO_PI)
+        order = np.argsort(levels)
+        median = levels[order[np.argmax(np.cumsum(gaps[order]) >= np.pi)]]
+        return np.asarray(np.abs(levels - median) @ gaps)[()]
     angles = orientations("the sample", sample)
     rows = angles.reshape(-1, angles.shape[-1])
     block = max(1, _BLOCK // (rows.shape[1] + given.cells))
@@ -134,51 +141,32 @@ def circular_wasserstein(sample: Any, law: Any) -> Array:
     return np.concatenate(found).reshape(angles.shape[:-1])[()]
 
 
-def _between_samples(first: Array, second: Array) -> Array:
-    """∫ |F - G - median(F - G)| dθ, exactly; F - G is constant from one angle of either sample to the next."""
-    angles = np.unique(np.concatenate([first, second]))
-    shares = [np.searchsorted(np.sort(one), angles, side="right") / one.size for one in (first, second)]
-    levels, gaps = shares[0] - shares[1], np.diff(angles, append=angles[0] + TWO_PI)
-    order = np.argsort(levels)
-    median = levels[order[np.argmax(np.cumsum(gaps[order]) >= np.pi)]]
-    return np.asarray(np.abs(levels - median) @ gaps)[()]
-
-
 def _wasserstein_rows(rows: Array, law: CircularLaw) -> Array:
-    high, low, width = _difference_segments(rows, law)
-    level = _median_level(high, low, width)[:, None]
-    above, below = high - level, low - level
-    span = np.where(high > low, high - low, 1.0)
-    crossing = (above > 0.0) & (below < 0.0)
-    mean = np.where(crossing, (above**2 + below**2) / (2.0 * span), 0.5 * np.abs(above + below))
-    return np.asarray(np.sum(width * mean, axis=1))
-
-
-def _difference_segments(rows: Array, law: CircularLaw) -> tuple[Array, Array, Array]:
-    """F - G, which falls on each segment between samples and knots: its first and last values, and the width."""
+    """∫ |F - G - median(F - G)| dθ of each row."""
     count, size = rows.shape
     knots = np.broadcast_to(law.knots[:-1], (count, law.cells))
     masses = np.broadcast_to(law.masses[:-1], (count, law.cells))
+    # F - G falls on each segment between samples and knots, from high to low.
     angles = np.concatenate([rows, knots], axis=1)
     order = np.argsort(angles, axis=1)
-    angles = np.take_along_axis(angles, order, axis=1)
+    width = np.diff(np.take_along_axis(angles, order, axis=1), axis=1, append=TWO_PI)
     reached = np.take_along_axis(np.concatenate([law.cumulative(rows), masses], axis=1), order, axis=1)
     steps = np.cumsum(order < size, axis=1) / size
-    ahead = np.concatenate([reached[:, 1:], np.ones((count, 1))], axis=1)
-    return steps - reached, steps - ahead, np.diff(angles, axis=1, append=TWO_PI)
-
-
-def _median_level(high: Array, low: Array, width: Array) -> Array:
-    """The level that F - G lies below on half of the circle, by bisection, one a row."""
-    span = high - low
-    rate = np.where(span > 0.0, 1.0 / np.where(span > 0.0, span, 1.0), 1e300)
+    high, low = steps - reached, steps - np.concatenate([reached[:, 1:], np.ones((count, 1))], axis=1)
+    # The level that it lies below on half of the circle, by bisection.
+    span = np.where(high > low, high - low, 1.0)
+    rate = np.where(high > low, 1.0 / span, 1e300)
     bottom, top = np.min(low, axis=1), np.max(high, axis=1)
     for _ in range(_HALVINGS):
         middle = 0.5 * (bottom + top)
         share = np.clip((middle[:, None] - low) * rate, 0.0, 1.0)
         under = np.einsum("ij,ij->i", share, width) < np.pi
         bottom, top = np.where(under, middle, bottom), np.where(under, top, middle)
-    return np.asarray(0.5 * (bottom + top))
+    level = 0.5 * (bottom + top)[:, None]
+    above, below = high - level, low - level
+    crossing = (above > 0.0) & (below < 0.0)
+    mean = np.where(crossing, (above**2 + below**2) / (2.0 * span), 0.5 * np.abs(above + below))
+    return np.asarray(np.sum(width * mean, axis=1))
 
 
 def total_variation(sample: Any, law: Any, bins: int = DEFAULT_BINS) -> Array:

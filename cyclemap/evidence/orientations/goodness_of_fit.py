@@ -40,9 +40,6 @@ def monte_carlo_p_value(observed: float, simulated: Any) -> PValue:
     """The upper-tail p-value of ``observed`` among ``simulated`` (runs,) values under the null.
 
     Raises InvalidInput without simulated values or where a number is not finite.
-
-    >>> monte_carlo_p_value(3.0, [1.0, 2.0, 3.0, 4.0]).value
-    0.6
     """
     null = finite_array("simulated", simulated, ndim=1)
     mark = finite_number("observed", observed)

@@ -76,16 +76,24 @@ def contact_samples(push: PushRecord, outline: Array, rod_radius: float = MIT_RO
 def _contact_frame(
     push: PushRecord, outline: Array, rod_radius: float
 ) -> tuple[Array, Array, NDArray[np.bool_], tuple[Array, Array, Array]]:
-    """Normal and tangential force, contact, and times with the rod's places and tangents in the object's frame."""
+    """Normal and tangential force, contact, and times with the rod's places and tangents in the object's frame.
+
+    The outline is convex, its corners counter-clockwise.
+    """
     time, force = _within(push.ft_wrench, (push.object_pose, push.tip_pose))
-    rod, force = _in_object_frame(push, time, -force)
+    angle = np.interp(time, push.object_pose[:, 0], push.object_angle)
+    rod, c, s = _places(push.tip_pose, time) - _places(push.object_pose, time), np.cos(angle), np.sin(angle)
+    # Both turned back into the object's frame.
+    rod, force = (np.stack([c * x + s * y, c * y - s * x], axis=-1) for x, y in (rod.T, -force.T))
     offset = nearest_on_polyline(rod, outline)[0] - rod
     distance = np.hypot(*offset.T)
     with np.errstate(divide="ignore", invalid="ignore"):
         normal = offset / distance[:, None]
     tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=-1)
     pressing, tangential = np.sum(force * normal, axis=1), np.sum(force * tangent, axis=1)
-    near = ~_inside(rod, outline) & (np.abs(distance - rod_radius) <= CONTACT_SLACK)
+    edge, away = np.diff(outline, axis=0), rod[:, None] - outline[:-1]
+    inside = np.all(edge[:, 0] * away[..., 1] - edge[:, 1] * away[..., 0] > 0.0, axis=1)
+    near = ~inside & (np.abs(distance - rod_radius) <= CONTACT_SLACK)
     return pressing, tangential, near & (pressing >= LEAST_PRESSING), (time, rod, tangent)
 
 
@@ -101,23 +109,16 @@ def _slip(push: PushRecord, time: Array, rod: Array, tangent: Array, rod_radius:
     if window > len(time):
         return np.full(len(time), math.nan), window
     angle = np.interp(time, push.object_pose[:, 0], push.object_angle)
-    rates = _slopes(time, np.column_stack([rod, angle, travel]), window)
+    # Rates are slopes of straight lines through a window of samples about each, nan at the ends.
+    views, values = np.lib.stride_tricks.sliding_window_view, np.column_stack([rod, angle, travel])
+    lever = views(time, window) - np.mean(views(time, window), axis=1, keepdims=True)
+    inner = np.einsum("ij,ikj->ik", lever, views(values, window, axis=0)) / np.sum(lever**2, axis=1)[:, None]
+    rates = np.full(values.shape, math.nan)
+    rates[window // 2 : window // 2 + len(inner)] = inner
     speed = rates[:, 3]
     with np.errstate(divide="ignore", invalid="ignore"):
         slip = (np.sum(tangent * rates[:, :2], axis=1) - rod_radius * rates[:, 2]) / speed
     return np.where(speed > _MOVING * np.nanmax(speed), slip, math.nan), window
-
-
-def _slopes(time: Array, values: Array, window: int) -> Array:
-    """Slopes (n, k) of straight lines through a `window` of samples about each, nan at the ends."""
-    views = np.lib.stride_tricks.sliding_window_view
-    near = views(time, window)
-    lever = near - np.mean(near, axis=1, keepdims=True)
-    slopes = np.full(values.shape, math.nan)
-    half = window // 2
-    inner = np.einsum("ij,ikj->ik", lever, views(values, window, axis=0)) / np.sum(lever**2, axis=1)[:, None]
-    slopes[half : half + len(inner)] = inner
-    return slopes
 
 
 def scan_forces(scan: ScanRecord) -> tuple[float, float]:
@@ -151,30 +152,10 @@ def _places(pose: Array, time: Array) -> Array:
     return np.stack([np.interp(time, pose[:, 0], pose[:, column]) for column in (1, 2)], axis=-1)
 
 
-def _in_object_frame(push: PushRecord, time: Array, force: Array) -> tuple[Array, Array]:
-    """The tip's places (m) and the forces (N), both (n, 2), in the object's frame at each time."""
-    angle = np.interp(time, push.object_pose[:, 0], push.object_angle)
-    offset = _places(push.tip_pose, time) - _places(push.object_pose, time)
-    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    back = np.array([1.0, -1.0])
-    return c * offset + s * back * offset[:, ::-1], c * force + s * back * force[:, ::-1]
-
-
 def nearest_on_polyline(points: Array, polyline: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Return the nearest point (n, 2) of a polyline (k, 2) to each of the points (n, 2), and the edge (n,) it is on.
-
-    >>> place, edge = nearest_on_polyline(np.array([[1.0, 2.0]]), np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 3.0]]))
-    >>> place.tolist(), edge.tolist()
-    ([[1.0, 0.0]], [0])
-    """
+    """Return the nearest point (n, 2) of a polyline (k, 2) to each of the points (n, 2), and the edge (n,) it is on."""
     first, edge = polyline[:-1], np.diff(polyline, axis=0)
     share = np.sum((points[:, None] - first) * edge, axis=-1) / np.sum(edge * edge, axis=-1)
     on_edge = first + np.clip(share, 0.0, 1.0)[..., None] * edge
     nearest = np.argmin(np.sum((points[:, None] - on_edge) ** 2, axis=-1), axis=1)
     return np.asarray(on_edge[np.arange(len(points)), nearest]), nearest
-
-
-def _inside(points: Array, outline: Array) -> NDArray[np.bool_]:
-    """Whether points (n, 2) lie inside a convex outline whose corners go counter-clockwise."""
-    edge, offset = np.diff(outline, axis=0), points[:, None] - outline[:-1]
-    return np.asarray(np.all(edge[:, 0] * offset[..., 1] - edge[:, 1] * offset[..., 0] > 0.0, axis=1))

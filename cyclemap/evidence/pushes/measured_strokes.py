@@ -25,7 +25,6 @@ Place = tuple[float, float]
 LARGEST_TIP_ERROR = 5e-3
 PUSH_END_COLUMNS = ("x0", "y0", "th0", "x1", "y1", "th1", "tip_x0", "tip_y0", "tip_x1", "tip_y1")
 _DRAG_COLUMNS = ("x1", "y1", "th1", "x0n", "y0n", "th0n")
-_CONTACT_COLUMNS = ("i", "s", "t")
 
 
 @dataclass(frozen=True)
@@ -44,19 +43,20 @@ class RowSelection:
                 raise unknown_name("fact of a push", name, FACTS)
 
     def refusal(self, facts: Mapping[str, Any]) -> str:
-        """Return why a row of these facts stays out; empty where it is kept.
-
-        >>> RowSelection(("rect1",)).refusal({"object": "hex"})
-        'of hex, not rect1'
-        """
+        """Return why a row of these facts stays out; empty where it is kept."""
         shape = facts.get("object")
         if self.objects and _known(shape) and shape not in self.objects:
             return f"of {shape}, not {self.objects[0]}" if len(self.objects) == 1 else f"of {shape}, of unknown outline"
         for name, wanted in self.chosen.items():
-            value = facts.get(name)
-            if name != "object" and _known(value) and not _equal(value, wanted):
-                told = value if isinstance(value, str) else f"{value:g}"
-                return f"of {name} {told}, not {wanted}"
+            value: Any = facts.get(name)
+            if name == "object" or not _known(value):
+                continue
+            if isinstance(wanted, str) or isinstance(value, str):
+                same = str(value) == str(wanted)
+            else:
+                same = math.isclose(float(value), wanted, rel_tol=1e-6, abs_tol=1e-9)
+            if not same:
+                return f"of {name} {value if isinstance(value, str) else f'{value:g}'}, not {wanted}"
         return ""
 
 
@@ -132,12 +132,6 @@ def _known(value: Any) -> bool:
     return bool(value) if isinstance(value, str) else value is not None and not math.isnan(value)
 
 
-def _equal(value: Any, wanted: str | float) -> bool:
-    if isinstance(wanted, str) or isinstance(value, str):
-        return str(value) == str(wanted)
-    return math.isclose(float(value), wanted, rel_tol=1e-6, abs_tol=1e-9)
-
-
 @dataclass(frozen=True)
 class MeasuredPush:
     """A straight push: the object's poses before and after, the rod's centre before and after (m, world frame).
@@ -188,15 +182,32 @@ def read_measured_pushes(path: str | Path, select: Mapping[str, str] | None = No
     table = read_csv_table(path)
     require_columns(table, PUSH_END_COLUMNS)
     rows = [row for row in _selected(table, select) if tip_error(table, row) <= LARGEST_TIP_ERROR]
-    labels = _contact_labels(table, rows, ("i", "s"))
-    return tuple(_push(table, row, label) for row, label in zip(rows, labels, strict=True))
+    labels = list(range(len(rows)))
+    if {"i", "s"} <= set(table.header):
+        keys = [(table.number(row, "i"), table.number(row, "s")) for row in rows]
+        number = {key: index for index, key in enumerate(sorted(set(keys)))}
+        labels = [number[key] for key in keys]
+    pushes = []
+    for row, label in zip(rows, labels, strict=True):
+        start, end, tip_start, tip_end = push_ends(table, row)
+        lifted = Pose(end.x, end.y, start.theta + float(shorter_way(end.theta - start.theta)))
+        try:
+            pushes.append(MeasuredPush(start, lifted, tip_start, tip_end, label))
+        except InvalidInput as cause:
+            raise table.error(row.line, str(cause)) from cause
+    return tuple(pushes)
 
 
 def read_measured_drags(path: str | Path, select: Mapping[str, str] | None = None) -> tuple[MeasuredDrag, ...]:
     """Read drags from a CSV table with `x1,y1,th1` before and `x0n,y0n,th0n` after (m, rad), as pushes are read."""
     table = read_csv_table(path)
     require_columns(table, _DRAG_COLUMNS)
-    return tuple(_drag(table, row, label) for label, row in enumerate(_selected(table, select)))
+    drags = []
+    for label, row in enumerate(_selected(table, select)):
+        x1, y1, theta1, x2, y2, theta2 = (table.number(row, column) for column in _DRAG_COLUMNS)
+        end = Pose(x2, y2, theta1 + float(shorter_way(theta2 - theta1)))
+        drags.append(MeasuredDrag(Pose(x1, y1, theta1), end, label))
+    return tuple(drags)
 
 
 def _selected(table: CsvTable, select: Mapping[str, str] | None) -> list[CsvRow]:
@@ -213,30 +224,7 @@ def tip_error(table: CsvTable, row: CsvRow) -> float:
     return 1e-3 * table.number(row, "tip_err_mm") if "tip_err_mm" in table.header else 0.0
 
 
-def _contact_labels(table: CsvTable, rows: list[CsvRow], columns: tuple[str, ...]) -> list[int]:
-    """A number for each row, equal where all the columns are; its own number where the table lacks them."""
-    if any(column not in table.header for column in columns):
-        return list(range(len(rows)))
-    keys = [tuple(table.number(row, column) for column in columns) for row in rows]
-    number = {key: index for index, key in enumerate(sorted(set(keys)))}
-    return [number[key] for key in keys]
-
-
 def push_ends(table: CsvTable, row: CsvRow) -> tuple[Pose, Pose, Place, Place]:
     """Return the object's poses before and after a push, angles as written, and the rod's places then (m, world)."""
     x0, y0, theta0, x1, y1, theta1, *tip = (table.number(row, column) for column in PUSH_END_COLUMNS)
     return Pose(x0, y0, theta0), Pose(x1, y1, theta1), (tip[0], tip[1]), (tip[2], tip[3])
-
-
-def _push(table: CsvTable, row: CsvRow, contact: int) -> MeasuredPush:
-    start, end, tip_start, tip_end = push_ends(table, row)
-    lifted = Pose(end.x, end.y, start.theta + float(shorter_way(end.theta - start.theta)))
-    try:
-        return MeasuredPush(start, lifted, tip_start, tip_end, contact)
-    except InvalidInput as cause:
-        raise table.error(row.line, str(cause)) from cause
-
-
-def _drag(table: CsvTable, row: CsvRow, contact: int) -> MeasuredDrag:
-    x1, y1, theta1, x2, y2, theta2 = (table.number(row, column) for column in _DRAG_COLUMNS)
-    return MeasuredDrag(Pose(x1, y1, theta1), Pose(x2, y2, theta1 + float(shorter_way(theta2 - theta1))), contact)

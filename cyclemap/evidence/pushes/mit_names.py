@@ -64,24 +64,12 @@ def push_facts(path: str | PurePath) -> PushFacts | None:
 
     Names are `motion_surface=S_shape=O_a=A_v=V_i=I_s=F_t=T` with A in mm/s^2, V in mm/s and T in rad, and
     `_rep=NNNN` behind it in repeated sets.
-
-    >>> facts = push_facts("motion_surface=abs_shape=hex_a=0_v=50_i=4.000_s=0.700_t=-0.349.h5")
-    >>> facts.object, facts.speed, facts.side, facts.angle
-    ('hex', 0.05, 4.0, -0.349)
     """
     found = _PUSH.fullmatch(_stem(path))
     if found is None:
         return None
-    return PushFacts(
-        surface=found["surface"],
-        object=found["object"],
-        acceleration=_from_thousandths(found["a"]),
-        speed=_speed(found["v"]),
-        side=float(found["i"]),
-        fraction=float(found["s"]),
-        angle=float(found["t"]),
-        repetition=_repetition(found["rep"]),
-    )
+    place = float(found["i"]), float(found["s"]), float(found["t"])
+    return PushFacts(*_common(found), *place, float(found["rep"] or "nan"))
 
 
 def scan_facts(path: str | PurePath) -> ScanFacts | None:
@@ -89,22 +77,18 @@ def scan_facts(path: str | PurePath) -> ScanFacts | None:
 
     Names are `record_surface=S_shape=O_a=A_v=V_deg=D_rep=RRR`; scans that also turn the object (`rotdeg` in
     the name) are another kind, and none of these.
-
-    >>> facts = scan_facts("record_surface=pu_shape=rect1_a=0_v=20_deg=270_rep=001.h5")
-    >>> facts.surface, facts.speed, round(facts.direction, 6), facts.repetition
-    ('pu', 0.02, 1.570796, 1.0)
     """
     found = _SCAN.fullmatch(_stem(path))
     if found is None:
         return None
-    return ScanFacts(
-        surface=found["surface"],
-        object=found["object"],
-        acceleration=_from_thousandths(found["a"]),
-        speed=_speed(found["v"]),
-        direction=math.radians((float(found["deg"]) + 180.0) % 360.0),
-        repetition=_repetition(found["rep"]),
-    )
+    direction = math.radians((float(found["deg"]) + 180.0) % 360.0)
+    return ScanFacts(*_common(found), direction, float(found["rep"] or "nan"))
+
+
+def _common(found: re.Match[str]) -> tuple[str, str, float, float]:
+    """Surface, object, acceleration and speed of a name, the numbers nearest to a thousandth of the text's."""
+    acceleration, speed = (float(f"{found[part]}e-3") for part in ("a", "v"))
+    return found["surface"], found["object"], acceleration, speed if speed >= 0.0 else math.nan
 
 
 def push_name(facts: PushFacts) -> str:
@@ -157,33 +141,19 @@ def _repetition_text(repetition: float, digits: int) -> str:
 
 def _unless_misread(name: str, facts: PushFacts | ScanFacts, read: PushFacts | ScanFacts | None) -> str:
     """Return the name, or raise InvalidInput where reading it gives other facts."""
-    if read is None or not all(_same(value, getattr(read, fact)) for fact, value in asdict(facts).items()):
+
+    def same(value: str | float | None, seen: str | float | None) -> bool:
+        if isinstance(value, (int, float)) and isinstance(seen, (int, float)):
+            # Directions are written to nine decimals of a degree, and are the same a full turn on.
+            return abs(math.remainder(value - seen, 2.0 * math.pi)) < 1e-10 or (math.isnan(value) and math.isnan(seen))
+        return value == seen
+
+    if read is None or not all(same(value, getattr(read, fact)) for fact, value in asdict(facts).items()):
         raise InvalidInput(f"no file name can say {facts}: it would be read as {read}; mend the texts and numbers")
     return name
-
-
-def _same(value: str | float | None, read: str | float | None) -> bool:
-    if isinstance(value, (int, float)) and isinstance(read, (int, float)):
-        # Directions are written to nine decimals of a degree, and are the same a full turn on.
-        return abs(math.remainder(value - read, 2.0 * math.pi)) < 1e-10 or (math.isnan(value) and math.isnan(read))
-    return value == read
 
 
 def _stem(path: str | PurePath) -> str:
     """The file's name without its suffix, letters and digits behind a point: decimals of a number are none."""
     name = PurePath(path)
     return name.stem if _SUFFIX.fullmatch(name.suffix) else name.name
-
-
-def _from_thousandths(text: str) -> float:
-    """The number nearest to a thousandth of the text's: dividing would round a second time."""
-    return float(f"{text}e-3")
-
-
-def _speed(text: str) -> float:
-    speed = _from_thousandths(text)
-    return speed if speed >= 0.0 else math.nan
-
-
-def _repetition(text: str | None) -> float:
-    return math.nan if text is None else float(text)

@@ -59,15 +59,14 @@ _MEANING = {
         for name in _QUATERNION
     },
 }
-_UNIT_WORDS = {
-    "degrees": "deg",
-    "degree": "deg",
-    "°": "deg",
-    "grad": "deg",
+_UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
     "radians": "rad",
     "metres": "m",
     "meters": "m",
 }
+# Columns by which a table is known to be one that `load_pushes` and its like read as it is.
+_POSES = {"x0", "y0", "x1", "y1"}
+_OURS = ({"theta0_deg"}, {"theta0_accum_deg"}, _POSES, {"x1", "y1", "x0n", "y0n"}, {"fx", "fy", "vx", "vy"})
 # A rest of a stream of poses, and what counts as one: slower than m/s and rad/s for so many seconds.
 _REST_SECONDS, _SLOW, _SLOW_TURN = 0.4, 0.003, 0.03
 _SMOOTHED_SECONDS = 0.2
@@ -113,15 +112,8 @@ def is_own(path: str | Path) -> bool:
     with place.open(encoding="utf-8-sig", errors="replace") as file:
         header = file.readline(_LONGEST_HEADER).lower()
     names = {name.strip().strip('"') for name in header.split(",")}
-    ours = (
-        {"theta0_deg"},
-        {"theta0_accum_deg"},
-        {"x0", "y0", "x1", "y1"},
-        {"x1", "y1", "x0n", "y0n"},
-        {"fx", "fy", "vx", "vy"},
-    )
     # A header that is still being written tells nothing.
-    return header.endswith("\n") and not any(names >= wanted for wanted in ours)
+    return header.endswith("\n") and not any(names >= wanted for wanted in _OURS)
 
 
 def read_own_table(path: str | Path, columns: Mapping[str, str] | None = None, units: Sequence[str] = ()) -> OwnTable:
@@ -202,17 +194,13 @@ def _raw(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
         raise DataFileError(f"{path}: {pipe if path.exists() else 'there is no such file; check the path'}")
     if path.is_dir() or path.suffix.lower() in BAGS:
         return _bag(path, told.get("pose"))
-    pandas: Any = import_module("pandas")
-    if path.suffix.lower() in EXCEL:
-        return _spreadsheet(pandas, path)
     if path.suffix.lower() in PARQUET:
         return _parquet([path])
-    text = read_text(path, "CSV")
-    return _numbers(path, _text_table(pandas, path, text[: text.rfind("\n") + 1] if growing else text))
-
-
-def _spreadsheet(pandas: Any, path: Path) -> Columns:
+    if path.suffix.lower() not in EXCEL:
+        text = read_text(path, "CSV")
+        return _numbers(path, _text_table(path, text[: text.rfind("\n") + 1] if growing else text))
     _library("openpyxl", "excel")
+    pandas: Any = import_module("pandas")
     try:
         with ZipFile(path) as parts:
             _check_size(path, sum(part.file_size for part in parts.infolist()))
@@ -229,21 +217,16 @@ def _check_size(path: Path, decoded: int) -> None:
         raise DataFileError(f"{path}: holds {decoded / 1e6:.0f} MB, of at most {_LARGEST_DECODED / 1e6:.0f}; split it")
 
 
-def _text_table(pandas: Any, path: Path, text: str) -> Any:
+def _text_table(path: Path, text: str) -> Any:
     """A CSV file of any separator; where that is no comma, commas in numbers are decimal ones."""
+    pandas: Any = import_module("pandas")
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith(("#", "sep="))]
     if len(lines) < 2:
         raise DataFileError(f"{path}: {len(lines)} lines; a header and rows are wanted")
     separator = max(";\t,|", key=lambda sign: (lines[0].count(sign), sign == ","))
-    if not lines[0].count(separator):
-        separator = ","
+    decimal = "." if separator == "," else ","
     try:
-        return pandas.read_csv(
-            io.StringIO("\n".join(lines)),
-            sep=separator,
-            decimal="," if separator != "," else ".",
-            skipinitialspace=True,
-        )
+        return pandas.read_csv(io.StringIO("\n".join(lines)), sep=separator, decimal=decimal, skipinitialspace=True)
     except (ValueError, pandas.errors.ParserError) as error:
         raise DataFileError(f"{path}: rows of different lengths, or none ({error})") from error
 
@@ -327,8 +310,12 @@ def _bag(path: Path, topic: str | None) -> Columns:
                 mend = "give the topic of the object's pose, --columns pose=TOPIC"
                 raise DataFileError(f"{path}: {mend}; with poses: {have}")
             for one, stamp, content in reader.messages([c for c in posed if c.topic == wanted]):
-                pose = _pose_of(reader.deserialize(content, one.msgtype))
-                rows.append([1e-9 * stamp, *pose])
+                pose = reader.deserialize(content, one.msgtype)
+                while not hasattr(pose, "orientation") and not hasattr(pose, "rotation"):
+                    pose = pose.pose if hasattr(pose, "pose") else pose.transform
+                place = getattr(pose, "position", None) or pose.translation
+                turn = getattr(pose, "orientation", None) or pose.rotation
+                rows.append([1e-9 * stamp, place.x, place.y, turn.x, turn.y, turn.z, turn.w])
     except DataFileError:
         raise
     except Exception as error:
@@ -339,14 +326,6 @@ def _bag(path: Path, topic: str | None) -> Columns:
     if not rows:
         raise DataFileError(f"{path}: the topic {wanted} has no message")
     return dict(zip(("t", "x", "y", *_QUATERNION), np.array(rows).T, strict=True))
-
-
-def _pose_of(message: Any) -> tuple[float, ...]:
-    while not hasattr(message, "orientation") and not hasattr(message, "rotation"):
-        message = message.pose if hasattr(message, "pose") else message.transform
-    place = getattr(message, "position", None) or message.translation
-    turn = getattr(message, "orientation", None) or message.rotation
-    return place.x, place.y, turn.x, turn.y, turn.z, turn.w
 
 
 def _library(name: str, extra: str) -> None:
@@ -374,11 +353,10 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
     """The file's column for each name that is told or recognised."""
     have = ", ".join(list(raw)[:20])
     meaning: dict[str, str] = {}
-    for name, column in told.items():
-        if name != "pose":
-            if column not in raw:
-                raise DataFileError(f"{path}: no column {column} for {name}; it has {have}")
-            meaning[name] = column
+    for name, column in ((name, column) for name, column in told.items() if name != "pose"):
+        if column not in raw:
+            raise DataFileError(f"{path}: no column {column} for {name}; it has {have}")
+        meaning[name] = column
     for name, patterns in _MEANING.items():
         hits = [column for column in raw if any(re.fullmatch(one, _bare(column)[0]) for one in patterns)]
         hits = [column for column in hits if column not in meaning.values()]
@@ -387,8 +365,7 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
             raise DataFileError(f"{path}: {both}: say which, --columns {name}={hits[0]}")
         if hits and name not in meaning:
             meaning[name] = hits[0]
-    places = {"x0", "y0", "x1", "y1"} <= set(meaning)
-    if "theta1" in meaning and "theta1" not in told and not places:
+    if "theta1" in meaning and "theta1" not in told and not set(meaning) >= _POSES:
         after = meaning["theta1"]
         raise DataFileError(
             f"{path}: is {after} the orientation after the push, or before the next one? Say --columns theta1={after} "
@@ -476,7 +453,7 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
     """Rows with an orientation, and with it the next one's where that follows; what was left out is told."""
     words: list[str] = []
     known = np.isfinite(found["theta0"])
-    posed = {"x0", "y0", "theta1", "x1", "y1"} <= set(found)
+    posed = set(found) >= {"theta1", *_POSES}
     number = found.get("repetition", np.arange(known.size, dtype=float))
     if "theta_next" not in found and not posed and known.all() and (np.diff(number) == 1.0).all() and known.size > 1:
         return {"theta0": found["theta0"]}, words
@@ -486,9 +463,8 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
         found["theta_next"] = np.where(follows, following, math.nan)
         if not follows[:-1].all():
             words.append(f"{int((~follows[:-1]).sum())} gaps in the numbers of the pushes: no pair across them")
-    kept = known if posed else known & np.isfinite(found["theta_next"])
-    if posed:
-        kept = kept & np.all([np.isfinite(found[name]) for name in ("x0", "y0", "theta1", "x1", "y1")], axis=0)
+    wanted = ("theta1", *_POSES) if posed else ("theta_next",)
+    kept = known & np.all([np.isfinite(found[name]) for name in wanted], axis=0)
     if not known.all():
         words.append(f"{int((~known).sum())} rows without an orientation left out")
     if int(kept.sum()) < 2:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import zlib
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -27,6 +26,8 @@ TABLES = (*PUSH_TABLES, "tip_array")
 # HDF5's numbers of the filters shuffle, gzip and fletcher32, in the only order that is read.
 _FILTERS = (2, 1, 3)
 _GZIP = 1
+# A damaged file makes h5py raise any of these, and now and then others, from any of its calls.
+_HDF5_FAULTS = (OSError, RuntimeError, ValueError, TypeError, LookupError, MemoryError, AttributeError, zlib.error)
 # Beyond these no table-top measurement lies: a damaged number, or one in other units.
 LARGEST_POSITION = 100.0
 LARGEST_ANGLE = 1e4
@@ -60,14 +61,6 @@ class PushRecord:
     def __post_init__(self) -> None:
         for name in PUSH_TABLES:
             object.__setattr__(self, name, _checked_series(name, getattr(self, name)))
-
-    @classmethod
-    def from_tables(cls, tables: Mapping[str, object]) -> PushRecord:
-        """Return the push that a file's tables hold; InvalidInput names the tables that are missing."""
-        missing = [name for name in PUSH_TABLES if name not in tables]
-        if missing:
-            raise InvalidInput(f"table {', '.join(missing)} is missing; the file has {_listed(tables)}")
-        return cls(*(tables[name] for name in PUSH_TABLES))  # type: ignore[arg-type]
 
     @cached_property
     def object_angle(self) -> Array:
@@ -125,14 +118,6 @@ class ScanRecord:
         object.__setattr__(self, "tip", _checked_series("tip_array", self.tip))
         object.__setattr__(self, "ft_wrench", _checked_series("ft_wrench", self.ft_wrench))
 
-    @classmethod
-    def from_tables(cls, tables: Mapping[str, object]) -> ScanRecord:
-        """Return the scan that a file's tables hold, its tip in `tip_array` or `tip_pose`."""
-        tip = tables.get("tip_array", tables.get("tip_pose"))
-        if tip is None or "ft_wrench" not in tables:
-            raise InvalidInput(f"a scan needs the tables tip_array and ft_wrench; the file has {_listed(tables)}")
-        return cls(tip, tables["ft_wrench"])  # type: ignore[arg-type]
-
     @property
     def stroke(self) -> tuple[float, float]:
         """From the first to the last place of the tip, m, in the world frame."""
@@ -163,10 +148,6 @@ def _checked_series(name: str, value: object) -> Array:
     return read_only(array)
 
 
-def _listed(tables: Mapping[str, object]) -> str:
-    return ", ".join(sorted(tables)[:10]) or "none"
-
-
 def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
     """Read one push (or, where its name or its tables say so, one friction scan) from a .h5, .hdf5 or .json file.
 
@@ -187,18 +168,21 @@ def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
             raise InvalidInput("its name begins as a friction scan's, but is not that of a straight one; leave it out")
         tables = _tables(path)
         if is_scan or ("object_pose" not in tables and "tip_array" in tables):
-            return ScanRecord.from_tables(tables)
-        return PushRecord.from_tables(tables)
+            tip = tables.get("tip_array", tables.get("tip_pose"))
+            if tip is None or "ft_wrench" not in tables:
+                raise InvalidInput(f"a scan needs the tables tip_array and ft_wrench; the file has {_listed(tables)}")
+            return ScanRecord(tip, tables["ft_wrench"])
+        if missing := [name for name in PUSH_TABLES if name not in tables]:
+            raise InvalidInput(f"table {', '.join(missing)} is missing; the file has {_listed(tables)}")
+        return PushRecord(*(tables[name] for name in PUSH_TABLES))
     except DataFileError:
         raise
     except InvalidInput as error:
         raise DataFileError(f"{path}: {error}") from error
 
 
-def _refuse_other_scans(path: Path) -> None:
-    """Scans that also turn the object may hold all tables of a push, yet are none."""
-    if path.name.startswith("record_") and scan_facts(path) is None:
-        raise InvalidInput("its name begins as a friction scan's, but is not that of a straight one; leave it out")
+def _listed(tables: dict[str, Any]) -> str:
+    return ", ".join(sorted(tables)[:10]) or "none"
 
 
 def _tables(path: Path) -> dict[str, Any]:
@@ -227,17 +211,7 @@ def _hdf5_tables(path: Path) -> dict[str, Any]:
         raise
     except PermissionError as error:
         raise InvalidInput("there is no permission to read it") from error
-    # A damaged file makes h5py raise any of these, and now and then others, from any of its calls.
-    except (
-        OSError,
-        RuntimeError,
-        ValueError,
-        TypeError,
-        LookupError,
-        MemoryError,
-        AttributeError,
-        zlib.error,
-    ) as error:
+    except _HDF5_FAULTS as error:
         told = (str(error).splitlines() or [type(error).__name__])[0][:200]
         raise InvalidInput(f"not a whole HDF5 file, cut short or damaged ({told})") from error
 
@@ -292,40 +266,24 @@ def write_push_file(path: str | Path, record: PushRecord | ScanRecord) -> int:
 
     Raises InvalidInput for another suffix, OSError where the disk is full or the folder cannot be written; then, or
     when the process is killed, `path` is as it was before.
-
-    >>> import tempfile
-    >>> from cyclemap.evidence.pushes.push_files import read_push_file
-    >>> poses = [[0.0, 0.1, 0.0, 3.1], [0.1, 0.1, 0.2, -3.1]]
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     _ = write_push_file(f"{folder}/push.h5", PushRecord(poses, poses, [[0.0, 0.0, 1.0, 0.0]]))
-    ...     read_push_file(f"{folder}/push.h5").end
-    (0.1, 0.2, 3.183185307179586)
     """
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
         raise InvalidInput(f"{path}: '{path.suffix}' is no suffix of push data; choose one of {', '.join(SUFFIXES)}")
-    tables = record_tables(record)
+    if isinstance(record, PushRecord):
+        tables = {name: getattr(record, name) for name in PUSH_TABLES}
+    else:
+        tables = {"tip_array": record.tip, "ft_wrench": record.ft_wrench}
     if path.suffix.lower() in HDF5_SUFFIXES:
-        content = _hdf5(tables)
+        import h5py
+
+        # Made in memory: a full disk is then met by plain writing alone, which fails cleanly.
+        with h5py.File("push", "w", driver="core", backing_store=False) as file:
+            for name, rows in tables.items():
+                file.create_dataset(name, data=rows, chunks=rows.shape, compression="gzip", shuffle=True)
+            file.flush()
+            content = bytes(file.id.get_file_image())
     else:
         content = json.dumps({name: rows.tolist() for name, rows in tables.items()}, allow_nan=False).encode()
     write_whole(path, content)
     return len(content)
-
-
-def record_tables(record: PushRecord | ScanRecord) -> dict[str, Array]:
-    """The tables of a record by their names in the files; a scan's tip is in `tip_array`."""
-    if isinstance(record, PushRecord):
-        return {name: getattr(record, name) for name in PUSH_TABLES}
-    return {"tip_array": record.tip, "ft_wrench": record.ft_wrench}
-
-
-def _hdf5(tables: dict[str, Array]) -> bytes:
-    """An HDF5 file made in memory: a full disk is then met by plain writing alone, which fails cleanly."""
-    import h5py
-
-    with h5py.File("push", "w", driver="core", backing_store=False) as file:
-        for name, rows in tables.items():
-            file.create_dataset(name, data=rows, chunks=rows.shape, compression="gzip", shuffle=True)
-        file.flush()
-        return bytes(file.id.get_file_image())

@@ -22,7 +22,6 @@ from cyclemap.evidence.pushes.push_files import (
     LARGEST_POSITION,
     SUFFIXES,
     PushRecord,
-    ScanRecord,
     read_push_file,
 )
 from cyclemap.evidence.pushes.theta0_pairs import doubt_degrees, read_theta0_pairs
@@ -97,7 +96,13 @@ def read_push_csv(path: str | Path) -> list[dict[str, Any]]:
     if all(named_column(table, column) for column in _ENDS):
         doubt_degrees(table, [name for name in ("theta0_deg", "theta1_deg") if name in table.header])
         return [_pose_row(table, row) for row in table.rows]
-    return _pair_rows(table)
+    pairs = read_theta0_pairs(table.path)
+    number = np.full(pairs.theta.size, math.nan)
+    if "theta0_accum_deg" in table.header:
+        kept = [row for row in table.rows if table.text(row, "dtheta_to_next_deg") and not table.text(row, "flag")]
+        number = np.array([table.number(row, "rep") for row in kept])
+    columns = zip(number.tolist(), pairs.theta.tolist(), pairs.theta_next.tolist(), strict=True)
+    return [_unknown(table) | {"repetition": rep, "theta0": now, "theta_next": later} for rep, now, later in columns]
 
 
 def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
@@ -117,16 +122,6 @@ def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
     ahead = theta1 + float(shorter_way(found["theta_next"] - theta1))
     motion = {"dx": c * x + s * y, "dy": c * y - s * x, "dtheta": dtheta, "theta1": theta1, "theta_next": ahead}
     return _unknown(table) | found | motion
-
-
-def _pair_rows(table: CsvTable) -> list[dict[str, Any]]:
-    pairs = read_theta0_pairs(table.path)
-    number = np.full(pairs.theta.size, math.nan)
-    if "theta0_accum_deg" in table.header:
-        kept = [row for row in table.rows if table.text(row, "dtheta_to_next_deg") and not table.text(row, "flag")]
-        number = np.array([table.number(row, "rep") for row in kept])
-    columns = zip(number.tolist(), pairs.theta.tolist(), pairs.theta_next.tolist(), strict=True)
-    return [_unknown(table) | {"repetition": rep, "theta0": now, "theta_next": later} for rep, now, later in columns]
 
 
 def _unknown(table: CsvTable) -> dict[str, Any]:
@@ -234,26 +229,18 @@ def _rows(path: Path) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
             raise DataFileError(f"{path}: there is no such file; check the path")
         return read_push_csv(path), []
     record = read_push_file(path)
-    if isinstance(record, PushRecord):
-        return [_push_row(path, record)], []
-    return [], [_scan_row(path, record)]
-
-
-def _push_row(path: Path, push: PushRecord) -> dict[str, Any]:
+    if not isinstance(record, PushRecord):
+        along, across = scan_forces(record)
+        forces = {"force_along": along, "force_across": across, "ratio": across / along if along else math.nan}
+        rest = {"samples": len(record.ft_wrench), "path": str(path)}
+        return [], [asdict(scan_facts(path) or ScanFacts()) | forces | rest]
     facts = push_facts(path) or PushFacts()
     outline = _mit_outline(facts.object)
-    ratio = math.nan if outline is None else contact_force_ratio(push, outline)
-    poses = dict(zip(_POSES, (*push.start, *push.end, *push.displacement, push.turn), strict=True))
-    rest = {"length": push.length, "force_ratio": ratio, "samples": push.samples, "path": str(path)}
-    tip = dict(zip(_TIP, push.tip_pose[0, 1:3].tolist(), strict=True))
-    return asdict(facts) | poses | tip | rest
-
-
-def _scan_row(path: Path, scan: ScanRecord) -> dict[str, Any]:
-    along, across = scan_forces(scan)
-    ratio = across / along if along else math.nan
-    measured = {"force_along": along, "force_across": across, "ratio": ratio}
-    return asdict(scan_facts(path) or ScanFacts()) | measured | {"samples": len(scan.ft_wrench), "path": str(path)}
+    ratio = math.nan if outline is None else contact_force_ratio(record, outline)
+    poses = dict(zip(_POSES, (*record.start, *record.end, *record.displacement, record.turn), strict=True))
+    tip = dict(zip(_TIP, record.tip_pose[0, 1:3].tolist(), strict=True))
+    rest = {"length": record.length, "force_ratio": ratio, "samples": record.samples, "path": str(path)}
+    return [asdict(facts) | poses | tip | rest], []
 
 
 @cache
@@ -285,4 +272,4 @@ def _theta_next(table: pandas.DataFrame) -> pandas.Series:
     for key, number, angle in zip(sets, repetition, start, strict=True):
         first.setdefault((key, number), angle)
     following = [first.get((key, number + 1.0), math.nan) for key, number in zip(sets, repetition, strict=True)]
-    return pandas.Series(end + np.remainder(np.array(following) - end + np.pi, 2.0 * np.pi) - np.pi)
+    return pandas.Series(end + shorter_way(np.array(following) - end))

@@ -53,8 +53,13 @@ class Theta0Pairs:
             raise InvalidInput(f"theta and theta_next have shapes {shapes}; give two equally long lists")
         if not (np.isfinite(self.theta).all() and np.isfinite(self.theta_next).all()):
             raise InvalidInput("theta and theta_next hold a number that is not finite; remove those pairs")
-        _check_numbers("cycle", self.cycle, self.theta)
-        _check_numbers("path_cycle", self.path_cycle, self.path)
+        for name, cycle, angles in (("cycle", self.cycle, self.theta), ("path_cycle", self.path_cycle, self.path)):
+            if cycle is None:
+                continue
+            shape = None if angles is None else angles.shape
+            if cycle.shape != shape or not np.isfinite(cycle).all():
+                told = f"{name} has shape {cycle.shape} for angles of shape {shape}"
+                raise InvalidInput(f"{told}; give one number an angle")
 
     @property
     def turn(self) -> Array:
@@ -65,15 +70,6 @@ class Theta0Pairs:
     def dropped_count(self) -> int:
         """How many pairs were left out in all."""
         return sum(self.dropped.values())
-
-
-def _check_numbers(name: str, cycle: Array | None, angles: Array | None) -> None:
-    """Raise InvalidInput unless there is one finite cycle number an angle, or none at all."""
-    if cycle is None:
-        return
-    if angles is None or cycle.shape != angles.shape or not np.isfinite(cycle).all():
-        shape = None if angles is None else angles.shape
-        raise InvalidInput(f"{name} has shape {cycle.shape} for angles of shape {shape}; give one number an angle")
 
 
 def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
@@ -93,10 +89,22 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
     if "theta0_accum_deg" in table.header:
         return _from_staircase(table)
     if "theta_next_deg" in table.header:
-        return _from_pairs(table)
-    if ORDERED_COLUMN in table.header:
-        return _from_ordered(table)
-    raise table.error(1, f"the header is {','.join(table.header)}; it must be {LAYOUTS}")
+        require_columns(table, PAIR_COLUMNS)
+        theta, theta_next = (np.array([table.number(row, name) for row in table.rows]) for name in PAIR_COLUMNS)
+        turn = _shorter_way(theta_next - theta)
+        if theta.size < 2 or (np.abs(_shorter_way(theta[1:] - theta_next[:-1])) > CONSISTENT_DEG).any():
+            return Theta0Pairs(np.deg2rad(theta), np.deg2rad(theta + turn))
+        return _in_order(theta[0], turn)
+    if ORDERED_COLUMN not in table.header:
+        raise table.error(1, f"the header is {','.join(table.header)}; it must be {LAYOUTS}")
+    for name in table.header:
+        if "next" in name or get_close_matches(name, PAIR_COLUMNS[1:], cutoff=_NEARLY_THE_NAME):
+            told = f"the header has {name} beside {ORDERED_COLUMN}: name it {PAIR_COLUMNS[1]} if it is the next θ0 in"
+            raise table.error(1, f"{told} degrees, or leave it out")
+    theta = np.array([table.number(row, ORDERED_COLUMN) for row in table.rows])
+    if theta.size < 2:
+        raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
+    return _in_order(theta[0], _shorter_way(np.diff(theta)))
 
 
 def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
@@ -118,54 +126,28 @@ def _from_staircase(table: CsvTable) -> Theta0Pairs:
     column = "dtheta_to_next_deg"
     turns = np.array([table.number(row, column) if table.text(row, column) else np.nan for row in table.rows])
     number = np.array([table.number(row, "rep") for row in table.rows])
-    _check_staircase(table, number, path, turns)
+    wrapped = np.array([table.number(row, "theta0_mod360_deg") for row in table.rows])
+    if not np.isnan(turns[-1]):
+        last = table.rows[-1].line
+        raise table.error(last, "the last row has a next θ0: the file is cut off; restore it or empty that field")
+    for index in np.flatnonzero(np.abs(_shorter_way(path - wrapped)) > CONSISTENT_DEG)[:1]:
+        values = f"{path[index]:g} and {wrapped[index]:g}"
+        raise table.error(table.rows[index].line, f"theta0_accum_deg and theta0_mod360_deg disagree ({values})")
+    off_next = (np.diff(number) == 1) & (np.abs(np.diff(path) - turns[:-1]) > CONSISTENT_DEG)
+    for index in np.flatnonzero(off_next)[:1]:
+        values = f"{turns[index]:g}, the next row says {path[index + 1] - path[index]:g}"
+        raise table.error(table.rows[index].line, f"dtheta_to_next_deg is {values}; a row is missing or cut off")
     flags = np.array([table.text(row, "flag") for row in table.rows])
     kept = (flags == "") & ~np.isnan(turns)
     if not kept.any():
         raise table.error(table.rows[-1].line, "no row without a flag has a next θ0; nothing to compare with")
     theta = np.deg2rad(path[kept])
-    dropped = Counter(flag for flag in flags.tolist() if flag)
-    theta_next, reasons = theta + np.deg2rad(turns[kept]), dict(dropped)
-    return Theta0Pairs(theta, theta_next, np.deg2rad(path), reasons, number[kept], number)
+    dropped = dict(Counter(flag for flag in flags.tolist() if flag))
+    return Theta0Pairs(theta, theta + np.deg2rad(turns[kept]), np.deg2rad(path), dropped, number[kept], number)
 
 
-def _check_staircase(table: CsvTable, number: Array, path: Array, turns: Array) -> None:
-    wrapped = np.array([table.number(row, "theta0_mod360_deg") for row in table.rows])
-    off_circle = np.abs(_shorter_way(path - wrapped)) > CONSISTENT_DEG
-    off_next = (np.diff(number) == 1) & (np.abs(np.diff(path) - turns[:-1]) > CONSISTENT_DEG)
-    if not np.isnan(turns[-1]):
-        last = table.rows[-1].line
-        raise table.error(last, "the last row has a next θ0: the file is cut off; restore it or empty that field")
-    for index in np.flatnonzero(off_circle)[:1]:
-        values = f"{path[index]:g} and {wrapped[index]:g}"
-        raise table.error(table.rows[index].line, f"theta0_accum_deg and theta0_mod360_deg disagree ({values})")
-    for index in np.flatnonzero(off_next)[:1]:
-        values = f"{turns[index]:g}, the next row says {path[index + 1] - path[index]:g}"
-        raise table.error(table.rows[index].line, f"dtheta_to_next_deg is {values}; a row is missing or cut off")
-
-
-def _from_pairs(table: CsvTable) -> Theta0Pairs:
-    require_columns(table, PAIR_COLUMNS)
-    theta = np.array([table.number(row, "theta0_deg") for row in table.rows])
-    theta_next = np.array([table.number(row, "theta_next_deg") for row in table.rows])
-    turn = _shorter_way(theta_next - theta)
-    if theta.size < 2 or (np.abs(_shorter_way(theta[1:] - theta_next[:-1])) > CONSISTENT_DEG).any():
-        return Theta0Pairs(np.deg2rad(theta), np.deg2rad(theta + turn))
-    return _in_order(np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(turn)])))
-
-
-def _from_ordered(table: CsvTable) -> Theta0Pairs:
-    for name in table.header:
-        if "next" in name or get_close_matches(name, PAIR_COLUMNS[1:], cutoff=_NEARLY_THE_NAME):
-            told = f"the header has {name} beside {ORDERED_COLUMN}: name it {PAIR_COLUMNS[1]} if it is the next θ0 in"
-            raise table.error(1, f"{told} degrees, or leave it out")
-    theta = np.array([table.number(row, ORDERED_COLUMN) for row in table.rows])
-    if theta.size < 2:
-        raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
-    return _in_order(np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(_shorter_way(np.diff(theta)))])))
-
-
-def _in_order(path: Array) -> Theta0Pairs:
+def _in_order(start_deg: float, turns_deg: Array) -> Theta0Pairs:
+    path = np.deg2rad(start_deg + np.concatenate([[0.0], np.cumsum(turns_deg)]))
     number = np.arange(float(path.size))
     return Theta0Pairs(path[:-1], path[1:], path, cycle=number[:-1], path_cycle=number)
 

@@ -39,11 +39,7 @@ def covered_arcs(measured: ArrayLike) -> tuple[tuple[float, float], ...]:
 
 
 def is_covered(measured: ArrayLike, theta: ArrayLike) -> NDArray[np.bool_]:
-    """Whether each of ``theta`` (...), rad, lies within 1 degree of a covered arc of ``measured`` (n,), n ≥ 1, rad.
-
-    >>> is_covered([6.2, 6.4], [0.0, 1.0]).tolist()
-    [True, False]
-    """
+    """Whether each of ``theta`` (...), rad, lies within 1 degree of a covered arc of ``measured`` (n,), n ≥ 1, rad."""
     angles = finite_array("theta", theta)
     inside = [np.mod(angles - low + _EDGE, TWO_PI) <= high - low + 2 * _EDGE for low, high in covered_arcs(measured)]
     return np.asarray(np.any(inside, axis=0))
@@ -100,18 +96,6 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
     return AngleHistogram(np.linspace(0.0, TWO_PI, bins + 1), count * (bins / TWO_PI) / theta.size)
 
 
-def map_agreement(pairs: Theta0Pairs, turn: Callable[[Array], Array], bins: int = DEFAULT_BINS) -> MapAgreement:
-    """Distance of the pairs from a map whose turn at θ (rad) is `turn(θ)` (rad).
-
-    The bin figure is over the medians of `turn_bins`, each bin counting once: it weighs rarely visited
-    directions as much as crowded ones.
-    """
-    medians = turn_bins(pairs, bins)
-    over_pairs = _root_mean_square(pairs.turn - turn(pairs.theta))
-    over_bins = _root_mean_square(medians.median - turn(medians.centre)) if medians.centre.size else np.nan
-    return MapAgreement(pairs.theta.size, over_pairs, medians.centre.size, over_bins)
-
-
 def bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
     """Which of ``bins`` equal bins over [0, 2π) each angle (rad, any turn) lies in; InvalidInput for fewer than one."""
     count = whole_number("bins", bins, least=1)
@@ -121,13 +105,12 @@ def bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
     return np.minimum((np.mod(theta, TWO_PI) * (count / TWO_PI)).astype(np.int64), count - 1)
 
 
-def _root_mean_square(values: Array) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
-
-
 @dataclass(frozen=True, eq=False)
 class MeasuredOverlay:
-    """Measured pairs with their medians by direction, their histogram, and their distance from a map."""
+    """Measured pairs with their medians by direction, their histogram, and their distance from a map.
+
+    The distance of the medians counts each bin once: rarely visited directions weigh as much as crowded ones.
+    """
 
     pairs: Theta0Pairs
     bins: TurnBins
@@ -137,6 +120,8 @@ class MeasuredOverlay:
 
 def measured_overlay(pairs: Theta0Pairs, turn: Callable[[Array], Array]) -> MeasuredOverlay:
     """Summarise `pairs` against the map that turns θ (rad) by `turn(θ)` (rad)."""
-    return MeasuredOverlay(
-        pairs=pairs, bins=turn_bins(pairs), histogram=angle_histogram(pairs.theta), agreement=map_agreement(pairs, turn)
-    )
+    bins = turn_bins(pairs)
+    off, bin_off = pairs.turn - turn(pairs.theta), bins.median - turn(bins.centre)
+    rms, bin_rms = (float(np.sqrt(np.mean(one**2))) if one.size else np.nan for one in (off, bin_off))
+    agreement = MapAgreement(pairs.theta.size, rms, bins.centre.size, bin_rms)
+    return MeasuredOverlay(pairs, bins, angle_histogram(pairs.theta), agreement)

@@ -45,26 +45,6 @@ class TipPath:
     travel: Array
     straightness: float
 
-    @property
-    def start(self) -> tuple[float, float]:
-        """Where the tip starts, m."""
-        x, y = self.corners[0].tolist()
-        return x, y
-
-    @property
-    def strokes(self) -> int:
-        """How many straight strokes the path has."""
-        return len(self.corners) - 1
-
-    @property
-    def length(self) -> float:
-        """Length of the chain, m."""
-        return float(np.hypot(*np.diff(self.corners, axis=0).T).sum())
-
-    def travel_at(self, time: Array) -> Array:
-        """Return the travel (m) at times (...), s: that of the ends before and after the record."""
-        return np.asarray(np.interp(time, self.time, self.travel))
-
     def place_at(self, travel: Array) -> Array:
         """Return the places (..., 2), m, at travels (...), m."""
         at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(self.corners, axis=0).T))])
@@ -77,15 +57,27 @@ def tip_path(tip_pose: Array) -> TipPath:
     tip_pose : (m, 3 or more): time (s), x (m), y (m), and what else is recorded. The corners are recorded places,
     chosen by halving at the farthest place (Ramer 1972; Douglas & Peucker 1973). Raises InvalidInput where the tip
     moves less than 1 mm.
-
-    >>> path = tip_path(np.array([[0.0, 0.0, 0.0], [1.0, 0.03, 0.0], [2.0, 0.03, 0.02]]))
-    >>> path.strokes, path.travel.round(3).tolist()
-    (2, [0.0, 0.03, 0.05])
     """
     table = finite_array("tip pose", tip_pose, ndim=2)
     place = table[:, 1:3]
-    corners = _corners(place)
-    travel = _travel(place, corners)
+    kept, spans = {0, len(place) - 1}, [(0, len(place) - 1)]
+    while spans:
+        first, last = spans.pop()
+        off = _from_chord(place[first : last + 1])
+        farthest = int(off.argmax())
+        if off[farthest] > BEND:
+            kept.add(first + farthest)
+            spans += [(first, first + farthest), (first + farthest, last)]
+    corners = sorted(kept)
+    # The travel at each recorded place is its projection on its stroke, never falling.
+    travel = np.zeros(len(place))
+    for first, last in pairwise(corners):
+        chord = place[last] - place[first]
+        length = float(np.hypot(*chord))
+        if length > 0.0:
+            along = (place[first : last + 1] - place[first]) @ (chord / length)
+            travel[first : last + 1] = travel[first] + np.clip(along, 0.0, length)
+    travel = np.maximum.accumulate(travel)
     if travel[-1] < SHORTEST_PATH:
         raise InvalidInput(f"the tip moves {1e3 * travel[-1]:.2g} mm: it pushes nothing")
     straightness = float(_from_chord(place).max())
@@ -98,30 +90,6 @@ def _from_chord(place: Array) -> Array:
     square = float(chord @ chord)
     share = np.clip(offset @ chord / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(place))
     return np.asarray(np.hypot(*(offset - share[:, None] * chord).T))
-
-
-def _corners(place: Array) -> list[int]:
-    kept, spans = {0, len(place) - 1}, [(0, len(place) - 1)]
-    while spans:
-        first, last = spans.pop()
-        off = _from_chord(place[first : last + 1])
-        farthest = int(off.argmax())
-        if off[farthest] > BEND:
-            kept.add(first + farthest)
-            spans += [(first, first + farthest), (first + farthest, last)]
-    return sorted(kept)
-
-
-def _travel(place: Array, corners: list[int]) -> Array:
-    """Travel along the chain at each recorded place: its projection on its stroke, never falling."""
-    travel = np.zeros(len(place))
-    for first, last in pairwise(corners):
-        chord = place[last] - place[first]
-        length = float(np.hypot(*chord))
-        if length > 0.0:
-            along = (place[first : last + 1] - place[first]) @ (chord / length)
-            travel[first : last + 1] = travel[first] + np.clip(along, 0.0, length)
-    return np.maximum.accumulate(travel)
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,12 +147,14 @@ class Replay:
     @property
     def measured_motion(self) -> tuple[float, float]:
         """How far the object went, m, and turned, rad."""
-        return _motion(self.measured)
+        x, y, turn = (self.measured[-1] - self.measured[0]).tolist()
+        return math.hypot(x, y), turn
 
     @property
     def predicted_motion(self) -> tuple[float, float]:
         """How far the object should have gone, m, and turned, rad."""
-        return _motion(self.predicted)
+        x, y, turn = (self.predicted[-1] - self.predicted[0]).tolist()
+        return math.hypot(x, y), turn
 
     @property
     def touch_agrees(self) -> bool:
@@ -220,7 +190,7 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
     [9.75]
     """
     path, start = tip_path(record.tip_pose), Pose(*record.start)
-    first = (path.start[0] + offset[0], path.start[1] + offset[1])
+    first = (float(path.corners[0, 0]) + offset[0], float(path.corners[0, 1]) + offset[1])
     shift = clearing_shift(model, start, first) + offset
     outline = model.slider.outline
     if isinstance(outline, Polygon) and is_cut_curve(outline):
@@ -228,7 +198,7 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
     else:
         run = push_along(model, start, path.corners + shift)
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
-    travel = path.travel_at(record.object_pose[:, 0])
+    travel = np.interp(record.object_pose[:, 0], path.time, path.travel)
     predicted, tip = run.pose_at(travel), path.place_at(travel) + shift
     return Replay(
         record.object_pose[:, 0],
@@ -240,7 +210,7 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
         model.slider.outline_points(),
         start_gap=rod_gap(model, start, first)[0],
         straightness=path.straightness,
-        strokes=path.strokes,
+        strokes=len(path.corners) - 1,
         measured_onset=_onset(measured, travel, model.unit),
         predicted_onset=_onset(predicted, travel, model.unit),
         measured_end_gap=_end_gap(model, measured, tip),
@@ -252,11 +222,6 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
 
 def _end_gap(model: QuasiStaticModel, poses: Array, tip: Array) -> float:
     return rod_gap(model, Pose(*poses[-1].tolist()), (float(tip[-1, 0]), float(tip[-1, 1])))[0]
-
-
-def _motion(poses: Array) -> tuple[float, float]:
-    x, y, turn = (poses[-1] - poses[0]).tolist()
-    return math.hypot(x, y), turn
 
 
 def _mean_square(travel: Array, error: Array) -> float:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,28 +45,13 @@ if TYPE_CHECKING:
 # plate is symmetric about both axes. Nodes of the outline in the dataset's code (peterkty/pnpush, shape_db.py, "butt",
 # and its CAD points), whose spline the mesh in mcubelab/pdproc (butter.obj) follows within 0.01 mm.
 _QUARTER = (
-    (27.3790177, 0.0),
-    (28.021517, 4.9769114),
-    (29.7530391, 9.9489481),
-    (32.2795708, 14.9115157),
-    (35.3071749, 19.8595996),
-    (38.5418302, 24.7884652),
-    (41.6895866, 29.6933079),
-    (44.4564538, 34.5692232),
-    (46.5484518, 39.4117064),
-    (47.6716003, 44.215653),
-    (47.5723138, 48.9696983),
-    (46.2633978, 53.6184558),
-    (43.8655401, 58.0887518),
-    (40.4997342, 62.3073622),
-    (36.2869737, 66.2010628),
-    (31.3482126, 69.6966295),
-    (25.8045628, 72.7208383),
-    (19.7768994, 75.2004648),
-    (13.3862555, 77.0622851),
-    (6.7536245, 78.233075),
+    (27.3790177, 0.0), (28.021517, 4.9769114), (29.7530391, 9.9489481), (32.2795708, 14.9115157),
+    (35.3071749, 19.8595996), (38.5418302, 24.7884652), (41.6895866, 29.6933079), (44.4564538, 34.5692232),
+    (46.5484518, 39.4117064), (47.6716003, 44.215653), (47.5723138, 48.9696983), (46.2633978, 53.6184558),
+    (43.8655401, 58.0887518), (40.4997342, 62.3073622), (36.2869737, 66.2010628), (31.3482126, 69.6966295),
+    (25.8045628, 72.7208383), (19.7768994, 75.2004648), (13.3862555, 77.0622851), (6.7536245, 78.233075),
     (0.0, 78.6396103),
-)
+)  # fmt: skip
 
 # Of the dataset's rect1, cut from the same plate: 0.8374 kg on 90 mm by 90 mm; the butterfly's own mass is not given
 # there. It scales the forces alone, never the motion.
@@ -86,36 +72,21 @@ REPLAY_COLUMNS = (
 )  # fmt: skip
 
 
-def butter_outline() -> Polygon:
-    """Return the outline of the dataset's butterfly, m: 80 vertices counter-clockwise from its end at -y.
-
-    >>> outline = butter_outline()
-    >>> outline.sides, outline.is_convex, round(1e6 * outline.area)
-    (80, False, 11667)
-    """
-    quarter = np.array(_QUARTER) * 1e-3
-    right = np.vstack([quarter[::-1] * (1.0, -1.0), quarter[1:]])
-    left = -right[1:-1]
-    return Polygon(tuple(map(tuple, np.vstack([right, left]).tolist())))
-
-
-def butter_slider() -> Slider:
-    """Return the butterfly as a slider; mass and inertia are those of its outline in the plate of rect1.
-
-    >>> round(butter_slider().mass, 3)
-    1.206
-    """
-    outline = butter_outline()
-    return Slider(outline, _PLATE_DENSITY * outline.area, (0.0, 0.0), inertia=_BUTTER_INERTIA, name="butter")
-
-
 def dataset_sliders() -> dict[str, Slider]:
     """Return the objects of the MIT push dataset by the names that its files use.
 
-    >>> len(dataset_sliders())
-    11
+    Mass and inertia of `butter`, the butterfly, are those of its outline in the plate of rect1.
+
+    >>> len(dataset_sliders()), dataset_sliders()["butter"].outline.is_convex
+    (11, False)
     """
-    return {**{name: Slider.mit(name) for name in MIT_SHAPE_NAMES}, "butter": butter_slider()}
+    quarter = np.array(_QUARTER) * 1e-3
+    # Counter-clockwise from its end at -y.
+    right = np.vstack([quarter[::-1] * (1.0, -1.0), quarter[1:]])
+    outline = Polygon(tuple(map(tuple, np.vstack([right, -right[1:-1]]).tolist())))
+    mass = _PLATE_DENSITY * outline.area
+    butter = Slider(outline, mass, (0.0, 0.0), inertia=_BUTTER_INERTIA, name="butter")
+    return {**{name: Slider.mit(name) for name in MIT_SHAPE_NAMES}, "butter": butter}
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +181,8 @@ def replay_pushes(
     report, chosen = progress or (lambda fraction: None), dict(select or {})
     selection = RowSelection((str(chosen["object"]),) if "object" in chosen else (), chosen)
     found, left = select_pushes(Path(path), selection, True, lambda fraction: report(_READING * fraction))
-    runner = _Runner(dataset_sliders() if sliders is None else sliders, friction, pusher, plates, frames)
+    models = _models(dataset_sliders() if sliders is None else sliders, friction, pusher, plates)
+    shifts = {one.plate: (one.x, one.y) for one in frames}
     rows: list[dict[str, Any]] = []
     replays: list[Replay] = []
     left_out = [
@@ -225,12 +197,14 @@ def replay_pushes(
             for facts, record in _recorded(Path(name), selection, left_out):
                 done += 1
                 try:
-                    replay, row = runner.replay(Path(name), facts, record)
+                    (model, plain), offset = models(facts.object), shifts.get(facts.object or "", (0.0, 0.0))
+                    replay = replay_push(record, model, offset)
+                    isotropic = replay if plain is model and not any(offset) else replay_push(record, plain)
                 except CycleMapError as error:
                     left_out.append(UnreadableFile(Path(name), str(error)))
                 else:
                     replays.append(replay)
-                    rows.append(row)
+                    rows.append(_row(Path(name), facts, replay, isotropic))
                 report(_READING + (1.0 - _READING) * min(done / total, 1.0))
         except CycleMapError as error:
             left_out.append(UnreadableFile(Path(name), str(error)))
@@ -239,44 +213,28 @@ def replay_pushes(
     return ReplayedPushes(pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS)), tuple(replays), tuple(left_out))
 
 
-class _Runner:
-    """The models of the objects, each made once: on the surface, and on isotropic friction under even pressure."""
+def _models(
+    sliders: Mapping[str, Slider], friction: EllipseFriction, pusher: Pusher, plates: Sequence[PlatePressure]
+) -> Callable[[str | None], tuple[QuasiStaticModel, QuasiStaticModel]]:
+    """What gives the models of an object, made once: on the surface, and on isotropic friction under even pressure."""
+    pressed = {one.plate: one for one in plates}
 
-    def __init__(
-        self,
-        sliders: Mapping[str, Slider],
-        friction: EllipseFriction,
-        pusher: Pusher,
-        plates: Sequence[PlatePressure],
-        frames: Sequence[FrameShift],
-    ) -> None:
-        self._sliders, self._friction, self._pusher = sliders, friction, pusher
-        self._plates = {one.plate: one for one in plates}
-        self._frames = {one.plate: (one.x, one.y) for one in frames}
-        self._models: dict[str, tuple[QuasiStaticModel, QuasiStaticModel]] = {}
-
-    def replay(self, path: Path, facts: PushFacts, record: PushRecord) -> tuple[Replay, dict[str, Any]]:
-        (model, plain), offset = self._both(facts.object), self._frames.get(facts.object or "", (0.0, 0.0))
-        replay = replay_push(record, model, offset)
-        isotropic = replay if plain is model and not any(offset) else replay_push(record, plain)
-        return replay, _row(path, facts, replay, isotropic)
-
-    def _both(self, name: str | None) -> tuple[QuasiStaticModel, QuasiStaticModel]:
+    @cache
+    def models(name: str | None) -> tuple[QuasiStaticModel, QuasiStaticModel]:
         if name is None:
             raise InvalidInput("its name does not say which object was pushed: it is not of the MIT layout")
-        if name not in self._sliders:
+        if name not in sliders:
             raise InvalidInput(
                 f"object {name!r} has no outline: neither the material file nor the data's collection.toml has it"
             )
-        if name not in self._models:
-            slider, law = self._sliders[name], self._friction
-            footprint = None
-            if name in self._plates:
-                footprint = PatchFootprint(slider.outline, **self._plates[name].shares, centre=slider.centre_of_mass)
-            model = QuasiStaticModel(slider, law, self._pusher, footprint, accuracy=ACCURACY)
-            is_plain = footprint is None and law.mu_a == law.mu_b and law.m0 == law.n0 == 0.0
-            self._models[name] = (model, model if is_plain else model.isotropic)
-        return self._models[name]
+        slider, footprint = sliders[name], None
+        if name in pressed:
+            footprint = PatchFootprint(slider.outline, **pressed[name].shares, centre=slider.centre_of_mass)
+        model = QuasiStaticModel(slider, friction, pusher, footprint, accuracy=ACCURACY)
+        is_plain = footprint is None and friction.mu_a == friction.mu_b and friction.m0 == friction.n0 == 0.0
+        return model, model if is_plain else model.isotropic
+
+    return models
 
 
 def _recorded(
@@ -306,10 +264,9 @@ def _recorded(
 
 
 def _row(path: Path, facts: PushFacts, replay: Replay, isotropic: Replay) -> dict[str, Any]:
-    known = asdict(facts)
     rms, rms_turn = replay.rms
     (went, turned), (would_go, would_turn) = replay.measured_motion, replay.predicted_motion
-    return {name: known[name] for name in _FACTS} | {
+    return {name: getattr(facts, name) for name in _FACTS} | {
         "error": float(replay.error[-1]),
         "turn_error": float(replay.turn_error[-1]),
         "isotropic_error": float(isotropic.error[-1]),

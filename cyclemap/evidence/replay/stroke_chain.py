@@ -13,7 +13,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.errors import InvalidInput, UnsupportedContact
 from cyclemap.evidence.pushes.contact_forces import nearest_on_polyline
-from cyclemap.mechanics import DragBack, Ellipse, Pose, PushResult, QuasiStaticModel, SidePush, WorldPush
+from cyclemap.mechanics import DragBack, Ellipse, Pose, QuasiStaticModel, SidePush, WorldPush
 from cyclemap.mechanics.contact_curve import ContactCurve, SidePiece
 from cyclemap.mechanics.engine.strokes import piece_table
 from cyclemap.mechanics.first_touch import first_touch
@@ -68,12 +68,6 @@ def rod_gap(model: QuasiStaticModel, pose: Pose, place: tuple[float, float]) -> 
     """Return the gap (m) between a rod at `place` (m, world frame) and the object, and the outward normal (2,) there.
 
     The gap is negative where the rod reaches into the object; the normal is in the world frame.
-
-    >>> from cyclemap.mechanics import EllipseFriction, Slider
-    >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
-    >>> gap, normal = rod_gap(model, Pose(), (0.05, 0.0))
-    >>> round(1e3 * gap, 6), normal.tolist()
-    (0.25, [1.0, 0.0])
     """
     outline = model.slider.outline
     rod = np.array(pose.to_object(*place))
@@ -125,34 +119,25 @@ def push_along(model: QuasiStaticModel, pose: Pose, corners: Array) -> ChainRun:
         length = math.hypot(*(end - start))
         if length == 0.0:
             continue
-        found = _stroke(model, pose, start, end, length)
-        if found is not None:
-            touch, push = found
-            course = push.trajectory
-            travels += [np.array([done + touch]), done + touch + course.path]
+        place, direction = (float(start[0]), float(start[1])), math.atan2(*(end - start)[::-1].tolist())
+        if rod_gap(model, pose, place)[0] < -_ROUNDING:
+            raise UnsupportedContact(
+                f"the rod would enter the object at ({place[0]:.4f}, {place[1]:.4f}) m from behind"
+            )
+        rod = np.array(pose.to_object(*place)) / model.unit
+        touch = first_touch(model.pieces, model.radius, rod, direction - pose.theta)
+        left = touched
+        if touch is not None and touch[0] * model.unit < length:
+            push = model.push(pose, WorldPush(place, direction, length), SAMPLE_SPACING)
+            course, at = push.trajectory, done + touch[0] * model.unit
+            travels += [np.array([at]), at + course.path]
             poses += [poses[-1][-1:], course.pose]
-            pose, touched = push.end, True
-        left = touched and (found is None or found[1].ended == "left")
+            pose, touched, left = push.end, True, push.ended == "left"
         done += length
         travels.append(np.array([done]))
         poses.append(poses[-1][-1:])
     travel = np.maximum.accumulate(np.concatenate(travels))
     return ChainRun(read_only(travel), read_only(np.concatenate(poses)), touched, left)
-
-
-def _stroke(
-    model: QuasiStaticModel, pose: Pose, start: Array, end: Array, length: float
-) -> tuple[float, PushResult] | None:
-    """Travel before the touch (m), and the push; None where the stroke does not touch the object."""
-    place = (float(start[0]), float(start[1]))
-    direction = math.atan2(*(end - start)[::-1].tolist())
-    rod = np.array(pose.to_object(*place)) / model.unit
-    if rod_gap(model, pose, place)[0] < -_ROUNDING:
-        raise UnsupportedContact(f"the rod would enter the object at ({place[0]:.4f}, {place[1]:.4f}) m from behind")
-    touch = first_touch(model.pieces, model.radius, rod, direction - pose.theta)
-    if touch is None or touch[0] * model.unit >= length:
-        return None
-    return touch[0] * model.unit, model.push(pose, WorldPush(place, direction, length), SAMPLE_SPACING)
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,12 +165,7 @@ class CutCurve:
 
 
 def is_cut_curve(outline: Outline) -> bool:
-    """Whether an outline is a polygon that stands for a smooth curve: no corner of it turns by more than 20 degrees.
-
-    >>> angle = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
-    >>> is_cut_curve(Polygon(np.column_stack([np.cos(angle), np.sin(angle)])))
-    True
-    """
+    """Whether an outline is a polygon that stands for a smooth curve: no corner of it turns by more than 20 degrees."""
     if not isinstance(outline, Polygon):
         return False
     edge = np.roll(outline.array, -1, axis=0) - outline.array
@@ -261,7 +241,10 @@ class _Course:
         travel, self.pose = unit * float(ran.travel[0]), Pose(unit * x, unit * y, theta)
         end = place + travel * np.array([math.cos(direction), math.sin(direction)])
         self.slid = float((np.array(self.pose.to_object(*end.tolist())) - rod_at) @ side.direction)
-        self._put_on_curve(end)
+        # The object is shifted so that the rod touches its curve instead of its tangent.
+        gap, _, normal = self.gap(end)
+        x, y = (gap * np.array(Pose(theta=self.pose.theta).to_world(*normal.tolist()))).tolist()
+        self.pose = Pose(self.pose.x + x, self.pose.y + y, self.pose.theta)
         self.touched, self.apart = True, bool(ran.left[0])
         return max(travel, _APART if self.apart else _CONTACT)
 
@@ -272,12 +255,6 @@ class _Course:
         touch = (rod_at - self.model.pusher.radius * np.array([x, y])) / self.model.unit
         begin, along = (float(touch[0]), float(touch[1])), (-float(y), float(x))
         return SidePiece(0, begin, along, math.atan2(y, x), -_ENDLESS, _ENDLESS)
-
-    def _put_on_curve(self, rod: Array) -> None:
-        """Shift the object so that the rod touches its curve instead of its tangent."""
-        gap, _, normal = self.gap(rod)
-        x, y = (gap * np.array(Pose(theta=self.pose.theta).to_world(*normal.tolist()))).tolist()
-        self.pose = Pose(self.pose.x + x, self.pose.y + y, self.pose.theta)
 
 
 def push_curve_along(model: QuasiStaticModel, curve: CutCurve, pose: Pose, corners: Array) -> ChainRun:

@@ -67,9 +67,6 @@ def full_turns(path: Array, level: float = 0.0) -> NDArray[np.int64]:
     """The places (k + 1,) in the path (m,), rad, unwrapped, where it first reaches level + 2πj for each next whole j.
 
     A path that turns downward on the whole is read upside down. Empty where it passes no such level.
-
-    >>> full_turns(np.arange(20.0), level=1.0).tolist()
-    [1, 8, 14]
     """
     upward = path[-1] >= path[0]
     climb, mark = (path, level) if upward else (-path, -level)
@@ -312,17 +309,9 @@ def _least(values: Array, places: NDArray[np.int64]) -> int:
 
 def _circular_runs(held: NDArray[np.bool_]) -> list[list[int]]:
     """The longest runs of neighbours that hold, the last beside the first; all places in one where all hold."""
-    breaks = np.flatnonzero(~held)
-    if not breaks.size:
-        return [list(range(held.size))]
-    order = [int(k) for k in np.roll(np.arange(held.size), -int(breaks[0]))]
-    runs: list[list[int]] = [[]]
-    for k in order:
-        if held[k]:
-            runs[-1].append(k)
-        elif runs[-1]:
-            runs.append([])
-    return [run for run in runs if run]
+    first = int(np.argmin(held))
+    edges = np.flatnonzero(np.diff(np.roll(held, -first).astype(np.int8), prepend=0, append=0)) + first
+    return [[k % held.size for k in range(low, high)] for low, high in edges.reshape(-1, 2).tolist()]
 
 
 def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) -> FittedMap:

@@ -127,45 +127,38 @@ def _push_set(name: str, home: Path, rows: pandas.DataFrame) -> PushSet:
         rows = rows.iloc[np.argsort(repetition, kind="stable")]
     motion = {column: rows[column].to_numpy() for column in ("dtheta", "dx", "dy")}
     bare = home.suffix.lower() == CSV_SUFFIX and not np.isfinite(motion["dtheta"]).any()
-    pairs = read_theta0_pairs(home) if bare else _pairs(rows, ordered)
-    return PushSet(name, home, _shared_facts(rows), contacts, rows["theta0"].to_numpy(), **motion, pairs=pairs)
-
-
-def _pairs(rows: pandas.DataFrame, ordered: bool) -> Theta0Pairs | None:
-    theta, theta_next, number = (rows[name].to_numpy() for name in ("theta0", "theta_next", "repetition"))
-    known = np.isfinite(theta_next)
-    if not known.any():
-        return None
-    if not ordered:
-        return Theta0Pairs(theta[known], theta_next[known])
-    # Across a missing repetition the shorter way is taken; else the turn is the cycle's own.
-    follows = known[:-1] & (np.diff(number) == 1.0)
-    turns = np.where(follows, theta_next[:-1] - theta[:-1], shorter_way(np.diff(theta)))
-    path = theta[0] + np.concatenate([[0.0], np.cumsum(turns)])
-    ahead = path[known] + (theta_next - theta)[known]
-    return Theta0Pairs(path[known], ahead, path, {}, number[known], number)
+    theta, theta_next = rows["theta0"].to_numpy(), rows["theta_next"].to_numpy()
+    known, pairs = np.isfinite(theta_next), None
+    if bare:
+        pairs = read_theta0_pairs(home)
+    elif known.any() and not ordered:
+        pairs = Theta0Pairs(theta[known], theta_next[known])
+    elif known.any():
+        # Across a missing repetition the shorter way is taken; else the turn is the cycle's own.
+        number = rows["repetition"].to_numpy()
+        follows = known[:-1] & (np.diff(number) == 1.0)
+        turns = np.where(follows, theta_next[:-1] - theta[:-1], shorter_way(np.diff(theta)))
+        path = theta[0] + np.concatenate([[0.0], np.cumsum(turns)])
+        pairs = Theta0Pairs(path[known], path[known] + (theta_next - theta)[known], path, {}, number[known], number)
+    return PushSet(name, home, _shared_facts(rows), contacts, theta, **motion, pairs=pairs)
 
 
 def _names(sets: list[tuple[Path, dict[str, Any]]]) -> list[str]:
-    """The shortest names that tell the sets apart: surface and object, then all facts, then the source too."""
-    longer = [_facts_name(facts) for _, facts in sets]
+    """The shortest names that tell the sets apart: surface and object, then all facts, then the source too.
+
+    Facts are told in the letters of the MIT file names: v=20 i=0 s=0.7.
+    """
+    units = {"acceleration": ("a", 1e3), "speed": ("v", 1e3), "side": ("i", 1.0), "fraction": ("s", 1.0)}
+    units["angle"] = ("t", 1.0)
+    longer = []
+    for _, facts in sets:
+        told = {letter: facts[key] * unit for key, (letter, unit) in units.items() if key in facts}
+        longer.append(" ".join(f"{letter}={value:g}" for letter, value in told.items() if letter != "a" or value))
     candidates = [[" ".join(str(facts[key]) for key in _TEXT if key in facts) or home.stem for home, facts in sets]]
     candidates.append([" ".join(filter(None, pair)) for pair in zip(candidates[0], longer, strict=True)])
     candidates.append([f"{home.stem} {name}" for (home, _), name in zip(sets, candidates[1], strict=True)])
     candidates.append([f"{name} {number}" for number, name in enumerate(candidates[2], 1)])
     return [next(level[k] for level in candidates if level.count(level[k]) == 1) for k in range(len(sets))]
-
-
-def _facts_name(facts: Mapping[str, Any]) -> str:
-    """The protocol in the letters of the MIT file names.
-
-    >>> _facts_name({"speed": 0.02, "side": 0.0, "fraction": 0.7})
-    'v=20 i=0 s=0.7'
-    """
-    letters = {"acceleration": ("a", 1000.0), "speed": ("v", 1000.0), "side": ("i", 1.0)}
-    letters |= {"fraction": ("s", 1.0), "angle": ("t", 1.0)}
-    told = {letter: facts[key] * unit for key, (letter, unit) in letters.items() if key in facts}
-    return " ".join(f"{letter}={value:g}" for letter, value in told.items() if letter != "a" or value)
 
 
 @dataclass(frozen=True)
@@ -198,10 +191,6 @@ def motion_statistics(value: ArrayLike) -> MotionStatistics:
     """The statistics of the values (n,) that are known: NaN is passed over.
 
     Raises InvalidInput for fewer than two known values.
-
-    >>> row = motion_statistics([1.0, 2.0, 3.0, np.nan])
-    >>> row.count, row.mean, row.std, row.percent
-    (3, 2.0, 1.0, 50.0)
     """
     values = np.asarray(value, dtype=float).ravel()
     known = values[np.isfinite(values)]

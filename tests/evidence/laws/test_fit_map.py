@@ -1,6 +1,5 @@
 """Maps fitted to pairs come near those that made them, worn or not, and so does their staircase."""
 
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,7 @@ import pytest
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import Theta0Pairs, measured_staircase, read_theta0_pairs
-from cyclemap.evidence.laws.fit_map import FittedMap, fit_map
+from cyclemap.evidence.laws.fit_map import fit_map
 from cyclemap.evidence.laws.wear import fit_worn_law
 from cyclemap.maps import (
     CircleMap,
@@ -59,8 +58,8 @@ def test_pairs_of_a_noisy_staircase_give_back_map_and_noise() -> None:
     assert fitted.law.harmonics == 1
     assert fitted.pairs == 3000
     assert fitted.sigma == pytest.approx(0.03, rel=0.05)
-    assert np.allclose(fitted.noise(GRID), 0.03, rtol=0.15)
-    band = fitted.band(GRID, level=0.9999)
+    assert np.allclose(fitted.law.noise(GRID), 0.03, rtol=0.15)
+    band = fitted.law.band(GRID, level=0.9999)
     assert np.all((band.mean_lower <= truth.turn(GRID)) & (truth.turn(GRID) <= band.mean_upper))
 
 
@@ -162,21 +161,11 @@ def test_bad_input_is_refused_by_name() -> None:
 # -- the measured plywood staircase -----------------------------------------------------------------------------
 
 
-@cache
-def plywood(folder: Path) -> tuple[FittedMap, np.ndarray]:
-    """The map fitted with wear and with scatter that depends on the angle, and the measured path."""
-    pairs = read_theta0_pairs(folder / STAIRCASE)
-    rows = [line.rstrip("\n").split(",") for line in (folder / STAIRCASE).read_text().splitlines()[1:]]
-    cycle = [float(row[0]) for row in rows if row[3] and not row[4]]
-    assert pairs.path is not None
-    return fit_map(pairs.theta, pairs.theta_next, cycle=cycle, noise_harmonics=None), pairs.path
-
-
 @pytest.mark.slow
 def test_the_plywood_turn_is_known_to_a_degree_and_better_with_wear(measured_data: Path) -> None:
-    fitted, path = plywood(measured_data)
     pairs = read_theta0_pairs(measured_data / STAIRCASE)
-    assert (fitted.pairs, path.size) == (1996, 2000)
+    fitted = fit_map(pairs.theta, pairs.theta_next, cycle=pairs.cycle, noise_harmonics=None)
+    assert (fitted.pairs, pairs.path.size) == (1996, 2000)
     six = fit_map(pairs.theta, pairs.theta_next, harmonics=6)
     assert six.sigma == pytest.approx(DEFAULT_SIGMA, rel=0.02)
     assert fitted.wear is not None
@@ -184,48 +173,6 @@ def test_the_plywood_turn_is_known_to_a_degree_and_better_with_wear(measured_dat
     assert np.rad2deg(fitted.wear.rmse) < 0.75
     # Where the robot waits it scatters least: the bottleneck is far quieter than the steep flanks.
     assert np.all(fitted.wear.whole.noise(np.deg2rad([20.0, 200.0])) > 3 * fitted.wear.whole.noise(np.deg2rad(95.0)))
-
-
-@pytest.mark.slow
-def test_the_plywood_bottleneck_lies_near_95_degrees_and_opens(measured_data: Path) -> None:
-    fitted, _ = plywood(measured_data)
-    theta = np.deg2rad(np.arange(0.0, 360.0, 0.1))
-    narrow = [fitted.map_at(n).turn(theta) for n in (300, 1000, 1700)]
-    least = np.rad2deg(np.min(narrow, axis=1))
-    assert np.all(np.abs(np.rad2deg(theta[np.argmin(narrow, axis=1)]) - 92.0) <= 8.0)
-    assert np.all(np.diff(least) > 0.0)
-    assert np.all((least > -0.5) & (least < 1.0))
-
-
-@pytest.mark.slow
-def test_the_worn_plywood_map_predicts_the_turns_and_the_peak_of_pushes_500_to_2000(measured_data: Path) -> None:
-    fitted, path = plywood(measured_data)
-    assert fitted.wear is not None
-    cycles, starts = path.size - 501, np.full(200, path[500])
-    measured = (path[-1] - path[500]) / TURN
-    own = fitted.paths(starts, cycles, first=500)
-    drifting = fitted.drifting_map(cycles, first=500)
-    constant = sample_staircases(drifting, WrappedNormal(fitted.wear.sigma), cycles, starts)
-    for paths in (own, constant):
-        assert np.mean(paths[:, -1] - paths[:, 0]) / TURN == pytest.approx(measured, rel=0.15)
-    for paths in (own, path[500:]):
-        count = np.histogram(np.rad2deg(np.mod(paths, TURN)), bins=72, range=(0.0, 360.0))[0]
-        assert 90.0 <= 5.0 * np.argmax(count) <= 95.0
-
-
-def test_the_worn_plywood_map_takes_fewer_and_fewer_pushes_a_turn_as_measured(measured_data: Path) -> None:
-    """From 110° to 470°: from pushes in the hundreds early on to the measured 50 of the last three turns."""
-    fitted, path = plywood(measured_data)
-    first, last = np.deg2rad(110.0), np.deg2rad(470.0)
-    arrivals = [int(np.argmax(path >= first + TURN * turn)) for turn in range(14, 18)]
-    measured = float(np.mean(np.diff(arrivals)))
-    assert measured == pytest.approx(50.0, abs=2.0)
-    taken = []
-    for push in (300, 1000, 1900):
-        paths = fitted.paths(np.full(100, first), 600, first=push)
-        taken.append(float(np.median(np.where(paths[:, -1] >= last, np.argmax(paths >= last, axis=1), 600))))
-    assert taken[0] > 1.5 * taken[1] > 2.25 * taken[2]
-    assert taken[2] == pytest.approx(measured, rel=0.2)
 
 
 def test_pairs_that_do_not_fix_the_coefficients_are_refused() -> None:

@@ -216,16 +216,6 @@ def test_scaling_the_values_scales_the_law_and_leaves_percentages() -> None:
     assert one.count == 400
 
 
-def test_the_covariance_is_that_of_refits_to_new_noise() -> None:
-    theta, _ = made(9, count=100)
-    rng = np.random.default_rng(1)
-    refits = [fit_periodic_law(theta, truth(theta) + 0.05 * rng.standard_normal(100), harmonics=3) for _ in range(400)]
-    measured = np.std([law.coefficients for law in refits], axis=0)
-    told = np.sqrt(np.mean([np.diag(law.covariance) for law in refits], axis=0))
-    # The relative standard error of a standard deviation of 400 is 3.5 %.
-    assert np.allclose(told, measured, rtol=0.15)
-
-
 def test_a_plain_linear_fit_agrees_with_numpy() -> None:
     theta, value = made(11)
     design = fourier_columns(theta, 3)

@@ -28,14 +28,11 @@ def drawn(count: int, size: int, seed: int):
     return np.random.default_rng(seed).uniform(0.0, TURN, (count, size))
 
 
-def test_equally_spaced_points_give_the_least_values() -> None:
+def test_equally_spaced_points_give_the_least_values_and_points_at_one_place_the_greatest() -> None:
     for count in (1, 2, 7, 50):
         spaced = 0.2 + TURN * np.arange(count) / count
         assert kuiper_statistic(spaced, uniform) == pytest.approx(1.0 / count, abs=1e-12)
         assert watson_statistic(spaced, uniform) == pytest.approx(1.0 / (12 * count), abs=1e-12)
-
-
-def test_points_all_at_one_place_give_the_greatest() -> None:
     assert kuiper_statistic([1.0] * 9, uniform) == pytest.approx(1.0, abs=1e-12)
     assert watson_statistic([1.0] * 9, uniform) == pytest.approx(9 / 12, abs=1e-12)  # n Var(uniform)
 
@@ -89,14 +86,11 @@ def test_bad_input_is_refused() -> None:
             statistic([1.0], lambda theta: 2 * uniform(theta))
 
 
-def test_it_counts_the_observed_value_among_the_simulated() -> None:
-    found = monte_carlo_p_value(2.5, [1.0, 2.0, 3.0, 4.0])
-    assert (found.value, found.runs, found.statistic) == (3 / 5, 4, 2.5)
+def test_it_counts_the_observed_value_and_those_equal_but_for_rounding_among_the_simulated() -> None:
+    found = monte_carlo_p_value(2.5, np.arange(101.0))
+    assert (found.value, found.runs, found.statistic) == (99 / 102, 101, 2.5)
+    assert found.null_quantiles.tolist() == pytest.approx([100 * level for level in PValue.LEVELS])
     assert monte_carlo_p_value(9.0, np.arange(9)).value == 0.1
-    assert monte_carlo_p_value(-1.0, np.arange(9)).value == 1.0
-
-
-def test_values_equal_but_for_rounding_count_as_reached() -> None:
     assert monte_carlo_p_value(0.3, [0.1 + 0.2, 0.3, 0.3 - 1e-16]).value == 1.0
 
 
@@ -114,12 +108,6 @@ def test_its_standard_error_is_that_of_repeated_simulation() -> None:
     spread = np.std([found.value for found in repeated])
     assert np.mean([found.standard_error for found in repeated]) == pytest.approx(spread, rel=0.1)
     assert monte_carlo_p_value(99.0, random.normal(size=200)).standard_error > 0.0
-
-
-def test_quantiles_are_those_of_the_simulated_values() -> None:
-    found = monte_carlo_p_value(0.0, np.arange(101.0))
-    assert found.null_quantiles.tolist() == pytest.approx([100 * level for level in PValue.LEVELS])
-    assert not found.null_quantiles.flags.writeable
 
 
 def test_numbers_that_make_no_p_value_are_refused() -> None:

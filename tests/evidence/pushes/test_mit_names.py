@@ -25,24 +25,9 @@ def test_the_suffix_does_not_matter_and_a_decimal_is_none(suffix) -> None:
     assert math.isnan(facts.repetition)
 
 
-def test_names_of_surfaces_may_hold_underscores_and_hyphens() -> None:
-    facts = push_facts("motion_surface=my_wet-wood_2_shape=long_thing_a=0_v=20_i=0.000_s=0.700_t=0.000.h5")
-    assert facts is not None and (facts.surface, facts.object) == ("my_wet-wood_2", "long_thing")
-
-
 def test_an_accelerated_push_has_no_one_speed() -> None:
     facts = push_facts("motion_surface=abs_shape=rect1_a=2500_v=-1_i=0.000_s=0.700_t=0.000.h5")
     assert facts is not None and facts.acceleration == 2.5 and math.isnan(facts.speed)
-
-
-def test_a_scan_moves_half_a_turn_from_the_direction_in_its_name() -> None:
-    directions = {}
-    for degrees in range(0, 360, 5):
-        facts = scan_facts(f"record_surface=pu_shape=rect1_a=0_v=20_deg={degrees}_rep=001.h5")
-        assert facts is not None
-        directions[degrees] = round(math.degrees(facts.direction), 9)
-    assert len(directions) == 72
-    assert directions == {degrees: (degrees + 180) % 360 for degrees in range(0, 360, 5)}
 
 
 @pytest.mark.parametrize(
@@ -62,11 +47,6 @@ def test_a_scan_moves_half_a_turn_from_the_direction_in_its_name() -> None:
 )
 def test_any_other_name_says_nothing(name) -> None:
     assert push_facts(name) is None and scan_facts(name) is None
-
-
-def test_facts_that_no_name_gives_are_unknown() -> None:
-    for facts in (PushFacts(), ScanFacts()):
-        assert facts.surface is None and math.isnan(facts.speed) and math.isnan(facts.repetition)
 
 
 TEXTS = st.from_regex(r"[A-Za-z][\w.-]{0,12}", fullmatch=True, alphabet=st.characters(codec="ascii"))
@@ -109,17 +89,6 @@ def test_any_facts_of_a_scan_come_back_from_its_name(surface, degrees, speed, re
     assert read is not None and read.direction == pytest.approx(facts.direction, abs=1e-12)
     assert same(replace(read, direction=facts.direction), facts)
     assert scan_name(read) == name
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "motion_surface=plywood_shape=rect1_a=0_v=20_i=0.000_s=0.700_t=0.000_rep=0123",
-        "motion_surface=abs_shape=hex_a=0_v=50_i=4.000_s=0.700_t=-0.349",
-    ],
-)
-def test_names_of_the_dataset_are_written_as_they_are(name) -> None:
-    assert push_name(push_facts(name)) == name
 
 
 def test_every_name_of_the_measured_files_is_written_as_it_is(measured_data) -> None:

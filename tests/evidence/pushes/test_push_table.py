@@ -3,7 +3,6 @@
 import json
 import os
 import random
-import shutil
 from collections import Counter
 from pathlib import Path
 
@@ -34,9 +33,6 @@ def test_poses_give_the_motion_in_the_initial_frame_and_the_shorter_turn(tmp_pat
     assert row[["dx", "dy", "dtheta"]].tolist() == pytest.approx([0.03, -0.09, 2 * np.pi - 5.8])
     assert row.theta1 == pytest.approx(2 * np.pi - 2.8)
     assert np.isnan(row.theta_next) and row[["surface", "side"]].isna().all()
-
-
-def test_degrees_are_told_by_the_name_of_the_column(tmp_path) -> None:
     row = read_push_csv(csv(tmp_path, "x0,y0,theta0_deg,x1,y1,theta1_deg\n0,0,90,0,1,120\n"))[0]
     assert (row["dx"], row["dy"], row["dtheta"]) == pytest.approx((1.0, 0.0, np.pi / 6))
 
@@ -116,7 +112,7 @@ def test_measured_drag_backs_turn_the_object_as_their_own_column_says(measured_d
 def test_damage_at_random_is_reported_or_loads_finite_poses(tmp_path) -> None:
     whole = f"rep,{POSES}\n" + "".join(f"{number},0.1,0.2,{number / 7:.4f},0.3,0.4,1.5\n" for number in range(8))
     outcome = {True: 0, False: 0}
-    for seed in range(200):
+    for seed in range(100):
         chance, damaged = random.Random(seed), bytearray(whole.encode())
         damaged[chance.randrange(len(damaged))] = chance.choice([*b'0e,"\n', chance.randrange(256)])
         path = tmp_path / "damaged.csv"
@@ -126,7 +122,7 @@ def test_damage_at_random_is_reported_or_loads_finite_poses(tmp_path) -> None:
         poses = loaded.table[["x0", "y0", "theta0", "x1", "y1", "theta1", "dx", "dy", "dtheta"]].to_numpy()
         assert np.isfinite(poses).all()
         outcome[loaded.table.empty] += 1
-    assert min(outcome.values()) > 20
+    assert min(outcome.values()) > 10
 
 
 def repeated(folder: Path, starts: dict[int, float], turn: float = 1.2) -> None:
@@ -160,21 +156,17 @@ def test_the_next_start_is_that_of_the_next_repetition_on_the_lift(tmp_path) -> 
     assert table["theta0"].max() <= np.pi < table["theta_next"].max()
 
 
-def test_no_successor_is_found_across_a_gap_another_set_or_another_folder(tmp_path) -> None:
+def test_no_successor_is_found_across_a_gap_another_set_or_folder_or_a_file_that_cannot_be_read(tmp_path) -> None:
     repeated(tmp_path / "plywood", {0: 0.0, 2: 0.1})
     repeated(tmp_path / "other", {1: 0.2, 3: 0.3})
     write(tmp_path / "plywood" / f"{PUSH_NAME.replace('v=20', 'v=50')}_rep=0001.h5", made_push())
     table = load_pushes(tmp_path).table
     assert len(table) == 5
     assert table["theta_next"].isna().all()
-
-
-def test_an_unreadable_repetition_leaves_its_predecessor_without_successor(tmp_path) -> None:
-    repeated(tmp_path, dict.fromkeys(range(4), 0.3))
-    (tmp_path / f"{PUSH_NAME}_rep=0002.h5").write_bytes(b"cut")
-    loaded = load_pushes(tmp_path)
-    assert loaded.table["theta_next"].notna().tolist() == [True, False, False]
-    assert [entry.path.name for entry in loaded.unreadable] == [f"{PUSH_NAME}_rep=0002.h5"]
+    repeated(tmp_path / "cut", dict.fromkeys(range(4), 0.3))
+    (tmp_path / "cut" / f"{PUSH_NAME}_rep=0002.h5").write_bytes(b"cut")
+    loaded = load_pushes(tmp_path / "cut")
+    assert loaded.table["theta_next"].notna().tolist() == [True, False, False] and len(loaded.unreadable) == 1
 
 
 def test_rows_come_in_one_order_whatever_the_order_of_the_files(tmp_path) -> None:
@@ -188,13 +180,10 @@ def test_rows_come_in_one_order_whatever_the_order_of_the_files(tmp_path) -> Non
     assert len(order) == 8 and order == sorted(order)
 
 
-def test_a_file_of_unknown_name_keeps_its_poses_and_has_no_facts(tmp_path) -> None:
+def test_a_file_of_unknown_name_or_object_has_all_but_what_that_tells(tmp_path) -> None:
     row = load_pushes(write(tmp_path / "tuesday.json", made_push())).table.iloc[0]
     assert row[["dx", "dy", "dtheta"]].tolist() == pytest.approx([0.03, -0.09, 1.2])
     assert row[["surface", "object", "speed", "side", "angle", "repetition", "force_ratio"]].isna().all()
-
-
-def test_an_object_of_unknown_shape_has_no_force_ratio_but_all_else(tmp_path) -> None:
     row = load_pushes(write(tmp_path / f"{PUSH_NAME.replace('rect1', 'butter')}.h5", made_push())).table.iloc[0]
     assert row.object == "butter" and row.dtheta == pytest.approx(1.2) and np.isnan(row.force_ratio)
 
@@ -316,22 +305,3 @@ def test_measured_force_ratios_stay_near_the_friction_of_the_rod_where_the_senso
     assert known.max() < 0.25 and 0.12 < known.median() < 0.2
     # The rect1 files are those of which the data's description calls the forces unusable.
     assert table[table["object"] == "rect1"]["force_ratio"].isna().all()
-
-
-@pytest.mark.slow
-def test_damaged_copies_of_measured_files_are_left_out_and_nothing_else_changes(measured_data: Path, tmp_path) -> None:
-    sources = sorted((measured_data / "mit_files").glob("*shape=hex*"))
-    for source in sources:
-        shutil.copy(source, tmp_path)
-    for name in (sources[0].name, sources[-1].name):
-        content = (tmp_path / name).read_bytes()
-        (tmp_path / name).write_bytes(content[: len(content) * 2 // 3])
-    loaded = load_pushes(tmp_path)
-    assert len(sources) == 15 and len(loaded.table) == 13
-    assert [entry.path.name for entry in loaded.unreadable] == [sources[0].name, sources[-1].name]
-    whole = load_pushes(measured_data / "mit_files").table
-    whole = whole[
-        whole["path"].map(lambda path: Path(path).name).isin(loaded.table["path"].map(lambda p: Path(p).name))
-    ]
-    for column in ("dx", "dy", "dtheta", "theta0", "force_ratio"):
-        assert np.array_equal(whole[column].to_numpy(), loaded.table[column].to_numpy(), equal_nan=True)

@@ -30,18 +30,13 @@ def degrees(values):
     return np.rad2deg(values).round(9).tolist()
 
 
-def test_staircase_layout_keeps_unflagged_pairs_on_the_unwrapped_path(csv) -> None:
+def test_staircase_layout_keeps_unflagged_pairs_on_the_unwrapped_path_with_their_numbers(csv) -> None:
     pairs = read_theta0_pairs(csv(STAIRCASE))
-    assert degrees(pairs.theta) == [330.0, 370.0]
-    assert degrees(pairs.theta_next) == [370.0, 375.0]
+    assert (degrees(pairs.theta), degrees(pairs.theta_next)) == ([330.0, 370.0], [370.0, 375.0])
     assert degrees(pairs.turn) == [40.0, 5.0]
     assert degrees(pairs.path) == [350.0, 330.0, 370.0, 375.0]
-
-
-def test_flagged_rows_are_dropped_and_counted_by_reason(csv) -> None:
-    pairs = read_theta0_pairs(csv(STAIRCASE))
-    assert dict(pairs.dropped) == {"jump": 1}
-    assert pairs.dropped_count == 1
+    assert (pairs.cycle.tolist(), pairs.path_cycle.tolist()) == ([1.0, 2.0], [0.0, 1.0, 2.0, 3.0])
+    assert (dict(pairs.dropped), pairs.dropped_count) == ({"jump": 1}, 1)
 
 
 def test_missing_rep_makes_no_pair_across_the_gap(csv) -> None:
@@ -52,7 +47,7 @@ def test_missing_rep_makes_no_pair_across_the_gap(csv) -> None:
 def test_two_columns_take_the_shorter_way_round(csv) -> None:
     pairs = read_theta0_pairs(csv("theta0_deg,theta_next_deg\n350,10\n10,350\n100,100\n30,755\n"))
     assert degrees(pairs.turn) == [20.0, -20.0, 0.0, 5.0]
-    assert pairs.path is None
+    assert (pairs.path, pairs.cycle, pairs.path_cycle) == (None, None, None)
 
 
 def test_pairs_of_which_each_begins_where_the_one_before_ended_are_in_order(csv) -> None:
@@ -67,8 +62,8 @@ def test_pairs_of_which_each_begins_where_the_one_before_ended_are_in_order(csv)
 def test_single_column_is_unwrapped_in_order(csv) -> None:
     pairs = read_theta0_pairs(csv("theta0_deg\n340\n355\n12\n350\n"))
     assert degrees(pairs.path) == [340.0, 355.0, 372.0, 350.0]
-    assert degrees(pairs.theta) == [340.0, 355.0, 372.0]
-    assert degrees(pairs.turn) == [15.0, 17.0, -22.0]
+    assert (degrees(pairs.theta), degrees(pairs.turn)) == ([340.0, 355.0, 372.0], [15.0, 17.0, -22.0])
+    assert (pairs.cycle.tolist(), pairs.path_cycle.tolist()) == ([0.0, 1.0, 2.0], [0.0, 1.0, 2.0, 3.0])
 
 
 def test_byte_order_mark_crlf_blanks_and_capitals_are_harmless(csv) -> None:
@@ -118,10 +113,21 @@ def test_absent_file_and_folder_are_refused(tmp_path: Path) -> None:
         read_theta0_pairs(tmp_path)
 
 
-@pytest.mark.parametrize(("theta", "theta_next"), [([], []), ([1.0], [1.0, 2.0]), ([np.nan], [1.0]), ([1.0], [np.inf])])
-def test_pairs_of_unequal_length_or_not_finite_are_refused(theta, theta_next) -> None:
-    with pytest.raises(InvalidInput):
-        Theta0Pairs(np.array(theta), np.array(theta_next))
+@pytest.mark.parametrize(
+    ("theta", "theta_next", "numbers", "match"),
+    [
+        ([], [], {}, "two equally long lists"),
+        ([1.0], [1.0, 2.0], {}, "two equally long lists"),
+        ([np.nan], [1.0], {}, "not finite"),
+        ([1.0], [np.inf], {}, "not finite"),
+        ([0.0, 1.0], [0.0, 1.0], {"cycle": [0.0]}, r"cycle has shape \(1,\) for angles of shape \(2,\)"),
+        ([0.0, 1.0], [0.0, 1.0], {"cycle": [0.0, np.nan]}, r"cycle has shape \(2,\)"),
+        ([0.0, 1.0], [0.0, 1.0], {"path_cycle": [0.0, 1.0]}, "path_cycle has shape"),
+    ],
+)
+def test_pairs_that_are_none_are_refused(theta, theta_next, numbers, match) -> None:
+    with pytest.raises(InvalidInput, match=match):
+        Theta0Pairs(np.array(theta), np.array(theta_next), **{name: np.array(given) for name, given in numbers.items()})
 
 
 def test_measured_plywood_has_the_facts_of_its_description(measured_data: Path) -> None:
@@ -138,23 +144,3 @@ def test_measured_plywood_cut_in_the_middle_of_a_line_is_refused(measured_data: 
     for cut in range(len(whole) // 2, len(whole) // 2 + 60):
         with pytest.raises(DataFileError, match="cut off"):
             read_theta0_pairs(csv(whole[:cut]))
-
-
-def test_pairs_know_the_number_of_their_push_and_the_path_that_of_every_push(csv) -> None:
-    pairs = read_theta0_pairs(csv(STAIRCASE))
-    assert pairs.cycle.tolist() == [1.0, 2.0]
-    assert pairs.path_cycle.tolist() == [0.0, 1.0, 2.0, 3.0]
-    ordered = read_theta0_pairs(csv("theta0_deg\n350\n10\n40\n"))
-    assert (ordered.cycle.tolist(), ordered.path_cycle.tolist()) == ([0.0, 1.0], [0.0, 1.0, 2.0])
-    unordered = read_theta0_pairs(csv("theta0_deg,theta_next_deg\n1,2\n5,7\n"))
-    assert (unordered.cycle, unordered.path_cycle) == (None, None)
-
-
-def test_numbers_that_do_not_match_the_angles_are_refused() -> None:
-    theta = np.array([0.0, 1.0])
-    with pytest.raises(InvalidInput, match=r"cycle has shape \(1,\) for angles of shape \(2,\)"):
-        Theta0Pairs(theta, theta, cycle=np.array([0.0]))
-    with pytest.raises(InvalidInput, match=r"cycle has shape \(2,\)"):
-        Theta0Pairs(theta, theta, cycle=np.array([0.0, np.nan]))
-    with pytest.raises(InvalidInput, match="path_cycle has shape"):
-        Theta0Pairs(theta, theta, path_cycle=theta)

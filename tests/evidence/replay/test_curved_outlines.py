@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from made_replays import FRICTION, model_of
 
-from cyclemap.evidence.replay.replay_table import butter_outline, butter_slider, dataset_sliders
+from cyclemap.evidence.replay.replay_table import dataset_sliders
 from cyclemap.evidence.replay.stroke_chain import cut_curve, is_cut_curve, push_along, push_curve_along
 from cyclemap.mechanics import Pose, Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.footprint import PatchFootprint
 from cyclemap.mechanics.outline import Ellipse, Polygon
 
 SEMI_X, SEMI_Y, SIDES = 0.045, 0.060, 96
+SLIDERS = dataset_sliders()
+BUTTER = SLIDERS["butter"]
 
 
 def cut_ellipse():
@@ -41,14 +43,10 @@ def test_a_cut_ellipse_moves_as_the_ellipse_does(friction, offset) -> None:
     assert found.left == wanted.left
 
 
-def test_polygons_with_corners_are_no_curves() -> None:
-    sliders = dataset_sliders()
-    assert [name for name, slider in sliders.items() if is_cut_curve(slider.outline)] == ["butter"]
+def test_only_polygons_without_corners_are_curves_through_their_vertices_with_normals_that_point_out() -> None:
+    assert [name for name, slider in SLIDERS.items() if is_cut_curve(slider.outline)] == ["butter"]
     assert is_cut_curve(cut_ellipse())
-
-
-def test_the_curve_goes_through_the_vertices_and_its_normals_point_out() -> None:
-    outline = butter_outline()
+    outline = BUTTER.outline
     curve = cut_curve(outline)
     gaps = [abs(curve.nearest(vertex)[0]) for vertex in outline.array]
     assert len(gaps) == 80
@@ -60,7 +58,7 @@ def test_the_curve_goes_through_the_vertices_and_its_normals_point_out() -> None
 
 
 def test_the_butterfly_is_symmetric_and_as_large_as_the_datasets_mesh() -> None:
-    outline = butter_outline()
+    outline = BUTTER.outline
     points = {(round(x, 9), round(y, 9)) for x, y in outline.vertices}
     assert len(points) == 80
     assert {(round(-x, 9), y) for x, y in points} == points == {(x, round(-y, 9)) for x, y in points}
@@ -70,7 +68,7 @@ def test_the_butterfly_is_symmetric_and_as_large_as_the_datasets_mesh() -> None:
 
 def test_the_butterflys_inertia_is_that_of_its_plate() -> None:
     """Two routes: the number given, and the second moment of area by triangles about the centre."""
-    slider, p = butter_slider(), butter_outline().array
+    slider, p = BUTTER, BUTTER.outline.array
     q = np.roll(p, -1, axis=0)
     cross = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
     moment = float((cross * ((p * p) + (p * q) + (q * q)).sum(1)).sum()) / 12.0
@@ -81,7 +79,7 @@ def test_the_butterflys_inertia_is_that_of_its_plate() -> None:
 @pytest.mark.slow
 def test_a_push_into_the_middle_of_the_waist_goes_straight() -> None:
     """The waist is concave: by symmetry the rod sticks there, and the butterfly does not turn."""
-    model = model_of(butter_slider(), accuracy=1e-5)
+    model = model_of(BUTTER, accuracy=1e-5)
     start, end = np.array([-0.05, 0.0]), np.array([-0.02, 0.0])
     run = push_curve_along(model, cut_curve(model.slider.outline), Pose(), np.array([start, end]))
     travelled = 0.03 - (0.05 - 0.0273790177 - model.pusher.radius)
@@ -91,7 +89,7 @@ def test_a_push_into_the_middle_of_the_waist_goes_straight() -> None:
 
 
 def test_mirrored_pushes_of_the_butterfly_are_mirror_images() -> None:
-    model = model_of(butter_slider(), accuracy=1e-5)
+    model = model_of(BUTTER, accuracy=1e-5)
     curve = cut_curve(model.slider.outline)
     corners = np.array([[-0.06, 0.02], [-0.02, 0.012]])
     up = push_curve_along(model, curve, Pose(), corners).pose[-1]

@@ -107,11 +107,6 @@ def test_progress_rises_to_one(folder) -> None:
     assert seen[-1] == pytest.approx(1.0)
 
 
-def test_a_path_with_nothing_is_refused(tmp_path) -> None:
-    with pytest.raises(InvalidInput, match="nothing there"):
-        replay_pushes(tmp_path / "nowhere", FRICTION)
-
-
 def test_a_plates_pressure_explains_its_pushes_and_isotropy_stands_beside(tmp_path) -> None:
     """Pushes made under a pressure come back with it; what stands beside is the replay on isotropic friction."""
     slider = Slider.mit("rect1")

@@ -11,7 +11,6 @@ from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.evidence.recorded_push import RecordingNoise
 from cyclemap.evidence.simulated_collection import simulate_collection
 from cyclemap.mechanics import DragBack, Pusher, SidePush, load_material
-from cyclemap.text_files import read_toml
 
 LOOP = CollectionLoop.mit(accuracy=1e-6, push=SidePush(distance=0.01))
 LOOPS = (
@@ -55,11 +54,6 @@ def test_a_collection_is_gone_on_with_only_by_the_same_cycles(tmp_path) -> None:
     for other in ({"cycle_loops": LOOPS[::-1]}, {"cycle_loops": LOOPS, "gripper_turns": TURNS}, {}):
         with pytest.raises(InvalidInput, match="asked for otherwise: cycle_by_cycle"):
             simulate_collection(LOOP, folder, 3, **other, **given)
-
-
-def test_a_collection_of_equal_cycles_is_recorded_as_before(tmp_path) -> None:
-    simulate_collection(LOOP, tmp_path / "made", 1, noise=STILL, suffix=".json")
-    assert "cycle_by_cycle" not in read_toml(tmp_path / "made" / "collection.toml")["simulation"]
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
 from cyclemap.evidence.pushes.push_table import load_pushes
-from cyclemap.evidence.recorded_push import SCAN_CENTRE, Recording, RecordingNoise, record_push, record_scan, scan_set
+from cyclemap.evidence.recorded_push import SCAN_CENTRE, Recording, RecordingNoise, record_push, record_scan
 from cyclemap.evidence.simulated_collection import simulate_collection
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, SidePush, Slider, WorldPush
 
@@ -218,15 +218,6 @@ def scans(tmp_path_factory):
     return table.scans
 
 
-def fitted_ellipse(points):
-    """Centre (2,) and shape matrix (2, 2) of the conic through points (n, 2), (p - c) S^-1 (p - c) = 1."""
-    x, y = points.T
-    conic = np.linalg.svd(np.column_stack([x * x, 2.0 * x * y, y * y, 2.0 * x, 2.0 * y, np.ones_like(x)]))[2][-1]
-    matrix = conic[[0, 1, 1, 2]].reshape(2, 2)
-    centre = -np.linalg.solve(matrix, conic[3:5])
-    return centre, np.linalg.inv(matrix / (centre @ matrix @ centre - conic[5]))
-
-
 def test_every_five_degrees_are_there_twice_with_their_facts(scans) -> None:
     assert len(scans) == 144
     degrees = np.degrees(scans["direction"]).round(9)
@@ -244,18 +235,6 @@ def test_the_force_along_and_across_is_the_point_law_times_the_weight(scans) -> 
     assert scans["force_along"].to_numpy() == pytest.approx(WEIGHT * along, rel=1e-6)
     assert scans["ratio"].to_numpy() == pytest.approx(across / along, abs=1e-6)
     assert np.abs(scans["ratio"]).max() > 0.1
-
-
-def test_the_forces_lie_on_the_materials_ellipse(scans) -> None:
-    """A conic through the forces, which knows nothing of the law, has the law's centre, axes and angle."""
-    c, s = np.cos(scans["direction"].to_numpy()), np.sin(scans["direction"].to_numpy())
-    along, across = scans["force_along"].to_numpy() / WEIGHT, scans["force_across"].to_numpy() / WEIGHT
-    centre, shape = fitted_ellipse(np.column_stack([c * along - s * across, s * along + c * across]))
-    rotation = np.array(
-        [[math.cos(FRICTION.phi), -math.sin(FRICTION.phi)], [math.sin(FRICTION.phi), math.cos(FRICTION.phi)]]
-    )
-    assert rotation.T @ centre == pytest.approx([FRICTION.m0, FRICTION.n0], abs=1e-7)
-    assert rotation.T @ shape @ rotation == pytest.approx(np.diag([FRICTION.mu_a**2, FRICTION.mu_b**2]), abs=1e-7)
 
 
 def test_the_stroke_goes_straight_through_the_scans_centre_and_rests_at_its_ends() -> None:
@@ -277,8 +256,3 @@ def test_force_noise_scatters_as_asked_and_the_torques_by_the_rods_radius() -> N
     assert error.std(axis=0) == pytest.approx([0.05, 0.05, 0.05 * 0.00475], rel=0.07)
     assert np.abs(np.corrcoef(error.T) - np.eye(3)).max() < 0.1
     assert np.array_equal(scan.tip, quiet.tip)
-
-
-def test_the_set_repeats_no_scan() -> None:
-    scans = list(scan_set("plywood", "rect1", 0.02))
-    assert len(set(scans)) == len(scans) == 144

@@ -13,7 +13,6 @@ from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.pushes.theta0_statistics import is_covered, turn_bins
 from cyclemap.evidence.tables.measured_cycle_map import (
     MeasuredCycleMap,
-    _fitted,
     full_turns,
     measured_cycle_map,
     turn_pace,
@@ -65,12 +64,6 @@ def test_turns_of_the_maps_own_paths_lie_in_their_ranges_as_often_as_they_should
     counts = [found.measured.size for found in inside]
     assert min(counts) >= 10
     assert np.average([found.inside for found in inside], weights=counts) == pytest.approx(0.95, abs=0.04)
-
-
-def test_a_map_without_numbered_cycles_is_refused() -> None:
-    path, _ = rotation(0.05)
-    with pytest.raises(InvalidInput, match="fitted without cycle numbers"):
-        turn_pace(fit_map(path[:-1], path[1:], harmonics=0), path, np.arange(201.0), level=1.0)
 
 
 pytestmark = pytest.mark.slow
@@ -294,7 +287,7 @@ def test_the_plywood_bottleneck_near_95_degrees_opens_tenfold(measured_data) -> 
 def test_how_the_plywood_wears_does_not_depend_on_how_the_folds_are_dealt(measured_data) -> None:
     """With the folds of seed 2 the one-standard-error rule takes degree 1, which foretells 19.5 turns, not 16.4."""
     pairs = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv")
-    other = _fitted(pairs, None, True, seed=2).wear
+    other = measured_cycle_map(pairs, runs=2, seed=2).fitted.wear
     assert fit_map(pairs.theta, pairs.theta_next, cycle=pairs.cycle, noise_harmonics=None, seed=2).wear.degree == 1
     assert other.degree == plywood(measured_data).fitted.wear.degree == 2
 

@@ -24,8 +24,11 @@ def write(file: Path, lines: list[str]) -> Path:
 
 def test_a_csv_of_repeated_pushes_gives_back_its_path_its_turns_and_its_numbers(tmp_path) -> None:
     true = worn_pairs(60)
-    table = load_pushes(write_collection(tmp_path / "poses.csv", true.path, true_turn(true.path)))
-    (found,) = push_sets(table)
+    file = write_collection(tmp_path / "poses.csv", true.path, true_turn(true.path))
+    header, *lines = file.read_text().splitlines()
+    # In whatever order the rows come.
+    file.write_text("\n".join([header, *reversed(lines)]) + "\n")
+    (found,) = push_sets(load_pushes(file))
     assert (found.name, found.count, found.contacts, found.has_motion) == ("plywood rect1", 61, 1, True)
     assert np.allclose(found.dtheta, true_turn(true.path), atol=1e-8)
     assert found.pairs is not None
@@ -33,17 +36,6 @@ def test_a_csv_of_repeated_pushes_gives_back_its_path_its_turns_and_its_numbers(
     assert np.allclose(found.pairs.turn, true.turn, atol=1e-8)
     assert found.pairs.cycle.tolist() == list(range(60))
     assert found.pairs.path_cycle.tolist() == list(range(61))
-
-
-def test_the_order_of_the_rows_of_a_file_does_not_matter(tmp_path) -> None:
-    true = worn_pairs(60)
-    straight = write_collection(tmp_path / "poses.csv", true.path, true_turn(true.path))
-    (one,) = push_sets(load_pushes(straight))
-    header, *lines = straight.read_text().splitlines()
-    straight.write_text("\n".join([header, *reversed(lines)]) + "\n")
-    (other,) = push_sets(load_pushes(straight))
-    assert np.array_equal(one.pairs.path, other.pairs.path)
-    assert np.array_equal(one.dtheta, other.dtheta)
 
 
 def test_a_missing_push_leaves_a_gap_in_the_pairs_and_none_in_the_path(tmp_path) -> None:
@@ -106,19 +98,6 @@ def test_select_keeps_one_value_and_refuses_what_is_not_there(tmp_path) -> None:
         push_sets(table, {"surfaces": "abs"})
 
 
-# Ma & Rodriguez (2018), Table II, plywood: σ of Δθ (°), Δx, Δy (mm) and their percentages, with the means they imply.
-PUBLISHED = [(69.1, 4.74, 6.86), (36.6, 2.84, 7.75), (94.3, 8.57, 9.09)]
-
-
-@pytest.mark.parametrize(("mean", "sigma", "percent"), PUBLISHED)
-def test_values_of_published_mean_and_spread_give_the_published_percentage(mean, sigma, percent) -> None:
-    value = np.random.default_rng(0).standard_normal(2000)
-    value = mean + sigma * (value - value.mean()) / value.std(ddof=1)
-    row = motion_statistics(value)
-    assert (row.mean, row.std) == (pytest.approx(mean), pytest.approx(sigma))
-    assert row.percent == pytest.approx(percent, abs=0.015)
-
-
 def test_a_constant_moves_the_mean_alone_and_a_factor_moves_both() -> None:
     value = np.random.default_rng(1).standard_normal(50)
     one, moved, larger = motion_statistics(value), motion_statistics(value + 3.0), motion_statistics(-2.0 * value)
@@ -127,9 +106,7 @@ def test_a_constant_moves_the_mean_alone_and_a_factor_moves_both() -> None:
     assert larger.percent == pytest.approx(one.percent)
 
 
-def test_unknown_values_are_passed_over_and_counted_out() -> None:
-    row = motion_statistics([1.0, np.nan, 3.0])
-    assert (row.count, row.mean) == (2, 2.0)
+def test_one_known_value_has_no_spread() -> None:
     with pytest.raises(InvalidInput, match="1 known values have no spread"):
         motion_statistics([np.nan, 1.0])
 
