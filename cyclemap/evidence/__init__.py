@@ -71,11 +71,7 @@ if TYPE_CHECKING:
     from cyclemap.evidence.laws.periodic_law import LawBand, PeriodicLaw, fit_periodic_law
     from cyclemap.evidence.laws.wear import WornLaw, fit_worn_law
     from cyclemap.evidence.orientations.circular_distance import CircularLaw, circular_wasserstein, total_variation
-    from cyclemap.evidence.orientations.collection_null import (
-        CollectionModel,
-        collection_p_values,
-        simulated_ensemble,
-    )
+    from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
     from cyclemap.evidence.orientations.goodness_of_fit import PValue, kuiper_statistic, watson_statistic
     from cyclemap.evidence.orientations.kernel_modes import kernel_modes
     from cyclemap.evidence.published_comparison import comparison_table, published_comparison

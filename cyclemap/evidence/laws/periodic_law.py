@@ -37,11 +37,7 @@ MAX_HARMONICS = 12
 
 
 def fit_with_scatter(
-    theta: Array,
-    design: Array,
-    value: Array,
-    noise_harmonics: int | None = 0,
-    seed: int = 0,
+    theta: Array, design: Array, value: Array, noise_harmonics: int | None = 0, seed: int = 0
 ) -> tuple[LinearFit, Array]:
     """The fit of value (n,) ≈ design (n, p) @ coefficients, and the log-variance (2q + 1,) of its scatter in θ.
 
@@ -145,36 +141,17 @@ def choose_noise_harmonics(theta: Array, design: Array, value: Array, fold: NDAr
 class LawBand:
     """Bands at the angles ``theta`` (rad), each holding with probability ``level`` at one angle at a time.
 
-    centre : the fitted law there. mean_halfwidth : half the width of the band of the mean.
-    halfwidth : half the width of the prediction band, in which one new value falls.
-    All of the shape of ``theta``, in the unit of the values.
+    centre : the fitted law there. mean_lower, mean_upper : the band of the mean. lower, upper : the prediction band, in
+    which one new value falls. All of the shape of ``theta``, in the unit of the values.
     """
 
     theta: Array
     level: float
     centre: Array
-    mean_halfwidth: Array
-    halfwidth: Array
-
-    @property
-    def mean_lower(self) -> Array:
-        """Lower edge of the band of the mean."""
-        return self.centre - self.mean_halfwidth
-
-    @property
-    def mean_upper(self) -> Array:
-        """Upper edge of the band of the mean."""
-        return self.centre + self.mean_halfwidth
-
-    @property
-    def lower(self) -> Array:
-        """Lower edge of the prediction band."""
-        return self.centre - self.halfwidth
-
-    @property
-    def upper(self) -> Array:
-        """Upper edge of the prediction band."""
-        return self.centre + self.halfwidth
+    mean_lower: Array
+    mean_upper: Array
+    lower: Array
+    upper: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,9 +234,9 @@ class PeriodicLaw:
         """
         angles = finite_array("theta", theta)
         quantile = student_quantile(level, self.count - self.coefficients.size)
-        error = self.standard_error(angles)
-        halfwidth = quantile * np.hypot(error, self.noise(angles))
-        return LawBand(angles, float(level), self(angles), quantile * error, halfwidth)
+        centre, error = self(angles), self.standard_error(angles)
+        mean, one = quantile * error, quantile * np.hypot(error, self.noise(angles))
+        return LawBand(angles, float(level), centre, centre - mean, centre + mean, centre - one, centre + one)
 
 
 def fit_periodic_law(

@@ -10,13 +10,7 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.laws.linear_fit import (
-    LinearFit,
-    cycle_folds,
-    fourier_columns,
-    nested_errors,
-    simplest_good,
-)
+from cyclemap.evidence.laws.linear_fit import LinearFit, cycle_folds, fourier_columns, nested_errors, simplest_good
 from cyclemap.evidence.laws.periodic_law import (
     MAX_HARMONICS,
     PeriodicLaw,
@@ -149,12 +143,7 @@ def _worn_columns(angles: Array, polynomials: Array, harmonics: int) -> Array:
 
 
 def _chosen(
-    angles: Array,
-    values: Array,
-    polynomials: Array,
-    orders: tuple[list[int], list[int]],
-    weight: Array,
-    seed: int,
+    angles: Array, values: Array, polynomials: Array, orders: tuple[list[int], list[int]], weight: Array, seed: int
 ) -> tuple[Array | None, int, int]:
     """The table of cross-validated RMSE (None where nothing is open), the order and the degree."""
     waves, powers = orders

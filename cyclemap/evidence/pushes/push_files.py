@@ -193,15 +193,11 @@ def _tables(path: Path) -> dict[str, Any]:
         raise InvalidInput("there is no such file; check the path")
     if path.stat().st_size == 0:
         raise InvalidInput("the file is empty; restore it or remove it")
-    if path.suffix.lower() in HDF5_SUFFIXES:
-        return _hdf5_tables(path)
-    content = read_json(path)
-    if not isinstance(content, dict):
-        raise InvalidInput(f"holds a {type(content).__name__}; it must be an object with the tables of a push")
-    return {name: content[name] for name in TABLES if name in content}
-
-
-def _hdf5_tables(path: Path) -> dict[str, Any]:
+    if path.suffix.lower() not in HDF5_SUFFIXES:
+        content = read_json(path)
+        if not isinstance(content, dict):
+            raise InvalidInput(f"holds a {type(content).__name__}; it must be an object with the tables of a push")
+        return {name: content[name] for name in TABLES if name in content}
     import h5py
 
     try:

@@ -17,13 +17,7 @@ from cyclemap.arrays import shorter_way
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
 from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
-from cyclemap.evidence.pushes.push_files import (
-    LARGEST_ANGLE,
-    LARGEST_POSITION,
-    SUFFIXES,
-    PushRecord,
-    read_push_file,
-)
+from cyclemap.evidence.pushes.push_files import LARGEST_ANGLE, LARGEST_POSITION, SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.pushes.theta0_pairs import doubt_degrees, read_theta0_pairs
 from cyclemap.text_files import LARGEST_CONTENT, CsvRow, CsvTable, read_csv_table
 
@@ -198,7 +192,15 @@ def load_pushes(path: str | Path, *, progress: Callable[[float], None] | None = 
             scans += found[1]
         report(done / len(files))
     table = _sorted_frame(pushes, PUSH_COLUMNS, (*_PUSH_SET, "repetition", "path"))
-    table["theta_next"] = table["theta_next"].fillna(_theta_next(table))
+    # The start of the next repetition of each push's set, on the lift nearest to its end.
+    homes = [path if path.lower().endswith(CSV_SUFFIX) else os.path.split(path)[0] for path in table["path"]]
+    sets = [tuple(map(str, facts)) for facts in zip(homes, *(table[name] for name in _PUSH_SET), strict=True)]
+    starts: dict[tuple[tuple[str, ...], float], float] = {}
+    for key, number, start in zip(sets, table["repetition"], table["theta0"], strict=True):
+        starts.setdefault((key, number), start)
+    ahead = [starts.get((key, number + 1.0), math.nan) for key, number in zip(sets, table["repetition"], strict=True)]
+    end = table["theta1"].to_numpy()
+    table["theta_next"] = table["theta_next"].fillna(table["theta1"] + shorter_way(np.array(ahead) - end))
     unreadable.sort(key=lambda entry: entry.path)
     return PushTable(table, _sorted_frame(scans, SCAN_COLUMNS, (*_SCAN_ORDER, "path")), tuple(unreadable))
 
@@ -259,17 +261,3 @@ def _sorted_frame(rows: list[dict[str, Any]], columns: tuple[str, ...], order: t
     frame = pandas.DataFrame(rows, columns=list(columns)).astype(kinds)
     frame = frame.where(frame.notna(), math.nan)
     return frame.sort_values(list(order), kind="stable", ignore_index=True)
-
-
-def _theta_next(table: pandas.DataFrame) -> pandas.Series:
-    """Start angle (rad) of the next repetition of each push's set, on the lift nearest to its end angle."""
-    import pandas
-
-    homes = [path if path.lower().endswith(CSV_SUFFIX) else os.path.split(path)[0] for path in table["path"]]
-    sets = [tuple(map(str, facts)) for facts in zip(homes, *(table[name] for name in _PUSH_SET), strict=True)]
-    repetition, start, end = (table[name].to_numpy() for name in ("repetition", "theta0", "theta1"))
-    first: dict[tuple[tuple[str, ...], float], float] = {}
-    for key, number, angle in zip(sets, repetition, start, strict=True):
-        first.setdefault((key, number), angle)
-    following = [first.get((key, number + 1.0), math.nan) for key, number in zip(sets, repetition, strict=True)]
-    return pandas.Series(end + shorter_way(np.array(following) - end))

@@ -13,6 +13,7 @@ from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
+from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw
 from cyclemap.evidence.orientations.circular_distance import circular_wasserstein, total_variation
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
@@ -262,7 +263,8 @@ def _turn_error(pairs: Theta0Pairs, fitted: FittedMap, law: PeriodicLaw, theta: 
     alike = min(max(law.lag_correlation, 0.0), 0.99)
     # The least of all turns is asked for: a law of p coefficients is free in p places.
     level = 1.0 - 0.05 / law.coefficients.size
-    stated = law.band(theta, level).mean_halfwidth * np.sqrt((1.0 + alike) / (1.0 - alike))
+    halfwidth = student_quantile(level, law.count - law.coefficients.size) * law.standard_error(theta)
+    stated = halfwidth * np.sqrt((1.0 + alike) / (1.0 - alike))
     off = _residuals(pairs, fitted)
     near = _near(pairs, theta)
     count = np.maximum(near.sum(axis=1), 1)
