@@ -63,19 +63,13 @@ def test_pairs_of_a_noisy_staircase_give_back_map_and_noise() -> None:
     assert np.all((band.mean_lower <= truth.turn(GRID)) & (truth.turn(GRID) <= band.mean_upper))
 
 
-def test_turning_the_world_conjugates_the_fitted_map() -> None:
+def test_turning_the_world_conjugates_the_fitted_map_and_whole_turns_change_nothing() -> None:
     theta, theta_next, _ = worn_pairs(0, 0.02)
-    one, turned = fit_map(theta, theta_next), fit_map(theta + 1.1, theta_next + 1.1)
+    by = 1.1 + TURN * np.random.default_rng(0).integers(-3, 4, theta.size)
+    one, turned = fit_map(theta, theta_next), fit_map(theta + by, theta_next + by)
     assert turned.law.harmonics == one.law.harmonics
     assert np.allclose(turned.map(GRID + 1.1), one.map(GRID) + 1.1, atol=1e-10)
     assert turned.sigma == pytest.approx(one.sigma, rel=1e-9)
-
-
-def test_a_whole_turn_added_to_both_angles_changes_nothing() -> None:
-    theta, theta_next, _ = worn_pairs(0, 0.02)
-    lifts = TURN * np.random.default_rng(0).integers(-3, 4, theta.size)
-    one, other = fit_map(theta, theta_next), fit_map(theta + lifts, theta_next + lifts)
-    assert np.allclose(other.map(GRID), one.map(GRID), atol=1e-10)
 
 
 @pytest.mark.slow
@@ -135,22 +129,25 @@ def test_worn_paths_are_those_of_the_drifting_map() -> None:
     assert abs(np.diff(np.mean(climbs, axis=1))[0]) < 4 * error
 
 
-def test_bad_input_is_refused_by_name() -> None:
+@pytest.mark.parametrize(
+    ("change", "options", "match"),
+    [
+        (lambda theta, ahead, cycle: (theta, ahead[:-1]), {}, "theta and theta_next have 100 and 99 entries"),
+        (lambda theta, ahead, cycle: (theta, np.append(np.nan, ahead[1:])), {}, "finite, but entry 0 is nan"),
+        (lambda theta, ahead, cycle: (theta, ahead, cycle[1:]), {}, "cycle has 99 entries for 100 pairs"),
+        (lambda theta, ahead, cycle: (theta, ahead, np.full(100, 3.0)), {}, "every cycle is 3"),
+        (lambda *pairs: pairs, {"wear_degree": -1}, "degree must be at least 0"),
+        (lambda *pairs: pairs, {"max_wear_degree": -1}, "max_degree must be at least 0"),
+    ],
+)
+def test_bad_input_is_refused_by_name(change, options, match) -> None:
+    theta, theta_next, *cycle = change(*worn_pairs(0, 0.02, 100))
+    with pytest.raises(InvalidInput, match=match):
+        fit_map(theta, theta_next, cycle=cycle[0] if cycle else None, **options)
+
+
+def test_a_map_without_numbered_cycles_makes_no_worn_ones() -> None:
     theta, theta_next, cycle = worn_pairs(0, 0.02, 100)
-    with pytest.raises(InvalidInput, match="theta and theta_next have 100 and 99 entries"):
-        fit_map(theta, theta_next[:-1])
-    with pytest.raises(InvalidInput, match="theta_next must be finite, but entry 0 is nan"):
-        fit_map(theta, np.append(np.nan, theta_next[1:]))
-    with pytest.raises(InvalidInput, match="cycle has 99 entries for 100 pairs"):
-        fit_map(theta, theta_next, cycle=cycle[1:])
-    with pytest.raises(InvalidInput, match="every cycle is 3"):
-        fit_map(theta, theta_next, cycle=np.full(100, 3.0))
-    with pytest.raises(InvalidInput, match="degree must be at least 0"):
-        fit_map(theta, theta_next, cycle=cycle, wear_degree=-1)
-    with pytest.raises(InvalidInput, match="max_degree must be at least 0"):
-        fit_map(theta, theta_next, cycle=cycle, max_wear_degree=-1)
-    with pytest.raises(InvalidInput, match="too few to choose"):
-        fit_map(theta[:10], theta_next[:10])
     for asked in (lambda one: one.map_at(3), lambda one: one.drifting_map(3), lambda one: one.paths([0.0], 3)):
         with pytest.raises(InvalidInput, match="fitted without cycle numbers"):
             asked(fit_map(theta, theta_next, harmonics=2))
@@ -175,14 +172,6 @@ def test_the_plywood_turn_is_known_to_a_degree_and_better_with_wear(measured_dat
     assert np.all(fitted.wear.whole.noise(np.deg2rad([20.0, 200.0])) > 3 * fitted.wear.whole.noise(np.deg2rad(95.0)))
 
 
-def test_pairs_that_do_not_fix_the_coefficients_are_refused() -> None:
-    theta, theta_next, _ = worn_pairs(0, 0.02, 13)
-    with pytest.raises(InvalidInput, match="13 coefficients"):
-        fit_map(theta, theta_next, harmonics=6)
-    with pytest.raises(InvalidInput, match="fix 1 of 13"):
-        fit_map(np.full(50, 1.0), np.full(50, 1.1), harmonics=6)
-
-
 MAP, NOISE = CircleMap.arnold(0.11, 0.6), WrappedNormal(0.03)
 
 
@@ -196,15 +185,10 @@ def test_the_law_behind_made_data_is_found_again() -> None:
     found, truth = measured_staircase(made()), predict_staircase(MAP, NOISE)
     assert found.fitted.sigma == pytest.approx(NOISE.sigma, rel=0.05)
     assert found.prediction.step == truth.step
+    assert found.cycles_a_turn == pytest.approx(4_000 * TURN / np.ptp(found.path[[0, -1]]))
     assert found.prediction.mean_residence_cycles == pytest.approx(truth.mean_residence_cycles, rel=0.1)
     assert found.comparison.visits[0].mean_p_value > 0.01
     assert abs(found.comparison.net_steps - found.comparison.expected_steps) < 4 * found.comparison.net_error
-
-
-def test_the_pace_of_a_turn_is_that_of_the_whole_path() -> None:
-    pairs = made()
-    climbed = (pairs.path[-1] - pairs.path[0]) / (2 * np.pi)
-    assert measured_staircase(pairs).cycles_a_turn == pytest.approx(4_000 / climbed)
 
 
 @pytest.mark.slow
@@ -217,13 +201,9 @@ def test_measured_plywood_climbs_in_whole_turns_as_its_fitted_map_predicts(measu
     assert abs(visit.mean - visit.predicted) < 2 * visit.standard_error
 
 
-def test_pairs_in_no_order_make_no_staircase() -> None:
-    theta = np.linspace(0, 6, 50)
+def test_pairs_in_no_order_or_without_scatter_make_no_staircase() -> None:
+    theta, path = np.linspace(0, 6, 50), np.arange(50) * 1.0
     with pytest.raises(InvalidInput, match="no known order"):
         measured_staircase(Theta0Pairs(theta, theta + 0.1))
-
-
-def test_turns_without_scatter_are_no_measurement() -> None:
-    path = np.arange(50) * 1.0
     with pytest.raises(InvalidInput, match="no measurement"):
         measured_staircase(Theta0Pairs(path[:-1], path[1:], path))

@@ -93,18 +93,13 @@ def test_groups_hold_the_means_and_medians_of_their_pushes(replayed) -> None:
 
 
 def test_any_slider_may_be_given_by_its_name(folder) -> None:
-    found = replay_pushes(folder, FRICTION, sliders={"star": Slider.mit("rect1"), "hex": Slider(Ellipse(0.05, 0.05))})
+    seen: list[float] = []
+    sliders = {"star": Slider.mit("rect1"), "hex": Slider(Ellipse(0.05, 0.05))}
+    found = replay_pushes(folder, FRICTION, sliders=sliders, progress=seen.append)
+    assert len(seen) > 10 and seen == sorted(seen) and seen[-1] == pytest.approx(1.0)
     assert sorted(found.table["object"]) == ["hex", "hex", "star"]
     star = found.table[found.table["object"] == "star"].iloc[0]
     assert star["error"] < 1e-5
-
-
-def test_progress_rises_to_one(folder) -> None:
-    seen: list[float] = []
-    replay_pushes(folder, FRICTION, progress=seen.append)
-    assert seen == sorted(seen)
-    assert len(seen) > 10
-    assert seen[-1] == pytest.approx(1.0)
 
 
 def test_a_plates_pressure_explains_its_pushes_and_isotropy_stands_beside(tmp_path) -> None:

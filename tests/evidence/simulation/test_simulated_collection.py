@@ -206,20 +206,17 @@ def test_a_killed_process_leaves_whole_files_only_and_can_be_gone_on_with(tmp_pa
 
 
 def test_damaged_notes_are_made_again(tmp_path, undisturbed) -> None:
+    # As a run leaves it that was killed before its first file was whole.
+    (tmp_path / f".{FILE_NAME}.123.part").write_text("version = ")
     told: list[float] = []
-    simulate(tmp_path, progress=told.append)
+    assert simulate(tmp_path, progress=told.append).resumed == 0
+    assert contents(tmp_path) == undisturbed
     assert told == [(n + 1) / CYCLES for n in range(CYCLES)]
     notes = tmp_path / TRUTH_FILE
     for damage, resumed in (("", 0), (notes.read_text()[:-9], CYCLES - 1), ("0 0.0\n1 nan\n2 0.1\n", 0)):
         notes.write_text(damage)
         assert simulate(tmp_path).resumed == resumed
         assert contents(tmp_path) == undisturbed
-
-
-def test_a_run_killed_before_its_first_file_was_whole_is_begun_anew(tmp_path, undisturbed) -> None:
-    (tmp_path / f".{FILE_NAME}.123.part").write_text("version = ")
-    assert simulate(tmp_path).resumed == 0
-    assert contents(tmp_path) == undisturbed
 
 
 # -- what is refused --------------------------------------------------------------------------------------------

@@ -37,14 +37,11 @@ def test_the_mirror_image_of_a_path_turns_at_the_same_places() -> None:
     assert np.array_equal(full_turns(path + 3 * TURN, level=0.7), places)
 
 
-def test_a_path_that_goes_nowhere_has_no_turns() -> None:
-    path, fitted = rotation(0.001, 60)
-    found = turn_pace(fitted, path, np.arange(61.0), level=2.0, runs=3)
+def test_jitter_about_the_mark_makes_no_turn_and_a_path_that_goes_nowhere_has_none() -> None:
+    still, fitted = rotation(0.001, 60)
+    found = turn_pace(fitted, still, np.arange(61.0), level=2.0, runs=3)
     assert found.measured.size == found.predicted.size == 0
     assert np.isnan(found.inside)
-
-
-def test_jitter_about_the_mark_makes_no_turn() -> None:
     path = np.concatenate([np.linspace(0.0, 1.0, 20), 1.0 + 0.1 * np.cos(np.arange(50.0)), np.linspace(1.0, 9.0, 80)])
     assert full_turns(path, level=1.0).size == 2
 
@@ -102,7 +99,9 @@ def test_the_made_path_turns_and_crowds_as_its_map_foretells(made) -> None:
 
 @pytest.mark.slow
 def test_without_wear_early_and_late_are_one_map() -> None:
-    found = measured_cycle_map(worn_pairs(400), wear=False, runs=5)
+    shares: list[float] = []
+    found = measured_cycle_map(worn_pairs(400), wear=False, runs=5, progress=shares.append)
+    assert shares == sorted(shares) and shares[-1] == 1.0
     assert not found.wears
     assert found.fitted.wear.degree == 0
     assert np.array_equal(found.fitted.map_at(0.0).turn(GRID), found.fitted.map_at(399.0).turn(GRID))
@@ -197,13 +196,6 @@ def test_too_few_pairs_are_refused_by_number() -> None:
     pairs = worn_pairs(12)
     with pytest.raises(InvalidInput, match="12 pairs are too few for a cycle map; give at least 20"):
         measured_cycle_map(pairs)
-
-
-def test_the_share_done_is_reported_to_its_end() -> None:
-    shares: list[float] = []
-    measured_cycle_map(worn_pairs(60), harmonics=1, runs=2, progress=shares.append)
-    assert shares == sorted(shares)
-    assert shares[-1] == 1.0
 
 
 # -- the measured plywood staircase ------------------------------------------------------------------------
