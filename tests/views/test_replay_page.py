@@ -19,9 +19,7 @@ def made_replay(off, turn_off, kind):
     predicted = measured + np.outer(travel / 0.05, (off, 0.0, turn_off))
     tip = np.column_stack([travel - 0.06, 0.0 * travel])
     outline = Slider.mit(kind).outline_points()
-    return Replay(
-        travel, measured, predicted, travel, tip, np.zeros(2), outline, 0.0, 0.0, 1, 0.0, 0.0, 0.0, 0.0, True, False
-    )
+    return Replay(travel, measured, predicted, travel, tip, np.zeros(2), outline, 0.0, 0.0, 1, True, False, True, True)
 
 
 def made(kinds):

@@ -102,10 +102,10 @@ class Replay:
         start inside the object. start_gap : m, between rod and object at the start with the offset alone; negative:
         they overlap.
     straightness : m, how far the path leaves its chord. strokes : how many straight pushes stand for it.
-    measured_onset, predicted_onset : m, travel at which the object has moved by 0.5 mm at its rim; NaN: never.
-    measured_end_gap, predicted_end_gap : m, between rod and object at the end.
     outline : (k, 2) m, the object's closed outline in its own frame.
     touched, left : whether the predicted rod touches the object, and has lost it by the end.
+    touch_agrees : whether both objects start to move, by 0.5 mm at the rim, within 3 mm of rod travel, or neither does.
+    leaving_agrees : whether the rod ends over 3 mm from both objects, or from neither.
     """
 
     time: Array
@@ -118,12 +118,10 @@ class Replay:
     start_gap: float
     straightness: float
     strokes: int
-    measured_onset: float
-    predicted_onset: float
-    measured_end_gap: float
-    predicted_end_gap: float
     touched: bool
     left: bool
+    touch_agrees: bool
+    leaving_agrees: bool
 
     def __post_init__(self) -> None:
         for name in ("time", "measured", "predicted", "travel", "tip", "shift", "outline"):
@@ -155,18 +153,6 @@ class Replay:
         """How far the object should have gone, m, and turned, rad."""
         x, y, turn = (self.predicted[-1] - self.predicted[0]).tolist()
         return math.hypot(x, y), turn
-
-    @property
-    def touch_agrees(self) -> bool:
-        """Whether both start to move within 3 mm of rod travel, or neither moves."""
-        if math.isnan(self.measured_onset) or math.isnan(self.predicted_onset):
-            return math.isnan(self.measured_onset) and math.isnan(self.predicted_onset)
-        return abs(self.measured_onset - self.predicted_onset) <= CONTACT_SLACK
-
-    @property
-    def leaving_agrees(self) -> bool:
-        """Whether the rod ends over 3 mm from both objects, or from neither."""
-        return (self.measured_end_gap > CONTACT_SLACK) == (self.predicted_end_gap > CONTACT_SLACK)
 
 
 def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float, float] = (0.0, 0.0)) -> Replay:
@@ -200,6 +186,9 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
     travel = np.interp(record.object_pose[:, 0], path.time, path.travel)
     predicted, tip = run.pose_at(travel), path.place_at(travel) + shift
+    onsets = [_onset(poses, travel, model.unit) for poses in (measured, predicted)]
+    last = (float(tip[-1, 0]), float(tip[-1, 1]))
+    apart = [rod_gap(model, Pose(*poses[-1].tolist()), last)[0] > CONTACT_SLACK for poses in (measured, predicted)]
     return Replay(
         record.object_pose[:, 0],
         measured,
@@ -211,17 +200,11 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
         start_gap=rod_gap(model, start, first)[0],
         straightness=path.straightness,
         strokes=len(path.corners) - 1,
-        measured_onset=_onset(measured, travel, model.unit),
-        predicted_onset=_onset(predicted, travel, model.unit),
-        measured_end_gap=_end_gap(model, measured, tip),
-        predicted_end_gap=_end_gap(model, predicted, tip),
         touched=run.touched,
         left=run.left,
+        touch_agrees=bool(np.isnan(onsets).all()) or abs(onsets[0] - onsets[1]) <= CONTACT_SLACK,
+        leaving_agrees=apart[0] == apart[1],
     )
-
-
-def _end_gap(model: QuasiStaticModel, poses: Array, tip: Array) -> float:
-    return rod_gap(model, Pose(*poses[-1].tolist()), (float(tip[-1, 0]), float(tip[-1, 1])))[0]
 
 
 def _mean_square(travel: Array, error: Array) -> float:
@@ -232,6 +215,7 @@ def _mean_square(travel: Array, error: Array) -> float:
 
 
 def _onset(poses: Array, travel: Array, extent: float) -> float:
+    """Travel at which the object begins to move; NaN: never."""
     moved = poses - poses[0]
     far = np.hypot(*moved[:, :2].T) + extent * np.abs(moved[:, 2]) > _MOVED
     return float(travel[far.argmax()]) if far.any() else math.nan

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import InvalidInput
@@ -187,23 +186,15 @@ class PushStatistics:
     problem: str | None = None
 
 
-def motion_statistics(value: ArrayLike) -> MotionStatistics:
-    """The statistics of the values (n,) that are known: NaN is passed over.
-
-    Raises InvalidInput for fewer than two known values.
-    """
-    values = np.asarray(value, dtype=float).ravel()
-    known = values[np.isfinite(values)]
-    if known.size < 2:
-        raise InvalidInput(f"{known.size} known values have no spread; give at least two")
-    return MotionStatistics(known.size, float(np.mean(known)), float(np.std(known, ddof=1)))
-
-
 def push_statistics(pushes: PushSet) -> PushStatistics:
     """The set's row of the table; with fewer than five pushes of known motion it has a problem and no numbers."""
-    known = int(np.sum(np.isfinite(pushes.dtheta)))
-    if known < FEWEST_FOR_SPREAD:
-        reason = f"too few pushes with a known end for a spread: {known} of {FEWEST_FOR_SPREAD}"
+    known = np.isfinite(pushes.dtheta)
+    count = int(np.sum(known))
+    if count < FEWEST_FOR_SPREAD:
+        reason = f"too few pushes with a known end for a spread: {count} of {FEWEST_FOR_SPREAD}"
         return PushStatistics(pushes.name, pushes.count, None, None, None, reason)
-    dtheta, dx, dy = (motion_statistics(getattr(pushes, quantity)) for quantity in QUANTITIES)
+    dtheta, dx, dy = (
+        MotionStatistics(count, float(np.mean(one[known])), float(np.std(one[known], ddof=1)))
+        for one in (pushes.dtheta, pushes.dx, pushes.dy)
+    )
     return PushStatistics(pushes.name, pushes.count, dtheta, dx, dy)

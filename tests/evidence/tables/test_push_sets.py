@@ -8,7 +8,7 @@ from made_sets import HEADER, TURN, made_set, noisy_set, true_turn, worn_pairs, 
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.push_table import load_pushes
-from cyclemap.evidence.tables.push_sets import motion_statistics, push_sets, push_statistics
+from cyclemap.evidence.tables.push_sets import push_sets, push_statistics
 
 PUSH = "0.35,-0.03,0.1,0.37,-0.05,0.4"
 
@@ -98,17 +98,17 @@ def test_select_keeps_one_value_and_refuses_what_is_not_there(tmp_path) -> None:
         push_sets(table, {"surfaces": "abs"})
 
 
-def test_a_constant_moves_the_mean_alone_and_a_factor_moves_both() -> None:
+def test_a_row_tells_mean_and_spread_of_the_pushes_that_are_known() -> None:
     value = np.random.default_rng(1).standard_normal(50)
-    one, moved, larger = motion_statistics(value), motion_statistics(value + 3.0), motion_statistics(-2.0 * value)
+    row = push_statistics(
+        made_set(np.zeros(51), *(np.append(one, np.nan) for one in (value, value + 3.0, -2.0 * value)))
+    )
+    one, moved, larger = row.dtheta, row.dx, row.dy
+    assert (row.count, one.count) == (51, 50)
+    assert (one.mean, one.std) == (pytest.approx(np.mean(value)), pytest.approx(np.std(value, ddof=1)))
     assert (moved.mean, moved.std) == (pytest.approx(one.mean + 3.0), pytest.approx(one.std))
     assert (larger.mean, larger.std) == (pytest.approx(-2.0 * one.mean), pytest.approx(2.0 * one.std))
-    assert larger.percent == pytest.approx(one.percent)
-
-
-def test_one_known_value_has_no_spread() -> None:
-    with pytest.raises(InvalidInput, match="1 known values have no spread"):
-        motion_statistics([np.nan, 1.0])
+    assert larger.percent == pytest.approx(one.percent) == pytest.approx(100.0 * one.std / abs(one.mean))
 
 
 def test_a_set_with_too_few_pushes_says_so_in_its_row() -> None:
