@@ -66,24 +66,11 @@ def test_a_change_of_variable_changes_nothing(statistic) -> None:
     law, sample = CircularLaw(cardioid(0.9, 1.0)), drawn(1, 40, 4)[0]
     straight = statistic(TURN * law.cumulative(sample), uniform)
     assert statistic(sample, law) == pytest.approx(float(straight), abs=1e-12)
-
-
-def test_rows_are_measured_each_for_itself() -> None:
+    # Rows are measured each for itself.
     rows = drawn(6, 20, 6)
-    for statistic in STATISTICS:
-        together = statistic(rows.reshape(2, 3, 20), uniform)
-        assert together.shape == (2, 3)
-        assert together[1, 0] == pytest.approx(float(statistic(rows[3], uniform)), abs=1e-15)
-
-
-def test_bad_input_is_refused() -> None:
-    for statistic in STATISTICS:
-        with pytest.raises(InvalidInput, match="at least one orientation"):
-            statistic([], uniform)
-        with pytest.raises(InvalidInput, match="entry 0 is nan"):
-            statistic([np.nan], uniform)
-        with pytest.raises(InvalidInput, match="integrates to"):
-            statistic([1.0], lambda theta: 2 * uniform(theta))
+    together = statistic(rows.reshape(2, 3, 20), uniform)
+    assert together.shape == (2, 3)
+    assert together[1, 0] == pytest.approx(float(statistic(rows[3], uniform)), abs=1e-15)
 
 
 def test_it_counts_the_observed_value_and_those_equal_but_for_rounding_among_the_simulated() -> None:
@@ -110,10 +97,17 @@ def test_its_standard_error_is_that_of_repeated_simulation() -> None:
     assert monte_carlo_p_value(99.0, random.normal(size=200)).standard_error > 0.0
 
 
-def test_numbers_that_make_no_p_value_are_refused() -> None:
-    with pytest.raises(InvalidInput, match="no simulated values"):
-        monte_carlo_p_value(1.0, [])
-    with pytest.raises(InvalidInput, match="observed must be a finite number"):
-        monte_carlo_p_value(np.nan, [1.0])
-    with pytest.raises(InvalidInput, match="simulated must be finite"):
-        monte_carlo_p_value(1.0, [1.0, np.inf])
+@pytest.mark.parametrize(
+    ("call", "match"),
+    [
+        *((lambda one=one: one([], uniform), "at least one orientation") for one in STATISTICS),
+        *((lambda one=one: one([np.nan], uniform), "entry 0 is nan") for one in STATISTICS),
+        *((lambda one=one: one([1.0], lambda theta: 2 * uniform(theta)), "integrates to") for one in STATISTICS),
+        (lambda: monte_carlo_p_value(1.0, []), "no simulated values"),
+        (lambda: monte_carlo_p_value(np.nan, [1.0]), "observed must be a finite number"),
+        (lambda: monte_carlo_p_value(1.0, [1.0, np.inf]), "simulated must be finite"),
+    ],
+)
+def test_bad_input_is_refused(call, match) -> None:
+    with pytest.raises(InvalidInput, match=match):
+        call()

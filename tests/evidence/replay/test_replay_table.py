@@ -158,43 +158,29 @@ def test_each_of_the_91_files_is_replayed_as_one_straight_stroke(measured_replay
     groups = measured_replays.by("surface", "object")
     counts = dict(zip(zip(groups["surface"], groups["object"], strict=True), groups["count"], strict=True))
     assert counts == {**COUNTS, ("plywood", "hex"): 1}
-    assert (measured_replays.table["strokes"] == 1).all()
-    assert measured_replays.table["straightness"].max() < 0.16e-3
-    assert measured_replays.table["touched"].all()
+    table = measured_replays.table
+    assert (table["strokes"] == 1).all() and table["touched"].all()
+    assert table["straightness"].max() < 0.16e-3
+    # Outlines fit: rod and object start within 1.6 mm of contact, and overlap by no more than a third of one.
+    assert table["start_gap"].abs().max() < 1.6e-3 and table["shift"].max() < 0.35e-3
+    assert (table["shift"] > 0.0).sum() == (table["start_gap"] < 0.0).sum() > 10
 
 
-def test_outlines_fit_the_records_shifts_are_calibration_errors(measured_replays) -> None:
-    """Rod and object start within 1.6 mm of contact in every file, and overlap by no more than a third of one."""
-    assert measured_replays.table["start_gap"].abs().max() < 1.6e-3
-    assert measured_replays.table["shift"].max() < 0.35e-3
-    assert (measured_replays.table["shift"] > 0.0).sum() == (measured_replays.table["start_gap"] < 0.0).sum() > 10
-
-
-def test_mean_errors_of_each_object_are_small_beside_its_motion(measured_replays) -> None:
-    groups = measured_replays.by("object").set_index("object")
+def test_predicted_motions_follow_the_measured_ones_and_errors_are_small_beside_them(measured_replays) -> None:
+    groups, table = measured_replays.by("object").set_index("object"), measured_replays.table
     assert set(groups.index) == set(BOUNDS)
     for kind, (millimetres, degrees) in BOUNDS.items():
         assert 1e3 * groups.loc[kind, "mean_error"] < millimetres
         assert math.degrees(groups.loc[kind, "mean_turn_error"]) < degrees
         assert groups.loc[kind, "relative_error"] < 0.25
     error, turn_error = measured_replays.mean_errors
-    assert 1e3 * error < 4.2
-    assert math.degrees(turn_error) < 4.6
-
-
-def test_predicted_motions_follow_the_measured_ones(measured_replays) -> None:
-    """Distances and turns of all pushes go together: correlations over 0.95 and 0.9, sides of turning agree."""
-    table = measured_replays.table
+    assert 1e3 * error < 4.2 and math.degrees(turn_error) < 4.6
     assert np.corrcoef(table["measured_motion"], table["predicted_motion"])[0, 1] > 0.95
     assert np.corrcoef(table["measured_turn"], table["predicted_turn"])[0, 1] > 0.9
     large = table[table["measured_turn"].abs() > math.radians(5.0)]
     assert len(large) > 60
     assert (np.sign(large["measured_turn"]) == np.sign(large["predicted_turn"])).mean() > 0.97
-
-
-def test_contact_begins_and_ends_as_measured_in_most_pushes(measured_replays) -> None:
-    assert measured_replays.table["touch_agrees"].mean() > 0.85
-    assert measured_replays.table["leaving_agrees"].mean() > 0.93
+    assert table["touch_agrees"].mean() > 0.85 and table["leaving_agrees"].mean() > 0.93
 
 
 @pytest.mark.parametrize("surface", ["plywood", "abs"])

@@ -223,44 +223,29 @@ def test_the_plywood_law_is_fitted_to_within_its_noise(measured_data) -> None:
     assert np.rad2deg(np.sqrt(np.mean(bins.median**2))) < 1.0
 
 
-def test_the_plywood_map_that_drifts_makes_the_measured_turns_of_pushes_500_to_2000(measured_data) -> None:
-    """17.48 turns were measured, 0.23 of them by the two jumps that no map explains; without wear 20 and more."""
+@pytest.mark.slow
+def test_the_drifting_plywood_map_makes_the_measured_turns_steps_and_peak(measured_data) -> None:
+    """17.48 turns of pushes 500 to 2000, 0.23 of them by two jumps that no map explains; without wear 20 and more."""
     forecast = plywood(measured_data).forecast
-    assert forecast.first_cycle == 500.0
-    assert forecast.measured_turns == pytest.approx(17.48, abs=0.005)
-    assert forecast.left_out_turns == pytest.approx(0.2276, abs=1e-3)
+    pace, explained = forecast.pace, forecast.measured_turns - forecast.left_out_turns
+    assert (forecast.first_cycle, pace.measured.size) == (500.0, 17)
+    assert (forecast.measured_turns, forecast.left_out_turns) == pytest.approx((17.48, 0.2276), abs=5e-3)
     assert np.mean(forecast.turns) == pytest.approx(16.4, abs=0.3)
-    assert np.std(forecast.turns) == pytest.approx(0.9, abs=0.2)
-    explained = forecast.measured_turns - forecast.left_out_turns
-    assert abs(explained - np.mean(forecast.turns)) < 1.5 * np.std(forecast.turns)
-
-
-def test_the_plywood_steps_shorten_from_257_pushes_to_45_as_the_drifting_map_foretells(measured_data) -> None:
-    pace = plywood(measured_data).forecast.pace
-    assert pace.measured.size == 17
-    assert pace.measured[0] == pytest.approx(257.0, abs=2.0)
-    assert pace.measured[-1] == pytest.approx(45.0, abs=2.0)
+    assert abs(explained - np.mean(forecast.turns)) < 1.5 * np.std(forecast.turns) < 1.7
+    assert pace.measured[[0, -1]] == pytest.approx([257.0, 45.0], abs=2.0)
     for turn in (0, -1):
         assert pace.lower[turn] <= pace.measured[turn] <= pace.upper[turn]
-    assert pace.predicted[-1] == pytest.approx(pace.measured[-1], rel=0.1)
-    assert pace.predicted[0] == pytest.approx(pace.measured[0], rel=0.5)
     # The two turns about the jump at push 1391, and two beside it, lie outside.
     assert pace.inside >= 0.7
-    ratio = np.median(pace.predicted / pace.measured)
-    assert ratio == pytest.approx(1.0, abs=0.1)
-
-
-def test_the_plywood_histogram_peaks_at_95_to_100_degrees_measured_and_foretold(measured_data) -> None:
-    forecast = plywood(measured_data).forecast
+    assert np.median(pace.predicted / pace.measured) == pytest.approx(1.0, abs=0.1)
     for histogram in (forecast.measured_histogram, forecast.histogram):
         peak = int(np.argmax(histogram.density))
-        low, high = np.rad2deg(histogram.edges[peak : peak + 2])
-        assert 90.0 - 1e-9 <= low < high <= 100.0 + 1e-9
-    assert np.rad2deg(forecast.wasserstein) < 4.0
-    assert forecast.wasserstein < np.quantile(forecast.run_distances, 0.99)
+        assert np.all(np.abs(np.rad2deg(histogram.edges[peak : peak + 2]) - 95.0) <= 5.0 + 1e-9)
+    assert forecast.wasserstein < min(np.radians(4.0), np.quantile(forecast.run_distances, 0.99))
     assert forecast.total_variation < 0.1
 
 
+@pytest.mark.slow
 def test_the_plywood_bottleneck_near_95_degrees_opens_tenfold(measured_data) -> None:
     found = plywood(measured_data)
     for state in (found.early, found.late):
