@@ -62,8 +62,9 @@ def test_travel_and_place_are_inverse_to_each_other_on_the_corners() -> None:
 def test_a_tip_that_trembles_backwards_never_travels_back_and_one_that_stays_is_refused() -> None:
     place = np.column_stack([[0.0, 0.01, 0.0099, 0.02, 0.0198, 0.03], np.zeros(6)])
     assert tip_path(table(place)).travel == pytest.approx([0.0, 0.01, 0.01, 0.02, 0.02, 0.03])
-    with pytest.raises(InvalidInput, match=r"the tip moves 0\.5 mm: it pushes nothing"):
-        tip_path(table([[0.0, 0.0], [0.0005, 0.0]]))
+    for far, told in ((0.0005, r"0\.5"), (0.0, "0")):
+        with pytest.raises(InvalidInput, match=f"the tip moves {told} mm: it pushes nothing"):
+            tip_path(table([[0.0, 0.0], [far, 0.0]]))
 
 
 MILLIMETRE = 1e-3
