@@ -14,7 +14,6 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
 from cyclemap.evidence.laws.linear_fit import student_quantile
-from cyclemap.evidence.laws.periodic_law import PeriodicLaw
 from cyclemap.evidence.orientations.circular_distance import circular_wasserstein, total_variation
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, angle_histogram, is_covered
@@ -29,6 +28,7 @@ EARLY, LATE = 0.125, 0.875
 # From here on the turns are counted: a new surface wears in during the first quarter.
 WORN_IN = 0.25
 _GRID = 1440
+_AROUND = TWO_PI * np.arange(_GRID) / _GRID
 # Fewer cycles than these pass any place too seldom to tell wear from scatter.
 FEWEST_FOR_WEAR = 100
 # Residuals within 10 degrees tell by how much a law is off there; where their mean is this many standard errors from
@@ -214,27 +214,40 @@ def measured_cycle_map(
     report = progress or (lambda fraction: None)
     fitted = _fitted(pairs, harmonics, wear, seed)
     report(0.5)
-    quietest, loudest = _scatter_places(pairs, fitted)
     forecast = _forecast(pairs, fitted, whole_number("runs", runs, least=2), seed)
     report(1.0)
-    return MeasuredCycleMap(
-        pairs=pairs,
-        fitted=fitted,
-        quietest=quietest,
-        loudest=loudest,
-        early=map_state(pairs, fitted, EARLY),
-        late=map_state(pairs, fitted, LATE),
-        forecast=forecast,
-    )
+    # Measured less fitted turns, each beside the law of its own cycle, and those within 10 degrees of each place.
+    worn, seen = fitted.wear, is_covered(pairs.theta, _AROUND)
+    off = pairs.turn - fitted.law(pairs.theta)
+    if worn is not None and pairs.cycle is not None:
+        off = pairs.turn - worn.turns(pairs.theta, pairs.cycle)
+    near = np.abs(shorter_way(_AROUND[:, np.newaxis] - pairs.theta)) <= _MISFIT_REACH
+    crowd = near.sum(axis=1)
+    bias = near @ off / np.maximum(crowd, 1)
+    # Where ten pairs or more scatter least and most, root mean square; of fewer in all, the largest crowds count.
+    told = np.flatnonzero(seen & (crowd > 0))
+    told = told[crowd[told] >= min(_CROWD, int(np.max(crowd[told])))]
+    size = np.sqrt(near[told] @ off**2 / crowd[told])
+    quietest, loudest = ((float(_AROUND[told[k]]), float(size[k])) for k in (np.argmin(size), np.argmax(size)))
+    early, late = (_map_state(fitted, share, seen, bias, crowd) for share in (EARLY, LATE))
+    return MeasuredCycleMap(pairs, fitted, quietest, loudest, early, late, forecast)
 
 
-def map_state(pairs: Theta0Pairs, fitted: FittedMap, share: float) -> MapState:
-    """The fitted map after this share of the measured cycles, 0 to 1."""
-    worn = fitted.wear
+def _map_state(
+    fitted: FittedMap, share: float, seen: NDArray[np.bool_], bias: Array, crowd: NDArray[np.int64]
+) -> MapState:
+    """The fitted map after a share of the cycles; bias : mean of the ``crowd`` of residuals about each place."""
+    worn, theta = fitted.wear, _AROUND
     cycle = float("nan") if worn is None else worn.first + share * (worn.last - worn.first)
     law = fitted.law if worn is None else worn.at(cycle)
-    theta = TWO_PI * np.arange(_GRID) / _GRID
-    seen, turn, error = is_covered(pairs.theta, theta), law(theta), _turn_error(pairs, fitted, law, theta)
+    # Half of the 95 % interval of the turn: what the law states (the least of all turns is asked for, and a law of p
+    # coefficients is free in p places), more where residuals are alike, and its misfit: a law of too low an order is
+    # off by what its residuals have in common thereabouts, which no covariance knows.
+    alike = min(max(law.lag_correlation, 0.0), 0.99)
+    quantile = student_quantile(1.0 - 0.05 / law.coefficients.size, law.count - law.coefficients.size)
+    stated = quantile * law.standard_error(theta) * np.sqrt((1.0 + alike) / (1.0 - alike))
+    misfit, chance = np.abs(bias), law.noise(theta) / np.sqrt(np.maximum(crowd, 1))
+    turn, error = law(theta), stated + np.where(misfit > _MISFIT * chance, misfit + 2.0 * chance, 0.0)
     sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)
 
     def place(k: int, cycles: float | None = None) -> TurnPlace:
@@ -253,50 +266,6 @@ def map_state(pairs: Theta0Pairs, fitted: FittedMap, share: float) -> MapState:
     slow = tuple(place(k, cycles) for k, cycles in passages if sign[k] != 0.0)
     slowest = place(_least(np.abs(turn), np.flatnonzero(seen)))
     return MapState(cycle, tuple(sorted(sure, key=lambda one: one.points[0])), slow, tuple(undecided), slowest)
-
-
-def _turn_error(pairs: Theta0Pairs, fitted: FittedMap, law: PeriodicLaw, theta: Array) -> Array:
-    """Half of the 95 % interval of the turn: what the law states, more where residuals are alike, and its misfit.
-
-    A law of too low an order is off by what its residuals have in common thereabouts, which no covariance knows.
-    """
-    alike = min(max(law.lag_correlation, 0.0), 0.99)
-    # The least of all turns is asked for: a law of p coefficients is free in p places.
-    level = 1.0 - 0.05 / law.coefficients.size
-    halfwidth = student_quantile(level, law.count - law.coefficients.size) * law.standard_error(theta)
-    stated = halfwidth * np.sqrt((1.0 + alike) / (1.0 - alike))
-    off = _residuals(pairs, fitted)
-    near = _near(pairs, theta)
-    count = np.maximum(near.sum(axis=1), 1)
-    mean, error = np.abs(near @ off) / count, law.noise(theta) / np.sqrt(count)
-    return np.asarray(stated + np.where(mean > _MISFIT * error, mean + 2.0 * error, 0.0))
-
-
-def _scatter_places(pairs: Theta0Pairs, fitted: FittedMap) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Where the residuals of ten pairs or more within 10 degrees are least and most, root mean square, and how large.
-
-    Of fewer pairs in all, the largest crowds count.
-    """
-    theta = TWO_PI * np.arange(_GRID) / _GRID
-    near = _near(pairs, theta)
-    crowd = near.sum(axis=1)
-    told = np.flatnonzero(is_covered(pairs.theta, theta) & (crowd > 0))
-    told = told[crowd[told] >= min(_CROWD, int(np.max(crowd[told])))]
-    size = np.sqrt(near[told] @ _residuals(pairs, fitted) ** 2 / crowd[told])
-    least, most = int(np.argmin(size)), int(np.argmax(size))
-    return (float(theta[told[least]]), float(size[least])), (float(theta[told[most]]), float(size[most]))
-
-
-def _residuals(pairs: Theta0Pairs, fitted: FittedMap) -> Array:
-    """Measured less fitted turn (n,), rad, each beside the law of its own cycle."""
-    if fitted.wear is None or pairs.cycle is None:
-        return np.asarray(pairs.turn - fitted.law(pairs.theta))
-    return np.asarray(pairs.turn - fitted.wear.turns(pairs.theta, pairs.cycle))
-
-
-def _near(pairs: Theta0Pairs, theta: Array) -> NDArray[np.bool_]:
-    """Which pairs (n,) begin within 10 degrees of each angle (k,): shape (k, n)."""
-    return np.asarray(np.abs(shorter_way(theta[:, np.newaxis] - pairs.theta)) <= _MISFIT_REACH)
 
 
 def _nearest(theta: float) -> int:
@@ -350,8 +319,7 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
     pooled = whole[:, :: max(1, whole.size // _POOLED)].ravel()
     # Full turns climbed in cycles that no fitted pair covers.
     left_out = path[-1] - path[begin] - float(np.sum(pairs.turn[pairs.cycle >= cycle[begin]]))
-    around = TWO_PI * np.arange(_GRID) / _GRID
-    fastest = float(around[np.argmax(np.abs(fitted.map.turn(around)))])
+    fastest = float(_AROUND[np.argmax(np.abs(fitted.map.turn(_AROUND)))])
     lower, upper = np.quantile(whole, [0.025, 0.975], axis=0)
     return WornForecast(
         first_cycle=float(cycle[begin]),
