@@ -69,16 +69,16 @@ class FittedMap:
         """
         return map_of_turn(self._worn().at(cycle))
 
-    def drifting_map(self, cycles: int, first: float | None = None, tolerance: float = BLEND_TOLERANCE) -> DriftingMap:
+    def drifting_map(self, cycles: int, first: float | None = None) -> DriftingMap:
         """The map that wears as measured, for ``cycles`` cycles; its cycle 0 is the measured cycle ``first``.
 
-        first : None takes the first measured cycle. tolerance : radians, of the blend between cycles. Before and after
-        the measured cycles the wear stands still: nothing is extrapolated.
+        first : None takes the first measured cycle. The blend between cycles is good to 1e-4 rad. Before and after the
+        measured cycles the wear stands still: nothing is extrapolated.
         """
         worn = self._worn()
         start = worn.first if first is None else finite_number("first", first)
         count = whole_number("cycles", cycles, least=1)
-        return DriftingMap.of_family(self.map_at, lambda n: start + n, count, tolerance)
+        return DriftingMap.of_family(self.map_at, lambda n: start + n, count, BLEND_TOLERANCE)
 
     def paths(self, starts: ArrayLike, cycles: int, first: float | None = None, seed: int = 0) -> Array:
         """Paths of the worn map with its own scatter at each angle: (paths, cycles + 1) rad, unwrapped, starts first.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_number, read_only, whole_number
+from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import InvalidInput
 
 FOLDS = 10
@@ -136,11 +136,16 @@ def cycle_folds(count: int, seed: int) -> NDArray[np.int64]:
     return np.asarray(dealt[np.arange(count) * blocks // count], dtype=np.int64)
 
 
-def nested_errors(design: Array, value: Array, sizes: NDArray[np.int64], fold: NDArray[np.int64]) -> Array:
+def nested_errors(
+    design: Array, value: Array, sizes: NDArray[np.int64], fold: NDArray[np.int64], weight: Array | float = 1.0
+) -> Array:
     """Squared errors of prediction (n, k) when the first sizes[j] columns are fitted without the value's own fold.
 
-    One QR factorisation a fold serves all sizes. inf where the rest of the values does not fix the coefficients.
+    Times ``weight`` (n,), by which they are fitted. One QR factorisation a fold serves all sizes. inf where the rest of
+    the values does not fix the coefficients.
     """
+    root = np.sqrt(np.broadcast_to(weight, value.shape))
+    design, value = design * root[:, np.newaxis], value * root
     errors = np.full((value.size, sizes.size), np.inf)
     for one in range(int(fold.max()) + 1):
         out = fold == one
@@ -173,11 +178,3 @@ def simplest_good(errors: Array, sizes: NDArray[np.int64], fold: NDArray[np.int6
     good = np.flatnonzero(mean - mean[best] <= spread + floor)
     good = good[np.isfinite(mean[good])]
     return int(good[np.argmin(sizes[good])]), mean
-
-
-def choose_harmonics(design: Array, value: Array, fold: NDArray[np.int64]) -> OrderScores:
-    """Score the orders 0, 1, ... that ``design`` (columns of ``fourier_columns``) holds, and choose."""
-    sizes = np.arange(1, design.shape[1] + 1, 2)
-    errors = nested_errors(design, value, sizes, fold)
-    chosen, mean = simplest_good(errors, sizes, fold)
-    return OrderScores(np.arange(sizes.size), read_only(np.sqrt(mean)), chosen)

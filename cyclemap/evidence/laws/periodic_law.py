@@ -14,7 +14,6 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.laws.linear_fit import (
     LinearFit,
     OrderScores,
-    choose_harmonics,
     cycle_folds,
     fit_linear,
     fourier_columns,
@@ -275,9 +274,10 @@ def fit_periodic_law(
     highest = min(most, (values.size - int(np.bincount(fold).max()) - 2) // 2)
     for _ in range(1 if noise_harmonics == 0 else 2):
         columns = fourier_columns(angles, highest)
-        root = np.sqrt(weight)
-        scores = choose_harmonics(columns * root[:, np.newaxis], values * root, fold)
-        design = fourier_columns(angles, scores.chosen)
+        sizes = np.arange(1, columns.shape[1] + 1, 2)
+        chosen, mean = simplest_good(nested_errors(columns, values, sizes, fold, weight), sizes, fold)
+        scores = OrderScores(np.arange(sizes.size), read_only(np.sqrt(mean)), chosen)
+        design = fourier_columns(angles, chosen)
         fit, log_variance = fit_with_scatter(angles, design, values, noise_harmonics, seed)
         weight = scatter_weights(angles, log_variance)
     return law_of(fit, log_variance, values, scores)

@@ -149,14 +149,11 @@ def _chosen(
     waves, powers = orders
     if len(waves) == len(powers) == 1:
         return None, waves[0], powers[0]
-    fold = cycle_folds(values.size, seed)
-    root = np.sqrt(weight)
-    errors, sizes = [], []
+    fold, errors, sizes = cycle_folds(values.size, seed), [], []
     for power in powers:
-        size = (2 * np.array(waves) + 1) * (power + 1)
+        sizes.append((2 * np.array(waves) + 1) * (power + 1))
         design = _worn_columns(angles, polynomials[:, : power + 1], max(waves))
-        errors.append(nested_errors(design * root[:, np.newaxis], values * root, size, fold))
-        sizes.append(size)
+        errors.append(nested_errors(design, values, sizes[-1], fold, weight))
     chosen, mean = simplest_good(np.hstack(errors), np.concatenate(sizes), fold)
     table = read_only(np.sqrt(mean).reshape(len(powers), len(waves)))
     return table, waves[chosen % len(waves)], powers[chosen // len(waves)]

@@ -111,8 +111,8 @@ def motion_law(
     # Laws of the same order and weights, at blocks of successive pushes left out. Order and scatter were chosen with
     # all values: for a law of few coefficients that flatters it little.
     columns, weight = fourier_columns(angles, law.harmonics), scatter_weights(angles, law.log_variance)
-    root, size = np.sqrt(weight), np.array([law.coefficients.size])
-    errors = nested_errors(columns * root[:, np.newaxis], values * root, size, cycle_folds(values.size, seed))[:, 0]
+    size, fold = np.array([law.coefficients.size]), cycle_folds(values.size, seed)
+    errors = nested_errors(columns, values, size, fold, weight)[:, 0]
     return MotionLaw(quantity, angles, values, law, float(np.sqrt(np.mean(errors / weight))))
 
 
