@@ -255,10 +255,6 @@ class CollectionFolder:
         told = f"{cycle} {theta!r}".encode()
         return told + b" # " + hashlib.sha256(b"\0".join((before, told, content))).hexdigest()[:16].encode() + b"\n"
 
-    def size(self) -> int:
-        """Bytes of all pushes and scans."""
-        return sum(path.stat().st_size for path in self.home.rglob(f"*{self.plan.suffix}"))
-
 
 @dataclass(frozen=True)
 class SimulatedCollection:
@@ -320,14 +316,14 @@ def simulate_collection(
     plan = CollectionPlan(loop, cycles, **asked)
     report = progress or (lambda fraction: None)
     with only_writer(Path(folder)):
-        home = CollectionFolder(folder, plan)
+        begun = CollectionFolder(folder, plan)
         scans = 0
         # Made anew if they are there: they are quick.
-        for scans, scan in enumerate(scan_set(home.surface, home.shape, plan.speed) if plan.scans else (), 1):
+        for scans, scan in enumerate(scan_set(begun.surface, begun.shape, plan.speed) if plan.scans else (), 1):
             friction, weight, instruments = loop.material.friction, loop.model.weight, plan.generator(SCANS, scans)
             made = record_scan(friction, weight, scan.direction, plan.recording(0), instruments)
-            write_push_file(home.home / SCAN_FOLDER / f"{scan_name(scan)}{plan.suffix}", made)
-        theta = home.known_theta()
+            write_push_file(begun.home / SCAN_FOLDER / f"{scan_name(scan)}{plan.suffix}", made)
+        theta = begun.known_theta()
         resumed = len(theta) - 1
         for cycle in range(resumed, plan.cycles):
             now, distance = plan.loop_at(cycle), plan.push_at(cycle).distance
@@ -337,10 +333,11 @@ def simulate_collection(
                 place = f"cycle {cycle}, from θ0 = {math.degrees(theta[-1]):.3f} degrees"
                 raise type(error)(f"{place}: {error}") from error
             record = record_push(push, distance, plan.recording(cycle), plan.generator(INSTRUMENTS, cycle))
-            write_push_file(home.push_path(cycle), record)
+            write_push_file(begun.push_path(cycle), record)
             gripped = 0.0 if plan.gripper_turns is None else plan.gripper_turns[cycle]
             theta.append(back.end.theta + gripped + plan.kick(cycle, theta[-1]))
-            home.append_truth(cycle + 1, theta[-1])
+            begun.append_truth(cycle + 1, theta[-1])
             report((cycle + 1) / plan.cycles)
+    size = sum(path.stat().st_size for path in begun.home.rglob(f"*{plan.suffix}"))
     written = plan.cycles - resumed
-    return SimulatedCollection(home.folder, plan.cycles, written, resumed, scans, theta[-2], home.size())
+    return SimulatedCollection(home.folder, plan.cycles, written, resumed, scans, theta[-2], size)

@@ -89,12 +89,6 @@ def weighted_least_squares(design: Array, value: Array, weight: Array) -> tuple[
     return inverse_root @ (q.T @ (root * value)), inverse_root @ inverse_root.T
 
 
-def lag_correlation(residuals: Array) -> float:
-    """The correlation of each residual with the next, in order of recording; 0 for residuals that are all 0."""
-    power = float(residuals @ residuals)
-    return float(residuals[1:] @ residuals[:-1]) / power if power > 0.0 else 0.0
-
-
 def student_quantile(level: float, freedom: float) -> float:
     """Return t such that a Student variable lies within -t and t with probability `level`."""
     from scipy.special import stdtrit

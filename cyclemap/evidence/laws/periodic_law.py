@@ -18,7 +18,6 @@ from cyclemap.evidence.laws.linear_fit import (
     fit_linear,
     fourier_columns,
     fourier_slopes,
-    lag_correlation,
     nested_errors,
     simplest_good,
     student_quantile,
@@ -285,16 +284,18 @@ def fit_periodic_law(
 
 def law_of(fit: LinearFit, log_variance: Array, values: Array, scores: OrderScores | None) -> PeriodicLaw:
     """The law of a fit to ``values`` (n,) whose coefficients are those of ``fourier_columns``."""
+    off = fit.residuals
+    power = float(off @ off)
     return PeriodicLaw(
         coefficients=fit.coefficients,
         covariance=fit.covariance,
         log_variance=log_variance,
         sigma=fit.sigma,
         count=values.size,
-        rmse=float(np.sqrt(np.mean(fit.residuals**2))),
+        rmse=float(np.sqrt(np.mean(off**2))),
         mean=float(np.mean(values)),
         total_std=float(np.std(values, ddof=1)) if values.size > 1 else 0.0,
-        lag_correlation=lag_correlation(fit.residuals),
+        lag_correlation=float(off[1:] @ off[:-1]) / power if power > 0.0 else 0.0,
         scores=scores,
     )
 
