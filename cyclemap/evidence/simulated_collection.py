@@ -340,4 +340,4 @@ def simulate_collection(
             report((cycle + 1) / plan.cycles)
     size = sum(path.stat().st_size for path in begun.home.rglob(f"*{plan.suffix}"))
     written = plan.cycles - resumed
-    return SimulatedCollection(home.folder, plan.cycles, written, resumed, scans, theta[-2], size)
+    return SimulatedCollection(begun.folder, plan.cycles, written, resumed, scans, theta[-2], size)
