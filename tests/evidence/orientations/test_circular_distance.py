@@ -101,10 +101,10 @@ def test_between_equal_samples_it_is_the_cheapest_assignment() -> None:
         assert circular_wasserstein(first, second) == pytest.approx(cost[rows, columns].mean(), abs=1e-13)
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 10, 101])
-def test_equally_spaced_points_are_half_a_step_over_two_from_uniform(count) -> None:
-    spaced = 0.3 + TURN * np.arange(count) / count
-    assert circular_wasserstein(spaced, uniform) == pytest.approx(np.pi / (2 * count), abs=1e-9)
+def test_equally_spaced_points_are_half_a_step_over_two_from_uniform() -> None:
+    for count in (1, 2, 3, 10, 101):
+        spaced = 0.3 + TURN * np.arange(count) / count
+        assert circular_wasserstein(spaced, uniform) == pytest.approx(np.pi / (2 * count), abs=1e-9)
 
 
 def test_a_point_is_as_far_from_a_law_as_the_mean_distance_to_it() -> None:

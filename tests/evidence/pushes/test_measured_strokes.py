@@ -27,14 +27,11 @@ def written(folder: Path, *rows: str, header: str = HEADER) -> Path:
 def test_rows_of_other_objects_and_of_missed_pushes_are_left_out(tmp_path: Path) -> None:
     pushes = read_measured_pushes(written(tmp_path, *ROWS), {"surface": "abs", "shape": "rect1"})
     assert [push.contact for push in pushes] == [0, 1]
+    # The last orientation is the one nearest to the first.
+    assert pushes[0].end.theta == pytest.approx(2.0 * math.pi - 3.1)
+    assert (pushes[0].direction, pushes[0].length) == (math.pi, pytest.approx(0.05))
     repeated = read_measured_pushes(written(tmp_path, ROWS[0], *ROWS), {"shape": "rect1"})
     assert [push.contact for push in repeated] == [0, 0, 1]
-
-
-def test_the_last_orientation_is_the_one_nearest_to_the_first(tmp_path: Path) -> None:
-    push = read_measured_pushes(written(tmp_path, ROWS[0]))[0]
-    assert push.end.theta == pytest.approx(2.0 * math.pi - 3.1)
-    assert (push.direction, push.length) == (math.pi, pytest.approx(0.05))
 
 
 def test_drags_are_read_with_a_group_each(tmp_path: Path) -> None:

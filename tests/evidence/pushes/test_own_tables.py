@@ -18,6 +18,7 @@ pandas = pytest.importorskip("pandas")
 
 # Orientations before twelve pushes, degrees, not wrapped, and the turn of each push.
 THETA_DEG = 12.0 + 27.3 * np.arange(12)
+WRAPPED = (THETA_DEG % 360.0).tolist()
 TURN_DEG = 65.0 + np.cos(np.radians(THETA_DEG))
 
 
@@ -32,20 +33,22 @@ def wrapped(degrees):
     return (np.asarray(degrees) + 180.0) % 360.0 - 180.0
 
 
-def test_semicolons_and_decimal_commas(tmp_path) -> None:
-    lines = [f"{n};{angle:.2f}".replace(".", ",") for n, angle in enumerate(THETA_DEG % 360.0)]
+@pytest.mark.parametrize(
+    ("text", "guessed"),
+    [
+        ("Nr;Winkel vorher [°]\n" + "".join(f"{n};{x:.4f}\n" for n, x in enumerate(WRAPPED)).replace(".", ","), False),
+        ("yaw\n" + "".join(f"{math.radians(x):.8f}\n" for x in WRAPPED), True),
+        # The search for a unit takes a step a bracket, not one for every pair of them.
+        ("yaw_deg," + "[" * 10_000 + "\n" + "".join(f"{x},1\n" for x in WRAPPED), False),
+    ],
+    ids=["semicolons and decimal commas", "radians by their size", "ten thousand brackets"],
+)
+def test_columns_and_units_are_told_by_name_or_size_and_a_guess_is_said(tmp_path, text, guessed) -> None:
     path = tmp_path / "messung.csv"
-    path.write_text("\n".join(["Nr;Winkel vorher [°]", *lines]) + "\n")
+    path.write_text(text)
     assert is_own(path)
-    assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=0.006)
-
-
-def test_radians_are_told_by_their_size_and_that_is_said(tmp_path) -> None:
-    path = tmp_path / "rad.csv"
-    path.write_text("yaw\n" + "".join(f"{math.radians(x):.6f}\n" for x in THETA_DEG % 360.0))
-    found = read_own_table(path)
-    assert found.guessed and any("in rad, guessed" in line for line in found.words)
-    assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-3)
+    assert any("in rad, guessed" in line for line in read_own_table(path).words) == guessed
+    assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-4)
 
 
 def test_an_excel_export(tmp_path) -> None:
@@ -81,13 +84,6 @@ def test_parquet_of_more_numbers_than_fit_is_refused_before_it_is_unpacked(tmp_p
     assert path.stat().st_size < 200_000
     with pytest.raises(DataFileError, match="holds 80 MB"):
         read_own_table(path)
-
-
-def test_a_column_named_by_ten_thousand_brackets_is_read_like_any_other(tmp_path) -> None:
-    """The search for a unit takes a step a bracket; it took a step for every pair of them, minutes in all."""
-    path = tmp_path / "log.csv"
-    path.write_text("yaw_deg," + "[" * 10_000 + "\n" + "".join(f"{angle},1\n" for angle in THETA_DEG % 360.0))
-    assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-9)
 
 
 def test_columns_of_any_name_as_told(tmp_path) -> None:
