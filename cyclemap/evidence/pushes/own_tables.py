@@ -6,7 +6,6 @@ readings are possible of is guessed. A stream of one object's poses becomes push
 
 from __future__ import annotations
 
-import csv
 import io
 import json
 import math
@@ -87,16 +86,12 @@ class OwnTable:
 
     def csv_text(self) -> str:
         """The table as a CSV file that every reader of pushes takes."""
-        names = {name: name for name in self.columns}
-        if "theta1" not in self.columns:
-            names = {name: f"{name}_deg" for name in ("theta0", "theta_next") if name in self.columns}
-        out = io.StringIO()
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(names.values())
-        scale = [math.degrees(1.0) if new.endswith("_deg") else 1.0 for new in names.values()]
-        for row in zip(*(self.columns[name] for name in names), strict=True):
-            writer.writerow(["" if math.isnan(v) else repr(float(f * v)) for f, v in zip(scale, row, strict=True)])
-        return out.getvalue()
+        pandas: Any = import_module("pandas")
+        columns = self.columns
+        if "theta1" not in columns:
+            angles = (name for name in ("theta0", "theta_next") if name in columns)
+            columns = {f"{name}_deg": math.degrees(1.0) * columns[name] for name in angles}
+        return str(pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
 
 
 def is_own(path: str | Path) -> bool:
