@@ -2,7 +2,6 @@
 
 import json
 import os
-import random
 from collections import Counter
 from pathlib import Path
 
@@ -100,23 +99,6 @@ def test_measured_drag_backs_turn_the_object_as_their_own_column_says(measured_d
     said = sorted(raw.number(row, "dth_deg") for row in raw.rows)
     found = np.sort(np.rad2deg(loaded["theta_next"] - loaded["theta1"]))
     assert len(said) == 217 and found == pytest.approx(np.array(said), abs=2e-3)
-
-
-@pytest.mark.slow
-def test_damage_at_random_is_reported_or_loads_finite_poses(tmp_path) -> None:
-    whole = f"rep,{POSES}\n" + "".join(f"{number},0.1,0.2,{number / 7:.4f},0.3,0.4,1.5\n" for number in range(8))
-    outcome = {True: 0, False: 0}
-    for seed in range(100):
-        chance, damaged = random.Random(seed), bytearray(whole.encode())
-        damaged[chance.randrange(len(damaged))] = chance.choice([*b'0e,"\n', chance.randrange(256)])
-        path = tmp_path / "damaged.csv"
-        path.write_bytes(damaged[: chance.choice([len(damaged), chance.randrange(len(damaged))])])
-        loaded = load_pushes(path)
-        assert loaded.table.empty == bool(loaded.unreadable)
-        poses = loaded.table[["x0", "y0", "theta0", "x1", "y1", "theta1", "dx", "dy", "dtheta"]].to_numpy()
-        assert np.isfinite(poses).all()
-        outcome[loaded.table.empty] += 1
-    assert min(outcome.values()) > 10
 
 
 def repeated(folder: Path, starts: dict[int, float], turn: float = 1.2) -> None:

@@ -1,11 +1,6 @@
 """A simulated collection is the loop's path in the dataset's layout, the same however often it was broken off."""
 
 import math
-import os
-import signal
-import subprocess
-import sys
-import textwrap
 from dataclasses import replace
 from pathlib import Path
 
@@ -175,34 +170,6 @@ def test_a_run_stopped_between_any_two_files_ends_like_an_undisturbed_one(
     again = simulate(tmp_path)
     assert (again.resumed, again.written, again.theta_last) == (CYCLES, 0, made.theta_last)
     assert contents(tmp_path) == undisturbed
-
-
-@pytest.mark.slow
-def test_a_killed_process_leaves_whole_files_only_and_can_be_gone_on_with(tmp_path) -> None:
-    """SIGKILL in the middle of the fourth file, between writing and renaming it."""
-    folder, whole = tmp_path / "killed", tmp_path / "whole"
-    script = f"""
-        import os, signal
-        from pathlib import Path
-        from cyclemap.collection.loop import CollectionLoop
-        from cyclemap.evidence.simulated_collection import simulate_collection
-        real = Path.replace
-        def replace(self, target):
-            if "rep=0003" in str(target):
-                os.kill(os.getpid(), signal.SIGKILL)
-            return real(self, target)
-        Path.replace = replace
-        simulate_collection(CollectionLoop.mit("plywood", accuracy=1e-6), {str(folder)!r}, 6)
-    """
-    root = Path(__file__).parents[3]
-    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
-    done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], cwd=root, env=environment, check=False)
-    assert done.returncode == -signal.SIGKILL
-    assert len(list(folder.rglob("*.part"))) == 1
-    pushes = load_pushes(folder)
-    assert pushes.unreadable == () and pushes.table["repetition"].tolist() == [0.0, 1.0, 2.0]
-    assert (simulate_collection(LOOP, folder, 6).resumed, simulate_collection(LOOP, whole, 6).resumed) == (3, 0)
-    assert contents(folder) == contents(whole)
 
 
 def test_damaged_notes_are_made_again(tmp_path, undisturbed) -> None:
