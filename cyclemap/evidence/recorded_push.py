@@ -24,7 +24,7 @@ REST_SECONDS = 0.25
 TIP_LAG, WRENCH_LAG = 0.009, 0.011
 # Seconds since 1970, as robots count: the first of January 2016, the year of the dataset.
 FIRST_CLOCK = 1_451_606_400.0
-# Where the reset brings the ring to, (x, y) in the robot's frame, m.
+# Where the reset brings the ring to, (x, y) in the robot's frame, m: the origin of the mechanics.
 MIT_TARGET = (0.350, -0.030)
 # The rod starts this far (m) before it touches.
 APPROACH = 0.001
@@ -68,14 +68,12 @@ class Recording:
     """How a stroke is recorded.
 
     speed : m/s, of the rod. start : seconds since 1970. noise : of the instruments. rod_radius : m.
-    target : (x, y) m, where the origin of the mechanics lies in the robot's frame: the reset brings the ring there.
     """
 
     speed: float = 0.020
     start: float = FIRST_CLOCK
     noise: RecordingNoise = RecordingNoise()
     rod_radius: float = MIT_ROD_RADIUS
-    target: tuple[float, float] = MIT_TARGET
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "speed", positive_number("speed of the rod", self.speed))
@@ -114,7 +112,7 @@ def record_push(push: PushResult, distance: float, recording: Recording, generat
         for _, elapsed in (object_time, tip_time, wrench_time)
     )
     states = _states(push, distance, np.concatenate([object_way, wrench_way]))
-    pose = states[: len(object_way), :3] + (*recording.target, 0.0)
+    pose = states[: len(object_way), :3] + (*MIT_TARGET, 0.0)
     pose += recording.noise.of_poses(len(pose), generator)
     pose[:, 2] = shorter_way(pose[:, 2])
     force, lever = -states[len(object_way) :, 3:5], states[len(object_way) :, 5:]
@@ -123,7 +121,7 @@ def record_push(push: PushResult, distance: float, recording: Recording, generat
     strokes = push.course.strokes
     direction = strokes.direction + (push.start.theta if strokes.with_object else 0.0)
     toward = np.array([math.cos(direction), math.sin(direction)])
-    tip = push.trajectory.pusher[0] + tip_way[:, None] * toward + recording.target
+    tip = push.trajectory.pusher[0] + tip_way[:, None] * toward + MIT_TARGET
     return PushRecord(
         np.column_stack([object_time[0], pose]),
         np.column_stack([tip_time[0], tip, np.zeros(len(tip))]),
