@@ -87,16 +87,17 @@ def read_push_csv(path: str | Path) -> list[dict[str, Any]]:
     table = read_csv_table(path)
     if len(table.rows) > _MOST_PUSHES:
         raise DataFileError(f"{table.path}: holds more than {_MOST_PUSHES} pushes; split it")
+    unknown = asdict(PushFacts()) | {"samples": 0, "path": str(table.path)}
     if all(named_column(table, column) for column in _ENDS):
         doubt_degrees(table, [name for name in ("theta0_deg", "theta1_deg") if name in table.header])
-        return [_pose_row(table, row) for row in table.rows]
+        return [unknown | _pose_row(table, row) for row in table.rows]
     pairs = read_theta0_pairs(table.path)
     number = np.full(pairs.theta.size, math.nan)
     if "theta0_accum_deg" in table.header:
         kept = [row for row in table.rows if table.text(row, "dtheta_to_next_deg") and not table.text(row, "flag")]
         number = np.array([table.number(row, "rep") for row in kept])
     columns = zip(number.tolist(), pairs.theta.tolist(), pairs.theta_next.tolist(), strict=True)
-    return [_unknown(table) | {"repetition": rep, "theta0": now, "theta_next": later} for rep, now, later in columns]
+    return [unknown | {"repetition": rep, "theta0": now, "theta_next": later} for rep, now, later in columns]
 
 
 def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
@@ -115,11 +116,7 @@ def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
     theta1, c, s = theta + dtheta, math.cos(theta), math.sin(theta)
     ahead = theta1 + float(shorter_way(found["theta_next"] - theta1))
     motion = {"dx": c * x + s * y, "dy": c * y - s * x, "dtheta": dtheta, "theta1": theta1, "theta_next": ahead}
-    return _unknown(table) | found | motion
-
-
-def _unknown(table: CsvTable) -> dict[str, Any]:
-    return asdict(PushFacts()) | {"samples": 0, "path": str(table.path)}
+    return found | motion
 
 
 @dataclass(frozen=True)
