@@ -188,7 +188,16 @@ def turn_histogram(
     spread, alone, seen = _mixture(grid, centre, noise), _empirical(grid, centre), _empirical(grid, values)
     in_bins = [cumulative[::FINER] for cumulative in (seen, spread, alone)]
     observed, bare = _bin_distance(*in_bins[:2]), _bin_distance(*in_bins[::2])
-    null = _chance(angles, law, grid[::FINER], whole_number("runs", runs, least=1), seed)
+    # Total variations of sets simulated from the law, each against its own refitted law of the same order.
+    null, bounds = np.empty(whole_number("runs", runs, least=1)), grid[::FINER]
+    rng = np.random.default_rng(whole_number("seed", seed, least=0))
+    columns, free = fourier_columns(angles, law.harmonics), angles.size - law.coefficients.size
+    solve = weighted_least_squares(columns, centre, noise**-2)[1] @ (columns / noise[:, np.newaxis] ** 2).T
+    for run in range(null.size):
+        made = centre + noise * rng.standard_normal(angles.size)
+        refitted = columns @ (solve @ made)
+        size = np.sqrt(np.sum(((made - refitted) / noise) ** 2) / free)
+        null[run] = _bin_distance(_empirical(bounds, made), _mixture(bounds, refitted, size * noise))
     predicted, bare_counts = (read_only(values.size * np.diff(cumulative)) for cumulative in in_bins[1:])
     apart, bare_apart = (float(np.trapezoid(np.abs(seen - other), grid)) for other in (spread, alone))
     chance = monte_carlo_p_value(observed, null)
@@ -212,20 +221,6 @@ def _mixture(grid: Array, centre: Array, noise: Array) -> Array:
 def _bin_distance(first: Array, second: Array) -> float:
     """Total variation of two distribution functions given at the edges of the bins."""
     return float(0.5 * np.sum(np.abs(np.diff(first - second))))
-
-
-def _chance(angles: Array, law: PeriodicLaw, edges: Array, runs: int, seed: int) -> Array:
-    """Total variations (runs,) of sets simulated from the law, each against its own refitted law of the same order."""
-    rng = np.random.default_rng(whole_number("seed", seed, least=0))
-    columns, centre, noise = fourier_columns(angles, law.harmonics), law(angles), law.noise(angles)
-    solve = weighted_least_squares(columns, centre, noise**-2)[1] @ (columns / noise[:, np.newaxis] ** 2).T
-    found = np.empty(runs)
-    for run in range(runs):
-        values = centre + noise * rng.standard_normal(angles.size)
-        refitted = columns @ (solve @ values)
-        size = np.sqrt(np.sum(((values - refitted) / noise) ** 2) / (angles.size - columns.shape[1]))
-        found[run] = _bin_distance(_empirical(edges, values), _mixture(edges, refitted, size * noise))
-    return found
 
 
 @dataclass(frozen=True, eq=False)
