@@ -129,12 +129,17 @@ def _read(path: Path, progress: Callable[[float], None] | None) -> PushTable | T
 def _of_pairs(pairs: Theta0Pairs, loop: CollectionLoop | None, first: int) -> CollectionData:
     cycle = np.arange(pairs.theta.size, dtype=float) if pairs.path is None else _places(pairs, pairs.path)
     kept = cycle >= first
-    path = None if pairs.path is None or pairs.path.size - first < 2 else pairs.path[first:]
+    path, begin = pairs.unbroken.path, first
+    if pairs.path is not None and path is not None:
+        # Where the longest run without a break begins.
+        skipped = int(np.flatnonzero(pairs.path == path[0])[0])
+        begin = max(first, skipped)
+        path = path[begin - skipped :] if path.size - (begin - skipped) > 1 else None
     left_out = Counter(pairs.dropped) + Counter({_EARLY: int(np.sum(~kept))})
     if not kept.any():
         raise InvalidInput(f"first is {first}: no cycle is left of {pairs.theta.size}; leave out fewer pushes")
     rest = Theta0Pairs(pairs.theta[kept], pairs.theta_next[kept], path)
-    return CollectionData((), rest, cycle[kept], path, first, dict(left_out), loop)
+    return CollectionData((), rest, cycle[kept], path, begin, dict(left_out), loop)
 
 
 def _places(pairs: Theta0Pairs, path: Array) -> Array:

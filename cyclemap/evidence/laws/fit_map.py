@@ -181,19 +181,20 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
     The fit takes all pairs alike: where the surface wears, its noise contains the wear.
     Raises InvalidInput where the order of the pushes is unknown, or the pairs do not fix the map.
     """
-    if pairs.path is None:
+    path = pairs.unbroken.path
+    if path is None:
         raise InvalidInput("the pairs come in no known order: a staircase needs theta0_deg, one row a push in order")
     fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=HARMONICS)
     if fitted.sigma < LEAST_SCATTER:
         raise InvalidInput("the measured turns lie exactly on a smooth curve: they are no measurement with noise")
     noise, fitted_map = WrappedNormal(fitted.sigma), fitted.map
     prediction = predict_staircase(fitted_map, noise)
-    visits = find_steps(pairs.path, zones=prediction.zones) if prediction.zones else find_steps(pairs.path)
+    visits = find_steps(path, zones=prediction.zones) if prediction.zones else find_steps(path)
     return MeasuredStaircase(
-        path=pairs.path,
-        steps=find_steps(pairs.path),
+        path=path,
+        steps=find_steps(path),
         fitted=fitted,
         prediction=prediction,
-        run=sample_staircase(fitted_map, noise, len(pairs.path) - 1, float(pairs.path[0]), seed),
+        run=sample_staircase(fitted_map, noise, len(path) - 1, float(path[0]), seed),
         comparison=compare_steps(visits, prediction),
     )

@@ -6,11 +6,12 @@ import math
 import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.errors import DoubtfulInput, InvalidInput
@@ -26,6 +27,8 @@ LAYOUTS = f"{','.join(STAIRCASE_COLUMNS)} or {','.join(PAIR_COLUMNS)} or {ORDERE
 _TELLING, _NEARLY_A_TURN, _HALF_A_TURN = 8, 5.0, 1.001 * math.pi
 # Figures in a staircase file are rounded to 0.001 degrees, three of them enter each comparison.
 CONSISTENT_DEG = 0.005
+# Pairs are in order where their usual gap is less than this part of what turns vary by; gaps beyond so many are told.
+_ENOUGH, _SMALL_GAP, _LARGE_GAP = 20, 0.2, 8.0
 # How alike a column's name and theta_next_deg are where it is likely meant; theta1_deg is 0.75.
 _NEARLY_THE_NAME = 0.85
 
@@ -67,9 +70,31 @@ class Theta0Pairs:
         return self.theta_next - self.theta
 
     @property
+    def unbroken(self) -> Theta0Pairs:
+        """The same pairs with the longest stretch of the path in which each ends where the next begins.
+
+        Beyond it stands what no map tells: the object moved by hand, or an orientation that was misread.
+        """
+        if self.path is None or self.cycle is None or self.path_cycle is None or (np.diff(self.path_cycle) <= 0).any():
+            return self
+        place = np.searchsorted(self.path_cycle[:-2], self.cycle)
+        known = self.path_cycle[place] == self.cycle
+        gap = _shorter_way(np.rad2deg(self.path[place[known] + 1] - self.theta_next[known]))
+        broken = place[known][_is_large(gap)] + 1
+        ends = np.concatenate([[0], broken, [self.path.size]])
+        longest = int(np.argmax(np.diff(ends)))
+        stretch = slice(int(ends[longest]), int(ends[longest + 1]))
+        return replace(self, path=self.path[stretch], path_cycle=self.path_cycle[stretch])
+
+    @property
     def dropped_count(self) -> int:
         """How many pairs were left out in all."""
         return sum(self.dropped.values())
+
+
+def _is_large(gap_deg: Array) -> NDArray[np.bool_]:
+    """Which gaps are no mere error of measured orientations: the object was moved, or an orientation misread."""
+    return np.abs(gap_deg) > max(CONSISTENT_DEG, _LARGE_GAP * float(np.median(np.abs(gap_deg))))
 
 
 def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
@@ -77,8 +102,9 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
 
     - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row with a flag makes
       no pair and is counted in `dropped`; the last row has no next θ0.
-    - `theta0_deg,theta_next_deg`: pairs, in order where each begins where the one before ended (within 0.005 degrees),
-      in any order else; the turn is the shorter way round.
+    - `theta0_deg,theta_next_deg`: pairs; the turn is the shorter way round. They are in order where pairs begin where
+      the one before ended (half of 20 or more within a fifth of what turns vary by, or all within 0.005 degrees), in
+      any order else. Pairs of a row in order that begin elsewhere are warned of (`DoubtfulInput`).
     - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round. A column beside it whose
       name is nearly theta_next_deg, or speaks of the next one, is refused.
 
@@ -89,12 +115,7 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
     if "theta0_accum_deg" in table.header:
         return _from_staircase(table)
     if "theta_next_deg" in table.header:
-        require_columns(table, PAIR_COLUMNS)
-        theta, theta_next = (np.array([table.number(row, name) for row in table.rows]) for name in PAIR_COLUMNS)
-        turn = _shorter_way(theta_next - theta)
-        if theta.size < 2 or (np.abs(_shorter_way(theta[1:] - theta_next[:-1])) > CONSISTENT_DEG).any():
-            return Theta0Pairs(np.deg2rad(theta), np.deg2rad(theta + turn))
-        return _in_order(theta[0], turn)
+        return _from_pairs(table)
     if ORDERED_COLUMN not in table.header:
         raise table.error(1, f"the header is {','.join(table.header)}; it must be {LAYOUTS}")
     for name in table.header:
@@ -104,7 +125,9 @@ def read_theta0_pairs(path: str | Path) -> Theta0Pairs:
     theta = np.array([table.number(row, ORDERED_COLUMN) for row in table.rows])
     if theta.size < 2:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
-    return _in_order(theta[0], _shorter_way(np.diff(theta)))
+    course = np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(_shorter_way(np.diff(theta)))]))
+    number = np.arange(float(course.size))
+    return Theta0Pairs(course[:-1], course[1:], course, cycle=number[:-1], path_cycle=number)
 
 
 def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
@@ -146,10 +169,26 @@ def _from_staircase(table: CsvTable) -> Theta0Pairs:
     return Theta0Pairs(theta, theta + np.deg2rad(turns[kept]), np.deg2rad(path), dropped, number[kept], number)
 
 
-def _in_order(start_deg: float, turns_deg: Array) -> Theta0Pairs:
-    path = np.deg2rad(start_deg + np.concatenate([[0.0], np.cumsum(turns_deg)]))
+def _from_pairs(table: CsvTable) -> Theta0Pairs:
+    require_columns(table, PAIR_COLUMNS)
+    theta, theta_next = (np.array([table.number(row, name) for row in table.rows]) for name in PAIR_COLUMNS)
+    turn = _shorter_way(theta_next - theta)
+    gap = _shorter_way(theta[1:] - theta_next[:-1])
+    usual, varied = np.median(np.abs([gap, turn[1:] - np.median(turn)]), axis=1) if gap.size else (0.0, 0.0)
+    exact = bool((np.abs(gap) <= CONSISTENT_DEG).all())
+    # A sweep over θ0 begins near where the pair before ended, too: but then gaps vary as much as turns.
+    if not gap.size or not (exact or (theta.size >= _ENOUGH and usual <= _SMALL_GAP * varied)):
+        return Theta0Pairs(np.deg2rad(theta), np.deg2rad(theta + turn))
+    elsewhere = int(_is_large(gap).sum())
+    if elsewhere:
+        told = f"{table.path}: {elsewhere} of {theta.size} pairs do not begin where the one before ended: the rows are "
+        told += "taken to be in order, and staircases are of the longest run without such a pair"
+        warnings.warn(told, DoubtfulInput, stacklevel=3)
+    path = theta[0] + np.cumsum(np.concatenate([[0.0], turn + np.append(gap, 0.0)]))
     number = np.arange(float(path.size))
-    return Theta0Pairs(path[:-1], path[1:], path, cycle=number[:-1], path_cycle=number)
+    theta = path[:-1]
+    steps = np.deg2rad(theta), np.deg2rad(theta + turn)
+    return Theta0Pairs(*steps, np.deg2rad(path), cycle=number[:-1], path_cycle=number)
 
 
 def _shorter_way(turn_deg: Array) -> Array:

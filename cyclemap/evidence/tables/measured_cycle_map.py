@@ -306,6 +306,7 @@ def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) ->
 
 
 def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> WornForecast | None:
+    pairs = pairs.unbroken
     path, cycle = pairs.path, pairs.path_cycle
     if pairs.cycle is None or path is None or cycle is None or fitted.wear is None or np.any(np.diff(cycle) <= 0.0):
         return None
@@ -318,7 +319,8 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
     # Angles that stand for all paths.
     pooled = whole[:, :: max(1, whole.size // _POOLED)].ravel()
     # Full turns climbed in cycles that no fitted pair covers.
-    left_out = path[-1] - path[begin] - float(np.sum(pairs.turn[pairs.cycle >= cycle[begin]]))
+    counts = (pairs.cycle >= cycle[begin]) & (pairs.cycle < cycle[-1])
+    left_out = path[-1] - path[begin] - float(np.sum(pairs.turn[counts]))
     fastest = float(_AROUND[np.argmax(np.abs(fitted.map.turn(_AROUND)))])
     lower, upper = np.quantile(whole, [0.025, 0.975], axis=0)
     return WornForecast(

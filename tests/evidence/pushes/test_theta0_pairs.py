@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
 from cyclemap.evidence import Theta0Pairs, read_theta0_pairs
 
 HEADER = "rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag\n"
@@ -57,6 +57,49 @@ def test_pairs_of_which_each_begins_where_the_one_before_ended_are_in_order(csv)
     assert np.degrees(chained.path) == pytest.approx(np.degrees(alone.path), abs=0.01)
     assert chained.cycle.tolist() == [0.0, 1.0, 2.0] and chained.path_cycle.tolist() == [0.0, 1.0, 2.0, 3.0]
     assert read_theta0_pairs(csv("theta0_deg,theta_next_deg\n340,355\n355,12\n12.02,350\n")).path is None
+
+
+def made_chain(jitter_deg: float, moved: tuple[int, ...] = (), rows: int = 60) -> np.ndarray:
+    """(rows, 2) degrees: a noisy loop's θ0 and the next, measured with jitter; `moved` begin elsewhere."""
+    random, theta, made = np.random.default_rng(3), 40.0, []
+    for row in range(rows):
+        theta = random.uniform(0.0, 360.0) if row in moved else theta
+        ahead = theta + 9.0 + 6.0 * np.sin(np.deg2rad(theta)) + random.normal()
+        made.append([theta, ahead] + jitter_deg * random.normal(size=2))
+        theta = ahead
+    return np.array(made)
+
+
+def as_text(pairs: np.ndarray) -> str:
+    return "theta0_deg,theta_next_deg\n" + "".join(f"{a % 360.0:.4f},{b % 360.0:.4f}\n" for a, b in pairs)
+
+
+def test_a_chain_measured_twice_with_jitter_is_in_order_and_its_path_that_of_the_beginnings(csv) -> None:
+    made = made_chain(0.2)
+    pairs = read_theta0_pairs(csv(as_text(made)))
+    assert np.allclose(np.rad2deg(pairs.path[:-1] - pairs.path[0]), made[:, 0] - made[0, 0], atol=1e-3)
+    assert np.allclose(np.rad2deg(pairs.turn), made[:, 1] - made[:, 0], atol=1e-3)
+    assert pairs.unbroken.path.size == pairs.path.size == 61
+
+
+def test_an_object_moved_by_hand_is_told_and_the_longest_run_is_between_two_moves(csv) -> None:
+    with pytest.warns(DoubtfulInput, match="2 of 60 pairs do not begin where the one before ended"):
+        pairs = read_theta0_pairs(csv(as_text(made_chain(0.2, moved=(12, 47)))))
+    assert pairs.path.size == 61 and pairs.theta.size == 60
+    assert pairs.unbroken.path_cycle.tolist() == list(range(12, 47))
+    assert pairs.unbroken.theta.size == 60
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_neither_shuffled_pairs_nor_a_sweep_over_theta0_are_taken_for_a_chain(csv, seed) -> None:
+    """A sweep begins close to where the pair before ended, but no closer than turns vary."""
+    random = np.random.default_rng(seed)
+    shuffled = random.permutation(made_chain(0.0))
+    theta = np.sort(random.uniform(0.0, 360.0, 60))
+    sweep = np.column_stack([theta, theta + 9.0 + 6.0 * np.sin(np.deg2rad(theta)) + random.normal(size=60)])
+    even = sweep - theta[:, None] + 6.0 * np.arange(60)[:, None]
+    for made in (shuffled, sweep, even):
+        assert read_theta0_pairs(csv(as_text(made))).path is None
 
 
 def test_single_column_is_unwrapped_in_order(csv) -> None:
