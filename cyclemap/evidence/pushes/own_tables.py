@@ -139,7 +139,7 @@ def read_orientations(
     found, words, guessed = _understood(place, dict(columns or {}), units, growing)
     known = np.isfinite(found["theta0"])
     if not known.all():
-        words.append(f"{int((~known).sum())} rows without an orientation left out")
+        words.append(f"left out for want of an orientation: {int((~known).sum())} of {known.size} rows")
     return OwnTable({"theta0": found["theta0"][known]}, tuple(words), guessed)
 
 
@@ -461,7 +461,7 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
     wanted = ("theta1", *_POSES) if posed else ("theta_next",)
     kept = known & np.all([np.isfinite(found[name]) for name in wanted], axis=0)
     if not known.all():
-        words.append(f"{int((~known).sum())} rows without an orientation left out")
+        words.append(f"left out for want of an orientation: {int((~known).sum())} of {known.size} rows")
     if int(kept.sum()) < 2:
         told = f"{int(kept.sum())} pushes with an orientation and what follows it"
         raise DataFileError(f"{path}: {told}; two or more are wanted")
