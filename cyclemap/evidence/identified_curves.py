@@ -14,7 +14,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
 from cyclemap.evidence.data_blocks.force_blocks import ScanForces
 from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock
-from cyclemap.evidence.identification.data_block import plain_block
+from cyclemap.evidence.identification.data_block import PlateBlock
 from cyclemap.evidence.identification.identify import Identification
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
 from cyclemap.evidence.laws.linear_fit import student_quantile
@@ -201,7 +201,7 @@ def identified_curves(found: Identification, scans: ScanForces | None = None, se
     turns, places, cycles = [], [], []
     for number, block in enumerate(found.problem.blocks):
         errors = found.fit.residuals[found.problem.block_index == number]
-        plain = plain_block(block)
+        plain = block.block if isinstance(block, PlateBlock) else block
         if isinstance(plain, StrokeBlock):
             measured = np.array([stroke.end.theta - stroke.start.theta for stroke in plain.strokes])
             # Each stroke's last row is its turn.

@@ -14,7 +14,7 @@ from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.found_with import with_material
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, kept_rows
+from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SHARE_NAMES,
@@ -142,7 +142,7 @@ class CyclePairBlock:
 
     def subset(self, keep_groups: ArrayLike) -> CyclePairBlock:
         """Return the block with the rows of some groups only."""
-        keep = kept_rows(self.labels, keep_groups)
+        keep = np.isin(self.labels, keep_groups)
         share = None if self.share is None else self.share[keep]
         return replace(self, theta=self.theta[keep], turn=self.turn[keep], labels=self.labels[keep], share=share)
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, kept_rows
+from cyclemap.evidence.identification.data_block import Kinds, Labels, Values
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SHARE_NAMES,
@@ -86,7 +86,7 @@ class StrokeBlock:
 
     def subset(self, keep_groups: ArrayLike) -> StrokeBlock:
         """Return the block with the strokes of some groups only."""
-        keep = kept_rows(self.labels, keep_groups)
+        keep = np.isin(self.labels, keep_groups)
         strokes = tuple(stroke for stroke, kept in zip(self.strokes, keep, strict=True) if kept)
         return replace(self, strokes=strokes, labels=self.labels[keep])
 

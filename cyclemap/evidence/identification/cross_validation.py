@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import PLANE_KINDS, PRIOR_KIND, JointProblem
-from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, NoiseLaw, minimise
+from cyclemap.evidence.identification.data_block import PLANE_KINDS, PRIOR_KIND, JointProblem, Labels, Progress
+from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, NoiseLaw, Search
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
 _CLOSE = 1e-3
-Labels = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +69,7 @@ def random_folds(problem: JointProblem, folds: int, seed: int = 0) -> Labels:
 
 
 def cross_validate(
-    problem: JointProblem,
-    fit: Fit,
-    fold: Labels,
-    law: NoiseLaw | None = None,
-    progress: Callable[[float], None] | None = None,
+    problem: JointProblem, fit: Fit, fold: Labels, law: NoiseLaw | None = None, progress: Progress | None = None
 ) -> CrossValidation:
     """Fit without each fold, from the fit to all, and predict it; kinds keep the weights of the fit to all.
 
@@ -88,8 +81,8 @@ def cross_validate(
         try:
             part = problem.subset(fold != one, whole)
             noise = np.array([fit.noise[problem.kind_names.index(kind)] for kind in part.kind_names])
-            start = part.space.vector(whole)
-            values = part.values(minimise(part, start, noise, law or NoiseLaw(), _CLOSE).vector)
+            found = Search(part, law or NoiseLaw()).minimise(part.space.vector(whole), noise, _CLOSE)
+            values = part.values(found.vector)
             left_out = problem.subset(fold == one, values)
             residuals[fold == one] = left_out.evaluate(left_out.space.vector(values))[0]
         except NO_ANSWER as cause:
@@ -103,26 +96,20 @@ def kind_errors(
     problem: JointProblem, fit: Fit, validation: CrossValidation | None, isotropic: Array | None = None
 ) -> tuple[KindErrors, ...]:
     """Return the sizes of the errors of every kind in every block; `isotropic` (n,) : those of even isotropy."""
-    nothing = np.full(len(fit.residuals), np.nan)
+    nothing, found = np.full(len(fit.residuals), np.nan), []
     left_out = nothing if validation is None else validation.residuals
     plain = nothing if isotropic is None else isotropic
-    found = []
     for number, block in enumerate(problem.blocks):
         for kind in np.unique(np.asarray(block.kinds)).tolist():
             if kind == PRIOR_KIND:
                 continue
             rows = (problem.block_index == number) & (problem.kinds == kind)
-            told = [errors[rows] for errors in (fit.residuals, left_out, plain)]
-            # Of components the lengths of their vectors count.
-            sized = [np.hypot(one[::2], one[1::2]) if kind in PLANE_KINDS else np.abs(one) for one in told]
-            sample, unseen, even = sized
-            found.append(KindErrors(block.name, kind, sample.size, *_sizes(sample), *_sizes(unseen), *_sizes(even)[:2]))
+            sizes = []
+            for errors in (fit.residuals[rows], left_out[rows], plain[rows]):
+                # Of components the lengths of their vectors count.
+                size = np.hypot(errors[::2], errors[1::2]) if kind in PLANE_KINDS else np.abs(errors)
+                known = size[np.isfinite(size)]
+                moments = (np.mean(known), np.median(known), np.sqrt(np.mean(known**2))) if known.size else [np.nan] * 3
+                sizes += [float(moment) for moment in moments]
+            found.append(KindErrors(block.name, kind, size.size, *sizes[:8]))
     return tuple(found)
-
-
-def _sizes(errors: Array) -> tuple[float, float, float]:
-    """Mean, median and root mean square of the sizes that are known; nan for none."""
-    size = errors[np.isfinite(errors)]
-    if size.size == 0:
-        return np.nan, np.nan, np.nan
-    return float(np.mean(size)), float(np.median(size)), float(np.sqrt(np.mean(size**2)))

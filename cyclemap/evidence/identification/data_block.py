@@ -76,15 +76,6 @@ class DataBlock(Protocol):
         """Return the block with the rows of some groups only; none of them may be known here."""
 
 
-def kept_rows(groups: Labels, keep_groups: ArrayLike) -> NDArray[np.bool_]:
-    """Return which rows (n,) belong to one of the groups to be kept.
-
-    >>> kept_rows(np.array([0, 0, 3]), [3]).tolist()
-    [False, False, True]
-    """
-    return np.asarray(np.isin(groups, np.asarray(keep_groups, dtype=np.int64)))
-
-
 def checked_labels(name: str, groups: ArrayLike, count: int) -> Labels:
     """Return `groups` as whole numbers (count,), or raise InvalidInput naming the block."""
     labels = np.array(groups)
@@ -140,7 +131,7 @@ class FunctionBlock:
 
     def subset(self, keep_groups: ArrayLike) -> FunctionBlock:
         """Return the block with the rows of some groups only."""
-        keep = kept_rows(self.groups, keep_groups)
+        keep = np.isin(self.groups, keep_groups)
         assert self.rows is not None
         return replace(self, groups=self.groups[keep], kinds=self.kinds[keep], rows=self.rows[keep])
 
@@ -174,14 +165,13 @@ class PlateBlock:
     @property
     def own_parameters(self) -> tuple[Parameter, ...]:
         """The plate's own unknowns, and those of the block."""
-        asked = {name.partition("[")[0] for name in self.parameters if "[" in name}
-        mine = tuple(
+        names = {one.name for one in self.owned}
+        named = [
             replace(one, name=f"{one.name}[{self.plate}]", description=f"{one.description}; {self.plate}")
             for one in self.owned
-            if one.name in asked
-        )
-        own = {one.name for one in self.owned}
-        return (*mine, *(one for one in getattr(self.block, "own_parameters", ()) if one.name not in own))
+            if one.name in self.block.parameters
+        ]
+        return (*named, *(one for one in getattr(self.block, "own_parameters", ()) if one.name not in names))
 
     @property
     def groups(self) -> Labels:
@@ -201,11 +191,6 @@ class PlateBlock:
     def subset(self, keep_groups: ArrayLike) -> PlateBlock:
         """Return the block with the rows of some groups only."""
         return replace(self, block=self.block.subset(keep_groups))
-
-
-def plain_block(block: DataBlock) -> DataBlock:
-    """Return the block itself, without the plate that it may be of."""
-    return block.block if isinstance(block, PlateBlock) else block
 
 
 @dataclass(frozen=True, eq=False)

@@ -90,7 +90,7 @@ def test_the_whole_of_it_reports_intervals_errors_and_starts() -> None:
         assert half == pytest.approx(student_quantile(0.95, freedom) * estimate.standard_error)
     assert [(row.kind, row.rows) for row in found.errors] == [("force (1)", 24), ("shift (m)", 16), ("turn (rad)", 16)]
     assert all(row.left_out_rms > row.rms for row in found.errors)
-    assert len(found.starts.starts) == 4
+    assert found.starts.count == 4
     assert found["offset_x"].value == found.values["offset_x"]
     assert found.friction() == found.surface.to_friction()
 

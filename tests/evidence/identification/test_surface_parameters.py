@@ -87,14 +87,6 @@ def test_the_chain_through_a_whole_cycle_of_the_mechanics_is_its_slope_on_a_roun
     assert abs(exact[0]) < 1e-6
 
 
-def test_the_jacobian_of_the_friction_is_the_slope_of_to_friction() -> None:
-    at, step = np.array([-1.2, 0.15, -0.1, 0.04, 0.07]), 1e-6
-    for column in range(5):
-        up, down = surface(at + step * np.eye(5)[column]), surface(at - step * np.eye(5)[column])
-        slope = [(getattr(up.to_friction(), n) - getattr(down.to_friction(), n)) / (2 * step) for n in FRICTION_NAMES]
-        assert np.allclose(surface(at).friction_jacobian()[:, column], slope, atol=1e-8)
-
-
 def test_turning_the_surface_turns_offset_once_and_ellipticity_twice() -> None:
     friction, angle = EllipseFriction(0.3, 0.2, 0.03, -0.02, 0.4), 0.83
     before, after = SurfaceParameters.from_friction(friction), SurfaceParameters.from_friction(friction.turned(angle))
