@@ -41,9 +41,8 @@ class PublishedStatistics:
     mean, std : of the pushes. rmse : of them about the paper's fitted law of θ0; rmse_percent : as printed beside it,
     per cent of a mean that is up to 3 % off that of Table II. directions : rad, where the histogram
     of θ0 has the peaks that the text names, the one visited first in front. always_advancing : the text sees no stable
-    direction, θ0 always increases. only_there : the text sees no other peak than these. first_share : share of the
-    cycles spent in the first direction, where the run starts there and leaves it for good; None where no such story is
-    told.
+    direction, θ0 always increases. first_share : share of the cycles spent in the first direction, where the run starts
+    there and leaves it for good; None where no such story is told.
     """
 
     material: str
@@ -54,15 +53,12 @@ class PublishedStatistics:
     directions: tuple[float, ...]
     always_advancing: bool = False
     first_share: float | None = None
-    only_there: bool = False
 
     def __post_init__(self) -> None:
         if not all(0.0 <= r <= s for r, s in zip(self.rmse, self.std, strict=True)):
             raise InvalidInput(f"{self.material}: a law's error {self.rmse} cannot exceed the spread {self.std}")
         if self.first_share is not None and len(self.directions) < 2:
             raise InvalidInput(f"{self.material}: a share of the first direction needs a second one")
-        if self.only_there and not self.directions:
-            raise InvalidInput(f"{self.material}: no other peaks than none: name a direction")
 
     @property
     def start(self) -> float | None:
@@ -103,7 +99,6 @@ def _row(
         directions,
         always_advancing,
         first_share,
-        only_there=material in ("abs", "delrin"),
     )
 
 

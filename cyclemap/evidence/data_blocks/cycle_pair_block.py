@@ -29,7 +29,7 @@ from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
 
 Rows = tuple[Array, Array]
-SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
+SHAPE = SURFACE.names[1:5]
 CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", *SHARE_NAMES, "pin_friction_radius")
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
 NODES = 48
@@ -43,21 +43,9 @@ def interpolation(theta: ArrayLike, count: int) -> Array:
     >>> bool(np.allclose(interpolation([0.3], 5) @ np.cos(2 * nodes), np.cos(0.6)))
     True
     """
-    off, orders = _distances(theta, count)
-    return np.asarray((1.0 + 2.0 * np.cos(off * orders).sum(axis=-1)) / count)
-
-
-def interpolation_slope(theta: ArrayLike, count: int) -> Array:
-    """Return the matrix (n, count) from values at 2 pi k / count to the slope of the series, per rad, at theta (n,)."""
-    off, orders = _distances(theta, count)
-    return np.asarray(-2.0 * (orders * np.sin(off * orders)).sum(axis=-1) / count)
-
-
-def _distances(theta: ArrayLike, count: int) -> tuple[Array, Array]:
-    """Angle of each theta from each node, (n, count, 1), and the orders (count - 1) / 2 of the series."""
-    places = 2.0 * np.pi * np.arange(count) / count
-    off = finite_array("theta", theta, ndim=1)[:, np.newaxis] - places
-    return off[..., np.newaxis], np.arange(1, (count - 1) // 2 + 1, dtype=float)
+    off = finite_array("theta", theta, ndim=1)[:, np.newaxis] - 2.0 * np.pi * np.arange(count) / count
+    orders = np.arange(1, (count - 1) // 2 + 1, dtype=float)
+    return np.asarray((1.0 + 2.0 * np.cos(off[..., np.newaxis] * orders).sum(axis=-1)) / count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,9 +95,9 @@ class CyclePairBlock:
     @property
     def own_parameters(self) -> tuple[Parameter, ...]:
         """The ellipse at the end of the data, if the surface wears."""
-        worn = () if self.share is None else SHAPE
-        told = [(SURFACE[name], f"{SURFACE[name].description}, at the end of the data") for name in worn]
-        return tuple(replace(one, name=f"worn_{one.name}", description=words) for one, words in told)
+        worn = [] if self.share is None else [SURFACE[name] for name in SHAPE]
+        late = "at the end of the data"
+        return tuple(replace(x, name=f"worn_{x.name}", description=f"{x.description}, {late}") for x in worn)
 
     @property
     def groups(self) -> Labels:
@@ -120,11 +108,6 @@ class CyclePairBlock:
     def kinds(self) -> Kinds:
         """All rows have one noise."""
         return np.repeat(np.array(["cycle turn (rad)"]), self.theta.size)
-
-    @cached_property
-    def _interpolation(self) -> Array:
-        """(n, nodes): from turns at the nodes, an odd number, to turns at each measured angle."""
-        return interpolation(self.theta, self.nodes - 1 + self.nodes % 2)
 
     def residuals(self, values: Values) -> Rows:
         """Return predicted minus measured turns, and their derivatives."""
@@ -147,13 +130,15 @@ class CyclePairBlock:
         return replace(self, theta=self.theta[keep], turn=self.turn[keep], labels=self.labels[keep], share=share)
 
     def _predicted(self, values: Mapping[str, float]) -> Rows:
-        """Turns (n,) on one surface and their derivatives by CYCLE_UNKNOWNS."""
-        surface = SurfaceParameters.from_values(values)
-        count = self._interpolation.shape[1]
-        theta = 2.0 * np.pi * np.arange(count) / count
-        runs, by_unknowns = cycles_by_unknowns(surface, self.loop, theta)
+        """Turns (n,) on one surface and their derivatives by CYCLE_UNKNOWNS, between an odd number of nodes."""
+        theta = 2.0 * np.pi * np.arange(self._between.shape[1]) / self._between.shape[1]
+        runs, by_unknowns = cycles_by_unknowns(SurfaceParameters.from_values(values), self.loop, theta)
         by_next = by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
-        return self._interpolation @ (runs.theta_next[0] - theta), self._interpolation @ by_next
+        return self._between @ (runs.theta_next[0] - theta), self._between @ by_next
+
+    @cached_property
+    def _between(self) -> Array:
+        return interpolation(self.theta, self.nodes - 1 + self.nodes % 2)
 
 
 def cycles_by_unknowns(surface: SurfaceParameters, loop: CollectionLoop, theta: Array) -> tuple[CycleBatch, Array]:

@@ -10,11 +10,9 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import FunctionBlock, Values
-from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, ContactSamples, contact_samples
+from cyclemap.evidence.identification.data_block import FunctionBlock, Labels, Values
+from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, contact_samples
 from cyclemap.evidence.pushes.push_files import PushRecord
-
-Labels = NDArray[np.int64]
 
 RATIO_KIND = "force ratio (1)"
 # Slip per travel of the rod above which it slides and below which it sticks: between them the poses do not tell.
@@ -72,7 +70,12 @@ def sliding_forces(pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float
         samples = contact_samples(record, outline, rod_radius)
         for sign in (-1.0, 1.0):
             slides = samples.touching & _steady(sign * samples.slip > SLIDING, samples.window)
-            rows += [(sign * ratio, number, size) for ratio, size in _pieces(samples, slides)]
+            edges = np.flatnonzero(np.diff(np.concatenate([[0], slides.astype(int), [0]])))
+            for first, last in edges.reshape(-1, 2).tolist():
+                for start in range(first, last - samples.window + 1, samples.window):
+                    piece = slice(start, start + samples.window)
+                    ratio = np.sum(samples.tangential[piece]) / np.sum(samples.pressing[piece])
+                    rows.append((sign * ratio, number, samples.window))
         sticks = samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window)
         sticking += int(np.sum(sticks))
     table = np.array(rows, dtype=float).reshape(-1, 3)
@@ -84,14 +87,3 @@ def _steady(state: NDArray[np.bool_], window: int) -> NDArray[np.bool_]:
     """Whether a state lasts through all of the window about each sample."""
     padded = np.pad(state, window // 2, constant_values=False)
     return np.asarray(np.all(np.lib.stride_tricks.sliding_window_view(padded, window), axis=1))
-
-
-def _pieces(samples: ContactSamples, chosen: NDArray[np.bool_]) -> list[tuple[float, int]]:
-    """Ratio of summed forces and number of samples of each piece of consecutive chosen samples."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
-    found = []
-    for first, last in edges.reshape(-1, 2).tolist():
-        for start in range(first, last - samples.window + 1, samples.window):
-            part = slice(start, start + samples.window)
-            found.append((float(np.sum(samples.tangential[part]) / np.sum(samples.pressing[part])), samples.window))
-    return found

@@ -16,6 +16,7 @@ from cyclemap.evidence.identification.data_block import Kinds, Labels, Values
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SHARE_NAMES,
+    SURFACE,
     Parameter,
     SurfaceParameters,
     possible_names,
@@ -39,9 +40,8 @@ TIP_OFFSET = (
     Parameter("tip_offset_x", "shift of the robot's frame against the camera's, along x", "m", -0.01, 0.01, 0.0, 1e-3),
     Parameter("tip_offset_y", "shift of the robot's frame against the camera's, along y", "m", -0.01, 0.01, 0.0, 1e-3),
 )
-_SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
-PUSH_UNKNOWNS = (*_SHAPE, "pusher_friction", *SHARE_NAMES)
-DRAG_UNKNOWNS = (*_SHAPE, *SHARE_NAMES, "pin_friction_radius")
+PUSH_UNKNOWNS = (*SURFACE.names[1:5], "pusher_friction", *SHARE_NAMES)
+DRAG_UNKNOWNS = (*SURFACE.names[1:5], *SHARE_NAMES, "pin_friction_radius")
 
 Misfit = Callable[["StrokeBlock", QuasiStaticModel, SurfaceParameters, Values], Rows]
 
