@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,14 +17,10 @@ from cyclemap.evidence.comparison.prediction import Prediction
 from cyclemap.evidence.comparison.push_agreement import SEEN_ANGLE, mean_error, within_error
 from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
-from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
+from cyclemap.evidence.laws.periodic_law import fit_periodic_law
 from cyclemap.evidence.orientations.collection_null import Ensemble
 from cyclemap.evidence.orientations.goodness_of_fit import PValue, monte_carlo_p_value
-from cyclemap.evidence.orientations.orientation_comparison import (
-    DEFAULT_BANDWIDTH,
-    kernel_modes,
-    nearest_modes,
-)
+from cyclemap.evidence.orientations.orientation_comparison import DEFAULT_BANDWIDTH, kernel_modes, nearest_modes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.evidence.pushes.theta0_statistics import (
     AngleHistogram,
@@ -88,7 +85,9 @@ def cycle_agreement(
     prediction: Prediction, pairs: Theta0Pairs, cycle: Array, p_value: PValue | None = None
 ) -> CycleAgreement:
     """Set measured pairs, that begin with the pushes ``cycle`` (n,), beside the predicted map."""
-    predicted, best = prediction.turn(pairs.theta, cycle), _best_law(pairs)
+    predicted, best = prediction.turn(pairs.theta, cycle), None
+    with suppress(InvalidInput):
+        best = fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
     off = pairs.turn - predicted
     medians = turn_bins(Theta0Pairs(pairs.theta, pairs.theta + off))
     over_bins = float(np.sqrt(np.mean(medians.median**2))) if medians.median.size else np.nan
@@ -127,29 +126,20 @@ def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
     The F ratio of the least-squares fit of six harmonics to turn less predicted turn: mean square explained over
     mean square left. It does not depend on the size of the noise. A ``CollectionStatistic``.
     """
-    off = paths[:, 1:] - ensemble.model.images(paths)
-    return np.array([_f_ratio(theta, values) for theta, values in zip(paths[:, :-1], off, strict=True)])
-
-
-def _f_ratio(theta: Array, values: Array) -> float:
-    order = min(HARMONICS, (values.size - 2) // 4)
+    found = np.zeros(len(paths))
+    order = min(HARMONICS, (paths.shape[1] - 3) // 4)
     if order < 0:
-        return 0.0
-    design = fourier_columns(theta, order)
-    # By singular vectors: a path that sees few directions fixes fewer coefficients.
-    basis, sizes, _ = np.linalg.svd(design, full_matrices=False)
-    basis = basis[:, sizes > 1e-9 * sizes[0]]
-    explained = float(np.sum((basis.T @ values) ** 2))
-    left = float(values @ values) - explained
-    free = values.size - basis.shape[1]
-    return explained / basis.shape[1] * free / left if left > 0.0 else 0.0
-
-
-def _best_law(pairs: Theta0Pairs) -> PeriodicLaw | None:
-    try:
-        return fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
-    except InvalidInput:
-        return None
+        return found
+    off = paths[:, 1:] - ensemble.model.images(paths)
+    for number, (theta, values) in enumerate(zip(paths[:, :-1], off, strict=True)):
+        # By singular vectors: a path that sees few directions fixes fewer coefficients.
+        basis, sizes, _ = np.linalg.svd(fourier_columns(theta, order), full_matrices=False)
+        basis = basis[:, sizes > 1e-9 * sizes[0]]
+        explained = float(np.sum((basis.T @ values) ** 2))
+        left = float(values @ values) - explained
+        free = values.size - basis.shape[1]
+        found[number] = explained / basis.shape[1] * free / left if left > 0.0 else 0.0
+    return found
 
 
 # -- orientations --------------------------------------------------------------------------------------------------
@@ -182,11 +172,9 @@ def orientation_agreement(path: Array, ensemble: Ensemble, tested: dict[str, PVa
     """Gather what ``tested`` says of the path (n,) rad, and both histograms."""
     measured = angle_histogram(path)
     bins = measured.density.size
-    density = ensemble.law.bin_probabilities(bins) * (bins / TWO_PI)
-    predicted = AngleHistogram(measured.edges, np.asarray(read_only(density)))
-    return OrientationAgreement(
-        path.size, **{name: tested[name] for name in ORIENTATION_TESTS}, measured=measured, predicted=predicted
-    )
+    predicted = AngleHistogram(measured.edges, read_only(ensemble.law.bin_probabilities(bins) * (bins / TWO_PI)))
+    tests = {name: tested[name] for name in ORIENTATION_TESTS}
+    return OrientationAgreement(path.size, **tests, measured=measured, predicted=predicted)
 
 
 # -- stable directions ---------------------------------------------------------------------------------------------
@@ -306,14 +294,15 @@ def staircase_agreement(
 
     summary : of the map where it does not wear. progress : called with the fraction done, in (0, 1].
     """
-    report, found, measured = progress or (lambda fraction: None), [], _numbers(path, find_steps(path))
+    report, found, steps = progress or (lambda fraction: None), [], find_steps(path)
     for done, one in enumerate(null, 1):
         found.append(_numbers(one, find_steps(one)))
         report(done / len(null))
-    columns = np.array(found).T
-    quantities = [simulated_quantity(value, column) for value, column in zip(measured, columns, strict=True)]
+    both = zip(_numbers(path, steps), np.array(found).T, strict=True)
+    quantities = [simulated_quantity(value, column) for value, column in both]
     named = dict(zip(("turns", "step_count", "step_height", "residence"), quantities, strict=True))
-    return StaircaseAgreement(find_steps(path), null[0], theory=_theory(path, summary), **named)
+    theory = None if summary is None else compare_steps(find_steps(path, zones=summary.zones or None), summary)
+    return StaircaseAgreement(steps, null[0], theory=theory, **named)
 
 
 def simulated_quantity(measured: float, simulated: Array) -> SimulatedQuantity:
@@ -341,10 +330,3 @@ def _numbers(path: Array, steps: Steps) -> tuple[float, float, float, float]:
     height = float(np.median(np.abs(steps.heights))) if steps.heights.size else np.nan
     length = float(np.median(steps.lengths)) if steps.lengths.size else np.nan
     return float(path[-1] - path[0]) / TWO_PI, float(steps.count), height, length
-
-
-def _theory(path: Array, summary: StaircaseSummary | None) -> StepComparison | None:
-    if summary is None:
-        return None
-    zones = summary.zones or None
-    return compare_steps(find_steps(path, zones=zones), summary)

@@ -57,12 +57,12 @@ class QuantityAgreement:
     @property
     def percent(self) -> float:
         """RMSE in per cent of the measured mean (Ma & Rodriguez 2018, Tables II and III); inf for a mean of 0."""
-        return _percent(self.rmse, self.measured_mean)
+        return 100.0 * self.rmse / abs(self.measured_mean) if self.measured_mean else float("inf")
 
     @property
     def std_percent(self) -> float:
         """The measured standard deviation in per cent of the measured mean; inf for a mean of 0."""
-        return _percent(self.measured_std, self.measured_mean)
+        return 100.0 * self.measured_std / abs(self.measured_mean) if self.measured_mean else float("inf")
 
     @property
     def agrees(self) -> bool | None:
@@ -226,7 +226,3 @@ def within_error(bias: float, error: float | None, count: int, seen: float = 0.0
     share = min(1.0, 1.3 / np.sqrt(count))
     critical = 1.96 + 2.9694 * share + 0.416 * share**2 - 0.5324 * share**3
     return bool(abs(bias) <= max(critical * error, seen))
-
-
-def _percent(value: float, mean: float) -> float:
-    return 100.0 * value / abs(mean) if mean != 0.0 else float("inf")

@@ -50,7 +50,11 @@ def all_verdicts(
     told = _pooled_verdict if pooled else _push_verdict
     found = [told(quantity, name) for name, quantities in pushes for quantity in quantities]
     if distances is not None:
-        found.append(_distance_verdict(*distances))
+        # What knowing the friction is worth: distances, not coordinates; nothing is tested.
+        (off, turned), (even, even_turn) = distances
+        beside = f"isotropic friction is {1e3 * even:.1f} mm and {_degrees(even_turn)} off"
+        words = f"Pushes end {1e3 * off:.1f} mm and {_degrees(turned)} from the prediction on average; {beside}."
+        found.append(Verdict("ends of pushes", None, words))
     if cycle is not None:
         found += _cycle_verdicts(cycle)
     if orientations is not None:
@@ -58,7 +62,13 @@ def all_verdicts(
     if directions is not None:
         found += [_direction_verdict(one) for one in directions.matches]
     if staircase is not None:
-        found += _staircase_verdicts(staircase)
+        asked = [
+            _quantity_verdict("number of turns", staircase.turns, 1.0, " turns", 1),
+            _quantity_verdict("number of steps", staircase.step_count, 1.0, " steps", 0),
+            _quantity_verdict("step height", staircase.step_height, float(np.degrees(1.0)), "°", 0),
+            _quantity_verdict("residence on a step", staircase.residence, 1.0, " cycles", 0),
+        ]
+        found += [one for one in asked if one is not None]
     return tuple(found)
 
 
@@ -81,14 +91,6 @@ def _pooled_verdict(found: QuantityAgreement, whose: str) -> Verdict:
     off = f"RMSE {scale * found.rmse:.2f}{unit}, bias {_fixed(scale * found.bias, 2)}{unit}{error}"
     words = f"Over {found.count} pushes{whose} the {name} is predicted with {off}; its standard deviation is "
     return Verdict(f"{name}{whose}", None, f"{words}{scale * found.measured_std:.2f}{unit}.")
-
-
-def _distance_verdict(found: Distances, isotropic: Distances) -> Verdict:
-    """What knowing the friction is worth: distances, not coordinates; nothing is tested."""
-    (off, turned), (even, even_turn) = found, isotropic
-    beside = f"isotropic friction is {1e3 * even:.1f} mm and {_degrees(even_turn)} off"
-    words = f"Pushes end {1e3 * off:.1f} mm and {_degrees(turned)} from the prediction on average; {beside}."
-    return Verdict("ends of pushes", None, words)
 
 
 def _named(found: QuantityAgreement) -> tuple[str, str, float]:
@@ -115,17 +117,16 @@ def _means(measured: float, predicted: float, unit: str, agrees: bool | None) ->
 
 
 def _cycle_verdicts(found: CycleAgreement) -> list[Verdict]:
-    error = _error(found.bias_error, found.model_error, float(np.degrees(1.0)), "°", " ({})")
-    scale = float(np.degrees(1.0))
+    scale, agreement = float(np.degrees(1.0)), found.agreement
+    error = _error(found.bias_error, found.model_error, scale, "°", " ({})")
     means = _means(scale * found.measured_turn, scale * found.predicted_turn, "°", found.agrees)
     question = Verdict("mean turn of a cycle", found.agrees, f"The mean turn of a cycle {means}{error}.")
-    agreement = found.agreement
-    over_bins = f", the medians of {agreement.bins} directions {_degrees(agreement.bin_rms)}" if agreement.bins else ""
-    best = (
-        "" if found.scatter is None else f"; about the best smooth map of θ0 they scatter by {_degrees(found.scatter)}"
-    )
     beside = "" if found.isotropic_rms is None else f" (isotropic friction {_degrees(found.isotropic_rms)})"
-    misfit = f"{agreement.pairs} cycles lie {_degrees(agreement.rms)} RMS from the map{beside}{over_bins}{best}"
+    misfit = f"{agreement.pairs} cycles lie {_degrees(agreement.rms)} RMS from the map{beside}"
+    if agreement.bins:
+        misfit += f", the medians of {agreement.bins} directions {_degrees(agreement.bin_rms)}"
+    if found.scatter is not None:
+        misfit += f"; about the best smooth map of θ0 they scatter by {_degrees(found.scatter)}"
     if found.p_value is None:
         return [question, Verdict("cycle map", None, f"{misfit}; their order is unknown, so the map is not tested.")]
     return [question, Verdict("cycle map", _kept(found.p_value), f"The map {_told(found.p_value)}: {misfit}.")]
@@ -150,17 +151,6 @@ def _direction_verdict(found: DirectionMatch) -> Verdict:
     kept = None if found.p_value is None else _kept(found.p_value)
     told = "" if found.p_value is None else f" ({_p(found.p_value)})"
     return Verdict(place, kept, f"The predicted {place} makes {peaks}: {off}{told}.")
-
-
-def _staircase_verdicts(found: StaircaseAgreement) -> list[Verdict]:
-    asked = [
-        ("number of turns", found.turns, 1.0, " turns", 1),
-        ("number of steps", found.step_count, 1.0, " steps", 0),
-        ("step height", found.step_height, float(np.degrees(1.0)), "°", 0),
-        ("residence on a step", found.residence, 1.0, " cycles", 0),
-    ]
-    made = [_quantity_verdict(*one) for one in asked]
-    return [one for one in made if one is not None]
 
 
 def _quantity_verdict(name: str, found: SimulatedQuantity, scale: float, unit: str, digits: int) -> Verdict | None:
