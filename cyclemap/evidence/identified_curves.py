@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,20 +17,13 @@ from cyclemap.evidence.data_blocks.force_blocks import ScanForces
 from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock
 from cyclemap.evidence.identification.data_block import PlateBlock
 from cyclemap.evidence.identification.identify import Identification
-from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import EllipseFriction
 
 DRAWS = 2000
 # A direction whose draws spread over more than this share of their circle is not known.
 _ALL_AROUND = 0.9
-_NEEDS = {
-    "axis_ratio": {"ellipticity_x", "ellipticity_y"},
-    "axis_direction": {"ellipticity_x", "ellipticity_y"},
-    "offset_size": {"offset_x", "offset_y"},
-    "offset_direction": {"offset_x", "offset_y"},
-    "mean_friction": {"friction_scale"},
-}
 _AROUND = np.linspace(0.0, 2.0 * np.pi, 181)
 _BAND_DRAWS = 200
 
@@ -52,17 +46,24 @@ class Derived:
     known: bool = True
 
 
-_QUANTITIES: dict[str, tuple[str, float, Callable[[EllipseFriction], float]]] = {
-    "axis_ratio": ("longer over shorter axis of the friction ellipse", 0.0, lambda law: law.mu_a / law.mu_b),
-    "axis_direction": ("direction of the longer axis", math.pi, lambda law: law.phi),
-    "offset_size": (
-        "distance of the ellipse's centre from zero, over its mean radius",
-        0.0,
-        lambda law: _offset(law)[0],
-    ),
-    "offset_direction": ("direction of the ellipse's centre", 2.0 * math.pi, lambda law: _offset(law)[1]),
-    "mean_friction": ("mean friction coefficient", 0.0, lambda law: math.sqrt(law.mu_a * law.mu_b)),
-}
+def _offset(law: EllipseFriction) -> tuple[float, float]:
+    """Size over mean radius, and direction (rad) in the world, of the ellipse's centre."""
+    mean = math.sqrt(law.mu_a * law.mu_b)
+    return math.hypot(law.m0, law.n0) / mean, math.atan2(law.n0, law.m0) + law.phi
+
+
+# Names, what they are, of which parameters (by their beginning), period of an angle, least value, and law of them.
+_QUANTITIES: tuple[tuple[str, str, str, float, float, Callable[[EllipseFriction], float]], ...] = (
+    ("axis_ratio", "longer over shorter axis of the friction ellipse", "ellipticity", 0.0, 1.0,
+     lambda law: law.mu_a / law.mu_b),
+    ("axis_direction", "direction of the longer axis", "ellipticity", math.pi, 0.0, lambda law: law.phi),
+    ("offset_size", "distance of the ellipse's centre from zero, over its mean radius", "offset", 0.0, 0.0,
+     lambda law: _offset(law)[0]),
+    ("offset_direction", "direction of the ellipse's centre", "offset", 2.0 * math.pi, 0.0,
+     lambda law: _offset(law)[1]),
+    ("mean_friction", "mean friction coefficient", "friction_scale", 0.0, 0.0,
+     lambda law: math.sqrt(law.mu_a * law.mu_b)),
+)  # fmt: skip
 
 
 def sampled_values(found: Identification, count: int = DRAWS, seed: int = 0) -> tuple[dict[str, float], ...]:
@@ -79,15 +80,12 @@ def sampled_values(found: Identification, count: int = DRAWS, seed: int = 0) -> 
     squares, vectors = np.linalg.eigh(np.asarray(errors.correlation))
     root = vectors * np.sqrt(np.maximum(squares, 0.0))
     draws = np.random.default_rng(seed).standard_normal((count, len(space))) @ root.T
-    vectors_drawn = np.clip(found.fit.vector + draws * size * spread, space.lower, space.upper)
     drawn = []
-    for vector in vectors_drawn:
+    for vector in np.clip(found.fit.vector + draws * size * spread, space.lower, space.upper):
         values = found.problem.values(vector)
-        try:
+        with suppress(InvalidInput):
             SurfaceParameters.from_values(values).to_friction()
-        except InvalidInput:
-            continue
-        drawn.append(values)
+            drawn.append(values)
     return tuple(drawn)
 
 
@@ -99,49 +97,36 @@ def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0)
     vectors never are zero.
     """
     laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, draws, seed)]
-    free, best = set(found.problem.space.names), found.friction()
-    told = []
-    for name, (description, period, quantity) in _QUANTITIES.items():
-        if not free >= _NEEDS[name] or not laws:
+    free, best, told = found.problem.space.names, found.friction(), []
+    ends = (0.5 - found.level / 2.0, 0.5 + found.level / 2.0)
+    for name, description, of, period, least, quantity in _QUANTITIES:
+        parts = [one for one in SURFACE.names if one.startswith(of)]
+        if not {*free} >= {*parts} or not laws:
             continue
         value, sample = quantity(best), np.array([quantity(law) for law in laws])
+        vanishes = len(parts) == 2 and _may_vanish(found, [free.index(one) for one in parts])
         if period:
             around = value + (sample - value + 0.5 * period) % period - 0.5 * period
-            lower, upper = _quantiles(around, found.level)
-            known = upper - lower < _ALL_AROUND * found.level * period and not _may_vanish(found, name)
+            lower, upper = np.quantile(around, ends).tolist()
+            known = upper - lower < _ALL_AROUND * found.level * period and not vanishes
             told.append(Derived(name, description, "rad", value, lower, upper, period, known))
         else:
-            lower, upper = _quantiles(sample, found.level)
-            least = {"axis_ratio": 1.0, "offset_size": 0.0}.get(name)
-            if least is not None and _may_vanish(found, name):
-                lower = least
-            told.append(Derived(name, description, "1", value, min(lower, value), max(upper, value)))
+            lower, upper = np.quantile(sample, ends).tolist()
+            lower = least if vanishes else min(lower, value)
+            told.append(Derived(name, description, "1", value, lower, max(upper, value)))
     return tuple(told)
 
 
-def _may_vanish(found: Identification, name: str) -> bool:
-    """Whether the vector behind a size is within its error of zero: T^2 against F(2, freedom)."""
+def _may_vanish(found: Identification, index: list[int]) -> bool:
+    """Whether the vector of two parameters is within its error of zero: T^2 against F(2, freedom)."""
     from scipy.stats import f
 
-    names = found.problem.space.names
-    index = [names.index(part) for part in sorted(_NEEDS[name])]
     vector, errors = found.fit.vector[index], found.uncertainty
     covariance = errors.covariance[np.ix_(index, index)]
     if not np.all(np.isfinite(errors.standard_error[index])) or np.linalg.det(covariance) <= 0.0:
         return True
     size = float(vector @ np.linalg.solve(covariance, vector)) / 2.0
     return bool(size < f.ppf(found.level, 2, float(np.min(errors.freedom[index]))))
-
-
-def _quantiles(sample: Array, level: float) -> tuple[float, float]:
-    lower, upper = np.quantile(sample, [0.5 - level / 2.0, 0.5 + level / 2.0])
-    return float(lower), float(upper)
-
-
-def _offset(law: EllipseFriction) -> tuple[float, float]:
-    """Size over mean radius, and direction (rad) in the world, of the ellipse's centre."""
-    mean = math.sqrt(law.mu_a * law.mu_b)
-    return math.hypot(law.m0, law.n0) / mean, math.atan2(law.n0, law.m0) + law.phi
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,8 +194,8 @@ def identified_curves(found: Identification, scans: ScanForces | None = None, se
             if len(plain.row_kinds) == 3:
                 places.append(PlaceFit(block.name, errors.reshape(-1, 3)[:, :2]))
         elif isinstance(plain, CyclePairBlock):
-            own = dict(zip(plain.parameters, block.parameters, strict=True))
-            cycles.append(_cycles(block.name, plain, {name: found.values[own[name]] for name in own}))
+            own = zip(plain.parameters, block.parameters, strict=True)
+            cycles.append(_cycle_fit(block.name, plain, {name: found.values[named] for name, named in own}))
     return IdentifiedCurves(
         _outline(found.friction()),
         None if worn is None else _outline(worn),
@@ -235,11 +220,10 @@ def _outline(law: EllipseFriction) -> Array:
     return law.traction(np.stack([np.cos(_AROUND), np.sin(_AROUND)], axis=-1))
 
 
-def _cycles(name: str, block: CyclePairBlock, values: Mapping[str, float]) -> CycleFit:
-    def turn(share: float) -> Array:
+def _cycle_fit(name: str, block: CyclePairBlock, values: dict[str, float]) -> CycleFit:
+    turns = []
+    for share in (0.0,) if block.share is None else (0.0, 1.0):
         shares = None if block.share is None else np.full(_AROUND.size, share)
-        grid = replace(block, theta=_AROUND, turn=np.zeros(_AROUND.size), labels=np.arange(_AROUND.size), share=shares)
-        return grid.residuals(values)[0]
-
-    late = None if block.share is None else turn(1.0)
-    return CycleFit(name, block.theta, block.turn, _AROUND, turn(0.0), late)
+        grid = replace(block, theta=_AROUND, turn=0.0 * _AROUND, labels=np.arange(_AROUND.size), share=shares)
+        turns.append(grid.residuals(values)[0])
+    return CycleFit(name, block.theta, block.turn, _AROUND, turns[0], None if block.share is None else turns[1])

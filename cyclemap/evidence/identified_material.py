@@ -41,7 +41,11 @@ def identified_material(
         raise InvalidInput("a material needs a name")
     asked = {part.partition("[")[0] for block in found.problem.blocks for part in block.parameters}
     told = {field.name: found.values[field.name] for field in fields(FoundWith) if field.name in asked}
-    worn = worn_friction_of(found)
+    worn, shifts = worn_friction_of(found), dict[str, list[float]]()
+    for key, value in found.values.items():
+        if key.startswith(("tip_offset_x", "tip_offset_y")):
+            own = key.partition("[")[2].rstrip("]") or plate
+            shifts.setdefault(own, [0.0, 0.0])[key.startswith("tip_offset_y")] = value
     material = Material(
         name,
         found.friction(),
@@ -51,19 +55,9 @@ def identified_material(
         found_with=FoundWith(**told),
         plates=tuple(PlatePressure(named or plate, **shares) for named, shares in found.plates.items()),
         wear=None if worn is None or last_cycle <= 0.0 else Wear(worn, last_cycle),
-        frames=_frames(found, plate),
+        frames=tuple(FrameShift(named, *shift) for named, shift in sorted(shifts.items())),
     )
     return replace(material, posterior=_posterior(found, material, plate, seed))
-
-
-def _frames(found: Identification, plate: str) -> tuple[FrameShift, ...]:
-    """The shifts of the frames by plate, as identified or held."""
-    shifts: dict[str, list[float]] = {}
-    for axis, name in enumerate(("tip_offset_x", "tip_offset_y")):
-        for key, value in found.values.items():
-            if key.partition("[")[0] == name:
-                shifts.setdefault(key.partition("[")[2].rstrip("]") or plate, [0.0, 0.0])[axis] = value
-    return tuple(FrameShift(named, *shift) for named, shift in sorted(shifts.items()))
 
 
 def _posterior(found: Identification, material: Material, plate: str, seed: int) -> MaterialPosterior | None:
@@ -71,7 +65,7 @@ def _posterior(found: Identification, material: Material, plate: str, seed: int)
     rows = []
     for values in sampled_values(found, POSTERIOR_SAMPLES, seed):
         law = SurfaceParameters.from_values(values).to_friction()
-        row = {**_ellipse(law)}
+        row = _ellipse(law)
         if material.wear is not None:
             worn = {name.removeprefix("worn_"): value for name, value in values.items() if name.startswith("worn_")}
             friction = SurfaceParameters.from_values({**values, **worn}).to_friction()
@@ -83,9 +77,8 @@ def _posterior(found: Identification, material: Material, plate: str, seed: int)
             # Rounded down, since they add to one at most.
             row |= {f"{named or plate}.{key}": math.floor(1e6 * share) / 1e6 for key, share in shares.items()}
         rows.append(row)
-    if len(rows) < 2:
-        return None
-    return MaterialPosterior(tuple(rows[0]), tuple(tuple(float(f"{v:.6g}") for v in row.values()) for row in rows))
+    rounded = tuple(tuple(float(f"{value:.6g}") for value in row.values()) for row in rows)
+    return MaterialPosterior(tuple(rows[0]), rounded) if len(rows) > 1 else None
 
 
 def _ellipse(law: EllipseFriction) -> dict[str, float]:
@@ -110,22 +103,20 @@ def provenance_words(found: Identification, sources: Sequence[str]) -> str:
 
 def misfit_words(found: Identification) -> str:
     """Return the mean of every kind of error, beside what isotropic friction misses; of many blocks their ranges."""
-    kinds = {one.kind: [other for other in found.errors if other.kind == one.kind] for one in found.errors}
-    return "; ".join(
-        _range_words(alike) if len(alike) > 2 else "; ".join(kind_words(one) for one in alike)
-        for alike in kinds.values()
-    )
-
-
-def _range_words(alike: Sequence[KindErrors]) -> str:
-    """One kind of error in several blocks: from the least mean to the largest."""
-    kind, unit, factor = readable_kind(alike[0].kind)
-    told = {
-        word: [factor * value for one in alike if (value := getattr(one, name)) == value]
-        for word, name in (("", "mean"), ("left out ", "left_out_mean"), ("isotropic ", "isotropic_mean"))
-    }
-    first, *beside = (f"{word}{min(sizes):.3g} to {max(sizes):.3g}" for word, sizes in told.items() if sizes)
-    return f"{kind} in {len(alike)} blocks: {first}{unit}" + (f" ({', '.join(beside)})" if beside else "")
+    sentences = []
+    for named in dict.fromkeys(one.kind for one in found.errors):
+        alike = [one for one in found.errors if one.kind == named]
+        if len(alike) <= 2:
+            sentences += [kind_words(one) for one in alike]
+            continue
+        kind, unit, factor = readable_kind(named)
+        ranges = []
+        for word, size in (("", "mean"), ("left out ", "left_out_mean"), ("isotropic ", "isotropic_mean")):
+            sizes = [factor * value for one in alike if (value := getattr(one, size)) == value]
+            ranges += [f"{word}{min(sizes):.3g} to {max(sizes):.3g}"] if sizes else []
+        beside = f" ({', '.join(ranges[1:])})" if ranges[1:] else ""
+        sentences.append(f"{kind} in {len(alike)} blocks: {ranges[0]}{unit}{beside}")
+    return "; ".join(sentences)
 
 
 def kind_words(errors: KindErrors) -> str:

@@ -7,26 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import read_only, whole_number
+from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import PLANE_KINDS, PRIOR_KIND, JointProblem, Labels, Progress
 from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, NoiseLaw, Search
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
 _CLOSE = 1e-3
-
-
-@dataclass(frozen=True, eq=False)
-class CrossValidation:
-    """Errors of prediction of rows that were left out.
-
-    residuals (n,) : predicted minus measured, nan where a row was never left out or its fold had no answer.
-    fold (n,) : the fold each row left with, -1 for none. failures : folds without an answer, and why.
-    """
-
-    residuals: Array
-    fold: Labels
-    failures: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -70,10 +57,11 @@ def random_folds(problem: JointProblem, folds: int, seed: int = 0) -> Labels:
 
 def cross_validate(
     problem: JointProblem, fit: Fit, fold: Labels, law: NoiseLaw | None = None, progress: Progress | None = None
-) -> CrossValidation:
-    """Fit without each fold, from the fit to all, and predict it; kinds keep the weights of the fit to all.
+) -> tuple[Array, list[str]]:
+    """Fit without each fold (n,), from the fit to all, and predict it; kinds keep the weights of the fit to all.
 
-    A fold without an answer is recorded, its residuals nan. `progress` is called with the fraction done.
+    Returns residuals (n,), predicted less measured, nan where a row was never left out (fold -1) or its fold had no
+    answer, and why folds had none. `progress` is called with the fraction done.
     """
     count, whole = int(np.max(fold)) + 1, problem.values(fit.vector)
     residuals, failures = np.full(len(fold), np.nan), []
@@ -89,23 +77,22 @@ def cross_validate(
             failures.append(f"fold {one}: {type(cause).__name__}: {cause}")
         if progress is not None:
             progress((one + 1) / count)
-    return CrossValidation(read_only(residuals), fold, tuple(failures))
+    return residuals, failures
 
 
 def kind_errors(
-    problem: JointProblem, fit: Fit, validation: CrossValidation | None, isotropic: Array | None = None
+    problem: JointProblem, fit: Fit, left_out: Array | None = None, isotropic: Array | None = None
 ) -> tuple[KindErrors, ...]:
-    """Return the sizes of the errors of every kind in every block; `isotropic` (n,) : those of even isotropy."""
+    """Return the sizes of the errors of every kind in every block; also of rows left out, and of even isotropy."""
     nothing, found = np.full(len(fit.residuals), np.nan), []
-    left_out = nothing if validation is None else validation.residuals
-    plain = nothing if isotropic is None else isotropic
+    told = [fit.residuals, *(nothing if one is None else one for one in (left_out, isotropic))]
     for number, block in enumerate(problem.blocks):
         for kind in np.unique(np.asarray(block.kinds)).tolist():
             if kind == PRIOR_KIND:
                 continue
             rows = (problem.block_index == number) & (problem.kinds == kind)
             sizes = []
-            for errors in (fit.residuals[rows], left_out[rows], plain[rows]):
+            for errors in (residuals[rows] for residuals in told):
                 # Of components the lengths of their vectors count.
                 size = np.hypot(errors[::2], errors[1::2]) if kind in PLANE_KINDS else np.abs(errors)
                 known = size[np.isfinite(size)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -186,21 +187,20 @@ def identify(
     found = multi_start(problem, spread_starts(problem, starts, seed), law, known, lambda done: report(0.6 * done))
     fit = found.best
     errors = uncertainty(problem, fit, law)
-    validation = None
+    left_out, failures = None, list[str]()
     if fold is not None:
-        validation = cross_validate(problem, fit, fold, law, lambda done: report(0.6 + 0.4 * done))
+        left_out, failures = cross_validate(problem, fit, fold, law, lambda done: report(0.6 + 0.4 * done))
     report(1.0)
     estimates = _estimates(problem, fit, errors, level)
-    notes += _notes(found, errors, estimates, believed) + ([] if validation is None else list(validation.failures))
+    notes += [*_notes(found, errors, estimates, believed), *failures]
     # Isotropic friction under even pressure, rod and ring as usual, no frames shifted.
     plain = ("ellipticity", "offset", "worn_", "rim_share", "corner_share", "inner_share", "tip_offset")
     usual = {name: 0.0 if name.startswith(plain) else value for name, value in problem.space.nominal.items()}
     held = {name: 0.0 if name.startswith(plain) else value for name, value in problem.fixed.items()}
-    try:
+    isotropic = None
+    with suppress(*NO_ANSWER):
         isotropic = replace(problem, fixed=held).evaluate(problem.space.vector(usual))[0]
-    except NO_ANSWER:
-        isotropic = None
-    table = kind_errors(problem, fit, validation, isotropic)
+    table = kind_errors(problem, fit, left_out, isotropic)
     return Identification(estimates, level, believed, table, found, fit, errors, tuple(notes), problem)
 
 

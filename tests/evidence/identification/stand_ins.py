@@ -4,8 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.evidence.identification.data_block import FunctionBlock, Values
-from cyclemap.evidence.identification.surface_parameters import FRICTION_NAMES, SURFACE, SurfaceParameters
+from cyclemap.evidence import FunctionBlock, SurfaceParameters
+from cyclemap.evidence.identification.data_block import JointProblem, Values
+from cyclemap.evidence.identification.identifiability import uncertainty
+from cyclemap.evidence.identification.least_squares import Fit
+from cyclemap.evidence.identification.surface_parameters import FRICTION_NAMES, SURFACE
+from cyclemap.evidence.laws.linear_fit import student_quantile
 
 ELLIPSE = SURFACE.names[:5]
 MOTION = (*SURFACE.names[1:5], "pusher_friction", "rim_share")
@@ -88,3 +92,16 @@ def motion_block(
     common, own = rng.standard_normal(count), rng.standard_normal((2, count))
     both = np.sqrt(shared) * common + np.sqrt(1.0 - shared) * own
     return block("pushes", motions, MOTION, directions, np.concatenate([turn_noise * both[0], shift_noise * both[1]]))
+
+
+def holds_truth(problem: JointProblem, fit: Fit, truth: Values) -> np.ndarray:
+    """Whether the 95 % interval of each free parameter, by covariance, holds the truth."""
+    errors = uncertainty(problem, fit)
+    half = np.array([student_quantile(0.95, freedom) for freedom in errors.freedom.tolist()])
+    return np.asarray(np.abs(fit.vector - problem.space.vector(truth)) < half * errors.standard_error)
+
+
+def hold_as_often_as_they_say(held: list[np.ndarray]) -> bool:
+    """Whether intervals of 95 % held the truth in 90 to 99 % of 200 runs, each parameter's."""
+    shares = np.mean(held, axis=0)
+    return len(held) == 200 and bool(np.all((shares >= 0.9) & (shares <= 0.99)))

@@ -67,7 +67,9 @@ def test_the_law_of_a_short_run_is_the_mean_histogram_of_sampled_runs():
 def test_between_two_stable_directions_that_noise_hardly_connects_the_start_decides():
     turn, near_zero = -0.3 * np.sin(2 * THETA), np.cos(THETA) > 0
     for start, share in ((0.0, 1.0), (np.pi, 0.0), (None, 0.5)):
-        assert run_law(turn, SIGMA, 500, start)[near_zero].sum() == pytest.approx(share, abs=0.01 if start is None else 1e-3)
+        assert run_law(turn, SIGMA, 500, start)[near_zero].sum() == pytest.approx(
+            share, abs=0.01 if start is None else 1e-3
+        )
 
 
 def test_turning_the_map_turns_the_law():
