@@ -225,12 +225,7 @@ def fit_with_noise(
     `known` : noise of some kinds by name, taken as given. `floor` : least noise (kinds,).
     Raises what the model raises at the start, and ConvergenceError where a kind's noise cannot be told.
     """
-    given = known or {}
-    for kind, size in given.items():
-        if kind not in problem.kind_names:
-            raise unknown_name("kind of noise", kind, problem.kind_names)
-        positive_number(f"noise of {kind!r}", size)
-    held = np.array([given.get(kind, np.nan) for kind in problem.kind_names], dtype=float)
+    held = _known_noise(problem, known or {})
     search = Search(problem, law or NoiseLaw(), progress)
     vector = search.inside(start)
     first = root_mean_square(problem, search.at(vector)[0])
@@ -251,6 +246,15 @@ def root_mean_square(problem: JointProblem, residuals: Array) -> Array:
     """Return the root mean square of the residuals (n,) of each kind, (kinds,)."""
     index, count = problem.kind_index, len(problem.kind_names)
     return np.asarray(np.sqrt(np.bincount(index, residuals**2, count) / np.bincount(index, minlength=count)))
+
+
+def _known_noise(problem: JointProblem, known: Mapping[str, float]) -> Array:
+    """The noise (kinds,) that is given, nan elsewhere."""
+    for kind, size in known.items():
+        if kind not in problem.kind_names:
+            raise unknown_name("kind of noise", kind, problem.kind_names)
+        positive_number(f"noise of {kind!r}", size)
+    return np.array([known.get(kind, np.nan) for kind in problem.kind_names], dtype=float)
 
 
 def _floor(first: Array) -> Array:
@@ -280,9 +284,11 @@ def multi_start(
 ) -> MultiStart:
     """Fit from every start (count, k) and keep the best; a start without an answer is recorded and passed over.
 
-    `progress` is called with the fraction done. Raises ConvergenceError if no start has an answer.
+    `progress` is called with the fraction done. Raises InvalidInput for noise of an unknown kind, ConvergenceError if no
+    start has an answer.
     """
     fits, failures, floor = [], [], None
+    _known_noise(problem, known or {})
     for number, start in enumerate(starts):
         part = part_of(progress, number, len(starts))
         try:
