@@ -284,8 +284,8 @@ def multi_start(
 ) -> MultiStart:
     """Fit from every start (count, k) and keep the best; a start without an answer is recorded and passed over.
 
-    `progress` is called with the fraction done. Raises InvalidInput for noise of an unknown kind, ConvergenceError if no
-    start has an answer.
+    `progress` is called with the fraction done. Raises InvalidInput for noise of an unknown kind, ConvergenceError if
+    no start has an answer.
     """
     fits, failures, floor = [], [], None
     _known_noise(problem, known or {})
