@@ -224,6 +224,6 @@ def _cycle_fit(name: str, block: CyclePairBlock, values: dict[str, float]) -> Cy
     turns = []
     for share in (0.0,) if block.share is None else (0.0, 1.0):
         shares = None if block.share is None else np.full(_AROUND.size, share)
-        grid = replace(block, theta=_AROUND, turn=0.0 * _AROUND, labels=np.arange(_AROUND.size), share=shares)
+        grid = replace(block, theta=_AROUND, turn=0.0 * _AROUND, groups=np.arange(_AROUND.size), share=shares)
         turns.append(grid.residuals(values)[0])
     return CycleFit(name, block.theta, block.turn, _AROUND, turns[0], None if block.share is None else turns[1])

@@ -86,24 +86,20 @@ def _row(
     first_share: float | None = None,
 ) -> PublishedStatistics:
     """A row of both tables as it is printed: std and percent of Δθ (deg), Δx, Δy (mm) in turn; RMSE and percent."""
-    std, percent = spreads[::2], spreads[1::2]
-    mean = [100.0 * s / p for s, p in zip(std, percent, strict=True)]
-    rmse, rmse_percent = errors[::2], errors[1::2]
-    directions = tuple(math.radians(angle) for angle in directions_deg)
+    std, percent, rmse, rmse_percent = spreads[::2], spreads[1::2], errors[::2], errors[1::2]
+    mean = [sign * 100.0 * s / p for sign, s, p in zip((1.0, 1.0, -1.0), std, percent, strict=True)]
+    moments: dict[str, Any] = {
+        name: tuple(unit * size for unit, size in zip((math.radians(1.0), 1e-3, 1e-3), sizes, strict=True))
+        for name, sizes in (("mean", mean), ("std", std), ("rmse", rmse))
+    }
     return PublishedStatistics(
         material,
-        _si(mean[0], mean[1], -mean[2]),
-        _si(*std),
-        _si(*rmse),
-        (rmse_percent[0], rmse_percent[1], rmse_percent[2]),
-        directions,
-        always_advancing,
-        first_share,
+        **moments,
+        rmse_percent=(rmse_percent[0], rmse_percent[1], rmse_percent[2]),
+        directions=tuple(math.radians(angle) for angle in directions_deg),
+        always_advancing=always_advancing,
+        first_share=first_share,
     )
-
-
-def _si(turn_deg: float, dx_mm: float, dy_mm: float) -> Triple:
-    return math.radians(turn_deg), 1e-3 * dx_mm, 1e-3 * dy_mm
 
 
 # abs: "stuck in one stable direction" for "about 150 times", then in a second for good; the first has the small peak.

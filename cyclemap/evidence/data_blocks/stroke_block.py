@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import Kinds, Labels, Values
+from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, set_fields
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SHARE_NAMES,
@@ -63,20 +63,14 @@ class StrokeBlock:
     labels: Labels
     slider: Slider
     own_parameters: tuple[Parameter, ...] = ()
+    groups: Labels = field(init=False)
+    kinds: Kinds = field(init=False)
 
     def __post_init__(self) -> None:
         if not self.strokes:
             raise InvalidInput(f"block {self.name!r} has no strokes: give some")
-
-    @property
-    def groups(self) -> Labels:
-        """Group of each row."""
-        return np.repeat(self.labels, len(self.row_kinds))
-
-    @property
-    def kinds(self) -> Kinds:
-        """Kind of noise of each row."""
-        return np.tile(np.array(self.row_kinds, dtype=np.str_), len(self.strokes))
+        kinds = np.tile(np.array(self.row_kinds, dtype=np.str_), len(self.strokes))
+        set_fields(self, groups=np.repeat(self.labels, len(self.row_kinds)), kinds=kinds)
 
     def residuals(self, values: Values) -> Rows:
         """Return predicted minus measured values and their derivatives, a few rows a stroke, in order."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 
 import numpy as np
 
@@ -63,9 +63,9 @@ class Parameter:
             raise InvalidInput(f"nominal value of {self.name} is {nominal}: outside its bounds")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ParameterSpace:
-    """Parameters in order, each name once.
+    """Parameters in order, each name once: names, bounds lower and upper, start and scale, (k,) each.
 
     >>> heat = Parameter("heat", "how warm it is", "K", 0.0, 10.0, 1.0, 0.5)
     >>> ParameterSpace((heat,)).vector({"heat": 3.0})
@@ -73,11 +73,18 @@ class ParameterSpace:
     """
 
     parameters: tuple[Parameter, ...]
+    names: tuple[str, ...] = field(init=False)
+    lower: Array = field(init=False)
+    upper: Array = field(init=False)
+    start: Array = field(init=False)
+    scale: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "parameters", tuple(self.parameters))
+        object.__setattr__(self, "names", tuple(one.name for one in self.parameters))
         if len(set(self.names)) < len(self.names):
             raise InvalidInput(f"a parameter is named twice: {self.names}")
+        for key in ("lower", "upper", "start", "scale"):
+            object.__setattr__(self, key, np.array([getattr(one, key) for one in self.parameters], dtype=float))
 
     def __len__(self) -> int:
         return len(self.parameters)
@@ -87,31 +94,6 @@ class ParameterSpace:
             if parameter.name == name:
                 return parameter
         raise unknown_name("parameter", name, self.names)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names, in order."""
-        return tuple(parameter.name for parameter in self.parameters)
-
-    @property
-    def lower(self) -> Array:
-        """Lower bounds, (k,)."""
-        return np.array([parameter.lower for parameter in self.parameters], dtype=float)
-
-    @property
-    def upper(self) -> Array:
-        """Upper bounds, (k,)."""
-        return np.array([parameter.upper for parameter in self.parameters], dtype=float)
-
-    @property
-    def start(self) -> Array:
-        """Where a search begins, (k,)."""
-        return np.array([parameter.start for parameter in self.parameters], dtype=float)
-
-    @property
-    def scale(self) -> Array:
-        """Changes that matter, (k,)."""
-        return np.array([parameter.scale for parameter in self.parameters], dtype=float)
 
     @property
     def nominal(self) -> dict[str, float]:

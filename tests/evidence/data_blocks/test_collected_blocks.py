@@ -155,6 +155,8 @@ def test_objects_are_plates_and_what_is_not_selected_is_left_out_and_counted(tmp
     assert names(found) == {"rect1 push ends": 15, "hex push ends": 9}
     for words in ("2 left out: of surface felt, not slate", "1 left out: the tip was not where it was sent"):
         assert found.notes.count(f"{file}: {words}") == 1
+    twice = collected_blocks([file, write(tmp_path / "more.csv", ENDS, rows[:8])], LOOP, {"surface": "slate"})
+    assert set(names(twice)) == {f"{plate} push ends {k}" for plate in ("rect1", "hex") for k in (1, 2)}
     hexagons = collected_blocks([file], LOOP, {"object": "hex"})
     assert names(hexagons) == {"push ends": 9} and hexagons.loop.slider.name == "hex"
 
