@@ -32,8 +32,7 @@ _BAND_DRAWS = 200
 class Derived:
     """One quantity: its value and interval. unit : `1` or `rad`; angles are on the lift nearest to the value.
 
-    period : of an angle, rad, 0 for other quantities. known : whether the data tell it; a direction that may be any
-    is not.
+    known : whether the data tell it; a direction that may be any is not.
     """
 
     name: str
@@ -42,7 +41,6 @@ class Derived:
     value: float
     lower: float
     upper: float
-    period: float = 0.0
     known: bool = True
 
 
@@ -109,7 +107,7 @@ def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0)
             around = value + (sample - value + 0.5 * period) % period - 0.5 * period
             lower, upper = np.quantile(around, ends).tolist()
             known = upper - lower < _ALL_AROUND * found.level * period and not vanishes
-            told.append(Derived(name, description, "rad", value, lower, upper, period, known))
+            told.append(Derived(name, description, "rad", value, lower, upper, known))
         else:
             lower, upper = np.quantile(sample, ends).tolist()
             lower = least if vanishes else min(lower, value)

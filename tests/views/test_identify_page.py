@@ -132,9 +132,9 @@ def test_a_material_carries_wear_and_what_the_data_depend_on(found) -> None:
 def test_no_headline_is_sharper_than_its_interval(found) -> None:
     """Intervals stand in place of values, so that a ratio of 1 to 1.35 and any direction are told as what they are."""
     ratio = Derived("axis_ratio", "", "1", 1.11, 1.0, 1.35)
-    way = Derived("axis_direction", "", "rad", 0.5, 0.3, 0.7, np.pi)
+    way = Derived("axis_direction", "", "rad", 0.5, 0.3, 0.7)
     size = Derived("offset_size", "", "1", 0.132, 0.0, 0.43)
-    to = Derived("offset_direction", "", "rad", 0.5, -3.0, 3.0, 2 * np.pi, known=False)
+    to = Derived("offset_direction", "", "rad", 0.5, -3.0, 3.0, known=False)
     told = sentences.headline("felt", [ratio, way, size, to])
     assert told == (
         "felt: friction ellipse with axes 1.00 to 1.35 : 1 (longer along 17° to 40°), "

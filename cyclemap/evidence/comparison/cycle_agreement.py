@@ -202,11 +202,10 @@ class DirectionMatch:
 
 @dataclass(frozen=True, eq=False)
 class DirectionAgreement:
-    """All directions. matches : one a predicted zone. measured_modes, predicted_modes : (k,) rad, sorted."""
+    """All directions. matches : one a predicted zone. measured_modes : (k,) rad, sorted."""
 
     matches: tuple[DirectionMatch, ...]
     measured_modes: Array
-    predicted_modes: Array
 
 
 def direction_agreement(
@@ -226,7 +225,7 @@ def direction_agreement(
     predicted = kernel_modes(ensemble.paths.ravel()[::stride], bandwidth)
     simulated = [kernel_modes(one, bandwidth) for one in null] if zones else []
     matches = tuple(_match(zone, predicted, measured, simulated) for zone in zones)
-    return DirectionAgreement(matches, read_only(measured), read_only(predicted))
+    return DirectionAgreement(matches, read_only(measured))
 
 
 def _match(zone: SlowZone, predicted: Array, measured: Array, simulated: list[Array]) -> DirectionMatch:

@@ -24,12 +24,12 @@ class SlidingForces:
     """Ratios of forces in the pieces of pushes in which the rod slid all the time.
 
     ratio : (m,) sum of tangential over sum of normal force, positive where friction goes with the rod's slip over the
-    object. push : (m,) number of the push. samples : (m,) in each piece. sticking : samples in which the rod stuck.
+    object. push : (m,) number of the push. samples : in all pieces. sticking : samples in which the rod stuck.
     """
 
     ratio: Array
     push: Labels
-    samples: Labels
+    samples: int
     sticking: int
 
 
@@ -43,7 +43,7 @@ def force_ratio_block(sliding: SlidingForces) -> FunctionBlock:
     0.1355. Pieces of one push share their errors; those of one push alone are a group each.
     Raises InvalidInput where nothing slides.
 
-    >>> sliding = SlidingForces(np.array([0.14, 0.15, 0.16]), np.array([0, 0, 1]), np.ones(3, dtype=int), 0)
+    >>> sliding = SlidingForces(np.array([0.14, 0.15, 0.16]), np.array([0, 0, 1]), 3, 0)
     >>> force_ratio_block(sliding).residuals({"pusher_friction": 0.15})[0].round(9).tolist()
     [0.01, 0.0, -0.01]
     """
@@ -65,7 +65,7 @@ def sliding_forces(pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float
     A piece is as many consecutive samples as a window of `contact_samples`, touching, with a slip of more than a tenth
     of the rod's travel of one sign in every window that a sample is part of.
     """
-    rows, sticking = [], 0
+    rows, sliding, sticking = [], 0, 0
     for number, (record, outline) in enumerate(pushes):
         samples = contact_samples(record, outline, rod_radius)
         for sign in (-1.0, 1.0):
@@ -75,12 +75,12 @@ def sliding_forces(pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float
                 for start in range(first, last - samples.window + 1, samples.window):
                     piece = slice(start, start + samples.window)
                     ratio = np.sum(samples.tangential[piece]) / np.sum(samples.pressing[piece])
-                    rows.append((sign * ratio, number, samples.window))
+                    rows.append((sign * ratio, number))
+                    sliding += samples.window
         sticks = samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window)
         sticking += int(np.sum(sticks))
-    table = np.array(rows, dtype=float).reshape(-1, 3)
-    push, size = table[:, 1:].astype(np.int64).T
-    return SlidingForces(table[:, 0], push, size, sticking)
+    ratios, pushes = np.array(rows, dtype=float).reshape(-1, 2).T
+    return SlidingForces(ratios, pushes.astype(np.int64), sliding, sticking)
 
 
 def _steady(state: NDArray[np.bool_], window: int) -> NDArray[np.bool_]:

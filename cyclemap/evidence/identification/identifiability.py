@@ -22,38 +22,19 @@ _NAMED = 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class OpenDirection:
-    """A combination of parameters that the data do not fix.
-
-    names : who takes part, the greatest part first. weights : change of each, in its own unit, along the direction.
-    standard_error : along it, in the parameters' scales; inf where the data say nothing at all.
-    """
-
-    names: tuple[str, ...]
-    weights: tuple[float, ...]
-    standard_error: float
-
-    def __str__(self) -> str:
-        if len(self.names) == 1:
-            return f"{self.names[0]} is not fixed by the data"
-        listed = ", ".join(self.names[:-1]) + f" and {self.names[-1]}"
-        moves = ", ".join(f"{name} {weight:+.3g}" for name, weight in zip(self.names, self.weights, strict=True))
-        return f"{listed} trade off: the data hardly tell a change of {moves}"
-
-
-@dataclass(frozen=True, eq=False)
 class Uncertainty:
     """Errors of a fit to first order.
 
     standard_error (k,) : inf for a parameter that the data do not fix. covariance (k, k), correlation (k, k) : without
-    what is open. freedom (k,) : degrees of freedom for Student's t. open : what the data do not fix.
+    what is open. freedom (k,) : degrees of freedom for Student's t. open : which parameters, or combinations of them,
+    the data do not fix, in words.
     """
 
     standard_error: Array
     covariance: Array
     correlation: Array
     freedom: Array
-    open: tuple[OpenDirection, ...]
+    open: tuple[str, ...]
 
 
 def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) -> Uncertainty:
@@ -153,15 +134,17 @@ def _degrees(above: Array, below: Array) -> Array:
     return np.clip(above / np.maximum(below, 1e-300), 1.0, _NORMAL)
 
 
-def _open_directions(problem: JointProblem, values: Array, vectors: Array, seen: Array) -> tuple[OpenDirection, ...]:
-    found = []
+def _open_directions(problem: JointProblem, values: Array, vectors: Array, seen: Array) -> tuple[str, ...]:
+    """Of each direction that the data leave open the parameters that take part, the greatest part first."""
+    told = []
     for value, vector, visible in zip(values, vectors.T, seen, strict=True):
-        error = 1.0 / np.sqrt(value) if visible else np.inf
-        if error <= OPEN:
+        if visible and value >= OPEN**-2:
             continue
         part = np.abs(vector)
         order = [index for index in np.argsort(-part).tolist() if part[index] >= _NAMED * np.max(part)]
-        names = tuple(problem.space.names[index] for index in order)
+        *names, last = (problem.space.names[index] for index in order)
         signed = vector * np.sign(vector[order[0]]) * problem.space.scale
-        found.append(OpenDirection(names, tuple(float(signed[index]) for index in order), float(error)))
-    return tuple(found)
+        moves = ", ".join(f"{name} {signed[k]:+.3g}" for name, k in zip((*names, last), order, strict=True))
+        together = f"{', '.join(names)} and {last} trade off: the data hardly tell a change of {moves}"
+        told.append(together if names else f"{last} is not fixed by the data")
+    return tuple(told)

@@ -102,18 +102,13 @@ class Identification:
         return self.problem.values(self.fit.vector)
 
     @property
-    def surface(self) -> SurfaceParameters:
-        """The identified surface; what the data were not asked about has its nominal value."""
-        return SurfaceParameters.from_values(self.values)
-
-    @property
     def plates(self) -> dict[str, dict[str, float]]:
         """Shares of the weight by plate; of one plate alone, which no name tells apart, under the empty name."""
         return plate_shares(self.values)
 
     def friction(self) -> EllipseFriction:
-        """Return the identified friction ellipse."""
-        return self.surface.to_friction()
+        """Return the identified friction ellipse; what the data were not asked about has its nominal value."""
+        return SurfaceParameters.from_values(self.values).to_friction()
 
 
 def plate_shares(values: Mapping[str, float]) -> dict[str, dict[str, float]]:
@@ -250,7 +245,7 @@ def _estimates(problem: JointProblem, fit: Fit, errors: Uncertainty, level: floa
 
 def _notes(found: MultiStart, errors: Uncertainty, estimates: tuple[Estimate, ...], believed: Beliefs) -> list[str]:
     """All that qualifies the result, in words."""
-    fit, notes, failed = found.best, [str(direction) for direction in errors.open], len(found.failures)
+    fit, notes, failed = found.best, [*errors.open], len(found.failures)
     if not fit.converged:
         notes.append(f"the search did not converge: {fit.message}")
     if failed:

@@ -74,9 +74,8 @@ class Fit:
 
     vector : (k,) free parameters. noise : (kinds,) in the data's units; known : (kinds,) which of it was given.
     deviance : -2 log likelihood up to a constant, sum of rho + 2 log noise over the rows. residuals (n,),
-    jacobian (n, k) : there, in the data's units. gradient : largest slope of half the deviance by one scale of a
-    parameter, not counting those that push into a bound. on_bounds : names of parameters on a bound. converged :
-    minimum and noise both found to tolerance. message : why the search ended.
+    jacobian (n, k) : there, in the data's units. on_bounds : names of parameters on a bound. converged : minimum and
+    noise both found to tolerance. message : why the search ended.
     """
 
     vector: Array
@@ -84,7 +83,6 @@ class Fit:
     deviance: float
     residuals: Array
     jacobian: Array
-    gradient: float
     on_bounds: tuple[str, ...]
     converged: bool
     message: str
@@ -164,19 +162,14 @@ class Search:
     def fit(self, vector: Array, noise: Array, converged: bool, message: str) -> Fit:
         """Return what there is to tell of a minimum at this noise (kinds,)."""
         space, size, (residuals, jacobian) = self.problem.space, noise[self.problem.kind_index], self.at(vector)
-        scaled = residuals / size
-        rho, weight, _ = self.law.loss(scaled**2)
-        slope = (jacobian / size[:, None]).T @ (weight * scaled) * space.scale
-        low, high = vector - space.lower <= _ON_BOUND * space.scale, space.upper - vector <= _ON_BOUND * space.scale
-        free = ~(low & (slope > 0.0)) & ~(high & (slope < 0.0))
+        gap = np.minimum(vector - space.lower, space.upper - vector) / space.scale
         return Fit(
             read_only(vector),
             read_only(noise),
-            float(np.sum(rho) + 2.0 * np.sum(np.log(size))),
+            float(np.sum(self.law.loss((residuals / size) ** 2)[0]) + 2.0 * np.sum(np.log(size))),
             read_only(residuals),
             read_only(jacobian),
-            float(np.max(np.abs(slope[free]), initial=0.0)),
-            tuple(name for name, on in zip(space.names, low | high, strict=True) if on),
+            tuple(name for name, left in zip(space.names, gap, strict=True) if left <= _ON_BOUND),
             converged,
             message,
         )

@@ -79,7 +79,7 @@ def test_pushes_of_the_mechanics_without_noise_give_the_rods_friction(collection
     sliding = sliding_of(collection(QUIET))
     assert friction_of(sliding).value == pytest.approx(MU, abs=1e-4)
     assert set(sliding.push) == {0, 1, 2, 3}
-    assert sliding.samples.sum() > 1000 and sliding.sticking > 1000
+    assert sliding.samples > 1000 and sliding.sticking > 1000
 
 
 def test_noise_does_not_bias_the_friction_as_it_does_the_median_ratio(collection) -> None:
