@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.identification.data_block import FunctionBlock, Labels, Values, checked_labels
+from cyclemap.evidence.identification.data_block import FunctionBlock, Labels, Values, checked_labels, set_fields
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters, share_names
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint
@@ -46,7 +46,7 @@ _SHARE = 0.1
 class ScanForces:
     """direction (n,) : rad, of the motion. force_along, force_across (n,) : N, of the rod. weight : N, of the object.
 
-    Raises InvalidInput where lengths differ or a number is not finite.
+    Raises InvalidInput where lengths differ or a number is not finite (NaN: leave such scans out).
 
     >>> ScanForces([0.0], [2.0], [0.5], 8.0).traction.tolist()
     [[0.25, 0.0625]]
@@ -58,11 +58,13 @@ class ScanForces:
     weight: float
 
     def __post_init__(self) -> None:
-        for name in SCAN_FIELDS:
-            object.__setattr__(self, name, read_only(finite_array(name, getattr(self, name), ndim=1)))
+        columns = [np.array(getattr(self, name), dtype=float) for name in SCAN_FIELDS]
+        if columns[0].ndim != 1 or any(column.shape != columns[0].shape for column in columns) or not len(columns[0]):
+            raise InvalidInput(f"friction scans must be columns of one length, not {[c.shape for c in columns]}")
+        for row in np.flatnonzero(~np.all(np.isfinite(columns), axis=0))[:1]:
+            raise InvalidInput(f"friction scan {row} has no direction or no force (NaN): leave it out")
+        set_fields(self, **{name: read_only(column) for name, column in zip(SCAN_FIELDS, columns, strict=True)})
         positive_number("weight", self.weight)
-        if not self.direction.shape == self.force_along.shape == self.force_across.shape:
-            raise InvalidInput("friction scans need one force along and one across for each direction")
 
     @classmethod
     def joined(cls, parts: Sequence[ScanForces]) -> ScanForces:
@@ -100,19 +102,15 @@ def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weigh
     missing = [name for name in SCAN_FIELDS if name not in scans]
     if missing:
         raise InvalidInput(f"friction scans need {', '.join(SCAN_FIELDS)}: {', '.join(missing)} is missing")
-    columns = [np.asarray(scans[name], dtype=float) for name in SCAN_FIELDS]
-    if columns[0].ndim != 1 or any(column.shape != columns[0].shape for column in columns) or not len(columns[0]):
-        raise InvalidInput(f"friction scans must be columns of one length, not {[c.shape for c in columns]}")
-    for row in np.flatnonzero(~np.all(np.isfinite(columns), axis=0))[:1]:
-        raise InvalidInput(f"friction scan {row} has no direction or no force (NaN): leave it out")
-    direction, load, measured = columns[0], positive_number("weight", weight), np.stack(columns[1:], axis=-1).ravel()
+    given = ScanForces(**{name: np.asarray(scans[name], dtype=float) for name in SCAN_FIELDS}, weight=weight)
+    direction, measured = given.direction, np.stack([given.force_along, given.force_across], axis=-1).ravel()
     # Directions that differ by full turns are one.
     step = np.round(np.remainder(direction, 2.0 * math.pi) / _SAME_DIRECTION)
     found, number = np.unique(np.remainder(step, round(2.0 * math.pi / _SAME_DIRECTION)), return_inverse=True)
     groups = np.arange(len(measured)) if len(found) < FEWEST_GROUPS else np.repeat(number.reshape(-1), 2)
 
     def function(values: Values) -> tuple[Array, Array]:
-        force, jacobian = _predicted(values, direction, load)
+        force, jacobian = _predicted(values, direction, weight)
         return force - measured, jacobian
 
     return FunctionBlock("friction scans", ELLIPSE, function, groups, np.full(len(measured), SCAN_KIND))
@@ -205,12 +203,20 @@ class WrenchTwists:
         A single pusher's force passes through its contact: the line of action enters the outline there, as seen along
         the force. A line that misses the outline is no single push.
         """
-        rim = outline.points(_POINTS)
-        place = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(rim, axis=0).T))])
-        found = [_entry(rim, place, *row) for row in self.wrench.tolist()]
-        share = np.array(found) / place[-1]
-        piece = np.minimum(np.nan_to_num(share) * CONTACT_PIECES, CONTACT_PIECES - 1)
-        return np.where(np.isnan(share), -1, piece).astype(np.int64)
+        rim, found = outline.points(_POINTS), np.full(len(self.wrench), -1)
+        step = np.diff(rim, axis=0)
+        place = np.concatenate([[0.0], np.cumsum(np.hypot(*step.T))])
+        for row, (fx, fy, torque) in enumerate(self.wrench.tolist()):
+            height = rim[:, 0] * fy - rim[:, 1] * fx - torque
+            crossing = np.flatnonzero(height[:-1] * height[1:] <= 0.0)
+            if fx == fy == 0.0 or not crossing.size:
+                continue
+            drop = height[crossing] - height[crossing + 1]
+            share = np.clip(np.where(drop == 0.0, 0.0, height[crossing] / np.where(drop == 0.0, 1.0, drop)), 0.0, 1.0)
+            first = int(np.argmin((rim[crossing] + share[:, None] * step[crossing]) @ (fx, fy)))
+            entry = place[crossing[first]] + share[first] * np.diff(place)[crossing[first]]
+            found[row] = min(int(entry / place[-1] * CONTACT_PIECES), CONTACT_PIECES - 1)
+        return found
 
 
 def read_wrench_twists(
@@ -286,17 +292,3 @@ def wrench_twist_block(
     labels = data.contact_pieces(outline) if groups is None else checked_labels("wrenches", groups, len(data.twist))
     kinds = np.tile([FORCE_KIND, FORCE_KIND, TORQUE_KIND], len(data.twist))
     return FunctionBlock("wrenches", parameters, function, np.repeat(labels, 3), kinds)
-
-
-def _entry(rim: Array, place: Array, fx: float, fy: float, torque: float) -> float:
-    """Arclength (m) at which the line of action of a wrench enters a closed polyline (k, 2); nan if it misses."""
-    height = rim[:, 0] * fy - rim[:, 1] * fx - torque
-    crossing = np.flatnonzero(height[:-1] * height[1:] <= 0.0)
-    if fx == fy == 0.0 or not crossing.size:
-        return math.nan
-    drop = height[crossing] - height[crossing + 1]
-    share = np.clip(np.where(drop == 0.0, 0.0, height[crossing] / np.where(drop == 0.0, 1.0, drop)), 0.0, 1.0)
-    points = rim[crossing] + share[:, None] * (rim[crossing + 1] - rim[crossing])
-    first = int(np.argmin(points @ (fx, fy)))
-    lengths = place[crossing + 1] - place[crossing]
-    return float(place[crossing[first]] + share[first] * lengths[first])
