@@ -13,7 +13,6 @@ from cyclemap.evidence import (
     MeasuredPush,
     SurfaceParameters,
     drag_turn_block,
-    identify,
     push_end_block,
     read_measured_drags,
     read_measured_pushes,
@@ -86,14 +85,6 @@ def test_shares_that_an_outline_cannot_have_are_no_unknowns(shape: str, lacking:
     assert {"rim_share", "corner_share", "inner_share"} - set(block.parameters) == lacking
     residual, jacobian = block.residuals(VALUES)
     assert jacobian.shape == (6, len(block.parameters)) and np.isfinite(jacobian).all() and np.isfinite(residual).all()
-
-
-def test_identification_gives_back_what_made_the_pushes() -> None:
-    block, free = push_end_block(made_pushes(16), RECT1), ("offset_x", "pusher_friction", "rim_share", "tip_offset_x")
-    fixed = {name: value for name, value in VALUES.items() if name not in free}
-    noise = {"push place (m)": 1e-5, "push turn (rad)": 1e-4}
-    found = identify([block], free, fixed, starts=1, noise=noise)
-    assert {name: found[name].value for name in free} == pytest.approx({n: VALUES[n] for n in free}, abs=2e-4)
 
 
 def test_a_rod_that_starts_inside_is_drawn_back_and_one_that_misses_moves_nothing() -> None:

@@ -6,7 +6,7 @@ from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import FunctionBlock, identify
-from cyclemap.evidence.identification.data_block import PRIOR_KIND, USUAL, JointProblem, prior_block
+from cyclemap.evidence.identification.data_block import JointProblem, prior_block
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 
 SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
@@ -73,15 +73,6 @@ def test_numbers_that_are_not_finite_stop_at_the_block() -> None:
 
     with pytest.raises(ConvergenceError, match="'broken'"):
         JointProblem((Broken(),), SURFACE.select(ELLIPSE), {}).evaluate(np.zeros(5))
-
-
-def test_without_data_the_beliefs_and_their_deviations_come_back() -> None:
-    of_surface = {name: belief for name, belief in USUAL.items() if name in SURFACE.names}
-    found = identify([prior_block(of_surface)], list(of_surface), starts=1, noise={PRIOR_KIND: 1.0})
-    assert len(found.estimates) == 9
-    for one in found.estimates:
-        value, deviation = USUAL[one.name]
-        assert (one.value, one.standard_error) == pytest.approx((value, deviation), abs=1e-6 * deviation)
 
 
 def test_a_belief_alone_keeps_its_deviation_beside_data_that_share_groups() -> None:

@@ -40,17 +40,6 @@ def test_values_are_those_of_the_ellipse() -> None:
 
 
 @pytest.mark.slow
-def test_small_errors_agree_with_the_delta_method() -> None:
-    """The axis ratio moves along the ellipticity's own direction."""
-    found = identified(LAW, 0.05)
-    ratio = next(one for one in derived_quantities(found, draws=8000) if one.name == "axis_ratio")
-    index = [found.problem.space.names.index(name) for name in ("ellipticity_x", "ellipticity_y")]
-    gradient = ratio.value * found.fit.vector[index] / np.linalg.norm(found.fit.vector[index])
-    error = math.sqrt(gradient @ found.uncertainty.covariance[np.ix_(index, index)] @ gradient)
-    assert ratio.upper - ratio.lower == pytest.approx(2.0 * 1.96 * error, rel=0.1)
-
-
-@pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     """30 seeded sets, 95 %: fewer than 25 held of one quantity would be a chance of 1 in 300."""
     held = dict.fromkeys(TRUTH, 0)

@@ -8,7 +8,7 @@ import pytest
 from stand_ins import ELLIPSE, MOTION, TRUTH, force_block, hold_as_often_as_they_say, holds_truth, motion_block
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence import FunctionBlock, Parameter, SurfaceParameters, identified_material, identify
+from cyclemap.evidence import FunctionBlock, SurfaceParameters, identified_material, identify
 from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.least_squares import fit_with_noise
 from cyclemap.evidence.identification.surface_parameters import SURFACE
@@ -79,20 +79,6 @@ def test_what_motion_cannot_tell_is_said_and_what_was_not_given_is_named() -> No
     assert "corner_share is not fixed by the data" in found.notes
     assert "rim_share was neither free nor given: taken as 0" in found.notes
     assert found["offset_x"].identifiable
-
-
-def test_a_block_brings_parameters_of_its_own() -> None:
-    class Biased:
-        name, kinds = "biased", np.full(40, "turn (rad)")
-        own_parameters = (Parameter("bias", "a shift of every turn", "rad", -1.0, 1.0, 0.0, 0.1),)
-        groups, parameters = np.arange(40), ("bias",)
-
-        def residuals(self, values: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
-            return values["bias"] - 0.3 - 0.01 * np.cos(np.arange(40.0)), np.ones((40, 1))
-
-    found = identify([Biased()], ["bias"], starts=2)
-    assert found["bias"].lower < 0.3 < found["bias"].upper
-    assert found["bias"].description == "a shift of every turn"
 
 
 def test_a_value_on_its_bound_says_which() -> None:

@@ -81,11 +81,6 @@ def test_turning_the_surface_turns_offset_once_and_ellipticity_twice() -> None:
     assert after.friction_scale == before.friction_scale
 
 
-def test_the_scale_of_friction_scales_every_force_and_nothing_else() -> None:
-    small, large = (SurfaceParameters(scale, 0.1, 0.2, 0.05, 0.1).to_friction() for scale in (-2.0, -1.0))
-    assert np.allclose(dissipation(large), math.e * dissipation(small), rtol=1e-14)
-
-
 def test_a_space_selects_and_extends_by_name_and_begins_at_the_nominal_surface() -> None:
     assert SURFACE.nominal == SurfaceParameters().values()
     assert SurfaceParameters.from_values({**SURFACE.nominal, "tilt": 1.0}) == SurfaceParameters()
