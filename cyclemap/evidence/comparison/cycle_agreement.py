@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -38,9 +37,6 @@ _POOLED = 12_000
 RANGE = (0.025, 0.975)
 
 
-# -- the map -------------------------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class CycleAgreement:
     """Measured cycles beside the predicted map, all angles in rad.
@@ -50,6 +46,7 @@ class CycleAgreement:
     measured_turn, predicted_turn : means over the pairs. bias : predicted less measured. bias_error : its standard
         error, correlation of successive cycles allowed for, and ``model_error`` with it; None below three pairs.
         model_error : of the predicted mean alone, by how well the material is known; 0 without a posterior.
+    agrees : whether the mean turn is the predicted one within its error (5 % level), or 0.005 degrees.
     isotropic_rms : root mean square that a loop on isotropic friction under even pressure, all else alike, would leave;
         None of a prediction that is no loop. blind_rms : what one turn for all θ0 would leave.
     scatter : of the measured turns about the map with six harmonics that fits these very pairs best, what no smooth
@@ -68,17 +65,13 @@ class CycleAgreement:
     bias: float
     bias_error: float | None
     model_error: float
+    agrees: bool | None
     isotropic_rms: float | None
     blind_rms: float
     scatter: float | None
     noise: float
     lag_correlation: float | None
     p_value: PValue | None
-
-    @property
-    def agrees(self) -> bool | None:
-        """Whether the mean turn is the predicted one within its error (5 % level), or 0.005 degrees."""
-        return within_error(self.bias, self.bias_error, self.agreement.pairs, SEEN_ANGLE)
 
 
 def cycle_agreement(
@@ -91,16 +84,22 @@ def cycle_agreement(
     off = pairs.turn - predicted
     medians = turn_bins(Theta0Pairs(pairs.theta, pairs.theta + off))
     over_bins = float(np.sqrt(np.mean(medians.median**2))) if medians.median.size else np.nan
-    model_error, isotropic = prediction.mean_turn_error(pairs.theta, cycle), _isotropic_turn(prediction.given)
+    model_error, isotropic = prediction.mean_turn_error(pairs.theta, cycle), None
+    if isinstance(prediction.given, CollectionLoop):
+        with suppress(UnsupportedContact):
+            # On a surface without direction the turn of a cycle is one for all θ0.
+            isotropic = replace(isotropic_twin(prediction.given), footprint=None).cycle(0.0).theta_next
+    bias, error = float(-np.mean(off)), mean_error(off, model_error)
     return CycleAgreement(
         agreement=MapAgreement(off.size, float(np.sqrt(np.mean(off**2))), medians.median.size, over_bins),
         off=read_only(off),
         bins=turn_bins(pairs),
         measured_turn=float(np.mean(pairs.turn)),
         predicted_turn=float(np.mean(predicted)),
-        bias=float(-np.mean(off)),
-        bias_error=mean_error(off, model_error),
+        bias=bias,
+        bias_error=error,
         model_error=model_error,
+        agrees=within_error(bias, error, off.size, SEEN_ANGLE),
         isotropic_rms=None if isotropic is None else float(np.sqrt(np.mean((pairs.turn - isotropic) ** 2))),
         blind_rms=float(np.std(pairs.turn)),
         scatter=None if best is None else best.sigma,
@@ -108,16 +107,6 @@ def cycle_agreement(
         lag_correlation=None if best is None else best.lag_correlation,
         p_value=p_value,
     )
-
-
-def _isotropic_turn(given: Any) -> float | None:
-    """The turn of a cycle on a surface without direction, which is one for all θ0."""
-    if not isinstance(given, CollectionLoop):
-        return None
-    try:
-        return float(replace(isotropic_twin(given), footprint=None).cycle(0.0).theta_next)
-    except UnsupportedContact:
-        return None
 
 
 def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
@@ -140,9 +129,6 @@ def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
         free = values.size - basis.shape[1]
         found[number] = explained / basis.shape[1] * free / left if left > 0.0 else 0.0
     return found
-
-
-# -- orientations --------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,9 +161,6 @@ def orientation_agreement(path: Array, ensemble: Ensemble, tested: dict[str, PVa
     predicted = AngleHistogram(measured.edges, read_only(ensemble.law.bin_probabilities(bins) * (bins / TWO_PI)))
     tests = {name: tested[name] for name in ORIENTATION_TESTS}
     return OrientationAgreement(path.size, **tests, measured=measured, predicted=predicted)
-
-
-# -- stable directions ---------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -223,28 +206,24 @@ def direction_agreement(
     measured = kernel_modes(path, bandwidth)
     stride = max(1, ensemble.paths.size // _POOLED)
     predicted = kernel_modes(ensemble.paths.ravel()[::stride], bandwidth)
-    simulated = [kernel_modes(one, bandwidth) for one in null] if zones else []
-    matches = tuple(_match(zone, predicted, measured, simulated) for zone in zones)
-    return DirectionAgreement(matches, read_only(measured))
-
-
-def _match(zone: SlowZone, predicted: Array, measured: Array, simulated: list[Array]) -> DirectionMatch:
-    mode = _nearest(zone.centre, predicted)
-    seen = None if mode is None else _nearest(mode, measured)
-    if mode is None or seen is None:
-        return DirectionMatch(zone.kind, zone.centre, mode, seen, None, None)
-    off = float(shorter_way(seen - mode))
-    nearest = [_nearest(mode, modes) for modes in simulated]
-    # A simulated collection without any mode is as far off as can be.
-    null = [np.pi if one is None else abs(float(shorter_way(one - mode))) for one in nearest]
-    return DirectionMatch(zone.kind, zone.centre, mode, seen, off, monte_carlo_p_value(abs(off), null))
+    simulated, matches = [kernel_modes(one, bandwidth) for one in null] if zones else [], []
+    for zone in zones:
+        mode = _nearest(zone.centre, predicted)
+        seen = None if mode is None else _nearest(mode, measured)
+        if mode is None or seen is None:
+            matches.append(DirectionMatch(zone.kind, zone.centre, mode, seen, None, None))
+            continue
+        # A simulated collection without any mode is as far off as can be.
+        nearest = [_nearest(mode, modes) for modes in simulated]
+        others = [np.pi if one is None else abs(float(shorter_way(one - mode))) for one in nearest]
+        off = float(shorter_way(seen - mode))
+        p_value = monte_carlo_p_value(abs(off), others)
+        matches.append(DirectionMatch(zone.kind, zone.centre, mode, seen, off, p_value))
+    return DirectionAgreement(tuple(matches), read_only(measured))
 
 
 def _nearest(target: float, modes: Array) -> float | None:
     return float(nearest_modes(np.asarray(target), modes)) if modes.size else None
-
-
-# -- the staircase -------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

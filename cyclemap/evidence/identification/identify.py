@@ -69,10 +69,9 @@ class Estimate:
 class Identification:
     """Parameters identified from data.
 
-        estimates : of the free parameters. fixed : values that were held. level : of the intervals. priors : what was
-    XX : what became of each start. fit : the minimum. uncertainty : to first order.
-        validation : residuals of rows left out, None if not asked for. notes : all that qualifies the result, in words.
-        problem : what was solved.
+    estimates : of the free parameters. level : of the intervals. priors : what was believed (value, standard
+    deviation). errors : by block and kind, in sample and left out. starts : what became of them. fit : the minimum.
+    uncertainty : to first order. notes : all that qualifies the result, in words. problem : what was solved.
     """
 
     estimates: tuple[Estimate, ...]
