@@ -128,20 +128,16 @@ def _may_vanish(found: Identification, index: list[int]) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class TurnFit:
-    """Turns of strokes of one block: measured and predicted (n,), rad."""
+class StrokeFit:
+    """Turns of strokes of one block: measured and predicted (n,), rad.
+
+    errors : of the places where pushes ended, predicted less measured, (n, 2), m; None of drags.
+    """
 
     name: str
     measured: Array
     predicted: Array
-
-
-@dataclass(frozen=True, eq=False)
-class PlaceFit:
-    """Errors of the places where pushes of a block ended, predicted less measured, (n, 2), m."""
-
-    name: str
-    errors: Array
+    errors: Array | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,8 +168,7 @@ class IdentifiedCurves:
     samples: Array
     forces: Array | None
     sized: bool
-    turns: tuple[TurnFit, ...]
-    places: tuple[PlaceFit, ...]
+    strokes: tuple[StrokeFit, ...]
     cycles: tuple[CycleFit, ...]
 
 
@@ -181,27 +176,31 @@ def identified_curves(found: Identification, scans: ScanForces | None = None, se
     """Compute what is drawn of an identification; `scans` : the forces of its friction scans."""
     laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, _BAND_DRAWS, seed)]
     worn = worn_friction_of(found)
-    turns, places, cycles = [], [], []
+    strokes, cycles = [], []
     for number, block in enumerate(found.problem.blocks):
         errors = found.fit.residuals[found.problem.block_index == number]
         plain = block.block if isinstance(block, PlateBlock) else block
         if isinstance(plain, StrokeBlock):
             measured = np.array([stroke.end.theta - stroke.start.theta for stroke in plain.strokes])
-            # Each stroke's last row is its turn.
-            turns.append(TurnFit(block.name, measured, measured + errors.reshape(measured.size, -1)[:, -1]))
-            if len(plain.row_kinds) == 3:
-                places.append(PlaceFit(block.name, errors.reshape(-1, 3)[:, :2]))
+            # Each stroke's last row is its turn, those before its place.
+            *place, turn = errors.reshape(measured.size, -1).T
+            strokes.append(StrokeFit(block.name, measured, measured + turn, np.stack(place, -1) if place else None))
         elif isinstance(plain, CyclePairBlock):
-            own = zip(plain.parameters, block.parameters, strict=True)
-            cycles.append(_cycle_fit(block.name, plain, {name: found.values[named] for name, named in own}))
+            values = {name: found.values[own] for name, own in zip(plain.parameters, block.parameters, strict=True)}
+            turns = []
+            for worn_by in (0.0, 1.0) if plain.share is not None else (0.0,):
+                share = None if plain.share is None else np.full(_AROUND.size, worn_by)
+                grid = replace(plain, theta=_AROUND, turn=0.0 * _AROUND, groups=np.arange(_AROUND.size), share=share)
+                turns.append(grid.residuals(values)[0])
+            late = turns[1] if plain.share is not None else None
+            cycles.append(CycleFit(block.name, plain.theta, plain.turn, _AROUND, turns[0], late))
     return IdentifiedCurves(
         _outline(found.friction()),
         None if worn is None else _outline(worn),
         np.array([_outline(law) for law in laws]).reshape(-1, _AROUND.size, 2),
         None if scans is None else scans.traction,
         "friction_scale" in found.problem.space.names,
-        tuple(turns),
-        tuple(places),
+        tuple(strokes),
         tuple(cycles),
     )
 
@@ -216,12 +215,3 @@ def worn_friction_of(found: Identification) -> EllipseFriction | None:
 def _outline(law: EllipseFriction) -> Array:
     """Traction (m, 2) over all directions of sliding, world axes."""
     return law.traction(np.stack([np.cos(_AROUND), np.sin(_AROUND)], axis=-1))
-
-
-def _cycle_fit(name: str, block: CyclePairBlock, values: dict[str, float]) -> CycleFit:
-    turns = []
-    for share in (0.0,) if block.share is None else (0.0, 1.0):
-        shares = None if block.share is None else np.full(_AROUND.size, share)
-        grid = replace(block, theta=_AROUND, turn=0.0 * _AROUND, groups=np.arange(_AROUND.size), share=shares)
-        turns.append(grid.residuals(values)[0])
-    return CycleFit(name, block.theta, block.turn, _AROUND, turns[0], None if block.share is None else turns[1])

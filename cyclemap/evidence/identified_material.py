@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.cross_validation import KindErrors
 from cyclemap.evidence.identification.data_block import PRIOR_KIND
 from cyclemap.evidence.identification.identify import Estimate, Identification, plate_shares
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
@@ -105,28 +104,23 @@ def misfit_words(found: Identification) -> str:
     """Return the mean of every kind of error, beside what isotropic friction misses; of many blocks their ranges."""
     sentences = []
     for named in dict.fromkeys(one.kind for one in found.errors):
-        alike = [one for one in found.errors if one.kind == named]
-        if len(alike) <= 2:
-            sentences += [kind_words(one) for one in alike]
-            continue
         kind, unit, factor = readable_kind(named)
-        ranges = []
-        for word, size in (("", "mean"), ("left out ", "left_out_mean"), ("isotropic ", "isotropic_mean")):
-            sizes = [factor * value for one in alike if (value := getattr(one, size)) == value]
-            ranges += [f"{word}{min(sizes):.3g} to {max(sizes):.3g}"] if sizes else []
-        beside = f" ({', '.join(ranges[1:])})" if ranges[1:] else ""
-        sentences.append(f"{kind} in {len(alike)} blocks: {ranges[0]}{unit}{beside}")
+        alike = [one for one in found.errors if one.kind == named]
+        if len(alike) > 2:
+            beside = []
+            for word, size in (("", "mean"), ("left out ", "left_out_mean"), ("isotropic ", "isotropic_mean")):
+                sizes = [factor * value for one in alike if (value := getattr(one, size)) == value]
+                beside += [f"{word}{min(sizes):.3g} to {max(sizes):.3g}"] if sizes else []
+            told = f"{kind} in {len(alike)} blocks: {beside.pop(0)}{unit}"
+            sentences.append(told + (f" ({', '.join(beside)})" if beside else ""))
+            continue
+        for one in alike:
+            left_out, isotropic = one.left_out_mean, one.isotropic_mean
+            beside = [f"{factor * left_out:.3g} left out"] if left_out == left_out else []
+            beside += [f"isotropic {factor * isotropic:.3g}"] if isotropic == isotropic else []
+            told = f"{one.block}, {kind}: {factor * one.mean:.3g}{unit}"
+            sentences.append(told + (f" ({', '.join(beside)})" if beside else ""))
     return "; ".join(sentences)
-
-
-def kind_words(errors: KindErrors) -> str:
-    """Return the mean size of one kind of error, in the sample, left out, and of isotropic friction."""
-    kind, unit, factor = readable_kind(errors.kind)
-    told = f"{errors.block}, {kind}: {factor * errors.mean:.3g}{unit}"
-    left_out, isotropic = errors.left_out_mean, errors.isotropic_mean
-    beside = [f"{factor * left_out:.3g} left out"] if left_out == left_out else []
-    beside += [f"isotropic {factor * isotropic:.3g}"] if isotropic == isotropic else []
-    return told + (f" ({', '.join(beside)})" if beside else "")
 
 
 def readable_kind(kind: str) -> tuple[str, str, float]:

@@ -88,11 +88,11 @@ def test_curves_are_the_data_and_what_the_fit_says_of_them(found, curves) -> Non
     assert cycles.late is not None and cycles.turn == pytest.approx(0.1)
     # Isotropic friction turns by the same everywhere; the worn one does not.
     assert np.ptp(cycles.fitted) < 1e-5 < 1e-2 < np.ptp(cycles.late)
-    pushes = curves.turns[0]
+    pushes = curves.strokes[0]
     assert pushes.measured == pytest.approx(np.full(2, 0.1))
     errors = found.fit.residuals[found.problem.kinds == "push turn (rad)"]
     assert pushes.predicted - pushes.measured == pytest.approx(errors)
-    assert len(curves.places[0].errors) == 2
+    assert len(curves.strokes[0].errors) == 2
 
 
 def test_of_many_plates_a_panel_shows_how_each_presses_and_intervals_are_those_they_share() -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock, blocks_of_cycles
+from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
 from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
     TWIST_COLUMNS,
@@ -289,7 +289,7 @@ def loop_of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
 
 
 def _cycle_groups(count: int) -> Labels:
-    return blocks_of_cycles(count, min(max(count // _FEWEST_GROUPS, 1), _LONGEST_GROUP))
+    return np.arange(count) // min(max(count // _FEWEST_GROUPS, 1), _LONGEST_GROUP)
 
 
 def _is_straight(record: PushRecord) -> bool:

@@ -141,14 +141,3 @@ def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
     found = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
     material = Material("identified", surface.to_friction(), found_with=found, plates=(plate,))
     return with_material(replace(loop, accuracy=ACCURACY), material)
-
-
-def blocks_of_cycles(count: int, length: int = 25) -> Labels:
-    """Return a label for each of `count` consecutive cycles, one for every `length` of them.
-
-    Errors of neighbouring cycles are alike; such labels keep them together.
-
-    >>> blocks_of_cycles(5, 2).tolist()
-    [0, 0, 1, 1, 2]
-    """
-    return np.arange(whole_number("count", count, least=1)) // whole_number("length", length, least=1)
