@@ -110,9 +110,8 @@ class PublishedComparison:
         return [[f"{at:.1f} +- {by:.2f}" for at, by in zip(mean, std, strict=True)] for mean, std in both]
 
     def _directions(self) -> str:
-        published = _degrees(self.published.directions) if self.published.directions else "none"
         text = f"stable directions {_degrees(self.stable)}, peaks of the histogram {_degrees(self.peaks)}"
-        told = f"{text} (published {published})"
+        told = f"{text} (published {_degrees(self.published.directions)})"
         missed = np.array(self.published.directions)[self.misses > DIRECTION_TOLERANCE]
         if missed.size:
             told += f"; no peak within 15 deg of {_degrees(missed)}"
@@ -125,14 +124,11 @@ class PublishedComparison:
         return told
 
 
-def published_comparison(
-    material: Material | str | Path, published: PublishedStatistics | None = None, sigma: float = CYCLE_NOISE
-) -> PublishedComparison:
+def published_comparison(material: Material | str | Path) -> PublishedComparison:
     """Compare what a material predicts for MIT's repeated pushes with what is published of it.
 
-    material : a material, the name of one, or its file. published : None looks up the first part of the material's
-    name, so that `plywood-measured` meets `plywood`. sigma : rad, noise of a cycle. A surface that wears is taken as it
-    is half way through the run.
+    material : a material, the name of one, or its file; the first part of its name tells whose numbers are meant, so
+    that `plywood-measured` meets `plywood`. A surface that wears is taken as it is half way through the run.
 
     Raises InvalidInput where nothing is published of the material.
 
@@ -141,9 +137,9 @@ def published_comparison(
     [63.0]
     """
     surface = material if isinstance(material, Material) else load_material(material)
-    given = published or published_statistics(surface.name.split("-")[0])
+    given = published_statistics(surface.name.split("-")[0])
     loop = worn_loop(CollectionLoop.mit(surface), 0.5 * PUBLISHED_CYCLES)
-    found = predicted_statistics(node_values(loop), given, sigma)
+    found = predicted_statistics(node_values(loop), given)
     # Where the turn falls through zero, by linear interpolation.
     ahead, law = np.roll(found.turn, -1), found.law
     falls = np.flatnonzero((found.turn > 0.0) & (ahead <= 0.0))
