@@ -35,7 +35,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
 )
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, UnreadableFile
-from cyclemap.evidence.tables.push_sets import PushSet, push_sets
+from cyclemap.evidence.tables.push_sets import push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider
 from cyclemap.text_files import read_csv_table
 
@@ -174,27 +174,24 @@ class BlockBuilder:
     def add_cycles(self, pushes: PushTable) -> None:
         """Add a block of cycles for each set of pushes that were repeated at one contact."""
         for one in push_sets(pushes) if len(pushes.table) else ():
-            if one.pairs is not None and one.contacts == 1:
-                self._add_cycle_pairs(one)
-
-    def _add_cycle_pairs(self, one: PushSet) -> None:
-        pairs = one.pairs
-        assert pairs is not None
-        number = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
-        late = number >= self.first
-        count = int(np.sum(late))
-        early = {f"cycles before {self.first}": late.size - count}
-        self.leave_out(Counter({**early, **pairs.dropped}))
-        if count < _FEWEST_CYCLES:
-            self.notes.append(f"{self.path}: {count} cycles of {one.name} left out: too few")
-            return
-        place = {name: one.facts[name] for name in ("side", "fraction", "angle") if name in one.facts}
-        loop = replace(self.loop, push=replace(self.loop.push, **place))
-        since = number[late] - self.first
-        share, groups = since / np.max(since) if self.wear else None, _cycle_groups(count)
-        block = CyclePairBlock("cycles", loop, pairs.theta[late], pairs.turn[late], groups, share, self.nodes)
-        self.last_cycle = max(self.last_cycle, float(np.max(since)))
-        self.add(block, f"{count} cycles of {one.name}" + (", wearing" if self.wear else ""))
+            pairs = one.pairs
+            if pairs is None or one.contacts != 1:
+                continue
+            number = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
+            late = number >= self.first
+            count = int(np.sum(late))
+            early = {f"cycles before {self.first}": late.size - count}
+            self.leave_out(Counter({**early, **pairs.dropped}))
+            if count < _FEWEST_CYCLES:
+                self.notes.append(f"{self.path}: {count} cycles of {one.name} left out: too few")
+                continue
+            place = {name: one.facts[name] for name in ("side", "fraction", "angle") if name in one.facts}
+            loop = replace(self.loop, push=replace(self.loop.push, **place))
+            since = number[late] - self.first
+            share, groups = since / np.max(since) if self.wear else None, _cycle_groups(count)
+            block = CyclePairBlock("cycles", loop, pairs.theta[late], pairs.turn[late], groups, share, self.nodes)
+            self.last_cycle = max(self.last_cycle, float(np.max(since)))
+            self.add(block, f"{count} cycles of {one.name}" + (", wearing" if self.wear else ""))
 
     def _add_pushes(self, table: pandas.DataFrame, progress: Progress | None) -> None:
         """Add ends and forces of recorded pushes."""
