@@ -143,14 +143,28 @@ def run_law(turn: Array, sigma: float, cycles: int, start: float | None = None) 
     >>> run_law(np.full(8, 0.3), 1.0, 50).round(12).tolist()
     [0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125]
     """
-    turns = finite_array("turn", turn, ndim=1)
-    step, matrix = np.full(turns.size, 1.0 / turns.size), _noisy_map(turns, positive_number("sigma", sigma))
+    from scipy.sparse import csr_array
+
+    turns, cycles = finite_array("turn", turn, ndim=1), whole_number("cycles", cycles, least=1)
+    count, spacing = turns.size, 2.0 * np.pi / turns.size
+    if positive_number("sigma", sigma) < 1.2 * spacing:
+        raise InvalidInput(f"noise of {sigma:.3g} rad is finer than 1.2 spacings of {count} angles: take more angles")
+    # Column k of the transfer operator is the law of what comes after angle k.
+    half = min(int(np.ceil(_REACH * sigma / spacing)) + 1, count // 2)
+    place = np.arange(count) + turns / spacing
+    nearest = np.rint(place).astype(np.int64)
+    offsets = np.arange(-half, half + count % 2 if half == count // 2 else half + 1)
+    weight = np.exp(-0.5 * ((nearest - place)[:, np.newaxis] + offsets) ** 2 * (spacing / sigma) ** 2)
+    weight /= weight.sum(axis=1, keepdims=True)
+    rows = (nearest[:, np.newaxis] + offsets) % count
+    columns = np.broadcast_to(np.arange(count)[:, np.newaxis], rows.shape)
+    matrix: Any = csr_array((weight.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))
+    step, total = np.full(count, 1.0 / count), np.zeros(count)
     if start is not None:
-        off = 2.0 * np.pi * np.arange(turns.size) / turns.size - start
+        off = 2.0 * np.pi * np.arange(count) / count - start
         step = np.exp(-0.5 * (shorter_way(off) / START_SPREAD) ** 2)
         step /= step.sum()
-    total = np.zeros(turns.size)
-    for done in range(1, whole_number("cycles", cycles, least=1) + 1):
+    for done in range(1, cycles + 1):
         total += step
         ahead = matrix @ step
         if done % _CHECKED == 0 and np.max(np.abs(ahead - step)) < _STILL:
@@ -158,21 +172,3 @@ def run_law(turn: Array, sigma: float, cycles: int, start: float | None = None) 
             break
         step = ahead
     return np.asarray(total / total.sum())
-
-
-def _noisy_map(turn: Array, sigma: float) -> Any:
-    """The transfer operator (n, n), sparse: column k is the law of what comes after angle k."""
-    from scipy.sparse import csr_array
-
-    count, spacing = turn.size, 2.0 * np.pi / turn.size
-    if sigma < 1.2 * spacing:
-        raise InvalidInput(f"noise of {sigma:.3g} rad is finer than 1.2 spacings of {count} angles: take more angles")
-    half = min(int(np.ceil(_REACH * sigma / spacing)) + 1, count // 2)
-    place = np.arange(count) + turn / spacing
-    nearest = np.rint(place).astype(np.int64)
-    offsets = np.arange(-half, half + count % 2 if half == count // 2 else half + 1)
-    weight = np.exp(-0.5 * ((nearest - place)[:, np.newaxis] + offsets) ** 2 * (spacing / sigma) ** 2)
-    weight /= weight.sum(axis=1, keepdims=True)
-    rows = (nearest[:, np.newaxis] + offsets) % count
-    columns = np.broadcast_to(np.arange(count)[:, np.newaxis], rows.shape)
-    return csr_array((weight.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))
