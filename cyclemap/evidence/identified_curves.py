@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -175,7 +175,7 @@ class IdentifiedCurves:
 def identified_curves(found: Identification, scans: ScanForces | None = None, seed: int = 0) -> IdentifiedCurves:
     """Compute what is drawn of an identification; `scans` : the forces of its friction scans."""
     laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, _BAND_DRAWS, seed)]
-    worn = worn_friction_of(found)
+    worn = worn_friction_of(found.values)
     strokes, cycles = [], []
     for number, block in enumerate(found.problem.blocks):
         errors = found.fit.residuals[found.problem.block_index == number]
@@ -205,9 +205,8 @@ def identified_curves(found: Identification, scans: ScanForces | None = None, se
     )
 
 
-def worn_friction_of(found: Identification) -> EllipseFriction | None:
-    """Return the friction at the end of the data where they were let wear, else None."""
-    values = found.values
+def worn_friction_of(values: Mapping[str, float]) -> EllipseFriction | None:
+    """Return the friction at the end of data that were let wear, by the values of all parameters; else None."""
     worn = {name.removeprefix("worn_"): value for name, value in values.items() if name.startswith("worn_")}
     return SurfaceParameters.from_values({**values, **worn}).to_friction() if worn else None
 

@@ -40,7 +40,7 @@ def identified_material(
         raise InvalidInput("a material needs a name")
     asked = {part.partition("[")[0] for block in found.problem.blocks for part in block.parameters}
     told = {field.name: found.values[field.name] for field in fields(FoundWith) if field.name in asked}
-    worn, shifts = worn_friction_of(found), dict[str, list[float]]()
+    worn, shifts = worn_friction_of(found.values), dict[str, list[float]]()
     for key, value in found.values.items():
         if key.startswith(("tip_offset_x", "tip_offset_y")):
             own = key.partition("[")[2].rstrip("]") or plate
@@ -63,12 +63,9 @@ def _posterior(found: Identification, material: Material, plate: str, seed: int)
     """Samples of what the data allow, in the names and units of a material file."""
     rows = []
     for values in sampled_values(found, POSTERIOR_SAMPLES, seed):
-        law = SurfaceParameters.from_values(values).to_friction()
-        row = _ellipse(law)
-        if material.wear is not None:
-            worn = {name.removeprefix("worn_"): value for name, value in values.items() if name.startswith("worn_")}
-            friction = SurfaceParameters.from_values({**values, **worn}).to_friction()
-            row |= {f"worn.{key}": value for key, value in _ellipse(friction).items()}
+        row, worn = _ellipse(SurfaceParameters.from_values(values).to_friction()), worn_friction_of(values)
+        if material.wear is not None and worn is not None:
+            row |= {f"worn.{key}": value for key, value in _ellipse(worn).items()}
         for key, (name, factor) in _FOUND_UNITS.items():
             if getattr(material.found_with, name) is not None:
                 row[key] = factor * values[name]
