@@ -140,8 +140,18 @@ def as_prediction(
             chosen = drifting_map(given, last + 1, progress=lambda done: report(0.3 * min(1.0, done / 20.0)))
         else:
             chosen = given.circle_map(tolerance=tolerance, progress=lambda done: report(0.3 * done))
-        samples = _maps_of_samples(given, last, lambda done: report(0.3 + 0.7 * done))
-        return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, samples)
+        samples: list[CircleMap | DriftingMap] = []
+        loops = posterior_samples(given)
+        for done, one in enumerate(loops, 1):
+            # A surface at the edge of the posterior may not be able to make every cycle: the others tell the spread.
+            with suppress(UnsupportedContact, ConvergenceError):
+                worn = one.material.wear is not None
+                samples.append(
+                    drifting_map(one, last + 1, _SAMPLE_BLEND) if worn else one.circle_map(_SAMPLE_TOLERANCE)
+                )
+            report(0.3 + 0.7 * done / len(loops))
+        kept = tuple(samples) if len(samples) > 1 else ()
+        return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, kept)
     raise InvalidInput(f"the prediction is {given!r}: give {PREDICTIONS}")
 
 
@@ -152,18 +162,6 @@ def posterior_samples(loop: Any) -> list[CollectionLoop]:
         return []
     picked = np.linspace(0, len(posterior) - 1, min(SAMPLES, len(posterior))).round().astype(int)
     return [sampled_loop(loop, number) for number in picked.tolist()]
-
-
-def _maps_of_samples(loop: Any, last: int, report: Progress) -> tuple[CircleMap | DriftingMap, ...]:
-    found: list[CircleMap | DriftingMap] = []
-    loops = posterior_samples(loop)
-    for done, one in enumerate(loops, 1):
-        # A surface at the edge of the posterior may not be able to make every cycle: the others tell the spread.
-        with suppress(UnsupportedContact, ConvergenceError):
-            worn = one.material.wear is not None
-            found.append(drifting_map(one, last + 1, _SAMPLE_BLEND) if worn else one.circle_map(_SAMPLE_TOLERANCE))
-        report(done / len(loops))
-    return tuple(found) if len(found) > 1 else ()
 
 
 def refit_rule(given: Any, pairs: Theta0Pairs, cycle: Array, first: int) -> CollectionRefit | None:
