@@ -104,7 +104,7 @@ def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
     best: tuple[int, Path, PushRecord, SlidingForces] | None = None
     for path, record in records:
         forces = sliding_forces([(record, _outline(path))])
-        both = min(int(forces.samples.sum()), forces.sticking)
+        both = min(forces.samples, forces.sticking)
         if both > (best[0] if best else 0):
             best = both, path, record, forces
     return None if best is None else _samples(*best[1:], len(records), unreadable)

@@ -193,7 +193,7 @@ def identify_report(material: Material, data: Sequence[str], found: Identificati
         "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
         "derived": [_derived(one) for one in derived],
         "errors": [_errors(one) for one in found.errors],
-        "starts": {"count": len(found.starts.starts), "arrived": found.starts.arrived, "failed": found.starts.failed},
+        "starts": {"count": found.starts.count, "arrived": found.starts.arrived, "failed": len(found.starts.failures)},
         "notes": list(found.notes),
         "data": list(data),
     }

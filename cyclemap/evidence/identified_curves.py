@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,22 +15,15 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
 from cyclemap.evidence.data_blocks.force_blocks import ScanForces
 from cyclemap.evidence.data_blocks.stroke_block import StrokeBlock
-from cyclemap.evidence.identification.data_block import plain_block
+from cyclemap.evidence.identification.data_block import PlateBlock
 from cyclemap.evidence.identification.identify import Identification
-from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
+from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import EllipseFriction
 
 DRAWS = 2000
 # A direction whose draws spread over more than this share of their circle is not known.
 _ALL_AROUND = 0.9
-_NEEDS = {
-    "axis_ratio": {"ellipticity_x", "ellipticity_y"},
-    "axis_direction": {"ellipticity_x", "ellipticity_y"},
-    "offset_size": {"offset_x", "offset_y"},
-    "offset_direction": {"offset_x", "offset_y"},
-    "mean_friction": {"friction_scale"},
-}
 _AROUND = np.linspace(0.0, 2.0 * np.pi, 181)
 _BAND_DRAWS = 200
 
@@ -38,8 +32,7 @@ _BAND_DRAWS = 200
 class Derived:
     """One quantity: its value and interval. unit : `1` or `rad`; angles are on the lift nearest to the value.
 
-    period : of an angle, rad, 0 for other quantities. known : whether the data tell it; a direction that may be any
-    is not.
+    known : whether the data tell it; a direction that may be any is not.
     """
 
     name: str
@@ -48,21 +41,27 @@ class Derived:
     value: float
     lower: float
     upper: float
-    period: float = 0.0
     known: bool = True
 
 
-_QUANTITIES: dict[str, tuple[str, float, Callable[[EllipseFriction], float]]] = {
-    "axis_ratio": ("longer over shorter axis of the friction ellipse", 0.0, lambda law: law.mu_a / law.mu_b),
-    "axis_direction": ("direction of the longer axis", math.pi, lambda law: law.phi),
-    "offset_size": (
-        "distance of the ellipse's centre from zero, over its mean radius",
-        0.0,
-        lambda law: _offset(law)[0],
-    ),
-    "offset_direction": ("direction of the ellipse's centre", 2.0 * math.pi, lambda law: _offset(law)[1]),
-    "mean_friction": ("mean friction coefficient", 0.0, lambda law: math.sqrt(law.mu_a * law.mu_b)),
-}
+def _offset(law: EllipseFriction) -> tuple[float, float]:
+    """Size over mean radius, and direction (rad) in the world, of the ellipse's centre."""
+    mean = math.sqrt(law.mu_a * law.mu_b)
+    return math.hypot(law.m0, law.n0) / mean, math.atan2(law.n0, law.m0) + law.phi
+
+
+# Names, what they are, of which parameters (by their beginning), period of an angle, least value, and law of them.
+_QUANTITIES: tuple[tuple[str, str, str, float, float, Callable[[EllipseFriction], float]], ...] = (
+    ("axis_ratio", "longer over shorter axis of the friction ellipse", "ellipticity", 0.0, 1.0,
+     lambda law: law.mu_a / law.mu_b),
+    ("axis_direction", "direction of the longer axis", "ellipticity", math.pi, 0.0, lambda law: law.phi),
+    ("offset_size", "distance of the ellipse's centre from zero, over its mean radius", "offset", 0.0, 0.0,
+     lambda law: _offset(law)[0]),
+    ("offset_direction", "direction of the ellipse's centre", "offset", 2.0 * math.pi, 0.0,
+     lambda law: _offset(law)[1]),
+    ("mean_friction", "mean friction coefficient", "friction_scale", 0.0, 0.0,
+     lambda law: math.sqrt(law.mu_a * law.mu_b)),
+)  # fmt: skip
 
 
 def sampled_values(found: Identification, count: int = DRAWS, seed: int = 0) -> tuple[dict[str, float], ...]:
@@ -79,15 +78,12 @@ def sampled_values(found: Identification, count: int = DRAWS, seed: int = 0) -> 
     squares, vectors = np.linalg.eigh(np.asarray(errors.correlation))
     root = vectors * np.sqrt(np.maximum(squares, 0.0))
     draws = np.random.default_rng(seed).standard_normal((count, len(space))) @ root.T
-    vectors_drawn = np.clip(found.fit.vector + draws * size * spread, space.lower, space.upper)
     drawn = []
-    for vector in vectors_drawn:
+    for vector in np.clip(found.fit.vector + draws * size * spread, space.lower, space.upper):
         values = found.problem.values(vector)
-        try:
+        with suppress(InvalidInput):
             SurfaceParameters.from_values(values).to_friction()
-        except InvalidInput:
-            continue
-        drawn.append(values)
+            drawn.append(values)
     return tuple(drawn)
 
 
@@ -99,32 +95,30 @@ def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0)
     vectors never are zero.
     """
     laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, draws, seed)]
-    free, best = set(found.problem.space.names), found.friction()
-    told = []
-    for name, (description, period, quantity) in _QUANTITIES.items():
-        if not free >= _NEEDS[name] or not laws:
+    free, best, told = found.problem.space.names, found.friction(), []
+    ends = (0.5 - found.level / 2.0, 0.5 + found.level / 2.0)
+    for name, description, of, period, least, quantity in _QUANTITIES:
+        parts = [one for one in SURFACE.names if one.startswith(of)]
+        if not {*free} >= {*parts} or not laws:
             continue
         value, sample = quantity(best), np.array([quantity(law) for law in laws])
+        vanishes = len(parts) == 2 and _may_vanish(found, [free.index(one) for one in parts])
         if period:
             around = value + (sample - value + 0.5 * period) % period - 0.5 * period
-            lower, upper = _quantiles(around, found.level)
-            known = upper - lower < _ALL_AROUND * found.level * period and not _may_vanish(found, name)
-            told.append(Derived(name, description, "rad", value, lower, upper, period, known))
+            lower, upper = np.quantile(around, ends).tolist()
+            known = upper - lower < _ALL_AROUND * found.level * period and not vanishes
+            told.append(Derived(name, description, "rad", value, lower, upper, known))
         else:
-            lower, upper = _quantiles(sample, found.level)
-            least = {"axis_ratio": 1.0, "offset_size": 0.0}.get(name)
-            if least is not None and _may_vanish(found, name):
-                lower = least
-            told.append(Derived(name, description, "1", value, min(lower, value), max(upper, value)))
+            lower, upper = np.quantile(sample, ends).tolist()
+            lower = least if vanishes else min(lower, value)
+            told.append(Derived(name, description, "1", value, lower, max(upper, value)))
     return tuple(told)
 
 
-def _may_vanish(found: Identification, name: str) -> bool:
-    """Whether the vector behind a size is within its error of zero: T^2 against F(2, freedom)."""
+def _may_vanish(found: Identification, index: list[int]) -> bool:
+    """Whether the vector of two parameters is within its error of zero: T^2 against F(2, freedom)."""
     from scipy.stats import f
 
-    names = found.problem.space.names
-    index = [names.index(part) for part in sorted(_NEEDS[name])]
     vector, errors = found.fit.vector[index], found.uncertainty
     covariance = errors.covariance[np.ix_(index, index)]
     if not np.all(np.isfinite(errors.standard_error[index])) or np.linalg.det(covariance) <= 0.0:
@@ -133,32 +127,17 @@ def _may_vanish(found: Identification, name: str) -> bool:
     return bool(size < f.ppf(found.level, 2, float(np.min(errors.freedom[index]))))
 
 
-def _quantiles(sample: Array, level: float) -> tuple[float, float]:
-    lower, upper = np.quantile(sample, [0.5 - level / 2.0, 0.5 + level / 2.0])
-    return float(lower), float(upper)
-
-
-def _offset(law: EllipseFriction) -> tuple[float, float]:
-    """Size over mean radius, and direction (rad) in the world, of the ellipse's centre."""
-    mean = math.sqrt(law.mu_a * law.mu_b)
-    return math.hypot(law.m0, law.n0) / mean, math.atan2(law.n0, law.m0) + law.phi
-
-
 @dataclass(frozen=True, eq=False)
-class TurnFit:
-    """Turns of strokes of one block: measured and predicted (n,), rad."""
+class StrokeFit:
+    """Turns of strokes of one block: measured and predicted (n,), rad.
+
+    errors : of the places where pushes ended, predicted less measured, (n, 2), m; None of drags.
+    """
 
     name: str
     measured: Array
     predicted: Array
-
-
-@dataclass(frozen=True, eq=False)
-class PlaceFit:
-    """Errors of the places where pushes of a block ended, predicted less measured, (n, 2), m."""
-
-    name: str
-    errors: Array
+    errors: Array | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,43 +168,45 @@ class IdentifiedCurves:
     samples: Array
     forces: Array | None
     sized: bool
-    turns: tuple[TurnFit, ...]
-    places: tuple[PlaceFit, ...]
+    strokes: tuple[StrokeFit, ...]
     cycles: tuple[CycleFit, ...]
 
 
 def identified_curves(found: Identification, scans: ScanForces | None = None, seed: int = 0) -> IdentifiedCurves:
     """Compute what is drawn of an identification; `scans` : the forces of its friction scans."""
     laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, _BAND_DRAWS, seed)]
-    worn = worn_friction_of(found)
-    turns, places, cycles = [], [], []
+    worn = worn_friction_of(found.values)
+    strokes, cycles = [], []
     for number, block in enumerate(found.problem.blocks):
         errors = found.fit.residuals[found.problem.block_index == number]
-        plain = plain_block(block)
+        plain = block.block if isinstance(block, PlateBlock) else block
         if isinstance(plain, StrokeBlock):
             measured = np.array([stroke.end.theta - stroke.start.theta for stroke in plain.strokes])
-            # Each stroke's last row is its turn.
-            turns.append(TurnFit(block.name, measured, measured + errors.reshape(measured.size, -1)[:, -1]))
-            if len(plain.row_kinds) == 3:
-                places.append(PlaceFit(block.name, errors.reshape(-1, 3)[:, :2]))
+            # Each stroke's last row is its turn, those before its place.
+            *place, turn = errors.reshape(measured.size, -1).T
+            strokes.append(StrokeFit(block.name, measured, measured + turn, np.stack(place, -1) if place else None))
         elif isinstance(plain, CyclePairBlock):
-            own = dict(zip(plain.parameters, block.parameters, strict=True))
-            cycles.append(_cycles(block.name, plain, {name: found.values[own[name]] for name in own}))
+            values = {name: found.values[own] for name, own in zip(plain.parameters, block.parameters, strict=True)}
+            turns = []
+            for worn_by in (0.0, 1.0) if plain.share is not None else (0.0,):
+                share = None if plain.share is None else np.full(_AROUND.size, worn_by)
+                grid = replace(plain, theta=_AROUND, turn=0.0 * _AROUND, groups=np.arange(_AROUND.size), share=share)
+                turns.append(grid.residuals(values)[0])
+            late = turns[1] if plain.share is not None else None
+            cycles.append(CycleFit(block.name, plain.theta, plain.turn, _AROUND, turns[0], late))
     return IdentifiedCurves(
         _outline(found.friction()),
         None if worn is None else _outline(worn),
         np.array([_outline(law) for law in laws]).reshape(-1, _AROUND.size, 2),
         None if scans is None else scans.traction,
         "friction_scale" in found.problem.space.names,
-        tuple(turns),
-        tuple(places),
+        tuple(strokes),
         tuple(cycles),
     )
 
 
-def worn_friction_of(found: Identification) -> EllipseFriction | None:
-    """Return the friction at the end of the data where they were let wear, else None."""
-    values = found.values
+def worn_friction_of(values: Mapping[str, float]) -> EllipseFriction | None:
+    """Return the friction at the end of data that were let wear, by the values of all parameters; else None."""
     worn = {name.removeprefix("worn_"): value for name, value in values.items() if name.startswith("worn_")}
     return SurfaceParameters.from_values({**values, **worn}).to_friction() if worn else None
 
@@ -233,13 +214,3 @@ def worn_friction_of(found: Identification) -> EllipseFriction | None:
 def _outline(law: EllipseFriction) -> Array:
     """Traction (m, 2) over all directions of sliding, world axes."""
     return law.traction(np.stack([np.cos(_AROUND), np.sin(_AROUND)], axis=-1))
-
-
-def _cycles(name: str, block: CyclePairBlock, values: Mapping[str, float]) -> CycleFit:
-    def turn(share: float) -> Array:
-        shares = None if block.share is None else np.full(_AROUND.size, share)
-        grid = replace(block, theta=_AROUND, turn=np.zeros(_AROUND.size), labels=np.arange(_AROUND.size), share=shares)
-        return grid.residuals(values)[0]
-
-    late = None if block.share is None else turn(1.0)
-    return CycleFit(name, block.theta, block.turn, _AROUND, turn(0.0), late)

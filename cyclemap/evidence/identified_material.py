@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.cross_validation import KindErrors
 from cyclemap.evidence.identification.data_block import PRIOR_KIND
 from cyclemap.evidence.identification.identify import Estimate, Identification, plate_shares
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
@@ -41,7 +40,11 @@ def identified_material(
         raise InvalidInput("a material needs a name")
     asked = {part.partition("[")[0] for block in found.problem.blocks for part in block.parameters}
     told = {field.name: found.values[field.name] for field in fields(FoundWith) if field.name in asked}
-    worn = worn_friction_of(found)
+    worn, shifts = worn_friction_of(found.values), dict[str, list[float]]()
+    for key, value in found.values.items():
+        if key.startswith(("tip_offset_x", "tip_offset_y")):
+            own = key.partition("[")[2].rstrip("]") or plate
+            shifts.setdefault(own, [0.0, 0.0])[key.startswith("tip_offset_y")] = value
     material = Material(
         name,
         found.friction(),
@@ -51,31 +54,18 @@ def identified_material(
         found_with=FoundWith(**told),
         plates=tuple(PlatePressure(named or plate, **shares) for named, shares in found.plates.items()),
         wear=None if worn is None or last_cycle <= 0.0 else Wear(worn, last_cycle),
-        frames=_frames(found, plate),
+        frames=tuple(FrameShift(named, *shift) for named, shift in sorted(shifts.items())),
     )
     return replace(material, posterior=_posterior(found, material, plate, seed))
-
-
-def _frames(found: Identification, plate: str) -> tuple[FrameShift, ...]:
-    """The shifts of the frames by plate, as identified or held."""
-    shifts: dict[str, list[float]] = {}
-    for axis, name in enumerate(("tip_offset_x", "tip_offset_y")):
-        for key, value in found.values.items():
-            if key.partition("[")[0] == name:
-                shifts.setdefault(key.partition("[")[2].rstrip("]") or plate, [0.0, 0.0])[axis] = value
-    return tuple(FrameShift(named, *shift) for named, shift in sorted(shifts.items()))
 
 
 def _posterior(found: Identification, material: Material, plate: str, seed: int) -> MaterialPosterior | None:
     """Samples of what the data allow, in the names and units of a material file."""
     rows = []
     for values in sampled_values(found, POSTERIOR_SAMPLES, seed):
-        law = SurfaceParameters.from_values(values).to_friction()
-        row = {**_ellipse(law)}
-        if material.wear is not None:
-            worn = {name.removeprefix("worn_"): value for name, value in values.items() if name.startswith("worn_")}
-            friction = SurfaceParameters.from_values({**values, **worn}).to_friction()
-            row |= {f"worn.{key}": value for key, value in _ellipse(friction).items()}
+        row, worn = _ellipse(SurfaceParameters.from_values(values).to_friction()), worn_friction_of(values)
+        if material.wear is not None and worn is not None:
+            row |= {f"worn.{key}": value for key, value in _ellipse(worn).items()}
         for key, (name, factor) in _FOUND_UNITS.items():
             if getattr(material.found_with, name) is not None:
                 row[key] = factor * values[name]
@@ -83,9 +73,8 @@ def _posterior(found: Identification, material: Material, plate: str, seed: int)
             # Rounded down, since they add to one at most.
             row |= {f"{named or plate}.{key}": math.floor(1e6 * share) / 1e6 for key, share in shares.items()}
         rows.append(row)
-    if len(rows) < 2:
-        return None
-    return MaterialPosterior(tuple(rows[0]), tuple(tuple(float(f"{v:.6g}") for v in row.values()) for row in rows))
+    rounded = tuple(tuple(float(f"{value:.6g}") for value in row.values()) for row in rows)
+    return MaterialPosterior(tuple(rows[0]), rounded) if len(rows) > 1 else None
 
 
 def _ellipse(law: EllipseFriction) -> dict[str, float]:
@@ -110,32 +99,25 @@ def provenance_words(found: Identification, sources: Sequence[str]) -> str:
 
 def misfit_words(found: Identification) -> str:
     """Return the mean of every kind of error, beside what isotropic friction misses; of many blocks their ranges."""
-    kinds = {one.kind: [other for other in found.errors if other.kind == one.kind] for one in found.errors}
-    return "; ".join(
-        _range_words(alike) if len(alike) > 2 else "; ".join(kind_words(one) for one in alike)
-        for alike in kinds.values()
-    )
-
-
-def _range_words(alike: Sequence[KindErrors]) -> str:
-    """One kind of error in several blocks: from the least mean to the largest."""
-    kind, unit, factor = readable_kind(alike[0].kind)
-    told = {
-        word: [factor * value for one in alike if (value := getattr(one, name)) == value]
-        for word, name in (("", "mean"), ("left out ", "left_out_mean"), ("isotropic ", "isotropic_mean"))
-    }
-    first, *beside = (f"{word}{min(sizes):.3g} to {max(sizes):.3g}" for word, sizes in told.items() if sizes)
-    return f"{kind} in {len(alike)} blocks: {first}{unit}" + (f" ({', '.join(beside)})" if beside else "")
-
-
-def kind_words(errors: KindErrors) -> str:
-    """Return the mean size of one kind of error, in the sample, left out, and of isotropic friction."""
-    kind, unit, factor = readable_kind(errors.kind)
-    told = f"{errors.block}, {kind}: {factor * errors.mean:.3g}{unit}"
-    left_out, isotropic = errors.left_out_mean, errors.isotropic_mean
-    beside = [f"{factor * left_out:.3g} left out"] if left_out == left_out else []
-    beside += [f"isotropic {factor * isotropic:.3g}"] if isotropic == isotropic else []
-    return told + (f" ({', '.join(beside)})" if beside else "")
+    sentences = []
+    for named in dict.fromkeys(one.kind for one in found.errors):
+        kind, unit, factor = readable_kind(named)
+        alike = [one for one in found.errors if one.kind == named]
+        if len(alike) > 2:
+            beside = []
+            for word, size in (("", "mean"), ("left out ", "left_out_mean"), ("isotropic ", "isotropic_mean")):
+                sizes = [factor * value for one in alike if (value := getattr(one, size)) == value]
+                beside += [f"{word}{min(sizes):.3g} to {max(sizes):.3g}"] if sizes else []
+            told = f"{kind} in {len(alike)} blocks: {beside.pop(0)}{unit}"
+            sentences.append(told + (f" ({', '.join(beside)})" if beside else ""))
+            continue
+        for one in alike:
+            left_out, isotropic = one.left_out_mean, one.isotropic_mean
+            beside = [f"{factor * left_out:.3g} left out"] if left_out == left_out else []
+            beside += [f"isotropic {factor * isotropic:.3g}"] if isotropic == isotropic else []
+            told = f"{one.block}, {kind}: {factor * one.mean:.3g}{unit}"
+            sentences.append(told + (f" ({', '.join(beside)})" if beside else ""))
+    return "; ".join(sentences)
 
 
 def readable_kind(kind: str) -> tuple[str, str, float]:

@@ -41,9 +41,8 @@ class PublishedStatistics:
     mean, std : of the pushes. rmse : of them about the paper's fitted law of θ0; rmse_percent : as printed beside it,
     per cent of a mean that is up to 3 % off that of Table II. directions : rad, where the histogram
     of θ0 has the peaks that the text names, the one visited first in front. always_advancing : the text sees no stable
-    direction, θ0 always increases. only_there : the text sees no other peak than these. first_share : share of the
-    cycles spent in the first direction, where the run starts there and leaves it for good; None where no such story is
-    told.
+    direction, θ0 always increases. first_share : share of the cycles spent in the first direction, where the run starts
+    there and leaves it for good; None where no such story is told.
     """
 
     material: str
@@ -54,15 +53,12 @@ class PublishedStatistics:
     directions: tuple[float, ...]
     always_advancing: bool = False
     first_share: float | None = None
-    only_there: bool = False
 
     def __post_init__(self) -> None:
         if not all(0.0 <= r <= s for r, s in zip(self.rmse, self.std, strict=True)):
             raise InvalidInput(f"{self.material}: a law's error {self.rmse} cannot exceed the spread {self.std}")
         if self.first_share is not None and len(self.directions) < 2:
             raise InvalidInput(f"{self.material}: a share of the first direction needs a second one")
-        if self.only_there and not self.directions:
-            raise InvalidInput(f"{self.material}: no other peaks than none: name a direction")
 
     @property
     def start(self) -> float | None:
@@ -90,25 +86,20 @@ def _row(
     first_share: float | None = None,
 ) -> PublishedStatistics:
     """A row of both tables as it is printed: std and percent of Δθ (deg), Δx, Δy (mm) in turn; RMSE and percent."""
-    std, percent = spreads[::2], spreads[1::2]
-    mean = [100.0 * s / p for s, p in zip(std, percent, strict=True)]
-    rmse, rmse_percent = errors[::2], errors[1::2]
-    directions = tuple(math.radians(angle) for angle in directions_deg)
+    std, percent, rmse, rmse_percent = spreads[::2], spreads[1::2], errors[::2], errors[1::2]
+    mean = [sign * 100.0 * s / p for sign, s, p in zip((1.0, 1.0, -1.0), std, percent, strict=True)]
+    moments: dict[str, Any] = {
+        name: tuple(unit * size for unit, size in zip((math.radians(1.0), 1e-3, 1e-3), sizes, strict=True))
+        for name, sizes in (("mean", mean), ("std", std), ("rmse", rmse))
+    }
     return PublishedStatistics(
         material,
-        _si(mean[0], mean[1], -mean[2]),
-        _si(*std),
-        _si(*rmse),
-        (rmse_percent[0], rmse_percent[1], rmse_percent[2]),
-        directions,
-        always_advancing,
-        first_share,
-        only_there=material in ("abs", "delrin"),
+        **moments,
+        rmse_percent=(rmse_percent[0], rmse_percent[1], rmse_percent[2]),
+        directions=tuple(math.radians(angle) for angle in directions_deg),
+        always_advancing=always_advancing,
+        first_share=first_share,
     )
-
-
-def _si(turn_deg: float, dx_mm: float, dy_mm: float) -> Triple:
-    return math.radians(turn_deg), 1e-3 * dx_mm, 1e-3 * dy_mm
 
 
 # abs: "stuck in one stable direction" for "about 150 times", then in a second for good; the first has the small peak.
@@ -152,14 +143,28 @@ def run_law(turn: Array, sigma: float, cycles: int, start: float | None = None) 
     >>> run_law(np.full(8, 0.3), 1.0, 50).round(12).tolist()
     [0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125, 0.125]
     """
-    turns = finite_array("turn", turn, ndim=1)
-    step, matrix = np.full(turns.size, 1.0 / turns.size), _noisy_map(turns, positive_number("sigma", sigma))
+    from scipy.sparse import csr_array
+
+    turns, cycles = finite_array("turn", turn, ndim=1), whole_number("cycles", cycles, least=1)
+    count, spacing = turns.size, 2.0 * np.pi / turns.size
+    if positive_number("sigma", sigma) < 1.2 * spacing:
+        raise InvalidInput(f"noise of {sigma:.3g} rad is finer than 1.2 spacings of {count} angles: take more angles")
+    # Column k of the transfer operator is the law of what comes after angle k.
+    half = min(int(np.ceil(_REACH * sigma / spacing)) + 1, count // 2)
+    place = np.arange(count) + turns / spacing
+    nearest = np.rint(place).astype(np.int64)
+    offsets = np.arange(-half, half + count % 2 if half == count // 2 else half + 1)
+    weight = np.exp(-0.5 * ((nearest - place)[:, np.newaxis] + offsets) ** 2 * (spacing / sigma) ** 2)
+    weight /= weight.sum(axis=1, keepdims=True)
+    rows = (nearest[:, np.newaxis] + offsets) % count
+    columns = np.broadcast_to(np.arange(count)[:, np.newaxis], rows.shape)
+    matrix: Any = csr_array((weight.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))
+    step, total = np.full(count, 1.0 / count), np.zeros(count)
     if start is not None:
-        off = 2.0 * np.pi * np.arange(turns.size) / turns.size - start
+        off = 2.0 * np.pi * np.arange(count) / count - start
         step = np.exp(-0.5 * (shorter_way(off) / START_SPREAD) ** 2)
         step /= step.sum()
-    total = np.zeros(turns.size)
-    for done in range(1, whole_number("cycles", cycles, least=1) + 1):
+    for done in range(1, cycles + 1):
         total += step
         ahead = matrix @ step
         if done % _CHECKED == 0 and np.max(np.abs(ahead - step)) < _STILL:
@@ -167,21 +172,3 @@ def run_law(turn: Array, sigma: float, cycles: int, start: float | None = None) 
             break
         step = ahead
     return np.asarray(total / total.sum())
-
-
-def _noisy_map(turn: Array, sigma: float) -> Any:
-    """The transfer operator (n, n), sparse: column k is the law of what comes after angle k."""
-    from scipy.sparse import csr_array
-
-    count, spacing = turn.size, 2.0 * np.pi / turn.size
-    if sigma < 1.2 * spacing:
-        raise InvalidInput(f"noise of {sigma:.3g} rad is finer than 1.2 spacings of {count} angles: take more angles")
-    half = min(int(np.ceil(_REACH * sigma / spacing)) + 1, count // 2)
-    place = np.arange(count) + turn / spacing
-    nearest = np.rint(place).astype(np.int64)
-    offsets = np.arange(-half, half + count % 2 if half == count // 2 else half + 1)
-    weight = np.exp(-0.5 * ((nearest - place)[:, np.newaxis] + offsets) ** 2 * (spacing / sigma) ** 2)
-    weight /= weight.sum(axis=1, keepdims=True)
-    rows = (nearest[:, np.newaxis] + offsets) % count
-    columns = np.broadcast_to(np.arange(count)[:, np.newaxis], rows.shape)
-    return csr_array((weight.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))

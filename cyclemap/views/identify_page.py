@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import MaxNLocator
 
-from cyclemap.arrays import TWO_PI
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.evidence.identification.identify import Estimate, Identification
-from cyclemap.evidence.identified_curves import CycleFit, Derived, IdentifiedCurves, PlaceFit, TurnFit
+from cyclemap.evidence.identified_curves import CycleFit, Derived, IdentifiedCurves, StrokeFit
 from cyclemap.evidence.identified_material import misfit_words, readable_kind, readable_unit
 from cyclemap.views.sentences import angle
 from cyclemap.views.style import (
@@ -82,8 +82,12 @@ def _layout(cells: int) -> tuple[int, int]:
 def _panels(curves: IdentifiedCurves) -> list[Panel]:
     panels: list[Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
     panels += [(f"{_title(fit.name)}: map", partial(draw_cycles, fit=fit)) for fit in curves.cycles]
-    panels += [(f"{_title(fit.name)}: turns", partial(draw_turns, fit=fit)) for fit in curves.turns]
-    panels += [(f"{_title(fit.name)}: places", partial(draw_places, fit=fit)) for fit in curves.places]
+    panels += [(f"{_title(fit.name)}: turns", partial(draw_turns, fit=fit)) for fit in curves.strokes]
+    panels += [
+        (f"{_title(fit.name)}: places", partial(draw_places, errors=fit.errors))
+        for fit in curves.strokes
+        if fit.errors is not None
+    ]
     return panels
 
 
@@ -138,7 +142,7 @@ def draw_shares(axes: Axes, plates: Mapping[str, Mapping[str, float]]) -> None:
     legend_above(axes, columns=4)
 
 
-def draw_turns(axes: Axes, fit: TurnFit) -> None:
+def draw_turns(axes: Axes, fit: StrokeFit) -> None:
     """Predicted over measured turns of strokes."""
     measured, predicted = np.degrees(fit.measured), np.degrees(fit.predicted)
     axes.axline((0.0, 0.0), slope=1.0, color=PREDICTED, linewidth=1.4, label="equal", zorder=3)
@@ -147,9 +151,9 @@ def draw_turns(axes: Axes, fit: TurnFit) -> None:
     legend_above(axes)
 
 
-def draw_places(axes: Axes, fit: PlaceFit) -> None:
+def draw_places(axes: Axes, errors: Array) -> None:
     """Where pushes ended, predicted less measured, with the circle that half of them keep within."""
-    x, y = 1000.0 * fit.errors.T
+    x, y = 1000.0 * errors.T
     half = float(np.median(np.hypot(x, y)))
     around = np.linspace(0.0, 2 * np.pi, 121)
     axes.plot(x, y, marker="o", label="pushes", zorder=2, **_DOTS)

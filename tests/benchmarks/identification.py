@@ -54,7 +54,7 @@ def step_rows() -> list[Row]:
         name: value for name, value in SURFACE.values().items() if name in block.parameters
     }
     note = f"{PUSHES} pushes, {len(block.parameters)} parameters"
-    model = surface_model(SURFACE, block.slider)
+    model = surface_model(SURFACE, Slider.mit("rect1"))
     pushes = [(one.start, WorldPush(one.tip_start, one.direction, one.length)) for one in block.strokes]
     return [
         Row("residuals and derivatives", seconds(lambda: block.residuals(values), 9), note),

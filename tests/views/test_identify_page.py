@@ -88,11 +88,11 @@ def test_curves_are_the_data_and_what_the_fit_says_of_them(found, curves) -> Non
     assert cycles.late is not None and cycles.turn == pytest.approx(0.1)
     # Isotropic friction turns by the same everywhere; the worn one does not.
     assert np.ptp(cycles.fitted) < 1e-5 < 1e-2 < np.ptp(cycles.late)
-    pushes = curves.turns[0]
+    pushes = curves.strokes[0]
     assert pushes.measured == pytest.approx(np.full(2, 0.1))
     errors = found.fit.residuals[found.problem.kinds == "push turn (rad)"]
     assert pushes.predicted - pushes.measured == pytest.approx(errors)
-    assert len(curves.places[0].errors) == 2
+    assert len(curves.strokes[0].errors) == 2
 
 
 def test_of_many_plates_a_panel_shows_how_each_presses_and_intervals_are_those_they_share() -> None:
@@ -132,9 +132,9 @@ def test_a_material_carries_wear_and_what_the_data_depend_on(found) -> None:
 def test_no_headline_is_sharper_than_its_interval(found) -> None:
     """Intervals stand in place of values, so that a ratio of 1 to 1.35 and any direction are told as what they are."""
     ratio = Derived("axis_ratio", "", "1", 1.11, 1.0, 1.35)
-    way = Derived("axis_direction", "", "rad", 0.5, 0.3, 0.7, np.pi)
+    way = Derived("axis_direction", "", "rad", 0.5, 0.3, 0.7)
     size = Derived("offset_size", "", "1", 0.132, 0.0, 0.43)
-    to = Derived("offset_direction", "", "rad", 0.5, -3.0, 3.0, 2 * np.pi, known=False)
+    to = Derived("offset_direction", "", "rad", 0.5, -3.0, 3.0, known=False)
     told = sentences.headline("felt", [ratio, way, size, to])
     assert told == (
         "felt: friction ellipse with axes 1.00 to 1.35 : 1 (longer along 17° to 40°), "

@@ -102,7 +102,19 @@ def collection_data(
     """
     start = whole_number("first", first, least=0)
     length = math.nan if push_length is None else positive_number("push_length", push_length)
-    given = _read(Path(data), progress) if isinstance(data, str | Path) else data
+    given = data
+    if isinstance(data, str | Path):
+        path = Path(data)
+        csv = path.suffix.lower() == CSV_SUFFIX and not path.is_dir()
+        # A CSV file of θ0 alone is read as pairs, which keep their path.
+        if csv and not set(read_csv_table(path).header) >= _POSES:
+            given = read_theta0_pairs(path)
+        else:
+            given = load_pushes(path, progress=progress)
+            if not len(given.table):
+                bad = given.unreadable
+                worst = f"; the first: {bad[0].path}: {bad[0].reason}" if bad else ""
+                raise InvalidInput(f"{path}: no push could be read, {len(bad)} files are bad{worst}")
     if isinstance(given, Theta0Pairs):
         if select:
             raise InvalidInput(f"the data are orientations alone and tell no {next(iter(select))}: select nothing")
@@ -112,64 +124,45 @@ def collection_data(
     raise InvalidInput(f"data is {type(given).__name__}: give a PushTable (load_pushes), Theta0Pairs, or a path")
 
 
-def _read(path: Path, progress: Callable[[float], None] | None) -> PushTable | Theta0Pairs:
-    """A CSV file of θ0 as pairs, which keep their path; all else as a table of pushes."""
-    if path.suffix.lower() == CSV_SUFFIX and not path.is_dir() and not set(read_csv_table(path).header) >= _POSES:
-        return read_theta0_pairs(path)
-    table = load_pushes(path, progress=progress)
-    if not len(table.table):
-        worst = f"; the first: {table.unreadable[0].path}: {table.unreadable[0].reason}" if table.unreadable else ""
-        raise InvalidInput(f"{path}: no push could be read, {len(table.unreadable)} files are bad{worst}")
-    return table
-
-
-# -- pairs of θ0 ---------------------------------------------------------------------------------------------------
-
-
 def _of_pairs(pairs: Theta0Pairs, loop: CollectionLoop | None, first: int) -> CollectionData:
-    cycle = np.arange(pairs.theta.size, dtype=float) if pairs.path is None else _places(pairs, pairs.path)
+    cycle, path = np.arange(pairs.theta.size, dtype=float), pairs.path
+    if path is not None:
+        # The place of each pair in the path, in order; the pairs' own order where they are not of the path.
+        angles = iter(enumerate(path[:-1].tolist()))
+        places = [next((place for place, angle in angles if angle == theta), None) for theta in pairs.theta.tolist()]
+        cycle = cycle if None in places else np.array(places, dtype=float)
     kept = cycle >= first
-    path, begin = pairs.unbroken.path, first
-    if pairs.path is not None and path is not None:
-        # Where the longest run without a break begins.
-        skipped = int(np.flatnonzero(pairs.path == path[0])[0])
-        begin = max(first, skipped)
-        path = path[begin - skipped :] if path.size - (begin - skipped) > 1 else None
-    left_out = Counter(pairs.dropped) + Counter({_EARLY: int(np.sum(~kept))})
     if not kept.any():
         raise InvalidInput(f"first is {first}: no cycle is left of {pairs.theta.size}; leave out fewer pushes")
-    rest = Theta0Pairs(pairs.theta[kept], pairs.theta_next[kept], path)
-    return CollectionData((), rest, cycle[kept], path, begin, dict(left_out), loop)
-
-
-def _places(pairs: Theta0Pairs, path: Array) -> Array:
-    """The place in the path of each pair, in order; the pairs' own order where they are not of the path."""
-    places: list[int] = []
-    angles = iter(enumerate(path[:-1].tolist()))
-    for theta in pairs.theta.tolist():
-        found = next((place for place, angle in angles if angle == theta), None)
-        if found is None:
-            return np.arange(pairs.theta.size, dtype=float)
-        places.append(found)
-    return np.array(places, dtype=float)
-
-
-# -- tables of pushes ----------------------------------------------------------------------------------------------
+    rest, begin = pairs.unbroken.path, first
+    if path is not None and rest is not None:
+        # Where the longest run without a break begins.
+        skipped = int(np.flatnonzero(path == rest[0])[0])
+        begin = max(first, skipped)
+        rest = rest[begin - skipped :] if rest.size - (begin - skipped) > 1 else None
+    left_out = Counter(pairs.dropped) + Counter({_EARLY: int(np.sum(~kept))})
+    found = Theta0Pairs(pairs.theta[kept], pairs.theta_next[kept], rest)
+    return CollectionData((), found, cycle[kept], rest, begin, dict(left_out), loop)
 
 
 def _of_table(given: PushTable, loop: CollectionLoop | None, first: int, length: float) -> CollectionData:
     table, left_out = given.table, Counter[str]()
     number = np.where(np.isnan(table["repetition"]), np.arange(len(table)), table["repetition"])
     left_out[_EARLY] = int(np.sum(number < first))
-    sets = [_Rows(table, number, rows) for rows in _set_rows(table, number >= first)]
+    # The rows of each set of equal facts.
+    by_facts: dict[tuple[str, ...], list[int]] = {}
+    for row, key in enumerate(zip(*(map(str, table[name]) for name in SET_COLUMNS), strict=True)):
+        if number[row] >= first:
+            by_facts.setdefault(key, []).append(row)
+    sets = [_Rows(table, number, np.array(rows, dtype=np.int64)) for rows in by_facts.values()]
     if loop is not None:
         sets = _fitting(sets, loop, left_out)
     pushes = [] if loop is None else _push_sets(sets, loop, length, left_out)
     pairs, cycle, path, begin, own = _cycles(sets, loop, length, left_out)
-    if not pushes and pairs is None:
-        told = "; ".join(f"{count}: {reason}" for reason, count in left_out.items() if count) or "it holds none"
-        raise InvalidInput(f"nothing is left of {len(table)} pushes to compare with ({told})")
     counts = {reason: count for reason, count in left_out.items() if count}
+    if not pushes and pairs is None:
+        told = "; ".join(f"{count}: {reason}" for reason, count in counts.items()) or "it holds none"
+        raise InvalidInput(f"nothing is left of {len(table)} pushes to compare with ({told})")
     return CollectionData(tuple(pushes), pairs, cycle, path, begin, counts, own, len(given.unreadable))
 
 
@@ -208,16 +201,6 @@ class _Rows:
         return {**texts, **{name: float(first[name]) for name in SET_COLUMNS[2:]}}
 
 
-def _set_rows(table: pandas.DataFrame, kept: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
-    """The rows of each set of equal facts, where ``kept``."""
-    sets: dict[tuple[str, ...], list[int]] = {}
-    keys = zip(*(map(str, table[name]) for name in SET_COLUMNS), strict=True)
-    for row, key in enumerate(keys):
-        if kept[row]:
-            sets.setdefault(key, []).append(row)
-    return [np.array(rows, dtype=np.int64) for rows in sets.values()]
-
-
 def _fitting(sets: list[_Rows], loop: CollectionLoop, left_out: Counter[str]) -> list[_Rows]:
     """The sets of the loop's surface and of objects whose outline is known; the others are counted by name."""
     told = {one.facts["surface"] for one in sets} - {None}
@@ -248,7 +231,7 @@ def _push_sets(sets: list[_Rows], loop: CollectionLoop, length: float, left_out:
         posed = np.isfinite(rows["dtheta"]) & np.isfinite(rows["dx"])
         facts = rows.facts
         if facts["object"] not in loops:
-            loops[facts["object"]] = _with_object(loop, facts)
+            loops[facts["object"]] = CollectionLoop.from_settings({"shape": facts["object"]}, loop)
         loop_of_set = loops[facts["object"]]
         far = rows.lengths(length, loop_of_set)
         kept = posed & np.isfinite(far)
@@ -260,12 +243,6 @@ def _push_sets(sets: list[_Rows], loop: CollectionLoop, length: float, left_out:
         displacement = np.stack([rows["dx"][kept], rows["dy"][kept]], axis=-1)
         made.append(PushSet(facts, loop_of_set, push, rows["theta0"][kept], rows["dtheta"][kept], displacement))
     return made
-
-
-def _with_object(loop: CollectionLoop, facts: Mapping[str, Any]) -> CollectionLoop:
-    if facts["object"] in (None, file_stem(loop.slider.name)):
-        return loop
-    return CollectionLoop.from_settings({"shape": facts["object"]}, loop)
 
 
 def _told_push(push: SidePush, facts: Mapping[str, Any], length: float) -> SidePush:
@@ -286,34 +263,27 @@ def _cycles(
     left_out[_OTHER_SET] += sum(counts) - most
     rows = sets[counts.index(most)]
     if loop is not None:
-        loop = _with_object(loop, rows.facts)
+        if rows.facts["object"] not in (None, file_stem(loop.slider.name)):
+            loop = CollectionLoop.from_settings({"shape": rows.facts["object"]}, loop)
         far = float(np.median(rows.lengths(length, loop)))
         if np.isnan(far) and not np.isnan(rows["dtheta"]).all():
             left_out[f"cycles: {_NO_LENGTH}"] += most
             return None, np.empty(0), None, 0, loop
-        push = _told_push(loop.push, rows.facts, loop.push.distance if np.isnan(far) else far)
-        if not _same_push(push, loop.push):
+        own, push = loop.push, _told_push(loop.push, rows.facts, loop.push.distance if np.isnan(far) else far)
+        # One push, but for the three decimals of a file's name and the robot's own errors, is the loop's.
+        near = max(abs(push.fraction - own.fraction), abs(push.angle - own.angle)) <= _ROUNDED
+        if push.side != own.side or not near or abs(push.distance - own.distance) > _SAME_LENGTH:
             loop = replace(loop, push=push)
     order = np.argsort(rows.number[rows.rows], kind="stable")
     theta, ahead, number = rows["theta0"][order], rows["theta_next"][order], rows.number[rows.rows][order]
     known = np.isfinite(ahead)
-    path, begin = _longest_path(theta, ahead, number)
-    return Theta0Pairs(theta[known], ahead[known], path), number[known], path, begin, loop
-
-
-def _same_push(one: SidePush, other: SidePush) -> bool:
-    """Whether two pushes are one, but for the three decimals of a file's name and the robot's own errors."""
-    near = max(abs(one.fraction - other.fraction), abs(one.angle - other.angle)) <= _ROUNDED
-    return one.side == other.side and near and abs(one.distance - other.distance) <= _SAME_LENGTH
-
-
-def _longest_path(theta: Array, ahead: Array, number: Array) -> tuple[Array | None, int]:
-    """The longest run of pushes numbered without a gap, as an unwrapped path, and its first number."""
+    # The longest run of pushes numbered without a gap.
     linked = np.isfinite(ahead[:-1]) & (np.diff(number) == 1.0)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], linked.astype(np.int8), [0]])))
-    if not edges.size:
-        return None, 0
-    longest = int(np.argmax(edges[1::2] - edges[::2]))
-    low, high = edges[::2][longest], edges[1::2][longest]
-    turns = ahead[low:high] - theta[low:high]
-    return theta[low] + np.concatenate([[0.0], np.cumsum(turns)]), int(number[low])
+    path, begin = None, 0
+    if edges.size:
+        longest = int(np.argmax(edges[1::2] - edges[::2]))
+        low, high = edges[::2][longest], edges[1::2][longest]
+        turns = ahead[low:high] - theta[low:high]
+        path, begin = theta[low] + np.concatenate([[0.0], np.cumsum(turns)]), int(number[low])
+    return Theta0Pairs(theta[known], ahead[known], path), number[known], path, begin, loop

@@ -9,7 +9,6 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.evidence.comparison.collection_data import CollectionData, collection_data
@@ -34,7 +33,6 @@ from cyclemap.evidence.comparison.push_agreement import (
 )
 from cyclemap.evidence.comparison.verdicts import Verdict, all_verdicts
 from cyclemap.evidence.orientations.collection_null import (
-    CollectionRefit,
     collection_p_values,
     collection_statistics,
     simulated_ensemble,
@@ -166,54 +164,39 @@ def compare(
 
 def _cycles_asked(prediction: Prediction, data: CollectionData, runs: int, seed: int, report: Progress) -> Comparison:
     """All but the pushes: the cycle map, and where the order of the pushes is known what follows from it."""
+    pairs, path, first = data.pairs, data.path, data.path_first
     empty = Comparison(prediction, data, (), None, None, None, None, False)
-    if data.pairs is None:
+    if pairs is None:
         return empty
-    if data.path is None or data.path.size < FEWEST_CYCLES:
-        return replace(empty, cycle=cycle_agreement(prediction, data.pairs, data.cycle))
-    refit = refit_rule(prediction.given, data.pairs, data.cycle, data.path_first)
-    return _of_path(prediction, data, data.path, refit, (runs, seed), report)
-
-
-def _of_path(
-    prediction: Prediction,
-    data: CollectionData,
-    path: Array,
-    refit: CollectionRefit | None,
-    drawn: tuple[int, int],
-    report: Progress,
-) -> Comparison:
-    assert data.pairs is not None
-    (runs, seed), model, uncertain = drawn, prediction.model(data.path_first), prediction.null(data.path_first)
-    ensemble = simulated_ensemble(model, float(path[0]), path.size, ENSEMBLE, seed + 2)
+    if path is None or path.size < FEWEST_CYCLES:
+        return replace(empty, cycle=cycle_agreement(prediction, pairs, data.cycle))
+    refit = refit_rule(prediction.given, pairs, data.cycle, first)
+    uncertain, start = prediction.null(first), float(path[0])
+    ensemble = simulated_ensemble(prediction.model(first), start, path.size, ENSEMBLE, seed + 2)
     statistics = {**collection_statistics(), "map": map_misfit}
     tested = collection_p_values(
         path, uncertain, statistics, runs=runs, seed=seed, refit=refit,
         ensemble=None if refit else ensemble, progress=lambda done: report(0.5 * done),
     )  # fmt: skip
-    null = uncertain.paths(float(path[0]), path.size, min(runs, MOST_DETAILED), seed)
-    summary, uncertified = _summary(prediction, data.path_first + path.size // 2)
+    null = uncertain.paths(start, path.size, min(runs, MOST_DETAILED), seed)
+    summary: StaircaseSummary | None = None
+    uncertified: tuple[str, ...] = ()
+    try:
+        # What theory says of the map, or of the map at mid-run where it wears.
+        summary = predict_staircase(prediction.map_at(first + path.size // 2), prediction.noise)
+    except ConvergenceError as error:
+        uncertified = (f"stable directions and visits: {error}",)
     fixed = None if prediction.is_drifting else summary
     stairs = staircase_agreement(path, null, fixed, lambda done: report(0.5 + 0.4 * done))
     if refit is not None:
         # The number of turns with the p-value that knows of the fit.
         stairs = replace(stairs, turns=replace(stairs.turns, p_value=tested["turns"]))
-    return Comparison(
-        prediction=prediction,
-        data=data,
-        pushes=(),
-        cycle=cycle_agreement(prediction, data.pairs, data.cycle, tested["map"]),
+    return replace(
+        empty,
+        cycle=cycle_agreement(prediction, pairs, data.cycle, tested["map"]),
         orientations=orientation_agreement(path, ensemble, tested),
         directions=direction_agreement(path, () if summary is None else summary.zones, ensemble, null),
         staircase=stairs,
         refitted=refit is not None,
         uncertified=uncertified,
     )
-
-
-def _summary(prediction: Prediction, middle: int) -> tuple[StaircaseSummary | None, tuple[str, ...]]:
-    """What theory says of the map, or of the map at mid-run where it wears."""
-    try:
-        return predict_staircase(prediction.map_at(middle), prediction.noise), ()
-    except ConvergenceError as error:
-        return None, (f"stable directions and visits: {error}",)

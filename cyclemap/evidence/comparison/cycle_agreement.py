@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from cyclemap.evidence.comparison.prediction import Prediction
 from cyclemap.evidence.comparison.push_agreement import SEEN_ANGLE, mean_error, within_error
 from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
-from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
+from cyclemap.evidence.laws.periodic_law import fit_periodic_law
 from cyclemap.evidence.orientations.collection_null import Ensemble
 from cyclemap.evidence.orientations.goodness_of_fit import PValue, monte_carlo_p_value
 from cyclemap.evidence.orientations.kernel_modes import DEFAULT_BANDWIDTH, kernel_modes
@@ -37,9 +37,6 @@ _POOLED = 12_000
 RANGE = (0.025, 0.975)
 
 
-# -- the map -------------------------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True, eq=False)
 class CycleAgreement:
     """Measured cycles beside the predicted map, all angles in rad.
@@ -49,6 +46,7 @@ class CycleAgreement:
     measured_turn, predicted_turn : means over the pairs. bias : predicted less measured. bias_error : its standard
         error, correlation of successive cycles allowed for, and ``model_error`` with it; None below three pairs.
         model_error : of the predicted mean alone, by how well the material is known; 0 without a posterior.
+    agrees : whether the mean turn is the predicted one within its error (5 % level), or 0.005 degrees.
     isotropic_rms : root mean square that a loop on isotropic friction under even pressure, all else alike, would leave;
         None of a prediction that is no loop. blind_rms : what one turn for all θ0 would leave.
     scatter : of the measured turns about the map with six harmonics that fits these very pairs best, what no smooth
@@ -67,6 +65,7 @@ class CycleAgreement:
     bias: float
     bias_error: float | None
     model_error: float
+    agrees: bool | None
     isotropic_rms: float | None
     blind_rms: float
     scatter: float | None
@@ -74,30 +73,33 @@ class CycleAgreement:
     lag_correlation: float | None
     p_value: PValue | None
 
-    @property
-    def agrees(self) -> bool | None:
-        """Whether the mean turn is the predicted one within its error (5 % level), or 0.005 degrees."""
-        return within_error(self.bias, self.bias_error, self.agreement.pairs, SEEN_ANGLE)
-
 
 def cycle_agreement(
     prediction: Prediction, pairs: Theta0Pairs, cycle: Array, p_value: PValue | None = None
 ) -> CycleAgreement:
     """Set measured pairs, that begin with the pushes ``cycle`` (n,), beside the predicted map."""
-    predicted, best = prediction.turn(pairs.theta, cycle), _best_law(pairs)
+    predicted, best = prediction.turn(pairs.theta, cycle), None
+    with suppress(InvalidInput):
+        best = fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
     off = pairs.turn - predicted
     medians = turn_bins(Theta0Pairs(pairs.theta, pairs.theta + off))
     over_bins = float(np.sqrt(np.mean(medians.median**2))) if medians.median.size else np.nan
-    model_error, isotropic = prediction.mean_turn_error(pairs.theta, cycle), _isotropic_turn(prediction.given)
+    model_error, isotropic = prediction.mean_turn_error(pairs.theta, cycle), None
+    if isinstance(prediction.given, CollectionLoop):
+        with suppress(UnsupportedContact):
+            # On a surface without direction the turn of a cycle is one for all θ0.
+            isotropic = replace(isotropic_twin(prediction.given), footprint=None).cycle(0.0).theta_next
+    bias, error = float(-np.mean(off)), mean_error(off, model_error)
     return CycleAgreement(
         agreement=MapAgreement(off.size, float(np.sqrt(np.mean(off**2))), medians.median.size, over_bins),
         off=read_only(off),
         bins=turn_bins(pairs),
         measured_turn=float(np.mean(pairs.turn)),
         predicted_turn=float(np.mean(predicted)),
-        bias=float(-np.mean(off)),
-        bias_error=mean_error(off, model_error),
+        bias=bias,
+        bias_error=error,
         model_error=model_error,
+        agrees=within_error(bias, error, off.size, SEEN_ANGLE),
         isotropic_rms=None if isotropic is None else float(np.sqrt(np.mean((pairs.turn - isotropic) ** 2))),
         blind_rms=float(np.std(pairs.turn)),
         scatter=None if best is None else best.sigma,
@@ -107,48 +109,26 @@ def cycle_agreement(
     )
 
 
-def _isotropic_turn(given: Any) -> float | None:
-    """The turn of a cycle on a surface without direction, which is one for all θ0."""
-    if not isinstance(given, CollectionLoop):
-        return None
-    try:
-        return float(replace(isotropic_twin(given), footprint=None).cycle(0.0).theta_next)
-    except UnsupportedContact:
-        return None
-
-
 def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
     """How much of what the turns of each path (k, n) differ from the model's is a smooth function of θ0: shape (k,).
 
     The F ratio of the least-squares fit of six harmonics to turn less predicted turn: mean square explained over
     mean square left. It does not depend on the size of the noise. A ``CollectionStatistic``.
     """
-    off = paths[:, 1:] - ensemble.model.images(paths)
-    return np.array([_f_ratio(theta, values) for theta, values in zip(paths[:, :-1], off, strict=True)])
-
-
-def _f_ratio(theta: Array, values: Array) -> float:
-    order = min(HARMONICS, (values.size - 2) // 4)
+    found = np.zeros(len(paths))
+    order = min(HARMONICS, (paths.shape[1] - 3) // 4)
     if order < 0:
-        return 0.0
-    design = fourier_columns(theta, order)
-    # By singular vectors: a path that sees few directions fixes fewer coefficients.
-    basis, sizes, _ = np.linalg.svd(design, full_matrices=False)
-    basis = basis[:, sizes > 1e-9 * sizes[0]]
-    explained = float(np.sum((basis.T @ values) ** 2))
-    left = float(values @ values) - explained
-    free = values.size - basis.shape[1]
-    return explained / basis.shape[1] * free / left if left > 0.0 else 0.0
-
-
-def _best_law(pairs: Theta0Pairs) -> PeriodicLaw | None:
-    try:
-        return fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
-    except InvalidInput:
-        return None
-
-
-# -- orientations --------------------------------------------------------------------------------------------------
+        return found
+    off = paths[:, 1:] - ensemble.model.images(paths)
+    for number, (theta, values) in enumerate(zip(paths[:, :-1], off, strict=True)):
+        # By singular vectors: a path that sees few directions fixes fewer coefficients.
+        basis, sizes, _ = np.linalg.svd(fourier_columns(theta, order), full_matrices=False)
+        basis = basis[:, sizes > 1e-9 * sizes[0]]
+        explained = float(np.sum((basis.T @ values) ** 2))
+        left = float(values @ values) - explained
+        free = values.size - basis.shape[1]
+        found[number] = explained / basis.shape[1] * free / left if left > 0.0 else 0.0
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,14 +158,9 @@ def orientation_agreement(path: Array, ensemble: Ensemble, tested: dict[str, PVa
     """Gather what ``tested`` says of the path (n,) rad, and both histograms."""
     measured = angle_histogram(path)
     bins = measured.density.size
-    density = ensemble.law.bin_probabilities(bins) * (bins / TWO_PI)
-    predicted = AngleHistogram(measured.edges, np.asarray(read_only(density)))
-    return OrientationAgreement(
-        path.size, **{name: tested[name] for name in ORIENTATION_TESTS}, measured=measured, predicted=predicted
-    )
-
-
-# -- stable directions ---------------------------------------------------------------------------------------------
+    predicted = AngleHistogram(measured.edges, read_only(ensemble.law.bin_probabilities(bins) * (bins / TWO_PI)))
+    tests = {name: tested[name] for name in ORIENTATION_TESTS}
+    return OrientationAgreement(path.size, **tests, measured=measured, predicted=predicted)
 
 
 @dataclass(frozen=True)
@@ -210,11 +185,10 @@ class DirectionMatch:
 
 @dataclass(frozen=True, eq=False)
 class DirectionAgreement:
-    """All directions. matches : one a predicted zone. measured_modes, predicted_modes : (k,) rad, sorted."""
+    """All directions. matches : one a predicted zone. measured_modes : (k,) rad, sorted."""
 
     matches: tuple[DirectionMatch, ...]
     measured_modes: Array
-    predicted_modes: Array
 
 
 def direction_agreement(
@@ -232,28 +206,24 @@ def direction_agreement(
     measured = kernel_modes(path, bandwidth)
     stride = max(1, ensemble.paths.size // _POOLED)
     predicted = kernel_modes(ensemble.paths.ravel()[::stride], bandwidth)
-    simulated = [kernel_modes(one, bandwidth) for one in null] if zones else []
-    matches = tuple(_match(zone, predicted, measured, simulated) for zone in zones)
-    return DirectionAgreement(matches, read_only(measured), read_only(predicted))
-
-
-def _match(zone: SlowZone, predicted: Array, measured: Array, simulated: list[Array]) -> DirectionMatch:
-    mode = _nearest(zone.centre, predicted)
-    seen = None if mode is None else _nearest(mode, measured)
-    if mode is None or seen is None:
-        return DirectionMatch(zone.kind, zone.centre, mode, seen, None, None)
-    off = float(shorter_way(seen - mode))
-    nearest = [_nearest(mode, modes) for modes in simulated]
-    # A simulated collection without any mode is as far off as can be.
-    null = [np.pi if one is None else abs(float(shorter_way(one - mode))) for one in nearest]
-    return DirectionMatch(zone.kind, zone.centre, mode, seen, off, monte_carlo_p_value(abs(off), null))
+    simulated, matches = [kernel_modes(one, bandwidth) for one in null] if zones else [], []
+    for zone in zones:
+        mode = _nearest(zone.centre, predicted)
+        seen = None if mode is None else _nearest(mode, measured)
+        if mode is None or seen is None:
+            matches.append(DirectionMatch(zone.kind, zone.centre, mode, seen, None, None))
+            continue
+        # A simulated collection without any mode is as far off as can be.
+        nearest = [_nearest(mode, modes) for modes in simulated]
+        others = [np.pi if one is None else abs(float(shorter_way(one - mode))) for one in nearest]
+        off = float(shorter_way(seen - mode))
+        p_value = monte_carlo_p_value(abs(off), others)
+        matches.append(DirectionMatch(zone.kind, zone.centre, mode, seen, off, p_value))
+    return DirectionAgreement(tuple(matches), read_only(measured))
 
 
 def _nearest(target: float, modes: Array) -> float | None:
     return float(modes[np.argmin(np.abs(shorter_way(modes - target)))]) if modes.size else None
-
-
-# -- the staircase -------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -302,14 +272,15 @@ def staircase_agreement(
 
     summary : of the map where it does not wear. progress : called with the fraction done, in (0, 1].
     """
-    report, found, measured = progress or (lambda fraction: None), [], _numbers(path, find_steps(path))
+    report, found, steps = progress or (lambda fraction: None), [], find_steps(path)
     for done, one in enumerate(null, 1):
         found.append(_numbers(one, find_steps(one)))
         report(done / len(null))
-    columns = np.array(found).T
-    quantities = [simulated_quantity(value, column) for value, column in zip(measured, columns, strict=True)]
+    both = zip(_numbers(path, steps), np.array(found).T, strict=True)
+    quantities = [simulated_quantity(value, column) for value, column in both]
     named = dict(zip(("turns", "step_count", "step_height", "residence"), quantities, strict=True))
-    return StaircaseAgreement(find_steps(path), null[0], theory=_theory(path, summary), **named)
+    theory = None if summary is None else compare_steps(find_steps(path, zones=summary.zones or None), summary)
+    return StaircaseAgreement(steps, null[0], theory=theory, **named)
 
 
 def simulated_quantity(measured: float, simulated: Array) -> SimulatedQuantity:
@@ -337,10 +308,3 @@ def _numbers(path: Array, steps: Steps) -> tuple[float, float, float, float]:
     height = float(np.median(np.abs(steps.heights))) if steps.heights.size else np.nan
     length = float(np.median(steps.lengths)) if steps.lengths.size else np.nan
     return float(path[-1] - path[0]) / TWO_PI, float(steps.count), height, length
-
-
-def _theory(path: Array, summary: StaircaseSummary | None) -> StepComparison | None:
-    if summary is None:
-        return None
-    zones = summary.zones or None
-    return compare_steps(find_steps(path, zones=zones), summary)

@@ -32,7 +32,6 @@ _SAMPLE_TOLERANCE, _SAMPLE_BLEND = 1e-3, 1e-2
 _APART = 1_000  # between the seeds of two samples
 
 Progress = Callable[[float], None]
-Fit = Callable[[Theta0Pairs, Array], FittedMap]
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,15 +124,30 @@ def as_prediction(
         kind = "map" if isinstance(given, CircleMap) else "drifting map"
         return Prediction(given, noise, kind, given)
     if isinstance(given, FittedMap):
-        kind = "fitted map" if given.wear is None else "worn fitted map"
-        chosen = given.map if given.wear is None else given.drifting_map(last + 1, first=0.0)
-        return Prediction(chosen, noise or _scatter(_sigma(given)), kind, given)
+        if given.wear is None:
+            return Prediction(given.map, noise or _scatter(given.sigma), "fitted map", given)
+        chosen = given.drifting_map(last + 1, first=0.0)
+        return Prediction(chosen, noise or _scatter(given.wear.sigma), "worn fitted map", given)
     # A loop is told by what it can do, so that a loop whose map is known may stand in for it.
     if callable(getattr(given, "circle_map", None)) and callable(getattr(given, "cycle", None)):
         report = progress or (lambda fraction: None)
-        chosen = _map_of_loop(given, last, tolerance, lambda done: report(0.3 * done))
-        samples = _maps_of_samples(given, last, lambda done: report(0.3 + 0.7 * done))
-        return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, samples)
+        if isinstance(given, CollectionLoop) and given.material.wear is not None:
+            # How many maps it takes is not known before; some twenty are usual.
+            chosen = drifting_map(given, last + 1, progress=lambda done: report(0.3 * min(1.0, done / 20.0)))
+        else:
+            chosen = given.circle_map(tolerance=tolerance, progress=lambda done: report(0.3 * done))
+        samples: list[CircleMap | DriftingMap] = []
+        loops = posterior_samples(given)
+        for done, one in enumerate(loops, 1):
+            # A surface at the edge of the posterior may not be able to make every cycle: the others tell the spread.
+            with suppress(UnsupportedContact, ConvergenceError):
+                worn = one.material.wear is not None
+                samples.append(
+                    drifting_map(one, last + 1, _SAMPLE_BLEND) if worn else one.circle_map(_SAMPLE_TOLERANCE)
+                )
+            report(0.3 + 0.7 * done / len(loops))
+        kept = tuple(samples) if len(samples) > 1 else ()
+        return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, kept)
     raise InvalidInput(f"the prediction is {given!r}: give {PREDICTIONS}")
 
 
@@ -146,86 +160,48 @@ def posterior_samples(loop: Any) -> list[CollectionLoop]:
     return [sampled_loop(loop, number) for number in picked.tolist()]
 
 
-def _maps_of_samples(loop: Any, last: int, report: Progress) -> tuple[CircleMap | DriftingMap, ...]:
-    found: list[CircleMap | DriftingMap] = []
-    loops = posterior_samples(loop)
-    for done, one in enumerate(loops, 1):
-        # A surface at the edge of the posterior may not be able to make every cycle: the others tell the spread.
-        with suppress(UnsupportedContact, ConvergenceError):
-            worn = one.material.wear is not None
-            found.append(drifting_map(one, last + 1, _SAMPLE_BLEND) if worn else one.circle_map(_SAMPLE_TOLERANCE))
-        report(done / len(loops))
-    return tuple(found) if len(found) > 1 else ()
-
-
-def _map_of_loop(loop: Any, last: int, tolerance: float, report: Progress) -> CircleMap | DriftingMap:
-    """The loop's map; where its surface wears, the one that drifts over the pushes up to ``last``."""
-    if isinstance(loop, CollectionLoop) and loop.material.wear is not None:
-        # How many maps it takes is not known before; some twenty are usual.
-        return drifting_map(loop, last + 1, progress=lambda done: report(min(1.0, done / 20.0)))
-    found = loop.circle_map(tolerance=tolerance, progress=report)
-    assert isinstance(found, CircleMap)
-    return found
-
-
 def refit_rule(given: Any, pairs: Theta0Pairs, cycle: Array, first: int) -> CollectionRefit | None:
     """What fits a simulated collection as the prediction was fitted to these very pairs; None where it was not.
 
     A fit is told to be of these pairs by fitting them again, with its own orders: the same coefficients come out.
     The orders are held as they were chosen.
     """
-    fit = _same_fit(given, pairs, cycle)
-    if fit is None:
+    if not isinstance(given, FittedMap) or given.pairs != pairs.theta.size:
+        return None
+
+    def orders(law: PeriodicLaw) -> dict[str, Any]:
+        return {"harmonics": law.harmonics, "noise_harmonics": law.log_variance.size // 2}
+
+    def fit(pairs: Theta0Pairs, cycle: Array) -> FittedMap:
+        law = fit_periodic_law(pairs.theta, pairs.turn, **orders(given.law))
+        if given.wear is None:
+            return FittedMap(law)
+        chosen = {**orders(given.wear.whole), "harmonics": given.wear.harmonics, "degree": given.wear.degree}
+        return FittedMap(law, fit_worn_law(pairs.theta, pairs.turn, cycle, **chosen))
+
+    if not _alike(_coefficients(given), _coefficients(fit(pairs, cycle))):
         return None
 
     def refitted(path: Array) -> CollectionModel:
-        numbers = first + np.arange(path.size - 1.0)
-        again = fit(Theta0Pairs(path[:-1], path[1:]), numbers)
-        return CollectionModel(_map_of_refit(again), _scatter(_sigma(again)), first)
+        again = fit(Theta0Pairs(path[:-1], path[1:]), first + np.arange(path.size - 1.0))
+        if again.wear is None:
+            return CollectionModel(again.map, _scatter(again.sigma), first)
+        # Blended between evenly spread cycles, at a fraction of the cost: exact for wear linear in the cycle.
+        wear = again.wear
+        knots = np.linspace(wear.first, wear.last, 1 + REFIT_KNOTS * max(0, wear.degree - 1) + 1)
+        drifting = DriftingMap.between([(n, again.map_at(n)) for n in knots.tolist()])
+        return CollectionModel(drifting, _scatter(wear.sigma), first)
 
     return refitted
 
 
-def _same_fit(given: Any, pairs: Theta0Pairs, cycle: Array) -> Fit | None:
-    """The rule that makes ``given`` of these pairs, or None."""
-    if not isinstance(given, FittedMap) or given.pairs != pairs.theta.size:
-        return None
-
-    def fit(pairs: Theta0Pairs, cycle: Array) -> FittedMap:
-        law = fit_periodic_law(pairs.theta, pairs.turn, **_orders(given.law))
-        if given.wear is None:
-            return FittedMap(law)
-        orders = {**_orders(given.wear.whole), "harmonics": given.wear.harmonics, "degree": given.wear.degree}
-        return FittedMap(law, fit_worn_law(pairs.theta, pairs.turn, cycle, **orders))
-
-    again = fit(pairs, cycle)
-    return fit if _alike(given.law.coefficients, again.law.coefficients) and _alike_wear(given, again) else None
+def _coefficients(fitted: FittedMap) -> list[Array]:
+    return [fitted.law.coefficients] + ([] if fitted.wear is None else [fitted.wear.coefficients])
 
 
-def _orders(law: PeriodicLaw) -> dict[str, Any]:
-    return {"harmonics": law.harmonics, "noise_harmonics": law.log_variance.size // 2}
-
-
-def _alike(first: Array, other: Array) -> bool:
-    return first.shape == other.shape and bool(np.allclose(first, other, rtol=SAME_FIT, atol=SAME_FIT))
-
-
-def _alike_wear(first: FittedMap, other: FittedMap) -> bool:
-    if first.wear is None or other.wear is None:
-        return first.wear is other.wear
-    return _alike(first.wear.coefficients, other.wear.coefficients)
-
-
-def _map_of_refit(fitted: FittedMap) -> CircleMap | DriftingMap:
-    """The same at a fraction of the cost: blended between evenly spread cycles, exact for wear linear in the cycle."""
-    if fitted.wear is None:
-        return fitted.map
-    knots = np.linspace(fitted.wear.first, fitted.wear.last, 1 + REFIT_KNOTS * max(0, fitted.wear.degree - 1) + 1)
-    return DriftingMap.between([(n, fitted.map_at(n)) for n in knots.tolist()])
-
-
-def _sigma(fitted: FittedMap) -> float:
-    return fitted.sigma if fitted.wear is None else fitted.wear.sigma
+def _alike(first: list[Array], other: list[Array]) -> bool:
+    shapes = [one.shape for one in first] == [one.shape for one in other]
+    return shapes and all(np.allclose(*both, rtol=SAME_FIT, atol=SAME_FIT) for both in zip(first, other, strict=True))
 
 
 def _scatter(sigma: float) -> WrappedNormal:

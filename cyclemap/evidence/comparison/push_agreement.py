@@ -11,6 +11,7 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
+from cyclemap.collection import CollectionLoop
 from cyclemap.errors import UnsupportedContact
 from cyclemap.evidence.comparison.collection_data import PushSet
 from cyclemap.evidence.comparison.prediction import posterior_samples
@@ -39,6 +40,10 @@ class QuantityAgreement:
     bias_error : standard error of the bias, correlation of successive pushes allowed for (Newey & West 1987), and
         ``model_error`` with it; None below three pushes. model_error : of the predicted mean alone, by how well the
         material's parameters are known; 0 where it has no posterior.
+    agrees : whether the bias is within its error of 0 at the 5 % level, or below 0.005 degrees or mm; None if unknown.
+    percent, std_percent : RMSE and measured standard deviation in per cent of the measured mean (Ma & Rodriguez 2018,
+        Tables II and III); inf for a mean of 0.
+    explains : whether the prediction is nearer to the pushes than any law that ignores θ0 can be.
     All standard deviations are over n.
     """
 
@@ -52,29 +57,11 @@ class QuantityAgreement:
     spread: float
     rmse: float
     bias_error: float | None
-    model_error: float = 0.0
-
-    @property
-    def percent(self) -> float:
-        """RMSE in per cent of the measured mean (Ma & Rodriguez 2018, Tables II and III); inf for a mean of 0."""
-        return _percent(self.rmse, self.measured_mean)
-
-    @property
-    def std_percent(self) -> float:
-        """The measured standard deviation in per cent of the measured mean; inf for a mean of 0."""
-        return _percent(self.measured_std, self.measured_mean)
-
-    @property
-    def agrees(self) -> bool | None:
-        """Whether the bias is within its error of 0 at the 5 % level, or below 0.005 degrees or mm; None if unknown."""
-        return within_error(
-            self.bias, self.bias_error, self.count, SEEN_ANGLE if self.name == "dtheta" else SEEN_LENGTH
-        )
-
-    @property
-    def explains(self) -> bool:
-        """Whether the prediction is nearer to the pushes than any law that ignores θ0 can be."""
-        return self.rmse < self.measured_std
+    model_error: float
+    agrees: bool | None
+    percent: float
+    std_percent: float
+    explains: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,38 +100,35 @@ def push_agreements(sets: Sequence[PushSet], report: Callable[[float], None]) ->
 
     Raises UnsupportedContact where the mechanics cannot follow a push.
     """
-    found, stride = [], 1 + len(sets) // _SAMPLED_PUSHES
+    found, spacing = [], 1 + len(sets) // _SAMPLED_PUSHES
     for number, pushes in enumerate(sets):
-        found.append(_push_agreement(pushes, sampled=number % stride == 0))
+        loop, starts = pushes.loop, list(zip(pushes.theta.tolist(), pushes.push, strict=True))
+        predicted, isotropic = _moved(loop.model, loop, starts), _moved(loop.model.isotropic, loop, starts)
+        shifts, stride = [], 1 + len(starts) // _SAMPLED_PUSHES
+        for one in posterior_samples(loop) if number % spacing == 0 else []:
+            with suppress(UnsupportedContact):
+                shifts.append(np.mean(_moved(one.model, loop, starts[::stride]) - predicted[::stride], axis=0))
+        measured = np.column_stack([pushes.dtheta, pushes.displacement])
+        kept = np.array(shifts) if len(shifts) > 1 else None
+        one_set = PushAgreement(
+            pushes.facts,
+            float(np.median([push.distance for push in pushes.push])),
+            read_only(pushes.theta),
+            read_only(measured),
+            read_only(predicted),
+            read_only(isotropic),
+            _quantities(measured, predicted, kept),
+            kept,
+        )
+        found.append(one_set)
         report((number + 1) / len(sets))
     return tuple(sorted(found, key=lambda one: -one.count))
 
 
-def _push_agreement(pushes: PushSet, sampled: bool) -> PushAgreement:
-    loop, starts = pushes.loop, list(zip(pushes.theta.tolist(), pushes.push, strict=True))
-
-    def moved(model: QuasiStaticModel, some: Sequence[tuple[float, SidePush]]) -> Array:
-        runs = [model.push(loop.start_pose(theta), push) for theta, push in some]
-        return np.array([[run.turn, *run.displacement] for run in runs])
-
-    predicted, isotropic = moved(loop.model, starts), moved(loop.model.isotropic, starts)
-    stride = 1 + len(starts) // _SAMPLED_PUSHES
-    shifts = []
-    for one in posterior_samples(loop) if sampled else []:
-        with suppress(UnsupportedContact):
-            shifts.append(np.mean(moved(one.model, starts[::stride]) - predicted[::stride], axis=0))
-    measured = np.column_stack([pushes.dtheta, pushes.displacement])
-    kept = read_only(np.array(shifts)) if len(shifts) > 1 else None
-    return PushAgreement(
-        pushes.facts,
-        float(np.median([push.distance for push in pushes.push])),
-        read_only(pushes.theta),
-        read_only(measured),
-        read_only(predicted),
-        read_only(isotropic),
-        _quantities(measured, predicted, kept),
-        kept,
-    )
+def _moved(model: QuasiStaticModel, loop: CollectionLoop, pushes: Sequence[tuple[float, SidePush]]) -> Array:
+    """Turn and displacement (n, 3) of each push from its θ0."""
+    runs = [model.push(loop.start_pose(theta), push) for theta, push in pushes]
+    return np.array([[run.turn, *run.displacement] for run in runs])
 
 
 def _quantities(measured: Array, predicted: Array, shifts: Array | None) -> tuple[QuantityAgreement, ...]:
@@ -184,19 +168,24 @@ def quantity_agreement(name: str, measured: Array, predicted: Array, model_error
     >>> found.bias, found.spread, found.rmse, found.percent
     (0.5, 0.0, 0.5, 25.0)
     """
-    off = predicted - measured
+    off, mean, deviation = predicted - measured, float(np.mean(measured)), float(np.std(measured))
+    bias, rmse, error = float(np.mean(off)), float(np.sqrt(np.mean(off**2))), mean_error(off, model_error)
     return QuantityAgreement(
         name=name,
         count=off.size,
-        measured_mean=float(np.mean(measured)),
-        measured_std=float(np.std(measured)),
+        measured_mean=mean,
+        measured_std=deviation,
         predicted_mean=float(np.mean(predicted)),
         predicted_std=float(np.std(predicted)),
-        bias=float(np.mean(off)),
+        bias=bias,
         spread=float(np.std(off)),
-        rmse=float(np.sqrt(np.mean(off**2))),
-        bias_error=mean_error(off, model_error),
+        rmse=rmse,
+        bias_error=error,
         model_error=model_error,
+        agrees=within_error(bias, error, off.size, SEEN_ANGLE if name == "dtheta" else SEEN_LENGTH),
+        percent=100.0 * rmse / abs(mean) if mean else float("inf"),
+        std_percent=100.0 * deviation / abs(mean) if mean else float("inf"),
+        explains=rmse < deviation,
     )
 
 
@@ -226,7 +215,3 @@ def within_error(bias: float, error: float | None, count: int, seen: float = 0.0
     share = min(1.0, 1.3 / np.sqrt(count))
     critical = 1.96 + 2.9694 * share + 0.416 * share**2 - 0.5324 * share**3
     return bool(abs(bias) <= max(critical * error, seen))
-
-
-def _percent(value: float, mean: float) -> float:
-    return 100.0 * value / abs(mean) if mean != 0.0 else float("inf")

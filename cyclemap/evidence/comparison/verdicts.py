@@ -20,7 +20,9 @@ from cyclemap.evidence.orientations.goodness_of_fit import PValue
 
 # A prediction is rejected below this p-value.
 LEVEL = 0.05
-_NAMES = {"dtheta": ("turn of a push", "°"), "dx": ("Δx", " mm"), "dy": ("Δy", " mm")}
+_DEG = float(np.degrees(1.0))
+# Of each quantity its name for people, its unit, and the factor to that.
+_NAMES = {"dtheta": ("turn of a push", "°", _DEG), "dx": ("Δx", " mm", 1000.0), "dy": ("Δy", " mm", 1000.0)}
 _KINDS = {"stable": "stable direction", "jump": "attracting jump", "ghost": "slow zone"}
 
 
@@ -47,120 +49,101 @@ def all_verdicts(
     pushes : quantities by the name of their set. distances : how far pushes end from the prediction, and from that of
     isotropic friction. pooled : whether they are of several sets taken together.
     """
-    told = _pooled_verdict if pooled else _push_verdict
-    found = [told(quantity, name) for name, quantities in pushes for quantity in quantities]
+    found = [_push_verdict(quantity, name, pooled) for name, quantities in pushes for quantity in quantities]
     if distances is not None:
-        found.append(_distance_verdict(*distances))
+        # What knowing the friction is worth: distances, not coordinates; nothing is tested.
+        (off, turned), (even, even_turn) = distances
+        beside = f"isotropic friction is {1e3 * even:.1f} mm and {_degrees(even_turn)} off"
+        words = f"Pushes end {1e3 * off:.1f} mm and {_degrees(turned)} from the prediction on average; {beside}."
+        found.append(Verdict("ends of pushes", None, words))
     if cycle is not None:
         found += _cycle_verdicts(cycle)
     if orientations is not None:
-        found.append(_orientation_verdict(orientations))
+        # By Watson's test, the others told beside it: one test decides, so that the level holds.
+        told, kept = orientations, _kept(orientations.watson)
+        others = f"Wasserstein distance {_degrees(told.wasserstein.statistic)} ({_p(told.wasserstein)}), "
+        others += f"total variation {told.total_variation.statistic:.2f} ({_p(told.total_variation)})"
+        words = f"The histogram of {told.count} directions {'agrees' if kept else 'is rejected'} by Watson's test "
+        words += f"({_p(told.watson)}): {others}, Kuiper {_p(told.kuiper)}."
+        found.append(Verdict("histogram of directions", kept, words))
     if directions is not None:
         found += [_direction_verdict(one) for one in directions.matches]
     if staircase is not None:
-        found += _staircase_verdicts(staircase)
+        asked = [
+            _quantity_verdict("number of turns", staircase.turns, 1.0, " turns", 1),
+            _quantity_verdict("number of steps", staircase.step_count, 1.0, " steps", 0),
+            _quantity_verdict("step height", staircase.step_height, _DEG, "°", 0),
+            _quantity_verdict("residence on a step", staircase.residence, 1.0, " cycles", 0),
+        ]
+        found += [one for one in asked if one is not None]
     return tuple(found)
 
 
-def _push_verdict(found: QuantityAgreement, whose: str) -> Verdict:
+def _push_verdict(found: QuantityAgreement, whose: str, pooled: bool) -> Verdict:
     """Whether the mean agrees, and how near the law comes to the single pushes."""
-    name, unit, scale = _named(found)
-    means = _means(scale * found.measured_mean, scale * found.predicted_mean, unit, found.agrees)
-    error = _error(found.bias_error, found.model_error, scale, unit, ", {}")
-    single = f"RMSE {scale * found.rmse:.2f}{unit}{_percent(found, found.percent)}"
-    least = f"{scale * found.measured_std:.2f}{unit}{_percent(found, found.std_percent)}"
+    name, unit, scale = _NAMES[found.name]
+    if pooled:
+        # Of several protocols the means cancel, so that only single pushes can tell; nothing is tested.
+        error = "" if found.bias_error is None else f" ± {scale * found.bias_error:.2f}{unit}"
+        off = f"RMSE {scale * found.rmse:.2f}{unit}, bias {_fixed(scale * found.bias, 2)}{unit}{error}"
+        words = f"Over {found.count} pushes{whose} the {name} is predicted with {off}; its standard deviation is "
+        return Verdict(f"{name}{whose}", None, f"{words}{scale * found.measured_std:.2f}{unit}.")
+    error = _error(found, scale, unit)
+    over = f"over {found.count} pushes{', ' if error else ''}{error}"
+    # In per cent of the mean, too, unless that mean is nothing beside the spread.
+    shares = (found.percent, found.std_percent) if found.std_percent < 100.0 else (None, None)
+    rmse, least = (
+        f"{scale * size:.2f}{unit}" + ("" if share is None else f" ({share:.1f} %)")
+        for size, share in zip((found.rmse, found.measured_std), shares, strict=True)
+    )
     better = "below" if found.explains else "not below"
-    words = f"The mean {name}{whose} {means} over {found.count} pushes{error}; {single}, {better} the {least} "
-    return Verdict(f"mean {name}{whose}", found.agrees, f"{words}that a law blind to θ0 can reach.")
+    words = f"The mean {name}{whose} {_means(found.measured_mean, found.predicted_mean, scale, unit, found.agrees)} "
+    words += f"{over}; RMSE {rmse}, {better} the {least} that a law blind to θ0 can reach."
+    return Verdict(f"mean {name}{whose}", found.agrees, words)
 
 
-def _pooled_verdict(found: QuantityAgreement, whose: str) -> Verdict:
-    """Of pushes of several protocols: their means cancel, so that only single pushes can tell; nothing is tested."""
-    name, unit, scale = _named(found)
-    error = "" if found.bias_error is None else f" ± {scale * found.bias_error:.2f}{unit}"
-    off = f"RMSE {scale * found.rmse:.2f}{unit}, bias {_fixed(scale * found.bias, 2)}{unit}{error}"
-    words = f"Over {found.count} pushes{whose} the {name} is predicted with {off}; its standard deviation is "
-    return Verdict(f"{name}{whose}", None, f"{words}{scale * found.measured_std:.2f}{unit}.")
-
-
-def _distance_verdict(found: Distances, isotropic: Distances) -> Verdict:
-    """What knowing the friction is worth: distances, not coordinates; nothing is tested."""
-    (off, turned), (even, even_turn) = found, isotropic
-    beside = f"isotropic friction is {1e3 * even:.1f} mm and {_degrees(even_turn)} off"
-    words = f"Pushes end {1e3 * off:.1f} mm and {_degrees(turned)} from the prediction on average; {beside}."
-    return Verdict("ends of pushes", None, words)
-
-
-def _named(found: QuantityAgreement) -> tuple[str, str, float]:
-    """Name and unit for people, and the factor to that unit."""
-    return *_NAMES[found.name], float(np.degrees(1.0)) if found.name == "dtheta" else 1000.0
-
-
-def _error(found: float | None, model: float, scale: float, unit: str, around: str) -> str:
-    """The error of a difference, and how much of it is that of the material's parameters."""
-    if found is None:
-        return ""
-    of_model = f", {scale * model:.2f}{unit} of it the material's" if scale * model >= 0.005 else ""
-    return around.format(f"error of the difference {scale * found:.2f}{unit}{of_model}")
-
-
-def _percent(found: QuantityAgreement, value: float) -> str:
-    """In per cent of the mean, unless that mean is nothing beside the spread."""
-    return f" ({value:.1f} %)" if found.std_percent < 100.0 else ""
-
-
-def _means(measured: float, predicted: float, unit: str, agrees: bool | None) -> str:
+def _means(measured: float, predicted: float, scale: float, unit: str, agrees: bool | None) -> str:
     kept = {True: "agrees within its error", False: "is off", None: "is"}[agrees]
-    return f"{kept}: {_fixed(measured, 2)}{unit} measured, {_fixed(predicted, 2)}{unit} predicted"
+    return f"{kept}: {_fixed(scale * measured, 2)}{unit} measured, {_fixed(scale * predicted, 2)}{unit} predicted"
+
+
+def _error(found: QuantityAgreement | CycleAgreement, scale: float, unit: str) -> str:
+    """The error of a difference, and how much of it is that of the material's parameters."""
+    if found.bias_error is None:
+        return ""
+    model = scale * found.model_error
+    of_model = f", {model:.2f}{unit} of it the material's" if model >= 0.005 else ""
+    return f"error of the difference {scale * found.bias_error:.2f}{unit}{of_model}"
 
 
 def _cycle_verdicts(found: CycleAgreement) -> list[Verdict]:
-    error = _error(found.bias_error, found.model_error, float(np.degrees(1.0)), "°", " ({})")
-    scale = float(np.degrees(1.0))
-    means = _means(scale * found.measured_turn, scale * found.predicted_turn, "°", found.agrees)
-    question = Verdict("mean turn of a cycle", found.agrees, f"The mean turn of a cycle {means}{error}.")
-    agreement = found.agreement
-    over_bins = f", the medians of {agreement.bins} directions {_degrees(agreement.bin_rms)}" if agreement.bins else ""
-    best = (
-        "" if found.scatter is None else f"; about the best smooth map of θ0 they scatter by {_degrees(found.scatter)}"
-    )
+    error, agreement = _error(found, _DEG, "°"), found.agreement
+    means = _means(found.measured_turn, found.predicted_turn, _DEG, "°", found.agrees)
+    words = f"The mean turn of a cycle {means}{f' ({error})' if error else ''}."
+    question = Verdict("mean turn of a cycle", found.agrees, words)
     beside = "" if found.isotropic_rms is None else f" (isotropic friction {_degrees(found.isotropic_rms)})"
-    misfit = f"{agreement.pairs} cycles lie {_degrees(agreement.rms)} RMS from the map{beside}{over_bins}{best}"
+    misfit = f"{agreement.pairs} cycles lie {_degrees(agreement.rms)} RMS from the map{beside}"
+    if agreement.bins:
+        misfit += f", the medians of {agreement.bins} directions {_degrees(agreement.bin_rms)}"
+    if found.scatter is not None:
+        misfit += f"; about the best smooth map of θ0 they scatter by {_degrees(found.scatter)}"
     if found.p_value is None:
         return [question, Verdict("cycle map", None, f"{misfit}; their order is unknown, so the map is not tested.")]
     return [question, Verdict("cycle map", _kept(found.p_value), f"The map {_told(found.p_value)}: {misfit}.")]
 
 
-def _orientation_verdict(found: OrientationAgreement) -> Verdict:
-    """By Watson's test, the others told beside it: one test decides, so that the level holds."""
-    distance = f"Wasserstein distance {_degrees(found.wasserstein.statistic)} ({_p(found.wasserstein)})"
-    variation = f"total variation {found.total_variation.statistic:.2f} ({_p(found.total_variation)})"
-    others = f"{distance}, {variation}, Kuiper {_p(found.kuiper)}"
-    told = "agrees" if _kept(found.watson) else "is rejected"
-    words = f"The histogram of {found.count} directions {told} by Watson's test ({_p(found.watson)}): {others}."
-    return Verdict("histogram of directions", _kept(found.watson), words)
-
-
 def _direction_verdict(found: DirectionMatch) -> Verdict:
-    place = f"{_KINDS[found.kind]} at {_direction(found.centre)}"
-    if found.difference is None or found.predicted_mode is None or found.measured_mode is None:
+    centre, predicted, measured = (
+        None if angle is None else f"{_DEG * angle % 360.0:.1f}°"
+        for angle in (found.centre, found.predicted_mode, found.measured_mode)
+    )
+    place = f"{_KINDS[found.kind]} at {centre}"
+    if found.difference is None:
         return Verdict(place, None, f"The predicted {place} has no peak of a histogram to be set beside.")
-    peaks = f"a predicted peak at {_direction(found.predicted_mode)}, measured at {_direction(found.measured_mode)}"
-    off = f"{round(float(np.degrees(found.difference)), 1) + 0.0:+.1f}° off".replace("-", "−")
-    kept = None if found.p_value is None else _kept(found.p_value)
-    told = "" if found.p_value is None else f" ({_p(found.p_value)})"
-    return Verdict(place, kept, f"The predicted {place} makes {peaks}: {off}{told}.")
-
-
-def _staircase_verdicts(found: StaircaseAgreement) -> list[Verdict]:
-    asked = [
-        ("number of turns", found.turns, 1.0, " turns", 1),
-        ("number of steps", found.step_count, 1.0, " steps", 0),
-        ("step height", found.step_height, float(np.degrees(1.0)), "°", 0),
-        ("residence on a step", found.residence, 1.0, " cycles", 0),
-    ]
-    made = [_quantity_verdict(*one) for one in asked]
-    return [one for one in made if one is not None]
+    off = f"{round(_DEG * found.difference, 1) + 0.0:+.1f}° off".replace("-", "−")
+    kept, told = (None, "") if found.p_value is None else (_kept(found.p_value), f" ({_p(found.p_value)})")
+    words = f"The predicted {place} makes a predicted peak at {predicted}, measured at {measured}: {off}{told}."
+    return Verdict(place, kept, words)
 
 
 def _quantity_verdict(name: str, found: SimulatedQuantity, scale: float, unit: str, digits: int) -> Verdict | None:
@@ -190,12 +173,8 @@ def _p(found: PValue) -> str:
     return f"p ≤ {found.value:.2g}" if found.value <= least * (1.0 + 1e-9) else f"p = {found.value:.2g}"
 
 
-def _degrees(radians: float, digits: int = 1) -> str:
-    return f"{_fixed(float(np.degrees(radians)), digits)}°"
-
-
-def _direction(radians: float) -> str:
-    return f"{float(np.degrees(radians)) % 360.0:.1f}°"
+def _degrees(radians: float) -> str:
+    return f"{_fixed(_DEG * radians, 1)}°"
 
 
 def _fixed(value: float, digits: int) -> str:

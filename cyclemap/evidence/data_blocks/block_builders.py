@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock, blocks_of_cycles
+from cyclemap.evidence.data_blocks.cycle_pair_block import CyclePairBlock
 from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
     TWIST_COLUMNS,
@@ -27,9 +25,8 @@ from cyclemap.evidence.data_blocks.force_blocks import (
     wrench_twist_block,
 )
 from cyclemap.evidence.data_blocks.force_ratio_block import force_ratio_block, sliding_forces
-from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, drag_turn_block, push_end_block
-from cyclemap.evidence.identification.data_block import DataBlock, PlateBlock, Progress, part_of
-from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
+from cyclemap.evidence.data_blocks.stroke_block import drag_turn_block, push_end_block
+from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
 from cyclemap.evidence.pushes.measured_strokes import (
     CsvSelection,
     MeasuredPush,
@@ -38,8 +35,8 @@ from cyclemap.evidence.pushes.measured_strokes import (
 )
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, UnreadableFile
-from cyclemap.evidence.tables.push_sets import PushSet, push_sets
-from cyclemap.mechanics import Pose
+from cyclemap.evidence.tables.push_sets import push_sets
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider
 from cyclemap.text_files import read_csv_table
 
 if TYPE_CHECKING:
@@ -75,7 +72,7 @@ class DataFile:
     sort: str
 
 
-def recognise(path: str | Path) -> tuple[tuple[DataFile, ...], tuple[UnreadableFile, ...]]:
+def recognise(path: str | Path) -> tuple[list[DataFile], list[UnreadableFile]]:
     """Return what a file, folder or tree holds; a file may hold two sorts, files of no known kind are passed over.
 
     Raises InvalidInput where there is nothing at `path`.
@@ -83,36 +80,31 @@ def recognise(path: str | Path) -> tuple[tuple[DataFile, ...], tuple[UnreadableF
     place = Path(path)
     if not place.exists():
         raise InvalidInput(f"{place}: there is nothing there; give a file or a folder of data")
-    if not place.is_dir():
-        return _file(place)
-    below = sorted(Path(folder, name) for folder, _, names in os.walk(place) for name in names)
     found: list[DataFile] = []
     unused: list[UnreadableFile] = []
-    if any(file.suffix.lower() in SUFFIXES for file in below):
-        found.append(DataFile(place, RECORDS))
-    for file in below:
-        if file.suffix.lower() == CSV_SUFFIX:
-            sorts, not_used = _file(file)
-            found += sorts
-            unused += not_used
+    files = [place]
+    if place.is_dir():
+        below = sorted(Path(folder, name) for folder, _, names in os.walk(place) for name in names)
+        found += [DataFile(place, RECORDS)] if any(file.suffix.lower() in SUFFIXES for file in below) else []
+        files = [file for file in below if file.suffix.lower() == CSV_SUFFIX]
+    for file in files:
+        if file.suffix.lower() in SUFFIXES:
+            found.append(DataFile(file, RECORDS))
+        elif file.suffix.lower() != CSV_SUFFIX:
+            unused.append(UnreadableFile(file, f"a file of another kind ({file.suffix or 'no suffix'})"))
+        else:
+            try:
+                header = read_csv_table(file).header
+            except DataFileError as error:
+                unused.append(UnreadableFile(file, str(error).removeprefix(f"{file}").lstrip(":, ")))
+                continue
+            sorts = csv_sorts(header)
+            found += [DataFile(file, sort) for sort in sorts]
+            if not sorts:
+                unused.append(UnreadableFile(file, f"a CSV table of unknown columns ({', '.join(header[:8])})"))
     if not found and not unused:
         unused.append(UnreadableFile(place, "the folder holds no .h5, .json or .csv file"))
-    return tuple(found), tuple(unused)
-
-
-def _file(path: Path) -> tuple[tuple[DataFile, ...], tuple[UnreadableFile, ...]]:
-    if path.suffix.lower() in SUFFIXES:
-        return (DataFile(path, RECORDS),), ()
-    if path.suffix.lower() != CSV_SUFFIX:
-        return (), (UnreadableFile(path, f"a file of another kind ({path.suffix or 'no suffix'})"),)
-    try:
-        header = read_csv_table(path).header
-    except DataFileError as error:
-        return (), (UnreadableFile(path, str(error).removeprefix(f"{path}").lstrip(":, ")),)
-    sorts = csv_sorts(header)
-    if not sorts:
-        return (), (UnreadableFile(path, f"a CSV table of unknown columns ({', '.join(header[:8])})"),)
-    return tuple(DataFile(path, sort) for sort in sorts), ()
+    return found, unused
 
 
 def csv_sorts(header: tuple[str, ...]) -> tuple[str, ...]:
@@ -133,173 +125,168 @@ def csv_sorts(header: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(sorts)
 
 
-@dataclass(frozen=True)
-class BlockChoices:
-    """What blocks are made with: see `collected_blocks`."""
+class BlockBuilder:
+    """Blocks of data and notes on what they hold and what stays out, file by file and plate by plate.
 
-    loop: CollectionLoop
-    first: int
-    wear: bool
-    most: int
-    nodes: int
+    What blocks are made with: see `collected_blocks`. Blocks that are added are of the file and the plate that the
+    builder was turned to last.
+    """
 
+    def __init__(self, loop: CollectionLoop, first: int, wear: bool, most: int, nodes: int) -> None:
+        self.given, self.first, self.wear, self.most, self.nodes = loop, first, wear, most, nodes
+        self.path, self.plate, self.loop = Path(), loop.slider.name, loop
+        self.blocks: list[DataBlock] = []
+        self.plates: list[str] = []
+        self.notes: list[str] = []
+        self.scans: list[ScanForces] = []
+        self.last_cycle = 0.0
 
-@dataclass(eq=False)
-class Built:
-    """What has been built so far; it grows file by file."""
+    def turn_to(self, plate: str) -> None:
+        """Go on with a plate of the file."""
+        self.plate, self.loop = plate, loop_of_plate(self.given, plate)
 
-    blocks: list[DataBlock] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    scans: list[ScanForces] = field(default_factory=list)
-    objects: frozenset[str] = frozenset()
-    plates: list[str] = field(default_factory=list)
-    last_cycle: float = 0.0
-    _plate: str = ""
-
-    @contextmanager
-    def plate(self, name: str) -> Iterator[None]:
-        """Blocks added meanwhile are of this plate."""
-        self._plate = name
-        yield
-
-    def of_plates(self) -> list[DataBlock]:
-        """The blocks, each of its plate."""
-        owned = (*SURFACE.select(SHARE_NAMES).parameters, *TIP_OFFSET)
-        return [PlateBlock(block, plate, owned) for block, plate in zip(self.blocks, self.plates, strict=True)]
-
-    def add(self, path: Path, block: DataBlock, words: str) -> None:
+    def add(self, block: DataBlock, words: str) -> None:
         """Add a block, and a note of what it holds."""
         self.blocks.append(block)
-        self.plates.append(self._plate)
-        self.notes.append(f"{path}: {words} of {self._plate}")
+        self.plates.append(self.plate)
+        self.notes.append(f"{self.path}: {words} of {self.plate}")
 
-    def left_out(self, path: Path, counts: Counter[str]) -> None:
-        """Note how many rows of a file stay out, and why."""
-        self.notes += [f"{path}: {count} left out: {reason}" for reason, count in counts.items()]
+    def leave_out(self, counts: Counter[str]) -> None:
+        """Note how many rows of the file stay out, and why."""
+        self.notes += [f"{self.path}: {count} left out: {reason}" for reason, count in (+counts).items()]
+
+    def add_records(self, pushes: PushTable, progress: Progress | None = None) -> None:
+        """Add what files of the MIT layout tell: friction scans, cycles of repeated pushes, their ends and forces."""
+        if pushes.unreadable:
+            one = pushes.unreadable[0]
+            reason = f"unreadable, the first {one.path.name}: {one.reason}"
+            self.leave_out(Counter({reason: len(pushes.unreadable)}))
+        columns = {name: pushes.scans[name].to_numpy(dtype=float) for name in SCAN_FIELDS}
+        known = np.all(np.isfinite([*columns.values()]), axis=0)
+        self.leave_out(Counter({"friction scans without direction or force": int(np.sum(~known))}))
+        if np.any(known):
+            table, weight = {name: column[known] for name, column in columns.items()}, self.loop.model.weight
+            self.scans.append(ScanForces(**table, weight=weight))
+            self.add(friction_scan_block(table, weight), f"{np.sum(known)} friction scans, weight {weight:.3g} N")
+        self.add_cycles(pushes)
+        self._add_pushes(pushes.table, progress)
+
+    def add_cycles(self, pushes: PushTable) -> None:
+        """Add a block of cycles for each set of pushes that were repeated at one contact."""
+        for one in push_sets(pushes) if len(pushes.table) else ():
+            pairs = one.pairs
+            if pairs is None or one.contacts != 1:
+                continue
+            number = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
+            late = number >= self.first
+            count = int(np.sum(late))
+            early = {f"cycles before {self.first}": late.size - count}
+            self.leave_out(Counter({**early, **pairs.dropped}))
+            if count < _FEWEST_CYCLES:
+                self.notes.append(f"{self.path}: {count} cycles of {one.name} left out: too few")
+                continue
+            place = {name: one.facts[name] for name in ("side", "fraction", "angle") if name in one.facts}
+            loop = replace(self.loop, push=replace(self.loop.push, **place))
+            since = number[late] - self.first
+            share, groups = since / np.max(since) if self.wear else None, _cycle_groups(count)
+            block = CyclePairBlock("cycles", loop, pairs.theta[late], pairs.turn[late], groups, share, self.nodes)
+            self.last_cycle = max(self.last_cycle, float(np.max(since)))
+            self.add(block, f"{count} cycles of {one.name}" + (", wearing" if self.wear else ""))
+
+    def _add_pushes(self, table: pandas.DataFrame, progress: Progress | None) -> None:
+        """Add ends and forces of recorded pushes."""
+        late = ~(table["repetition"].to_numpy(dtype=float) < self.first)
+        steady = np.nan_to_num(table["acceleration"].to_numpy(dtype=float)) == 0.0
+        self.leave_out(Counter({"pushed with acceleration": int(np.sum(~steady & late))}))
+        rows = table[steady & late].to_dict("records")
+        chosen = _thinned(rows, self.most)
+        if len(chosen) < len(rows):
+            self.notes.append(f"{self.path}: every {len(rows) / len(chosen):.3g}th of {len(rows)} pushes taken")
+        places: list[tuple[float, float]] = []
+        pushes: list[MeasuredPush] = []
+        records: list[PushRecord] = []
+        for number, row in enumerate(chosen):
+            record = read_push_file(row["path"])
+            assert isinstance(record, PushRecord)
+            if _is_straight(record):
+                (x0, y0), (x1, y1) = record.tip_pose[[0, -1], 1:3].tolist()
+                pushes.append(MeasuredPush(Pose(*record.start), Pose(*record.end), (x0, y0), (x1, y1)))
+                places.append((row["side"], row["fraction"]))
+                records.append(record)
+            part_of(progress, number, len(chosen))(1.0)
+        crooked = len(chosen) - len(records)
+        self.leave_out(Counter({"pushes whose tip did not go straight": crooked}))
+        if not records:
+            return
+        # Pushes are grouped by contact where there are many contacts, else by runs of repetitions.
+        known, groups = sorted(set(places)), _cycle_groups(len(pushes)).tolist()
+        if len(known) >= _FEWEST_CONTACTS and not any(math.isnan(number) for place in known for number in place):
+            groups = [known.index(place) for place in places]
+        self._add_push_ends([replace(push, contact=group) for push, group in zip(pushes, groups, strict=True)])
+        outline = self.loop.slider.outline_points(360)
+        sliding = sliding_forces([(record, outline) for record in records], self.loop.pusher.radius)
+        pieces, count = sliding.ratio.size, len(np.unique(sliding.push))
+        if pieces < _FEWEST_PIECES:
+            self.notes.append(f"{self.path}: forces not used: the rod slides in {pieces} pieces of pushes")
+        else:
+            block = force_ratio_block(sliding)
+            self.add(block, f"{pieces} force ratios while the rod slides, in {count} pushes")
+
+    def _add_push_ends(self, pushes: Sequence[MeasuredPush]) -> None:
+        kept = _thinned(pushes, self.most)
+        if kept:
+            self.add(push_end_block(kept, self.loop.slider), f"{_counted(kept, pushes)} push ends")
+
+    def add_csv(self, sort: str, rows: CsvSelection) -> None:
+        """Add what a CSV table of push ends, drag-backs, or wrenches and twists tells."""
+        if sort == PUSH_ENDS:
+            pushes: list[MeasuredPush] = []
+            count = 0
+            for texts in rows.texts:
+                # The contacts of several selections are numbered on.
+                part = read_measured_pushes(self.path, texts)
+                pushes += [replace(push, contact=count + push.contact) for push in part]
+                count = max((push.contact for push in pushes), default=-1) + 1
+            far = sum(rows.rows) - len(pushes)
+            self.leave_out(Counter({"the tip was not where it was sent": far}))
+            if count < _FEWEST_CONTACTS:
+                pushes = [replace(push, contact=number) for number, push in enumerate(pushes)]
+            self._add_push_ends(pushes)
+        elif sort == DRAG_BACKS:
+            drags = [drag for texts in rows.texts for drag in read_measured_drags(self.path, texts)]
+            kept = _thinned([replace(drag, contact=k) for k, drag in enumerate(drags)], self.most)
+            self.add(drag_turn_block(kept, self.loop.slider), f"{_counted(kept, drags)} drag-backs")
+        else:
+            self._add_wrenches(rows)
+
+    def _add_wrenches(self, rows: CsvSelection) -> None:
+        outline, surface = self.loop.slider.outline, next(iter(rows.surfaces), None)
+        if rows.left_out and surface is None:
+            told = "not used: rows of several objects, and no surface to tell them apart"
+            self.notes.append(f"{self.path}: {told}")
+            return
+        data = read_wrench_twists(self.path, rho=outline.extent, surface=surface)
+        block = wrench_twist_block(data, outline, self.loop.model.weight)
+        scaled = f"torque and turning rate scaled by {1e3 * outline.extent:.2f} mm"
+        self.add(block, f"{len(data.twist)} pairs of wrench and twist, {scaled}")
+        table = read_csv_table(self.path)
+        if "source" in table.header:
+            same = [row for row in table.rows if surface is None or table.text(row, "surface") == surface]
+            sources = sorted({table.text(row, "source") for row in same})
+            if len(sources) > 1:
+                told = f"pairs are of several sources ({', '.join(sources)}): what stands in two counts twice"
+                self.notes.append(f"{self.path}: {told}")
 
 
-def record_parts(
-    built: Built, path: Path, pushes: PushTable, choices: BlockChoices, progress: Progress | None = None
-) -> None:
-    """Add what files of the MIT layout tell: friction scans, cycles of repeated pushes, ends and forces of pushes."""
-    unreadable = len(pushes.unreadable)
-    if unreadable:
-        one = pushes.unreadable[0]
-        built.left_out(path, Counter({f"unreadable, the first {one.path.name}: {one.reason}": unreadable}))
-    _add_scans(built, path, pushes.scans, choices)
-    cycle_parts(built, path, pushes, choices)
-    _add_pushes(built, path, pushes.table, choices, progress)
+def loop_of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
+    """Return the loop with a plate of the MIT dataset, its ring where it was; with its own object for another name."""
+    if plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
+        return loop
+    return replace(loop, slider=Slider.mit(plate, loop.slider.hitch), footprint=None)
 
 
-def cycle_parts(built: Built, path: Path, pushes: PushTable, choices: BlockChoices) -> None:
-    """Add a block of cycles for each set of pushes that were repeated at one contact."""
-    if not len(pushes.table):
-        return
-    for one in push_sets(pushes):
-        if one.pairs is not None and one.contacts == 1:
-            _add_cycles(built, path, one, choices)
-
-
-def csv_part(built: Built, file: DataFile, rows: CsvSelection, choices: BlockChoices) -> None:
-    """Add what a CSV table of push ends, drag-backs, or wrenches and twists tells."""
-    if file.sort == PUSH_ENDS:
-        found = [read_measured_pushes(file.path, texts) for texts in rows.texts]
-        far = sum(rows.rows) - sum(map(len, found))
-        built.left_out(file.path, +Counter({"the tip was not where it was sent": far}))
-        _add_push_ends(built, file.path, _with_contacts_apart(found), choices)
-    elif file.sort == DRAG_BACKS:
-        drags = [drag for texts in rows.texts for drag in read_measured_drags(file.path, texts)]
-        kept = _thinned([replace(drag, contact=k) for k, drag in enumerate(drags)], choices.most)
-        block = drag_turn_block(kept, choices.loop.slider)
-        built.add(file.path, block, f"{_counted(len(kept), len(drags))} drag-backs")
-    else:
-        _add_wrenches(built, file.path, rows, choices)
-
-
-def _add_wrenches(built: Built, path: Path, rows: CsvSelection, choices: BlockChoices) -> None:
-    outline, surface = choices.loop.slider.outline, next(iter(rows.surfaces), None)
-    if rows.left_out and surface is None:
-        built.notes.append(f"{path}: not used: rows of several objects, and no surface to tell them apart")
-        return
-    data = read_wrench_twists(path, rho=outline.extent, surface=surface)
-    block = wrench_twist_block(data, outline, choices.loop.model.weight)
-    scaled = f"torque and turning rate scaled by {1e3 * outline.extent:.2f} mm"
-    built.add(path, block, f"{len(data.twist)} pairs of wrench and twist, {scaled}")
-    table = read_csv_table(path)
-    if "source" in table.header:
-        same = [row for row in table.rows if surface is None or table.text(row, "surface") == surface]
-        sources = sorted({table.text(row, "source") for row in same})
-        if len(sources) > 1:
-            told = f"pairs are of several sources ({', '.join(sources)}): what stands in two counts twice"
-            built.notes.append(f"{path}: {told}")
-
-
-def _add_scans(built: Built, path: Path, scans: pandas.DataFrame, choices: BlockChoices) -> None:
-    columns = [scans[name].to_numpy(dtype=float) for name in SCAN_FIELDS]
-    known = np.all(np.isfinite(columns), axis=0)
-    built.left_out(path, +Counter({"friction scans without direction or force": int(np.sum(~known))}))
-    if np.any(known):
-        weight = choices.loop.model.weight
-        direction, along, across = (column[known] for column in columns)
-        found = ScanForces(direction, along, across, weight)
-        built.scans.append(found)
-        table = {name: getattr(found, name) for name in SCAN_FIELDS}
-        built.add(path, friction_scan_block(table, weight), f"{np.sum(known)} friction scans, weight {weight:.3g} N")
-
-
-def _add_cycles(built: Built, path: Path, one: PushSet, choices: BlockChoices) -> None:
-    pairs = one.pairs
-    assert pairs is not None
-    number = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
-    late = number >= choices.first
-    count, early = int(np.sum(late)), int(np.sum(~late))
-    built.left_out(path, +Counter({f"cycles before {choices.first}": early, **pairs.dropped}))
-    if count < _FEWEST_CYCLES:
-        built.notes.append(f"{path}: {count} cycles of {one.name} left out: too few")
-        return
-    place = {name: one.facts[name] for name in ("side", "fraction", "angle") if name in one.facts}
-    loop = replace(choices.loop, push=replace(choices.loop.push, **place))
-    since = number[late] - choices.first
-    share = since / np.max(since) if choices.wear else None
-    block = CyclePairBlock(
-        "cycles", loop, pairs.theta[late], pairs.turn[late], _cycle_groups(count), share, choices.nodes
-    )
-    built.last_cycle = max(built.last_cycle, float(np.max(since)))
-    built.add(path, block, f"{count} cycles of {one.name}" + (", wearing" if choices.wear else ""))
-
-
-def _cycle_groups(count: int) -> NDArray[np.int64]:
-    return blocks_of_cycles(count, min(max(count // _FEWEST_GROUPS, 1), _LONGEST_GROUP))
-
-
-def _add_pushes(
-    built: Built, path: Path, table: pandas.DataFrame, choices: BlockChoices, progress: Progress | None
-) -> None:
-    """Add ends and forces of recorded pushes."""
-    repetition = table["repetition"].to_numpy(dtype=float)
-    quasi_static = np.nan_to_num(table["acceleration"].to_numpy(dtype=float)) == 0.0
-    early = repetition < choices.first
-    built.left_out(path, +Counter({"pushed with acceleration": int(np.sum(~quasi_static & ~early))}))
-    rows = table[quasi_static & ~early].to_dict("records")
-    chosen = _thinned(rows, choices.most)
-    if len(chosen) < len(rows):
-        built.notes.append(f"{path}: every {len(rows) / len(chosen):.3g}th of {len(rows)} pushes taken")
-    places: list[tuple[float, float]] = []
-    pushes: list[MeasuredPush] = []
-    records: list[PushRecord] = []
-    for number, row in enumerate(chosen):
-        record = read_push_file(row["path"])
-        assert isinstance(record, PushRecord)
-        if _is_straight(record):
-            (x0, y0), (x1, y1) = record.tip_pose[[0, -1], 1:3].tolist()
-            pushes.append(MeasuredPush(Pose(*record.start), Pose(*record.end), (x0, y0), (x1, y1), len(pushes)))
-            places.append((row["side"], row["fraction"]))
-            records.append(record)
-        part_of(progress, number, len(chosen))(1.0)
-    built.left_out(path, +Counter({"pushes whose tip did not go straight": len(chosen) - len(records)}))
-    if records:
-        _add_push_ends(built, path, _at_contacts(pushes, places), choices)
-        _add_forces(built, path, records, choices)
+def _cycle_groups(count: int) -> Labels:
+    return np.arange(count) // min(max(count // _FEWEST_GROUPS, 1), _LONGEST_GROUP)
 
 
 def _is_straight(record: PushRecord) -> bool:
@@ -311,47 +298,6 @@ def _is_straight(record: PushRecord) -> bool:
     return bool(np.max(np.abs(place @ (-along[1], along[0]))) <= _STRAIGHT)
 
 
-def _at_contacts(pushes: Sequence[MeasuredPush], places: Sequence[tuple[float, float]]) -> list[MeasuredPush]:
-    """Pushes grouped by contact (side, fraction) where there are many contacts, else by runs of repetitions."""
-    known = sorted(set(places))
-    if len(known) >= _FEWEST_CONTACTS and not any(math.isnan(number) for place in known for number in place):
-        return [replace(push, contact=known.index(place)) for push, place in zip(pushes, places, strict=True)]
-    groups = _cycle_groups(len(pushes)).tolist()
-    return [replace(push, contact=group) for push, group in zip(pushes, groups, strict=True)]
-
-
-def _with_contacts_apart(parts: Sequence[Sequence[MeasuredPush]]) -> list[MeasuredPush]:
-    """Pushes of several selections, their contacts numbered on; each its own where there are few."""
-    pushes, count = [], 0
-    for part in parts:
-        pushes += [replace(push, contact=count + push.contact) for push in part]
-        count = max((push.contact for push in pushes), default=-1) + 1
-    if count < _FEWEST_CONTACTS:
-        return [replace(push, contact=number) for number, push in enumerate(pushes)]
-    return pushes
-
-
-def _add_push_ends(built: Built, path: Path, pushes: Sequence[MeasuredPush], choices: BlockChoices) -> None:
-    kept = _thinned(pushes, choices.most)
-    if kept:
-        built.add(path, push_end_block(kept, choices.loop.slider), f"{_counted(len(kept), len(pushes))} push ends")
-
-
-def _add_forces(built: Built, path: Path, records: Sequence[PushRecord], choices: BlockChoices) -> None:
-    outline = choices.loop.slider.outline_points(360)
-    sliding = sliding_forces([(record, outline) for record in records], choices.loop.pusher.radius)
-    pieces = sliding.ratio.size
-    if pieces < _FEWEST_PIECES:
-        built.notes.append(f"{path}: forces not used: the rod slides in {pieces} pieces of pushes")
-        return
-    try:
-        block = force_ratio_block(sliding)
-    except InvalidInput as cause:
-        built.notes.append(f"{path}: forces not used: {cause}")
-        return
-    built.add(path, block, f"{pieces} force ratios while the rod slides, in {len(np.unique(sliding.push))} pushes")
-
-
 def _thinned(rows: Sequence[Any], most: int) -> list[Any]:
     """At most so many of the rows, evenly spread."""
     if len(rows) <= most:
@@ -359,5 +305,5 @@ def _thinned(rows: Sequence[Any], most: int) -> list[Any]:
     return [rows[k] for k in np.unique(np.linspace(0, len(rows) - 1, most).round().astype(int)).tolist()]
 
 
-def _counted(kept: int, count: int) -> str:
-    return str(kept) if kept == count else f"{kept} of {count}"
+def _counted(kept: Sequence[Any], rows: Sequence[Any]) -> str:
+    return str(len(kept)) if len(kept) == len(rows) else f"{len(kept)} of {len(rows)}"

@@ -15,25 +15,23 @@ from cyclemap.evidence.data_blocks.block_builders import (
     CYCLES,
     LAYOUTS,
     RECORDS,
-    BlockChoices,
-    Built,
+    BlockBuilder,
     DataFile,
-    csv_part,
-    cycle_parts,
+    loop_of_plate,
     recognise,
-    record_parts,
 )
 from cyclemap.evidence.data_blocks.cycle_pair_block import NODES
 from cyclemap.evidence.data_blocks.force_blocks import ScanForces
-from cyclemap.evidence.identification.data_block import DataBlock, Progress, part_of
+from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET
+from cyclemap.evidence.identification.data_block import DataBlock, PlateBlock, Progress, part_of
+from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
 from cyclemap.evidence.pushes.measured_strokes import RowSelection, pushes_of, select_csv, select_pushes, told
-from cyclemap.evidence.pushes.push_table import UnreadableFile
-from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
+from cyclemap.mechanics import MIT_SHAPE_NAMES
 from cyclemap.whole_files import file_stem
 
 MOST_STROKES = 2000
-_OWNED = ("rim_share", "corner_share", "inner_share", "tip_offset_x", "tip_offset_y")
-_ALWAYS = ("friction_scale", "ellipticity_x", "ellipticity_y", "offset_x", "offset_y", "pusher_friction")
+# What belongs to a plate, or to the frame that its data are in.
+_OWNED = (*SURFACE.select(SHARE_NAMES).parameters, *TIP_OFFSET)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,22 +79,80 @@ def collected_blocks(
     or of several objects of unknown outline, and for a number that does not fit.
     """
     whole_number("first cycle", first, least=0)
-    loop, selection = _object(loop, dict(select or {}))
-    choices = BlockChoices(loop, first, wear, whole_number("most strokes", most, least=2), nodes)
+    chosen = dict(select or {})
+    wanted, objects = chosen.get("object"), MIT_SHAPE_NAMES
+    if isinstance(wanted, str):
+        loop, objects = loop_of_plate(loop, wanted), (wanted,)
+    elif loop.slider.name not in MIT_SHAPE_NAMES:
+        objects = () if loop.slider.name == OWN_OUTLINE else (file_stem(loop.slider.name),)
+    selection = RowSelection(objects, chosen)
+    builder = BlockBuilder(loop, first, wear, whole_number("most strokes", most, least=2), nodes)
     found = [recognise(path) for path in paths]
     files = list(dict.fromkeys(file for known, _ in found for file in known))
     unused = list(dict.fromkeys(file for _, others in found for file in others))
-    built, surfaces = Built(), set[str]()
+    surfaces, shapes = set[str](), set[str]()
     for number, file in enumerate(files):
-        surfaces |= _add(built, file, selection, choices, part_of(progress, number, len(files)))
-    _check(paths, built, unused, surfaces, loop.slider, selection.chosen)
-    notes = (*built.notes, *(f"{file.path}: not used: {file.reason}" for file in unused))
-    scans = ScanForces.joined(built.scans) if built.scans else None
-    plates = sorted(set(built.plates))
-    if len(plates) == 1 and plates[0] in MIT_SHAPE_NAMES:
-        loop = _of_plate(loop, plates[0])
-    blocks = _named_apart(built.blocks if len(plates) < 2 else built.of_plates())
-    return CollectedBlocks(blocks, notes, next(iter(surfaces), None), loop, scans, built.last_cycle)
+        on, of = _add(builder, file, selection, part_of(progress, number, len(files)))
+        surfaces, shapes = surfaces | on, shapes | of
+    if len(surfaces) > 1:
+        raise InvalidInput(f"the data are of several surfaces: {', '.join(sorted(surfaces))}; select one, surface=NAME")
+    if len(shapes) > 1 and loop.slider.name not in MIT_SHAPE_NAMES:
+        raise InvalidInput(f"the data are of several objects: {', '.join(sorted(shapes))}; select one")
+    if not builder.blocks:
+        reasons = [*builder.notes, *(f"{file.path}: {file.reason}" for file in unused)]
+        listed = "; ".join(reasons) or ", ".join(str(path) for path in paths)
+        facts = ", ".join(f"{name}: {value}" for name, value in chosen.items() if name != "object")
+        if facts and not unused:
+            raise InvalidInput(f"no such {facts}; {listed}")
+        raise InvalidInput(f"no data of {loop.slider.name} recognised: {listed}. Give {LAYOUTS}")
+    notes = (*builder.notes, *(f"{file.path}: not used: {file.reason}" for file in unused))
+    scans = ScanForces.joined(builder.scans) if builder.scans else None
+    loop = loop if len(set(builder.plates)) > 1 else loop_of_plate(loop, builder.plates[0])
+    return CollectedBlocks(_named_apart(builder), notes, next(iter(surfaces), None), loop, scans, builder.last_cycle)
+
+
+def _add(
+    builder: BlockBuilder, file: DataFile, selection: RowSelection, progress: Progress
+) -> tuple[frozenset[str], frozenset[str]]:
+    """Add a file's blocks and notes to what is built; return the surfaces and the objects that it tells of."""
+    builder.path = file.path
+    if file.sort not in (RECORDS, CYCLES):
+        rows = select_csv(file.path, selection)
+        builder.leave_out(rows.left_out)
+        if len(rows.surfaces) > 1:
+            return rows.surfaces, rows.objects
+        for plate in sorted(rows.objects) or [builder.given.slider.name]:
+            chosen = rows if len(rows.objects) < 2 else select_csv(file.path, replace(selection, objects=(plate,)))
+            if chosen.texts:
+                builder.turn_to(plate)
+                builder.add_csv(file.sort, chosen)
+        return rows.surfaces, rows.objects
+    pushes, left_out = select_pushes(file.path, selection, file.sort == CYCLES, part_of(progress, 0, 2))
+    builder.leave_out(left_out)
+    surfaces, objects = (told(pushes.table, name) | told(pushes.scans, name) for name in ("surface", "object"))
+    plates = [] if len(surfaces) > 1 else sorted(objects) or [builder.given.slider.name]
+    for number, plate in enumerate(plates):
+        own = pushes if len(plates) < 2 else pushes_of(pushes, plate)
+        builder.turn_to(plate)
+        if file.sort == CYCLES:
+            builder.add_cycles(own)
+        else:
+            builder.add_records(own, part_of(part_of(progress, 1, 2), number, len(plates)))
+    return surfaces, objects
+
+
+def _named_apart(builder: BlockBuilder) -> tuple[DataBlock, ...]:
+    """The blocks, of several plates each with its plate's, and with a number behind names that several have."""
+    blocks = builder.blocks
+    if len(set(builder.plates)) > 1:
+        blocks = [PlateBlock(block, plate, _OWNED) for block, plate in zip(blocks, builder.plates, strict=True)]
+    counts, seen, named = Counter(block.name for block in blocks), Counter[str](), []
+    for block in blocks:
+        if counts[block.name] > 1:
+            seen[block.name] += 1
+            block = replace(block, name=f"{block.name} {seen[block.name]}")  # type: ignore[type-var]
+        named.append(block)
+    return tuple(named)
 
 
 def telling_parameters(blocks: Sequence[DataBlock]) -> tuple[str, ...]:
@@ -110,91 +166,8 @@ def telling_parameters(blocks: Sequence[DataBlock]) -> tuple[str, ...]:
     ('pusher_friction',)
     """
     asked = {name for block in blocks for name in block.parameters}
-    plain = {name.partition("[")[0] for name in asked}
-    free = [name for name in _ALWAYS if name in asked]
-    free += sorted(name for name in asked if name.partition("[")[0] in _OWNED)
-    free += ["pin_friction_radius"] if "pin_friction_radius" in plain else []
+    owned = {one.name for one in _OWNED}
+    free = [name for name in SURFACE.names[:6] if name in asked]
+    free += sorted(name for name in asked if name.partition("[")[0] in owned)
+    free += ["pin_friction_radius"] if "pin_friction_radius" in asked else []
     return (*free, *sorted(name for name in asked if name.startswith("worn_")))
-
-
-def _of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
-    """The loop with a plate of the MIT dataset, its ring where it was; with its own object for that one's name."""
-    if plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
-        return loop
-    return replace(loop, slider=Slider.mit(plate, loop.slider.hitch), footprint=None)
-
-
-def _object(loop: CollectionLoop, chosen: dict[str, str | float]) -> tuple[CollectionLoop, RowSelection]:
-    """The loop with the selected object, and the selection of rows: of that, of every known object, or of any."""
-    wanted = chosen.get("object")
-    if isinstance(wanted, str):
-        return _of_plate(loop, wanted), RowSelection((wanted,), chosen)
-    if loop.slider.name in MIT_SHAPE_NAMES:
-        return loop, RowSelection(MIT_SHAPE_NAMES, chosen)
-    return loop, RowSelection(() if loop.slider.name == OWN_OUTLINE else (file_stem(loop.slider.name),), chosen)
-
-
-def _add(
-    built: Built, file: DataFile, selection: RowSelection, choices: BlockChoices, progress: Progress
-) -> frozenset[str]:
-    """Add a file's blocks and notes to what is built; return the surfaces that it tells of."""
-    if file.sort in (RECORDS, CYCLES):
-        pushes, left_out = select_pushes(file.path, selection, file.sort == CYCLES, part_of(progress, 0, 2))
-        built.left_out(file.path, left_out)
-        surfaces = told(pushes.table, "surface") | told(pushes.scans, "surface")
-        built.objects |= told(pushes.table, "object") | told(pushes.scans, "object")
-        if len(surfaces) <= 1:
-            plates = sorted(told(pushes.table, "object") | told(pushes.scans, "object"))
-            for number, plate in enumerate(plates or [choices.loop.slider.name]):
-                own = pushes if len(plates) < 2 else pushes_of(pushes, plate)
-                with built.plate(plate):
-                    of_plate = replace(choices, loop=_of_plate(choices.loop, plate))
-                    if file.sort == CYCLES:
-                        cycle_parts(built, file.path, own, of_plate)
-                    else:
-                        half = part_of(progress, 1, 2)
-                        record_parts(built, file.path, own, of_plate, part_of(half, number, max(len(plates), 1)))
-        return surfaces
-    rows = select_csv(file.path, selection)
-    built.left_out(file.path, rows.left_out)
-    built.objects |= rows.objects
-    if len(rows.surfaces) > 1:
-        return rows.surfaces
-    for plate in sorted(rows.objects) or [choices.loop.slider.name]:
-        chosen = rows if len(rows.objects) < 2 else select_csv(file.path, replace(selection, objects=(plate,)))
-        if chosen.texts:
-            with built.plate(plate):
-                csv_part(built, file, chosen, replace(choices, loop=_of_plate(choices.loop, plate)))
-    return rows.surfaces
-
-
-def _check(
-    paths: Sequence[str | Path],
-    built: Built,
-    unused: Sequence[UnreadableFile],
-    surfaces: set[str],
-    slider: Slider,
-    chosen: Mapping[str, str | float],
-) -> None:
-    if len(surfaces) > 1:
-        raise InvalidInput(f"the data are of several surfaces: {', '.join(sorted(surfaces))}; select one, surface=NAME")
-    if len(built.objects) > 1 and slider.name not in MIT_SHAPE_NAMES:
-        raise InvalidInput(f"the data are of several objects: {', '.join(sorted(built.objects))}; select one")
-    if not built.blocks:
-        reasons = [*built.notes, *(f"{file.path}: {file.reason}" for file in unused)]
-        listed = "; ".join(reasons) or ", ".join(str(path) for path in paths)
-        facts = ", ".join(f"{name}: {value}" for name, value in chosen.items() if name != "object")
-        if facts and not unused:
-            raise InvalidInput(f"no such {facts}; {listed}")
-        raise InvalidInput(f"no data of {slider.name} recognised: {listed}. Give {LAYOUTS}")
-
-
-def _named_apart(blocks: Sequence[DataBlock]) -> tuple[DataBlock, ...]:
-    """Blocks with a number behind the names that several have."""
-    counts, seen, named = Counter(block.name for block in blocks), Counter[str](), []
-    for block in blocks:
-        if counts[block.name] > 1:
-            seen[block.name] += 1
-            block = replace(block, name=f"{block.name} {seen[block.name]}")  # type: ignore[type-var]
-        named.append(block)
-    return tuple(named)

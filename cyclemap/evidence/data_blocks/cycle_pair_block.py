@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +14,7 @@ from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.found_with import with_material
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, kept_rows
+from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, checked_labels, set_fields
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SHARE_NAMES,
@@ -29,7 +29,7 @@ from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
 
 Rows = tuple[Array, Array]
-SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
+SHAPE = SURFACE.names[1:5]
 CYCLE_UNKNOWNS = (*SHAPE, "pusher_friction", *SHARE_NAMES, "pin_friction_radius")
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
 NODES = 48
@@ -43,21 +43,9 @@ def interpolation(theta: ArrayLike, count: int) -> Array:
     >>> bool(np.allclose(interpolation([0.3], 5) @ np.cos(2 * nodes), np.cos(0.6)))
     True
     """
-    off, orders = _distances(theta, count)
-    return np.asarray((1.0 + 2.0 * np.cos(off * orders).sum(axis=-1)) / count)
-
-
-def interpolation_slope(theta: ArrayLike, count: int) -> Array:
-    """Return the matrix (n, count) from values at 2 pi k / count to the slope of the series, per rad, at theta (n,)."""
-    off, orders = _distances(theta, count)
-    return np.asarray(-2.0 * (orders * np.sin(off * orders)).sum(axis=-1) / count)
-
-
-def _distances(theta: ArrayLike, count: int) -> tuple[Array, Array]:
-    """Angle of each theta from each node, (n, count, 1), and the orders (count - 1) / 2 of the series."""
-    places = 2.0 * np.pi * np.arange(count) / count
-    off = finite_array("theta", theta, ndim=1)[:, np.newaxis] - places
-    return off[..., np.newaxis], np.arange(1, (count - 1) // 2 + 1, dtype=float)
+    off = finite_array("theta", theta, ndim=1)[:, np.newaxis] - 2.0 * np.pi * np.arange(count) / count
+    orders = np.arange(1, (count - 1) // 2 + 1, dtype=float)
+    return np.asarray((1.0 + 2.0 * np.cos(off[..., np.newaxis] * orders).sum(axis=-1)) / count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +54,8 @@ class CyclePairBlock:
 
     loop : who is pushed where, and how it is brought back; surface, pusher friction, rim share and ring are the
         unknowns'. theta, turn (n,) : rad, orientation before a push and how far the cycle turned the object.
-    labels (n,) : groups of rows. share (n,) or None : how worn the surface was, 0 fresh to 1 at the end of the data;
-        the turn is then blended linearly between the two, its ends having an ellipse each.
+    groups (n,) : labels of rows. share (n,) or None : how worn the surface was, 0 fresh to 1 at the end of the data;
+        the turn is then blended linearly between the two, its ends having an ellipse each, the worn one's `worn_...`.
     nodes : angles at which cycles are computed; between them a trigonometric polynomial, so the map must be smooth.
 
     Raises InvalidInput where shapes differ or nothing is given.
@@ -77,58 +65,35 @@ class CyclePairBlock:
     loop: CollectionLoop
     theta: Array
     turn: Array
-    labels: Labels
+    groups: Labels
     share: Array | None = None
     nodes: int = NODES
+    parameters: tuple[str, ...] = field(init=False)
+    own_parameters: tuple[Parameter, ...] = field(init=False)
+    kinds: Kinds = field(init=False)
 
     def __post_init__(self) -> None:
         theta, turn = finite_array("theta", self.theta, ndim=1), finite_array("turn", self.turn, ndim=1)
         if theta.size == 0 or turn.shape != theta.shape:
             raise InvalidInput(f"{theta.size} orientations and {turn.size} turns: give one turn for each, one at least")
+        whole_number("nodes", self.nodes, least=9)
+        worn: list[Parameter] = []
         if self.share is not None:
             share = finite_array("share of wear", self.share, ndim=1)
             if share.shape != theta.shape or share.min() < 0.0 or share.max() > 1.0:
                 raise InvalidInput("the share of wear must be a number from 0 to 1 for each cycle")
-            object.__setattr__(self, "share", share)
-        whole_number("nodes", self.nodes, least=9)
-        object.__setattr__(self, "theta", theta)
-        object.__setattr__(self, "turn", turn)
-        object.__setattr__(self, "labels", checked_labels(self.name, self.labels, theta.size))
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the unknowns that the object can have; a surface that wears has a second ellipse, `worn_...`."""
-        return possible_names(self._all_unknowns, self.loop.slider.outline)
-
-    @property
-    def _all_unknowns(self) -> tuple[str, ...]:
-        return (*CYCLE_UNKNOWNS, *(part.name for part in self.own_parameters))
-
-    @property
-    def own_parameters(self) -> tuple[Parameter, ...]:
-        """The ellipse at the end of the data, if the surface wears."""
-        worn = () if self.share is None else SHAPE
-        told = [(SURFACE[name], f"{SURFACE[name].description}, at the end of the data") for name in worn]
-        return tuple(replace(one, name=f"worn_{one.name}", description=words) for one, words in told)
-
-    @property
-    def groups(self) -> Labels:
-        """Group of each row."""
-        return self.labels
-
-    @property
-    def kinds(self) -> Kinds:
-        """All rows have one noise."""
-        return np.repeat(np.array(["cycle turn (rad)"]), self.theta.size)
-
-    @cached_property
-    def _interpolation(self) -> Array:
-        """(n, nodes): from turns at the nodes, an odd number, to turns at each measured angle."""
-        return interpolation(self.theta, self.nodes - 1 + self.nodes % 2)
+            set_fields(self, share=share)
+            late = "at the end of the data"
+            fresh = (SURFACE[name] for name in SHAPE)
+            worn = [replace(x, name=f"worn_{x.name}", description=f"{x.description}, {late}") for x in fresh]
+        asked = possible_names((*CYCLE_UNKNOWNS, *(one.name for one in worn)), self.loop.slider.outline)
+        groups = checked_labels(self.name, self.groups, theta.size)
+        set_fields(self, theta=theta, turn=turn, groups=groups, parameters=asked, own_parameters=tuple(worn))
+        set_fields(self, kinds=np.repeat(np.array(["cycle turn (rad)"]), theta.size))
 
     def residuals(self, values: Values) -> Rows:
         """Return predicted minus measured turns, and their derivatives."""
-        turn, jacobian = self._predicted(values)
+        (turn, jacobian), names = self._predicted(values), (*CYCLE_UNKNOWNS, *(x.name for x in self.own_parameters))
         jacobian = np.hstack([jacobian, np.zeros((turn.size, len(self.own_parameters)))])
         if self.share is not None:
             turn_worn, by_worn = self._predicted({**values, **{name: values[f"worn_{name}"] for name in SHAPE}})
@@ -138,22 +103,24 @@ class CyclePairBlock:
             jacobian *= 1.0 - share
             jacobian[:, shape:kept] += share * by_worn[:, shape:]
             jacobian[:, kept:] = share * by_worn[:, :shape]
-        return turn - self.turn, jacobian[:, [self._all_unknowns.index(name) for name in self.parameters]]
+        return turn - self.turn, jacobian[:, [names.index(name) for name in self.parameters]]
 
     def subset(self, keep_groups: ArrayLike) -> CyclePairBlock:
         """Return the block with the rows of some groups only."""
-        keep = kept_rows(self.labels, keep_groups)
+        keep = np.isin(self.groups, keep_groups)
         share = None if self.share is None else self.share[keep]
-        return replace(self, theta=self.theta[keep], turn=self.turn[keep], labels=self.labels[keep], share=share)
+        return replace(self, theta=self.theta[keep], turn=self.turn[keep], groups=self.groups[keep], share=share)
 
     def _predicted(self, values: Mapping[str, float]) -> Rows:
-        """Turns (n,) on one surface and their derivatives by CYCLE_UNKNOWNS."""
-        surface = SurfaceParameters.from_values(values)
-        count = self._interpolation.shape[1]
-        theta = 2.0 * np.pi * np.arange(count) / count
-        runs, by_unknowns = cycles_by_unknowns(surface, self.loop, theta)
+        """Turns (n,) on one surface and their derivatives by CYCLE_UNKNOWNS, between an odd number of nodes."""
+        theta = 2.0 * np.pi * np.arange(self._between.shape[1]) / self._between.shape[1]
+        runs, by_unknowns = cycles_by_unknowns(SurfaceParameters.from_values(values), self.loop, theta)
         by_next = by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
-        return self._interpolation @ (runs.theta_next[0] - theta), self._interpolation @ by_next
+        return self._between @ (runs.theta_next[0] - theta), self._between @ by_next
+
+    @cached_property
+    def _between(self) -> Array:
+        return interpolation(self.theta, self.nodes - 1 + self.nodes % 2)
 
 
 def cycles_by_unknowns(surface: SurfaceParameters, loop: CollectionLoop, theta: Array) -> tuple[CycleBatch, Array]:
@@ -174,14 +141,3 @@ def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
     found = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
     material = Material("identified", surface.to_friction(), found_with=found, plates=(plate,))
     return with_material(replace(loop, accuracy=ACCURACY), material)
-
-
-def blocks_of_cycles(count: int, length: int = 25) -> Labels:
-    """Return a label for each of `count` consecutive cycles, one for every `length` of them.
-
-    Errors of neighbouring cycles are alike; such labels keep them together.
-
-    >>> blocks_of_cycles(5, 2).tolist()
-    [0, 0, 1, 1, 2]
-    """
-    return np.arange(whole_number("count", count, least=1)) // whole_number("length", length, least=1)

@@ -6,15 +6,15 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.identification.data_block import FunctionBlock, Values, checked_labels
+from cyclemap.evidence.identification.data_block import FunctionBlock, Labels, Values, checked_labels, set_fields
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.surface_parameters import SURFACE, SurfaceParameters, share_names
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint
@@ -24,7 +24,6 @@ from cyclemap.text_files import read_csv_table, require_columns
 if TYPE_CHECKING:
     import pandas
 
-
 # Columns of a table of friction scans.
 SCAN_FIELDS = ("direction", "force_along", "force_across")
 ELLIPSE = SURFACE.names[:5]
@@ -33,9 +32,6 @@ SCAN_KIND = "scan force (N)"
 FEWEST_GROUPS = 4
 # Directions (rad) as near as this are one.
 _SAME_DIRECTION = 1e-6
-# Below this log axis ratio the series has all digits, the quotient has not.
-_ROUND = 1e-2
-Labels = NDArray[np.int64]
 FORCE_KIND, TORQUE_KIND = "wrench force (N)", "wrench torque over radius (N)"
 WRENCH_COLUMNS = ("fx", "fy", "m_over_rho")
 TWIST_COLUMNS = ("vx", "vy", "w_times_rho")
@@ -50,7 +46,7 @@ _SHARE = 0.1
 class ScanForces:
     """direction (n,) : rad, of the motion. force_along, force_across (n,) : N, of the rod. weight : N, of the object.
 
-    Raises InvalidInput where lengths differ or a number is not finite.
+    Raises InvalidInput where lengths differ or a number is not finite (NaN: leave such scans out).
 
     >>> ScanForces([0.0], [2.0], [0.5], 8.0).traction.tolist()
     [[0.25, 0.0625]]
@@ -62,11 +58,13 @@ class ScanForces:
     weight: float
 
     def __post_init__(self) -> None:
-        for name in SCAN_FIELDS:
-            object.__setattr__(self, name, read_only(finite_array(name, getattr(self, name), ndim=1)))
+        columns = [np.array(getattr(self, name), dtype=float) for name in SCAN_FIELDS]
+        if columns[0].ndim != 1 or any(column.shape != columns[0].shape for column in columns) or not len(columns[0]):
+            raise InvalidInput(f"friction scans must be columns of one length, not {[c.shape for c in columns]}")
+        for row in np.flatnonzero(~np.all(np.isfinite(columns), axis=0))[:1]:
+            raise InvalidInput(f"friction scan {row} has no direction or no force (NaN): leave it out")
+        set_fields(self, **{name: read_only(column) for name, column in zip(SCAN_FIELDS, columns, strict=True)})
         positive_number("weight", self.weight)
-        if not self.direction.shape == self.force_along.shape == self.force_across.shape:
-            raise InvalidInput("friction scans need one force along and one across for each direction")
 
     @classmethod
     def joined(cls, parts: Sequence[ScanForces]) -> ScanForces:
@@ -101,14 +99,21 @@ def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weigh
     >>> bool(np.allclose(residual, 0.0, atol=1e-5))
     True
     """
-    direction, along, across = _columns(scans)
-    load, measured = positive_number("weight", weight), np.stack([along, across], axis=-1).ravel()
+    missing = [name for name in SCAN_FIELDS if name not in scans]
+    if missing:
+        raise InvalidInput(f"friction scans need {', '.join(SCAN_FIELDS)}: {', '.join(missing)} is missing")
+    given = ScanForces(**{name: np.asarray(scans[name], dtype=float) for name in SCAN_FIELDS}, weight=weight)
+    direction, measured = given.direction, np.stack([given.force_along, given.force_across], axis=-1).ravel()
+    # Directions that differ by full turns are one.
+    step = np.round(np.remainder(direction, 2.0 * math.pi) / _SAME_DIRECTION)
+    found, number = np.unique(np.remainder(step, round(2.0 * math.pi / _SAME_DIRECTION)), return_inverse=True)
+    groups = np.arange(len(measured)) if len(found) < FEWEST_GROUPS else np.repeat(number.reshape(-1), 2)
 
     def function(values: Values) -> tuple[Array, Array]:
-        force, jacobian = _predicted(values, direction, load)
+        force, jacobian = _predicted(values, direction, weight)
         return force - measured, jacobian
 
-    return FunctionBlock("friction scans", ELLIPSE, function, _row_groups(direction), np.full(len(measured), SCAN_KIND))
+    return FunctionBlock("friction scans", ELLIPSE, function, groups, np.full(len(measured), SCAN_KIND))
 
 
 def friction_ellipse_from_scans(
@@ -137,65 +142,31 @@ def friction_ellipse_from_scans(
     return identify([block], ELLIPSE, starts=4, noise=known)
 
 
-def _columns(scans: Any) -> tuple[Array, Array, Array]:
-    """Directions (rad) and forces along and across (N), (n,) each."""
-    missing = [name for name in SCAN_FIELDS if name not in scans]
-    if missing:
-        raise InvalidInput(f"friction scans need {', '.join(SCAN_FIELDS)}: {', '.join(missing)} is missing")
-    columns = [np.asarray(scans[name], dtype=float) for name in SCAN_FIELDS]
-    if columns[0].ndim != 1 or any(column.shape != columns[0].shape for column in columns) or not len(columns[0]):
-        raise InvalidInput(f"friction scans must be columns of one length, not {[c.shape for c in columns]}")
-    for row in np.flatnonzero(~np.all(np.isfinite(columns), axis=0))[:1]:
-        raise InvalidInput(f"friction scan {row} has no direction or no force (NaN): leave it out")
-    return finite_array("direction", columns[0]), columns[1], columns[2]
-
-
-def _row_groups(direction: Array) -> NDArray[np.int64]:
-    """Group of each row (2 n,): the number of its direction, equal for directions that differ by full turns."""
-    step = np.round(np.remainder(direction, 2.0 * math.pi) / _SAME_DIRECTION)
-    whole = round(2.0 * math.pi / _SAME_DIRECTION)
-    found, number = np.unique(np.remainder(step, whole), return_inverse=True)
-    return np.arange(2 * len(direction)) if len(found) < FEWEST_GROUPS else np.repeat(number.reshape(-1), 2)
-
-
 def _predicted(values: Values, direction: Array, weight: float) -> tuple[Array, Array]:
     """Forces (2 n,), along then across for each scan, and their derivatives by ELLIPSE (2 n, 5).
 
     With E = ((ellipticity_x, ellipticity_y), (ellipticity_y, -ellipticity_x)) the ellipse's shape matrix is mean^2
     expm(E) = mean^2 A, and the traction along u is mean (offset + A u / sqrt(u A u)): smooth in all, a circle included.
     """
+    from scipy.linalg import expm, expm_frechet
+
     surface = SurfaceParameters.from_values(values)
     way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
     left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
-    traction = surface.to_friction().traction(way)
-    mean = math.exp(surface.friction_scale)
-    shape, by_shape = _shape(surface.ellipticity_x, surface.ellipticity_y)
-    push, size = way @ shape, np.sqrt(np.sum(way @ shape * way, axis=1))[:, None]
+    traction, mean = surface.to_friction().traction(way), math.exp(surface.friction_scale)
+    by_x, by_y = np.array(((1.0, 0.0), (0.0, -1.0))), np.array(((0.0, 1.0), (1.0, 0.0)))
+    exponent = surface.ellipticity_x * by_x + surface.ellipticity_y * by_y
+    push = way @ expm(exponent)
+    size = np.sqrt(np.sum(push * way, axis=1))[:, None]
     columns = [traction]
-    for change in by_shape:
-        moved = way @ change
+    for unit in (by_x, by_y):
+        moved = way @ expm_frechet(exponent, unit, compute_expm=False)
         columns.append(mean * (moved - push * np.sum(moved * way, axis=1)[:, None] / (2.0 * size**2)) / size)
     columns += [np.broadcast_to(mean * unit, way.shape) for unit in np.eye(2)]
     jacobian = np.stack(columns, axis=-1)
     turn = weight * np.stack([way, left], axis=1)
     force = np.einsum("nij,nj->ni", turn, traction)
     return force.ravel(), np.einsum("nij,njk->nik", turn, jacobian).reshape(-1, len(ELLIPSE))
-
-
-def _shape(x: float, y: float) -> tuple[Array, tuple[Array, Array]]:
-    """Return expm of ((x, y), (y, -x)), (2, 2), and its derivatives by x and y."""
-    ratio = math.hypot(x, y)
-    exponent, one = np.array(((x, y), (y, -x))), np.eye(2)
-    if ratio < _ROUND:
-        quotient, slope = 1.0 + ratio**2 / 6.0 + ratio**4 / 120.0, 1.0 / 3.0 + ratio**2 / 30.0 + ratio**4 / 840.0
-    else:
-        quotient = math.sinh(ratio) / ratio
-        slope = (math.cosh(ratio) - quotient) / ratio**2
-    units = np.array(((1.0, 0.0), (0.0, -1.0))), np.array(((0.0, 1.0), (1.0, 0.0)))
-    first, second = (
-        at * (quotient * one + slope * exponent) + quotient * unit for at, unit in zip((x, y), units, strict=True)
-    )
-    return math.cosh(ratio) * one + quotient * exponent, (first, second)
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,12 +203,20 @@ class WrenchTwists:
         A single pusher's force passes through its contact: the line of action enters the outline there, as seen along
         the force. A line that misses the outline is no single push.
         """
-        rim = outline.points(_POINTS)
-        place = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(rim, axis=0).T))])
-        found = [_entry(rim, place, *row) for row in self.wrench.tolist()]
-        share = np.array(found) / place[-1]
-        piece = np.minimum(np.nan_to_num(share) * CONTACT_PIECES, CONTACT_PIECES - 1)
-        return np.where(np.isnan(share), -1, piece).astype(np.int64)
+        rim, found = outline.points(_POINTS), np.full(len(self.wrench), -1)
+        step = np.diff(rim, axis=0)
+        place = np.concatenate([[0.0], np.cumsum(np.hypot(*step.T))])
+        for row, (fx, fy, torque) in enumerate(self.wrench.tolist()):
+            height = rim[:, 0] * fy - rim[:, 1] * fx - torque
+            crossing = np.flatnonzero(height[:-1] * height[1:] <= 0.0)
+            if fx == fy == 0.0 or not crossing.size:
+                continue
+            drop = height[crossing] - height[crossing + 1]
+            share = np.clip(np.where(drop == 0.0, 0.0, height[crossing] / np.where(drop == 0.0, 1.0, drop)), 0.0, 1.0)
+            first = int(np.argmin((rim[crossing] + share[:, None] * step[crossing]) @ (fx, fy)))
+            entry = place[crossing[first]] + share[first] * np.diff(place)[crossing[first]]
+            found[row] = min(int(entry / place[-1] * CONTACT_PIECES), CONTACT_PIECES - 1)
+        return found
 
 
 def read_wrench_twists(
@@ -294,11 +273,14 @@ def wrench_twist_block(
     >>> bool(np.allclose(residual, 0.0, atol=1e-12))
     True
     """
-    load, length = positive_number("weight", weight), outline.extent
-    scale = np.array([1.0, 1.0, 1.0 / length])
-    names = share_names(outline)
-    even, *by_shares = (load * part * scale for part in _wrench_parts(outline, data.twist, names))
-    measured, parameters = (data.wrench * scale).ravel(), ("friction_scale", *names)
+    unit, names = np.array([1.0, 1.0, 1.0 / outline.extent]), share_names(outline)
+    scale = positive_number("weight", weight) * unit
+    # Under even pressure, then the change by each share.
+    law = EllipseFriction.isotropic(1.0)
+    even = scale * LimitSurface(PatchFootprint(outline), law).wrench(data.twist)
+    parts = [replace(PatchFootprint(outline), **{name: _SHARE}) for name in names]  # type: ignore[arg-type]
+    by_shares = [(scale * LimitSurface(part, law).wrench(data.twist) - even) / _SHARE for part in parts]
+    measured, parameters = (data.wrench * unit).ravel(), ("friction_scale", *names)
 
     def function(values: Values) -> tuple[Array, Array]:
         mean, surface = math.exp(values["friction_scale"]), SurfaceParameters.from_values(values)
@@ -310,25 +292,3 @@ def wrench_twist_block(
     labels = data.contact_pieces(outline) if groups is None else checked_labels("wrenches", groups, len(data.twist))
     kinds = np.tile([FORCE_KIND, FORCE_KIND, TORQUE_KIND], len(data.twist))
     return FunctionBlock("wrenches", parameters, function, np.repeat(labels, 3), kinds)
-
-
-def _wrench_parts(outline: Outline, twist: Array, names: tuple[str, ...]) -> list[Array]:
-    """Wrenches (n, 3) per unit load and friction under even pressure, then their change by each share."""
-    law = EllipseFriction.isotropic(1.0)
-    even = LimitSurface(PatchFootprint(outline), law).wrench(twist)
-    parts = [replace(PatchFootprint(outline), **{name: _SHARE}) for name in names]  # type: ignore[arg-type]
-    return [even, *((LimitSurface(part, law).wrench(twist) - even) / _SHARE for part in parts)]
-
-
-def _entry(rim: Array, place: Array, fx: float, fy: float, torque: float) -> float:
-    """Arclength (m) at which the line of action of a wrench enters a closed polyline (k, 2); nan if it misses."""
-    height = rim[:, 0] * fy - rim[:, 1] * fx - torque
-    crossing = np.flatnonzero(height[:-1] * height[1:] <= 0.0)
-    if fx == fy == 0.0 or not crossing.size:
-        return math.nan
-    drop = height[crossing] - height[crossing + 1]
-    share = np.clip(np.where(drop == 0.0, 0.0, height[crossing] / np.where(drop == 0.0, 1.0, drop)), 0.0, 1.0)
-    points = rim[crossing] + share[:, None] * (rim[crossing + 1] - rim[crossing])
-    first = int(np.argmin(points @ (fx, fy)))
-    lengths = place[crossing + 1] - place[crossing]
-    return float(place[crossing[first]] + share[first] * lengths[first])

@@ -10,11 +10,9 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import FunctionBlock, Values
-from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, ContactSamples, contact_samples
+from cyclemap.evidence.identification.data_block import FunctionBlock, Labels, Values
+from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, contact_samples
 from cyclemap.evidence.pushes.push_files import PushRecord
-
-Labels = NDArray[np.int64]
 
 RATIO_KIND = "force ratio (1)"
 # Slip per travel of the rod above which it slides and below which it sticks: between them the poses do not tell.
@@ -26,12 +24,12 @@ class SlidingForces:
     """Ratios of forces in the pieces of pushes in which the rod slid all the time.
 
     ratio : (m,) sum of tangential over sum of normal force, positive where friction goes with the rod's slip over the
-    object. push : (m,) number of the push. samples : (m,) in each piece. sticking : samples in which the rod stuck.
+    object. push : (m,) number of the push. samples : in all pieces. sticking : samples in which the rod stuck.
     """
 
     ratio: Array
     push: Labels
-    samples: Labels
+    samples: int
     sticking: int
 
 
@@ -45,7 +43,7 @@ def force_ratio_block(sliding: SlidingForces) -> FunctionBlock:
     0.1355. Pieces of one push share their errors; those of one push alone are a group each.
     Raises InvalidInput where nothing slides.
 
-    >>> sliding = SlidingForces(np.array([0.14, 0.15, 0.16]), np.array([0, 0, 1]), np.ones(3, dtype=int), 0)
+    >>> sliding = SlidingForces(np.array([0.14, 0.15, 0.16]), np.array([0, 0, 1]), 3, 0)
     >>> force_ratio_block(sliding).residuals({"pusher_friction": 0.15})[0].round(9).tolist()
     [0.01, 0.0, -0.01]
     """
@@ -67,31 +65,25 @@ def sliding_forces(pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float
     A piece is as many consecutive samples as a window of `contact_samples`, touching, with a slip of more than a tenth
     of the rod's travel of one sign in every window that a sample is part of.
     """
-    rows, sticking = [], 0
+    rows, sliding, sticking = [], 0, 0
     for number, (record, outline) in enumerate(pushes):
         samples = contact_samples(record, outline, rod_radius)
         for sign in (-1.0, 1.0):
             slides = samples.touching & _steady(sign * samples.slip > SLIDING, samples.window)
-            rows += [(sign * ratio, number, size) for ratio, size in _pieces(samples, slides)]
+            edges = np.flatnonzero(np.diff(np.concatenate([[0], slides.astype(int), [0]])))
+            for first, last in edges.reshape(-1, 2).tolist():
+                for start in range(first, last - samples.window + 1, samples.window):
+                    piece = slice(start, start + samples.window)
+                    ratio = np.sum(samples.tangential[piece]) / np.sum(samples.pressing[piece])
+                    rows.append((sign * ratio, number))
+                    sliding += samples.window
         sticks = samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window)
         sticking += int(np.sum(sticks))
-    table = np.array(rows, dtype=float).reshape(-1, 3)
-    push, size = table[:, 1:].astype(np.int64).T
-    return SlidingForces(table[:, 0], push, size, sticking)
+    ratios, pushes = np.array(rows, dtype=float).reshape(-1, 2).T
+    return SlidingForces(ratios, pushes.astype(np.int64), sliding, sticking)
 
 
 def _steady(state: NDArray[np.bool_], window: int) -> NDArray[np.bool_]:
     """Whether a state lasts through all of the window about each sample."""
     padded = np.pad(state, window // 2, constant_values=False)
     return np.asarray(np.all(np.lib.stride_tricks.sliding_window_view(padded, window), axis=1))
-
-
-def _pieces(samples: ContactSamples, chosen: NDArray[np.bool_]) -> list[tuple[float, int]]:
-    """Ratio of summed forces and number of samples of each piece of consecutive chosen samples."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
-    found = []
-    for first, last in edges.reshape(-1, 2).tolist():
-        for start in range(first, last - samples.window + 1, samples.window):
-            part = slice(start, start + samples.window)
-            found.append((float(np.sum(samples.tangential[part]) / np.sum(samples.pressing[part])), samples.window))
-    return found

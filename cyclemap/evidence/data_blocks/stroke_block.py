@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, kept_rows
+from cyclemap.evidence.identification.data_block import Kinds, Labels, Values, set_fields
 from cyclemap.evidence.identification.surface_parameters import (
     FRICTION_NAMES,
     SHARE_NAMES,
+    SURFACE,
     Parameter,
     SurfaceParameters,
     possible_names,
@@ -39,20 +40,19 @@ TIP_OFFSET = (
     Parameter("tip_offset_x", "shift of the robot's frame against the camera's, along x", "m", -0.01, 0.01, 0.0, 1e-3),
     Parameter("tip_offset_y", "shift of the robot's frame against the camera's, along y", "m", -0.01, 0.01, 0.0, 1e-3),
 )
-_SHAPE = ("ellipticity_x", "ellipticity_y", "offset_x", "offset_y")
-PUSH_UNKNOWNS = (*_SHAPE, "pusher_friction", *SHARE_NAMES)
-DRAG_UNKNOWNS = (*_SHAPE, *SHARE_NAMES, "pin_friction_radius")
+PUSH_UNKNOWNS = (*SURFACE.names[1:5], "pusher_friction", *SHARE_NAMES)
+DRAG_UNKNOWNS = (*SURFACE.names[1:5], *SHARE_NAMES, "pin_friction_radius")
 
-Misfit = Callable[["StrokeBlock", QuasiStaticModel, SurfaceParameters, Values], Rows]
+Misfit = Callable[[Sequence[Any], SurfaceParameters, Values], Rows]
 
 
 @dataclass(frozen=True, eq=False)
 class StrokeBlock:
     """Measured strokes set against the quasi-static model of one slider.
 
-    parameters : names in order. strokes : what was measured. misfit : (block, model, surface, values) -> residuals
-    (n, m) and derivatives (n, m, k) of all strokes. row_kinds (m,) : kind of noise of each row of a stroke.
-    labels (n,) : group of each stroke. own_parameters : unknowns that belong to these data alone.
+    parameters : names in order. strokes : n, what was measured. misfit : (strokes, surface, values) -> residuals (n, m)
+    and derivatives (n, m, k). row_kinds (m,) : kind of noise of each row of a stroke. own_parameters : unknowns that
+    belong to these data alone. Strokes of one contact are a group.
     """
 
     name: str
@@ -60,35 +60,26 @@ class StrokeBlock:
     strokes: tuple[Any, ...]
     misfit: Misfit
     row_kinds: tuple[str, ...]
-    labels: Labels
-    slider: Slider
     own_parameters: tuple[Parameter, ...] = ()
+    groups: Labels = field(init=False)
+    kinds: Kinds = field(init=False)
 
     def __post_init__(self) -> None:
         if not self.strokes:
             raise InvalidInput(f"block {self.name!r} has no strokes: give some")
-
-    @property
-    def groups(self) -> Labels:
-        """Group of each row."""
-        return np.repeat(self.labels, len(self.row_kinds))
-
-    @property
-    def kinds(self) -> Kinds:
-        """Kind of noise of each row."""
-        return np.tile(np.array(self.row_kinds, dtype=np.str_), len(self.strokes))
+        labels = np.array([stroke.contact for stroke in self.strokes], dtype=np.int64)
+        kinds = np.tile(np.array(self.row_kinds, dtype=np.str_), len(self.strokes))
+        set_fields(self, groups=np.repeat(labels, len(self.row_kinds)), kinds=kinds)
 
     def residuals(self, values: Values) -> Rows:
         """Return predicted minus measured values and their derivatives, a few rows a stroke, in order."""
-        surface = SurfaceParameters.from_values(values)
-        residual, jacobian = self.misfit(self, surface_model(surface, self.slider), surface, values)
+        residual, jacobian = self.misfit(self.strokes, SurfaceParameters.from_values(values), values)
         return residual.ravel(), jacobian.reshape(residual.size, len(self.parameters))
 
     def subset(self, keep_groups: ArrayLike) -> StrokeBlock:
         """Return the block with the strokes of some groups only."""
-        keep = kept_rows(self.labels, keep_groups)
-        strokes = tuple(stroke for stroke, kept in zip(self.strokes, keep, strict=True) if kept)
-        return replace(self, strokes=strokes, labels=self.labels[keep])
+        keep = {*np.asarray(keep_groups).tolist()}
+        return replace(self, strokes=tuple(stroke for stroke in self.strokes if stroke.contact in keep))
 
 
 def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider) -> StrokeBlock:
@@ -97,17 +88,36 @@ def push_end_block(pushes: Sequence[MeasuredPush], slider: Slider) -> StrokeBloc
     Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have them in the frame of
     the object's poses.
     """
-    parameters = (*possible_names(PUSH_UNKNOWNS, slider.outline), *(parameter.name for parameter in TIP_OFFSET))
+    shared = possible_names(PUSH_UNKNOWNS, slider.outline)
+    names = (*FRICTION_NAMES, "pusher_friction", *share_names(slider.outline))
+
+    def misfit(strokes: Sequence[MeasuredPush], surface: SurfaceParameters, values: Values) -> Rows:
+        shift = (values["tip_offset_x"], values["tip_offset_y"])
+        ends, by = predicted_push_ends(surface_model(surface, slider), strokes, shift, names)
+        jacobian = np.concatenate([surface.chain(by[..., :-2], names, shared), by[..., -2:]], axis=-1)
+        return ends - np.array([_vector(push.end) for push in strokes]), jacobian
+
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
-    labels = np.array([push.contact for push in pushes], dtype=np.int64)
-    return StrokeBlock("push ends", parameters, tuple(pushes), _push_misfit, kinds, labels, slider, TIP_OFFSET)
+    parameters = (*shared, *(one.name for one in TIP_OFFSET))
+    return StrokeBlock("push ends", parameters, tuple(pushes), misfit, kinds, TIP_OFFSET)
 
 
 def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider) -> StrokeBlock:
     """Return the block of how far drags turned the object (rad), each ring going straight to where it ended."""
-    labels = np.array([drag.contact for drag in drags], dtype=np.int64)
     parameters = possible_names(DRAG_UNKNOWNS, slider.outline)
-    return StrokeBlock("drag-backs", parameters, tuple(drags), _drag_misfit, ("drag turn (rad)",), labels, slider)
+    names = (*FRICTION_NAMES, *share_names(slider.outline), "pin_friction_radius")
+
+    def misfit(strokes: Sequence[MeasuredDrag], surface: SurfaceParameters, values: Values) -> Rows:
+        model, courses = surface_model(surface, slider), []
+        for drag in strokes:
+            goal = (drag.end.to_world(*slider.hitch),)
+            courses.append(model.course(model.drag_strokes(goal, surface.pin_friction_radius), drag.start))
+        ran = run_strokes(courses, len(PARAMETERS))
+        by = ran.derivatives[:, 5:6][..., _columns(names)] * derivative_units(model, names)
+        measured = np.array([drag.end.theta for drag in strokes])
+        return (ran.ended[:, 2] - measured)[:, None], surface.chain(by, names, parameters)
+
+    return StrokeBlock("drag-backs", parameters, tuple(drags), misfit, ("drag turn (rad)",))
 
 
 def surface_model(surface: SurfaceParameters, slider: Slider, accuracy: float = ACCURACY) -> QuasiStaticModel:
@@ -178,27 +188,6 @@ def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
     along = (tangent - (tangent @ toward) * longer) / speed
     # The rod keeps its direction where the normal turns.
     return np.array((along, -contact.turning * along, longer)) / model.unit
-
-
-def _push_misfit(block: StrokeBlock, model: QuasiStaticModel, surface: SurfaceParameters, values: Values) -> Rows:
-    shared, own = block.parameters[:-2], block.parameters[-2:]
-    names = (*FRICTION_NAMES, "pusher_friction", *share_names(block.slider.outline))
-    ends, by = predicted_push_ends(model, block.strokes, (values[own[0]], values[own[1]]), names)
-    jacobian = np.concatenate([surface.chain(by[..., :-2], names, shared), by[..., -2:]], axis=-1)
-    return ends - np.array([_vector(push.end) for push in block.strokes]), jacobian
-
-
-def _drag_misfit(block: StrokeBlock, model: QuasiStaticModel, surface: SurfaceParameters, values: Values) -> Rows:
-    goals = [(drag.end.to_world(*block.slider.hitch),) for drag in block.strokes]
-    courses = [
-        model.course(model.drag_strokes(goal, surface.pin_friction_radius), drag.start)
-        for goal, drag in zip(goals, block.strokes, strict=True)
-    ]
-    ran = run_strokes(courses, len(PARAMETERS))
-    names = (*FRICTION_NAMES, *share_names(block.slider.outline), "pin_friction_radius")
-    by = ran.derivatives[:, 5:6][..., _columns(names)] * derivative_units(model, names)
-    measured = np.array([drag.end.theta for drag in block.strokes])
-    return (ran.ended[:, 2] - measured)[:, None], surface.chain(by, names, block.parameters)
 
 
 def _columns(names: tuple[str, ...]) -> list[int]:

@@ -2,34 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
-from cyclemap.checks import read_only, whole_number
+from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import PLANE_KINDS, PRIOR_KIND, JointProblem
-from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, NoiseLaw, minimise
+from cyclemap.evidence.identification.data_block import PLANE_KINDS, PRIOR_KIND, JointProblem, Labels, Progress
+from cyclemap.evidence.identification.least_squares import NO_ANSWER, Fit, NoiseLaw, Search
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
 _CLOSE = 1e-3
-Labels = NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class CrossValidation:
-    """Errors of prediction of rows that were left out.
-
-    residuals (n,) : predicted minus measured, nan where a row was never left out or its fold had no answer.
-    fold (n,) : the fold each row left with, -1 for none. failures : folds without an answer, and why.
-    """
-
-    residuals: Array
-    fold: Labels
-    failures: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -72,15 +56,12 @@ def random_folds(problem: JointProblem, folds: int, seed: int = 0) -> Labels:
 
 
 def cross_validate(
-    problem: JointProblem,
-    fit: Fit,
-    fold: Labels,
-    law: NoiseLaw | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> CrossValidation:
-    """Fit without each fold, from the fit to all, and predict it; kinds keep the weights of the fit to all.
+    problem: JointProblem, fit: Fit, fold: Labels, law: NoiseLaw | None = None, progress: Progress | None = None
+) -> tuple[Array, list[str]]:
+    """Fit without each fold (n,), from the fit to all, and predict it; kinds keep the weights of the fit to all.
 
-    A fold without an answer is recorded, its residuals nan. `progress` is called with the fraction done.
+    Returns residuals (n,), predicted less measured, nan where a row was never left out (fold -1) or its fold had no
+    answer, and why folds had none. `progress` is called with the fraction done.
     """
     count, whole = int(np.max(fold)) + 1, problem.values(fit.vector)
     residuals, failures = np.full(len(fold), np.nan), []
@@ -88,41 +69,34 @@ def cross_validate(
         try:
             part = problem.subset(fold != one, whole)
             noise = np.array([fit.noise[problem.kind_names.index(kind)] for kind in part.kind_names])
-            start = part.space.vector(whole)
-            values = part.values(minimise(part, start, noise, law or NoiseLaw(), _CLOSE).vector)
+            found = Search(part, law or NoiseLaw()).minimise(part.space.vector(whole), noise, _CLOSE)
+            values = part.values(found.vector)
             left_out = problem.subset(fold == one, values)
             residuals[fold == one] = left_out.evaluate(left_out.space.vector(values))[0]
         except NO_ANSWER as cause:
             failures.append(f"fold {one}: {type(cause).__name__}: {cause}")
         if progress is not None:
             progress((one + 1) / count)
-    return CrossValidation(read_only(residuals), fold, tuple(failures))
+    return residuals, failures
 
 
 def kind_errors(
-    problem: JointProblem, fit: Fit, validation: CrossValidation | None, isotropic: Array | None = None
+    problem: JointProblem, fit: Fit, left_out: Array | None = None, isotropic: Array | None = None
 ) -> tuple[KindErrors, ...]:
-    """Return the sizes of the errors of every kind in every block; `isotropic` (n,) : those of even isotropy."""
-    nothing = np.full(len(fit.residuals), np.nan)
-    left_out = nothing if validation is None else validation.residuals
-    plain = nothing if isotropic is None else isotropic
-    found = []
+    """Return the sizes of the errors of every kind in every block; also of rows left out, and of even isotropy."""
+    nothing, found = np.full(len(fit.residuals), np.nan), []
+    told = [fit.residuals, *(nothing if one is None else one for one in (left_out, isotropic))]
     for number, block in enumerate(problem.blocks):
         for kind in np.unique(np.asarray(block.kinds)).tolist():
             if kind == PRIOR_KIND:
                 continue
             rows = (problem.block_index == number) & (problem.kinds == kind)
-            told = [errors[rows] for errors in (fit.residuals, left_out, plain)]
-            # Of components the lengths of their vectors count.
-            sized = [np.hypot(one[::2], one[1::2]) if kind in PLANE_KINDS else np.abs(one) for one in told]
-            sample, unseen, even = sized
-            found.append(KindErrors(block.name, kind, sample.size, *_sizes(sample), *_sizes(unseen), *_sizes(even)[:2]))
+            sizes = []
+            for errors in (residuals[rows] for residuals in told):
+                # Of components the lengths of their vectors count.
+                size = np.hypot(errors[::2], errors[1::2]) if kind in PLANE_KINDS else np.abs(errors)
+                known = size[np.isfinite(size)]
+                moments = (np.mean(known), np.median(known), np.sqrt(np.mean(known**2))) if known.size else [np.nan] * 3
+                sizes += [float(moment) for moment in moments]
+            found.append(KindErrors(block.name, kind, size.size, *sizes[:8]))
     return tuple(found)
-
-
-def _sizes(errors: Array) -> tuple[float, float, float]:
-    """Mean, median and root mean square of the sizes that are known; nan for none."""
-    size = errors[np.isfinite(errors)]
-    if size.size == 0:
-        return np.nan, np.nan, np.nan
-    return float(np.mean(size)), float(np.median(size)), float(np.sqrt(np.mean(size**2)))

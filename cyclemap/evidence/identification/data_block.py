@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Protocol
 
@@ -76,13 +75,10 @@ class DataBlock(Protocol):
         """Return the block with the rows of some groups only; none of them may be known here."""
 
 
-def kept_rows(groups: Labels, keep_groups: ArrayLike) -> NDArray[np.bool_]:
-    """Return which rows (n,) belong to one of the groups to be kept.
-
-    >>> kept_rows(np.array([0, 0, 3]), [3]).tolist()
-    [False, False, True]
-    """
-    return np.asarray(np.isin(groups, np.asarray(keep_groups, dtype=np.int64)))
+def set_fields(frozen: object, **values: object) -> None:
+    """Set fields of a frozen dataclass while it is made."""
+    for name, value in values.items():
+        object.__setattr__(frozen, name, value)
 
 
 def checked_labels(name: str, groups: ArrayLike, count: int) -> Labels:
@@ -121,13 +117,12 @@ class FunctionBlock:
 
     def __post_init__(self) -> None:
         count = np.size(self.groups)
-        object.__setattr__(self, "parameters", tuple(self.parameters))
-        object.__setattr__(self, "groups", checked_labels(self.name, self.groups, count))
         kinds = np.full(count, self.kinds) if np.ndim(self.kinds) == 0 else np.array(self.kinds, dtype=np.str_)
         if kinds.shape != (count,):
             raise InvalidInput(f"kinds of block {self.name!r} must be one name, or one a row: shape {kinds.shape}")
-        object.__setattr__(self, "kinds", kinds)
-        object.__setattr__(self, "rows", np.arange(count) if self.rows is None else np.asarray(self.rows))
+        rows = np.arange(count) if self.rows is None else np.asarray(self.rows)
+        groups = checked_labels(self.name, self.groups, count)
+        set_fields(self, parameters=tuple(self.parameters), groups=groups, kinds=kinds, rows=rows)
 
     def residuals(self, values: Values) -> tuple[Array, Array]:
         """Return residuals (n,) and derivatives (n, k) of the block's rows."""
@@ -140,7 +135,7 @@ class FunctionBlock:
 
     def subset(self, keep_groups: ArrayLike) -> FunctionBlock:
         """Return the block with the rows of some groups only."""
-        keep = kept_rows(self.groups, keep_groups)
+        keep = np.isin(self.groups, keep_groups)
         assert self.rows is not None
         return replace(self, groups=self.groups[keep], kinds=self.kinds[keep], rows=self.rows[keep])
 
@@ -149,7 +144,8 @@ class FunctionBlock:
 class PlateBlock:
     """A block of one plate among several: what belongs to the plate alone has its name behind it, `rim_share[hex]`.
 
-    owned : the parameters of `block` that belong to the plate, in its own names.
+    owned : the parameters of `block` that belong to the plate, in its own names. name : the plate and the block's, if
+    left out. own_parameters : the plate's own unknowns, and those of the block.
 
     >>> rim = FunctionBlock("pushes", ("offset_x", "rim_share"), lambda v: None, [0], "m")
     >>> PlateBlock(rim, "hex", (Parameter("rim_share", "", "1", 0.0, 1.0, 0.3, 0.2),)).parameters
@@ -159,42 +155,31 @@ class PlateBlock:
     block: DataBlock
     plate: str
     owned: tuple[Parameter, ...]
+    name: str = ""
+    parameters: tuple[str, ...] = field(init=False)
+    own_parameters: tuple[Parameter, ...] = field(init=False)
+    groups: Labels = field(init=False)
+    kinds: Kinds = field(init=False)
 
-    @property
-    def name(self) -> str:
-        """The plate and what the data are."""
-        return f"{self.plate} {self.block.name}"
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Those of the block, the plate's own with its name."""
-        own = {parameter.name for parameter in self.owned}
-        return tuple(f"{name}[{self.plate}]" if name in own else name for name in self.block.parameters)
-
-    @property
-    def own_parameters(self) -> tuple[Parameter, ...]:
-        """The plate's own unknowns, and those of the block."""
-        asked = {name.partition("[")[0] for name in self.parameters if "[" in name}
-        mine = tuple(
-            replace(one, name=f"{one.name}[{self.plate}]", description=f"{one.description}; {self.plate}")
+    def __post_init__(self) -> None:
+        named = {
+            one.name: replace(one, name=f"{one.name}[{self.plate}]", description=f"{one.description}; {self.plate}")
             for one in self.owned
-            if one.name in asked
+            if one.name in self.block.parameters
+        }
+        told = [one for one in getattr(self.block, "own_parameters", ()) if one.name not in named]
+        own = {name: one.name for name, one in named.items()}
+        set_fields(
+            self,
+            name=self.name or f"{self.plate} {self.block.name}",
+            parameters=tuple(own.get(name, name) for name in self.block.parameters),
+            own_parameters=(*named.values(), *told),
+            groups=self.block.groups,
+            kinds=self.block.kinds,
         )
-        own = {one.name for one in self.owned}
-        return (*mine, *(one for one in getattr(self.block, "own_parameters", ()) if one.name not in own))
-
-    @property
-    def groups(self) -> Labels:
-        """Those of the block."""
-        return self.block.groups
-
-    @property
-    def kinds(self) -> Kinds:
-        """Those of the block."""
-        return self.block.kinds
 
     def residuals(self, values: Values) -> tuple[Array, Array]:
-        """Those of the block at the plate's own values."""
+        """Return those of the block at the plate's own values."""
         own = zip(self.block.parameters, self.parameters, strict=True)
         return self.block.residuals({name: values[named] for name, named in own})
 
@@ -203,17 +188,13 @@ class PlateBlock:
         return replace(self, block=self.block.subset(keep_groups))
 
 
-def plain_block(block: DataBlock) -> DataBlock:
-    """Return the block itself, without the plate that it may be of."""
-    return block.block if isinstance(block, PlateBlock) else block
-
-
 @dataclass(frozen=True, eq=False)
 class JointProblem:
     """The blocks, the free parameters, and the values of all others that the blocks ask for.
 
-    Rows of all blocks follow each other. A group is known by its block and label, so that equal labels of two blocks
-    are two groups; kinds of noise are known by name alone, so that blocks may share one.
+    Rows of all n blocks follow each other: block_index (n,) which block each is of, groups (n,) 0 ... count - 1, kinds
+    (n,) its noise, kind_names sorted, kind_index (n,) among them. A group is known by its block and label, so that
+    equal labels of two blocks are two groups; kinds of noise are known by name alone, so that blocks may share one.
 
     Raises InvalidInput where a block asks for a parameter that is neither free nor given, where a free one is asked for
     by no block, or where two blocks have one name.
@@ -222,11 +203,14 @@ class JointProblem:
     blocks: tuple[DataBlock, ...]
     space: ParameterSpace
     fixed: Mapping[str, float]
+    block_index: Labels = field(init=False)
+    groups: Labels = field(init=False)
+    kinds: Kinds = field(init=False)
+    kind_names: tuple[str, ...] = field(init=False)
+    kind_index: Labels = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "blocks", tuple(self.blocks))
         fixed = {name: finite_number(name, value) for name, value in self.fixed.items() if name not in self.space.names}
-        object.__setattr__(self, "fixed", fixed)
         names = [block.name for block in self.blocks]
         if not names or len(set(names)) < len(names):
             raise InvalidInput(f"blocks must have names of their own, and there must be one at least, not {names}")
@@ -237,32 +221,13 @@ class JointProblem:
         missing = sorted(asked - set(self.space.names) - set(fixed))
         if missing:
             raise InvalidInput(f"the data depend on {', '.join(missing)}: let it be free, or give its value in `fixed`")
-
-    @cached_property
-    def block_index(self) -> Labels:
-        """Which block each row belongs to, (n,)."""
-        return np.repeat(np.arange(len(self.blocks)), [len(block.groups) for block in self.blocks])
-
-    @cached_property
-    def groups(self) -> Labels:
-        """Number of each row's group, (n,), 0 ... count - 1 over all blocks."""
-        labels = np.concatenate([block.groups for block in self.blocks])
-        return np.unique(np.stack([self.block_index, labels]), axis=1, return_inverse=True)[1].reshape(-1)
-
-    @cached_property
-    def kinds(self) -> Kinds:
-        """Which noise each row has, (n,)."""
-        return np.concatenate([np.asarray(block.kinds, dtype=np.str_) for block in self.blocks])
-
-    @cached_property
-    def kind_names(self) -> tuple[str, ...]:
-        """The kinds of noise, sorted."""
-        return tuple(np.unique(self.kinds).tolist())
-
-    @cached_property
-    def kind_index(self) -> Labels:
-        """Number of each row's kind in `kind_names`, (n,)."""
-        return np.unique(self.kinds, return_inverse=True)[1].reshape(-1)
+        index = np.repeat(np.arange(len(self.blocks)), [len(block.groups) for block in self.blocks])
+        labels = np.stack([index, np.concatenate([block.groups for block in self.blocks])])
+        groups = np.unique(labels, axis=1, return_inverse=True)[1].reshape(-1)
+        kinds = np.concatenate([np.asarray(block.kinds, dtype=np.str_) for block in self.blocks])
+        found, kind_index = np.unique(kinds, return_inverse=True)
+        set_fields(self, fixed=fixed, block_index=index, groups=groups, kinds=kinds)
+        set_fields(self, kind_names=tuple(found.tolist()), kind_index=kind_index.reshape(-1))
 
     def values(self, vector: Array) -> dict[str, float]:
         """Return every parameter's value by name, at values (k,) of the free ones."""

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.cross_validation import (
-    CrossValidation,
     KindErrors,
     cross_validate,
     kind_errors,
     random_folds,
 )
-from cyclemap.evidence.identification.data_block import PRIOR_KIND, DataBlock, JointProblem, prior_block
+from cyclemap.evidence.identification.data_block import PRIOR_KIND, DataBlock, JointProblem, Progress, prior_block
 from cyclemap.evidence.identification.identifiability import Uncertainty, uncertainty
 from cyclemap.evidence.identification.least_squares import (
     NO_ANSWER,
@@ -27,13 +26,7 @@ from cyclemap.evidence.identification.least_squares import (
     multi_start,
     spread_starts,
 )
-from cyclemap.evidence.identification.surface_parameters import (
-    SHARE_NAMES,
-    SURFACE,
-    Parameter,
-    ParameterSpace,
-    SurfaceParameters,
-)
+from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE, ParameterSpace, SurfaceParameters
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import EllipseFriction
 from cyclemap.suggestions import unknown_name
@@ -42,7 +35,6 @@ from cyclemap.suggestions import unknown_name
 _FEW = 4.0
 # A parameter whose error is above this share of its belief's deviation was hardly told by the data.
 _TOLD = 0.8
-Progress = Callable[[float], None]
 Beliefs = Mapping[str, tuple[float, float]]
 
 
@@ -77,22 +69,18 @@ class Estimate:
 class Identification:
     """Parameters identified from data.
 
-    estimates : of the free parameters. fixed : values that were held. level : of the intervals. priors : what was
-    believed (value, standard deviation). errors : by block and
-    kind, in sample and left out. starts : what became of each start. fit : the minimum. uncertainty : to first order.
-    validation : residuals of rows left out, None if not asked for. notes : all that qualifies the result, in words.
-    problem : what was solved.
+    estimates : of the free parameters. level : of the intervals. priors : what was believed (value, standard
+    deviation). errors : by block and kind, in sample and left out. starts : what became of them. fit : the minimum.
+    uncertainty : to first order. notes : all that qualifies the result, in words. problem : what was solved.
     """
 
     estimates: tuple[Estimate, ...]
-    fixed: Mapping[str, float]
     level: float
     priors: Mapping[str, tuple[float, float]]
     errors: tuple[KindErrors, ...]
     starts: MultiStart
     fit: Fit
     uncertainty: Uncertainty
-    validation: CrossValidation | None
     notes: tuple[str, ...]
     problem: JointProblem
 
@@ -113,18 +101,13 @@ class Identification:
         return self.problem.values(self.fit.vector)
 
     @property
-    def surface(self) -> SurfaceParameters:
-        """The identified surface; what the data were not asked about has its nominal value."""
-        return SurfaceParameters.from_values(self.values)
-
-    @property
     def plates(self) -> dict[str, dict[str, float]]:
         """Shares of the weight by plate; of one plate alone, which no name tells apart, under the empty name."""
         return plate_shares(self.values)
 
     def friction(self) -> EllipseFriction:
-        """Return the identified friction ellipse."""
-        return self.surface.to_friction()
+        """Return the identified friction ellipse; what the data were not asked about has its nominal value."""
+        return SurfaceParameters.from_values(self.values).to_friction()
 
 
 def plate_shares(values: Mapping[str, float]) -> dict[str, dict[str, float]]:
@@ -189,7 +172,7 @@ def identify(
     law, believed, known = NoiseLaw(student), dict(priors or {}), dict(noise or {})
     if believed:
         blocks, known = (*blocks, prior_block(believed)), {**known, PRIOR_KIND: 1.0}
-    problem, taken = _problem(blocks, tuple(free), fixed or {}, space)
+    problem, notes = _problem(blocks, tuple(free), fixed or {}, space)
     for name in believed:
         problem.space[name]
     fold = None if folds == 0 else random_folds(problem, folds, seed)
@@ -198,55 +181,26 @@ def identify(
     found = multi_start(problem, spread_starts(problem, starts, seed), law, known, lambda done: report(0.6 * done))
     fit = found.best
     errors = uncertainty(problem, fit, law)
-    validation = None
+    left_out, failures = None, list[str]()
     if fold is not None:
-        validation = cross_validate(problem, fit, fold, law, lambda done: report(0.6 + 0.4 * done))
+        left_out, failures = cross_validate(problem, fit, fold, law, lambda done: report(0.6 + 0.4 * done))
     report(1.0)
-    told = zip(problem.space.parameters, fit.vector.tolist(), strict=True)
-    estimates = tuple(_estimate(one, value, errors, index, level, fit) for index, (one, value) in enumerate(told))
-    notes = (*taken, *_notes(found, errors, problem, estimates, validation, believed))
-    table = kind_errors(problem, fit, validation, _isotropic(problem))
-    return Identification(
-        estimates, problem.fixed, level, believed, table, found, fit, errors, validation, notes, problem
-    )
-
-
-def _estimate(one: Parameter, value: float, errors: Uncertainty, index: int, level: float, fit: Fit) -> Estimate:
-    """One parameter with its interval, cut at its bounds."""
-    error, freedom = float(errors.standard_error[index]), float(errors.freedom[index])
-    half = student_quantile(level, freedom) * error if np.isfinite(error) else np.inf
-    open_below, open_above = value - half <= one.lower, value + half >= one.upper
-    nearer_lower = value - one.lower <= one.upper - value
-    return Estimate(
-        one.name,
-        one.description,
-        one.unit,
-        value,
-        max(value - half, one.lower),
-        min(value + half, one.upper),
-        error,
-        not (open_below and open_above),
-        ("lower" if nearer_lower else "upper") if one.name in fit.on_bounds else "",
-        open_below,
-        open_above,
-    )
-
-
-def _isotropic(problem: JointProblem) -> NDArray[np.float64] | None:
-    """Residuals (n,) of isotropic friction under even pressure, rod and ring as usual, no frames shifted."""
-    unknown = {name: problem.space[name] for name in problem.space.names}
+    estimates = _estimates(problem, fit, errors, level)
+    notes += [*_notes(found, errors, estimates, believed), *failures]
+    # Isotropic friction under even pressure, rod and ring as usual, no frames shifted.
     plain = ("ellipticity", "offset", "worn_", "rim_share", "corner_share", "inner_share", "tip_offset")
-    usual = {name: 0.0 if name.startswith(plain) else float(one.nominal or 0.0) for name, one in unknown.items()}
+    usual = {name: 0.0 if name.startswith(plain) else value for name, value in problem.space.nominal.items()}
     held = {name: 0.0 if name.startswith(plain) else value for name, value in problem.fixed.items()}
-    try:
-        return replace(problem, fixed=held).evaluate(problem.space.vector(usual))[0]
-    except NO_ANSWER:
-        return None
+    isotropic = None
+    with suppress(*NO_ANSWER):
+        isotropic = replace(problem, fixed=held).evaluate(problem.space.vector(usual))[0]
+    table = kind_errors(problem, fit, left_out, isotropic)
+    return Identification(estimates, level, believed, table, found, fit, errors, tuple(notes), problem)
 
 
 def _problem(
     blocks: Sequence[DataBlock], free: tuple[str, ...], fixed: Mapping[str, float], space: ParameterSpace
-) -> tuple[JointProblem, tuple[str, ...]]:
+) -> tuple[JointProblem, list[str]]:
     """The problem, and a note for every value that was not given."""
     for block in blocks:
         space = space.extended(*getattr(block, "own_parameters", ()))
@@ -256,39 +210,55 @@ def _problem(
     for name in fixed:
         space[name]
     asked = {name for block in blocks for name in block.parameters}
-    taken = [name for name in space.names if name in asked and name not in free and name not in fixed]
-    nominal = {name: space.nominal[name] for name in taken}
-    notes = tuple(f"{name} was neither free nor given: taken as {value:.4g}" for name, value in nominal.items())
+    nominal = {
+        name: value for name, value in space.nominal.items() if name in asked and name not in free and name not in fixed
+    }
+    notes = [f"{name} was neither free nor given: taken as {value:.4g}" for name, value in nominal.items()]
     return JointProblem(tuple(blocks), space.select(free), {**nominal, **fixed}), notes
 
 
-def _notes(
-    found: MultiStart,
-    errors: Uncertainty,
-    problem: JointProblem,
-    estimates: tuple[Estimate, ...],
-    validation: CrossValidation | None,
-    believed: Beliefs,
-) -> list[str]:
+def _estimates(problem: JointProblem, fit: Fit, errors: Uncertainty, level: float) -> tuple[Estimate, ...]:
+    """Every free parameter with its interval, cut at its bounds."""
+    told = zip(problem.space.parameters, fit.vector, errors.standard_error, errors.freedom, strict=True)
+    found = []
+    for one, value, error, freedom in told:
+        half = student_quantile(level, float(freedom)) * error if np.isfinite(error) else np.inf
+        open_below, open_above = bool(value - half <= one.lower), bool(value + half >= one.upper)
+        nearer = "lower" if value - one.lower <= one.upper - value else "upper"
+        estimate = Estimate(
+            one.name,
+            one.description,
+            one.unit,
+            float(value),
+            float(max(value - half, one.lower)),
+            float(min(value + half, one.upper)),
+            float(error),
+            not (open_below and open_above),
+            nearer if one.name in fit.on_bounds else "",
+            open_below,
+            open_above,
+        )
+        found.append(estimate)
+    return tuple(found)
+
+
+def _notes(found: MultiStart, errors: Uncertainty, estimates: tuple[Estimate, ...], believed: Beliefs) -> list[str]:
     """All that qualifies the result, in words."""
-    fit, notes = found.best, [str(direction) for direction in errors.open]
+    fit, notes, failed = found.best, [*errors.open], len(found.failures)
     if not fit.converged:
         notes.append(f"the search did not converge: {fit.message}")
-    if found.failed:
-        notes.append(f"{found.failed} of {len(found.starts)} starts had no answer")
-    elsewhere = len(found.starts) - found.failed - found.arrived
+    if failed:
+        notes.append(f"{failed} of {found.count} starts had no answer")
+    elsewhere = found.count - failed - found.arrived
     if elsewhere:
-        notes.append(f"{elsewhere} of {len(found.starts)} starts ended in other, worse minima")
+        notes.append(f"{elsewhere} of {found.count} starts ended in other, worse minima")
     notes += [f"{name} lies on a bound" for name in fit.on_bounds]
     notes += [f"{one.name} is not identifiable" for one in estimates if not one.identifiable]
-    untold = [
-        one.name for one in estimates if one.name in believed and one.standard_error > _TOLD * believed[one.name][1]
-    ]
+    told = [one for one in estimates if one.name in believed]
+    untold = [one.name for one in told if one.standard_error > _TOLD * believed[one.name][1]]
     if untold:
         notes.append(f"the data hardly tell {', '.join(untold)}: what is believed of it counts")
-    few = [name for name, freedom in zip(problem.space.names, errors.freedom, strict=True) if freedom < _FEW]
+    few = [one.name for one, freedom in zip(estimates, errors.freedom, strict=True) if freedom < _FEW]
     if few:
         notes.append(f"few independent groups: the intervals of {', '.join(few)} are rough")
-    if validation is not None:
-        notes += list(validation.failures)
     return notes

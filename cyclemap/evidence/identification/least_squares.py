@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence.identification.data_block import JointProblem, part_of
+from cyclemap.evidence.identification.data_block import JointProblem, Progress, part_of
 from cyclemap.suggestions import unknown_name
 
 # Noise smaller than this share of the residuals at the start is no noise, but rounding.
@@ -68,65 +68,14 @@ class NoiseLaw:
         return 1.0 if self.freedom is None else (self.freedom + 1.0) / (self.freedom + 3.0)
 
 
-def noise_floor(problem: JointProblem, residuals: Array) -> Array:
-    """Return the least size of each kind's noise, (kinds,), from the residuals of a first try."""
-    return np.maximum(_LEAST_NOISE * root_mean_square(problem, residuals), 1e-30)
-
-
-def root_mean_square(problem: JointProblem, residuals: Array) -> Array:
-    """Return the root mean square of the residuals of each kind, (kinds,)."""
-    index, count = problem.kind_index, len(problem.kind_names)
-    return np.asarray(np.sqrt(np.bincount(index, residuals**2, count) / np.bincount(index, minlength=count)))
-
-
-def estimated_noise(
-    problem: JointProblem, residuals: Array, jacobian: Array, noise: Array, law: NoiseLaw, floor: Array, held: Array
-) -> Array:
-    """Return the next estimate (kinds,) of the noise, the residuals' sum of squares over their redundancy.
-
-    The redundancy of a kind is its number of rows less their share in fixing the parameters, the trace of the hat
-    matrix; repeated with a fit in between, this leads to restricted maximum likelihood (Foerstner 1979). Rows count as
-    the noise found makes them count. `held` (kinds,) is noise that is known, nan elsewhere. Raises ConvergenceError
-    where the parameters follow all rows of a kind, so that its noise cannot be told.
-    """
-    index, count = problem.kind_index, len(problem.kind_names)
-    scaled = residuals / noise[index]
-    weight = law.weight(scaled**2)
-    leverage = _leverage(jacobian / noise[index, None] * np.sqrt(weight)[:, None])
-    redundancy = np.bincount(index, 1.0 - leverage, count)
-    for kind in np.flatnonzero((redundancy < _LEAST_REDUNDANCY) & np.isnan(held)).tolist():
-        raise ConvergenceError(
-            f"the parameters can follow all rows of {problem.kind_names[kind]!r} (redundancy {redundancy[kind]:.2g}): "
-            "give its noise, or more data"
-        )
-    # Weights follow the noise, which costs nothing; what a row leaves over stays, and is told anew after the next fit.
-    for _ in range(_WEIGHTINGS):
-        square = np.bincount(index, weight * residuals**2, count) / np.maximum(redundancy, _LEAST_REDUNDANCY)
-        before, noise = noise, np.where(np.isnan(held), np.maximum(np.sqrt(square), floor), held)
-        if np.max(np.abs(np.log(noise / before))) < _SETTLED:
-            break
-        weight = law.weight((residuals / noise[index]) ** 2)
-    return noise
-
-
-def _leverage(jacobian: Array) -> Array:
-    """Diagonal of the hat matrix, (n,)."""
-    size = np.linalg.norm(jacobian, axis=0)
-    columns = jacobian[:, size > 0.0] / size[size > 0.0]
-    left, values, _ = np.linalg.svd(columns, full_matrices=False)
-    kept = values > 1e-10 * np.max(values, initial=0.0)
-    return np.asarray(np.sum(left[:, kept] ** 2, axis=1))
-
-
 @dataclass(frozen=True, eq=False)
 class Fit:
     """A minimum.
 
     vector : (k,) free parameters. noise : (kinds,) in the data's units; known : (kinds,) which of it was given.
     deviance : -2 log likelihood up to a constant, sum of rho + 2 log noise over the rows. residuals (n,),
-    jacobian (n, k) : there, in the data's units. gradient : largest slope of half the deviance by one scale of a
-    parameter, not counting those that push into a bound. on_bounds : names of parameters on a bound. converged :
-    minimum and noise both found to tolerance. message : why the search ended.
+    jacobian (n, k) : there, in the data's units. on_bounds : names of parameters on a bound. converged : minimum and
+    noise both found to tolerance. message : why the search ended.
     """
 
     vector: Array
@@ -134,7 +83,6 @@ class Fit:
     deviance: float
     residuals: Array
     jacobian: Array
-    gradient: float
     on_bounds: tuple[str, ...]
     converged: bool
     message: str
@@ -142,38 +90,27 @@ class Fit:
 
 
 @dataclass(frozen=True, eq=False)
-class StartOutcome:
-    """What became of one start (k,): where it ended and at which deviance, or (None, nan) and why it failed."""
-
-    start: Array
-    end: Array | None
-    deviance: float
-    message: str
-
-
-@dataclass(frozen=True, eq=False)
 class MultiStart:
-    """The best of several starts. arrived : how many ended there. failed : how many had no answer at all."""
+    """The best of several starts. arrived : how many ended there. failures : why those without any answer had none."""
 
     best: Fit
-    starts: tuple[StartOutcome, ...]
+    count: int
     arrived: int
-
-    @property
-    def failed(self) -> int:
-        """How many starts ended without an answer."""
-        return sum(outcome.end is None for outcome in self.starts)
+    failures: tuple[str, ...]
 
 
-class _Evaluator:
-    """The problem's residuals and derivatives at the points asked for last; inf where the model has no answer."""
+class Search:
+    """A problem under one noise law; residuals and derivatives of the points asked for last are kept.
 
-    def __init__(self, problem: JointProblem, progress: Callable[[float], None] | None = None) -> None:
-        self.problem, self.count, self.progress = problem, 0, progress
-        self.noise = np.ones(len(problem.kind_index))
+    `progress` is called with the fraction of a search that is done, as far as that can be told.
+    """
+
+    def __init__(self, problem: JointProblem, law: NoiseLaw, progress: Progress | None = None) -> None:
+        self.problem, self.law, self.count, self.progress = problem, law, 0, progress
         self._known: dict[bytes, tuple[Array, Array]] = {}
 
     def at(self, vector: Array) -> tuple[Array, Array]:
+        """Return residuals (n,) and derivatives (n, k), or raise what the model raises."""
         key = vector.tobytes()
         if key not in self._known:
             self.count += 1
@@ -183,72 +120,89 @@ class _Evaluator:
             self._known = dict([*self._known.items()][-8:]) | {key: found}
         return self._known[key]
 
-    def scaled_residuals(self, vector: Array) -> Array:
-        try:
-            return self.at(vector)[0] / self.noise
-        except NO_ANSWER:
-            return np.full(len(self.noise), np.inf)
+    def inside(self, vector: Array) -> Array:
+        """Return the point, strictly within the bounds."""
+        lower, upper = self.problem.space.lower, self.problem.space.upper
+        width = np.where(np.isfinite(upper - lower), upper - lower, 1.0)
+        return np.asarray(np.clip(vector, lower + 1e-9 * width, upper - 1e-9 * width))
 
-    def scaled_jacobian(self, vector: Array) -> Array:
-        return self.at(vector)[1] / self.noise[:, None]
+    def minimise(self, start: Array, noise: Array, tolerance: float) -> Fit:
+        """Minimise the deviance at given noise (kinds,) from a start (k,) by a trust region within the bounds.
 
+        Raises what the model raises at the start itself. Points without an answer on the way shorten the step
+        (Branch, Coleman & Li 1999, as in `scipy.optimize.least_squares`).
+        """
+        from scipy.optimize import least_squares
 
-def minimise(problem: JointProblem, start: Array, noise: Array, law: NoiseLaw, tolerance: float = 1e-8) -> Fit:
-    """Minimise the deviance at given noise (kinds,) from a start (k,) by a trust region within the bounds.
+        space, size, begin = self.problem.space, noise[self.problem.kind_index], self.inside(start)
+        self.at(begin)
+        if len(space) == 0:
+            return self.fit(begin, noise, True, "nothing is free")
 
-    Raises what the model raises at the start itself. Points without an answer on the way shorten the step
-    (Branch, Coleman & Li 1999, as in `scipy.optimize.least_squares`).
-    """
-    return _minimise(_Evaluator(problem), start, noise, law, tolerance)
+        def residuals(vector: Array) -> Array:
+            try:
+                return self.at(vector)[0] / size
+            except NO_ANSWER:
+                return np.full(len(size), np.inf)
 
+        found = least_squares(
+            residuals,
+            begin,
+            lambda vector: self.at(vector)[1] / size[:, None],
+            bounds=(space.lower, space.upper),
+            x_scale=space.scale,
+            loss="linear" if self.law.freedom is None else self.law.loss,
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=1e-12,
+            max_nfev=_MOST,
+        )
+        return self.fit(found.x, noise, found.status > 0, found.message)
 
-def _minimise(evaluator: _Evaluator, start: Array, noise: Array, law: NoiseLaw, tolerance: float) -> Fit:
-    from scipy.optimize import least_squares
+    def fit(self, vector: Array, noise: Array, converged: bool, message: str) -> Fit:
+        """Return what there is to tell of a minimum at this noise (kinds,)."""
+        space, size, (residuals, jacobian) = self.problem.space, noise[self.problem.kind_index], self.at(vector)
+        gap = np.minimum(vector - space.lower, space.upper - vector) / space.scale
+        return Fit(
+            read_only(vector),
+            read_only(noise),
+            float(np.sum(self.law.loss((residuals / size) ** 2)[0]) + 2.0 * np.sum(np.log(size))),
+            read_only(residuals),
+            read_only(jacobian),
+            tuple(name for name, left in zip(space.names, gap, strict=True) if left <= _ON_BOUND),
+            converged,
+            message,
+        )
 
-    space = evaluator.problem.space
-    evaluator.noise = noise[evaluator.problem.kind_index]
-    inside = _strictly_inside(start, space.lower, space.upper)
-    evaluator.at(inside)
-    if len(space) == 0:
-        return _fit(evaluator, inside, noise, law, True, "nothing is free")
-    found = least_squares(
-        evaluator.scaled_residuals,
-        inside,
-        evaluator.scaled_jacobian,
-        bounds=(space.lower, space.upper),
-        x_scale=space.scale,
-        loss="linear" if law.freedom is None else law.loss,
-        ftol=tolerance,
-        xtol=tolerance,
-        gtol=1e-12,
-        max_nfev=_MOST,
-    )
-    return _fit(evaluator, found.x, noise, law, found.status > 0, found.message)
+    def estimated_noise(self, fit: Fit, floor: Array, held: Array) -> Array:
+        """Return the next estimate (kinds,) of the noise, the residuals' sum of squares over their redundancy.
 
-
-def _strictly_inside(vector: Array, lower: Array, upper: Array) -> Array:
-    width = np.where(np.isfinite(upper - lower), upper - lower, 1.0)
-    return np.asarray(np.clip(vector, lower + 1e-9 * width, upper - 1e-9 * width))
-
-
-def _fit(evaluator: _Evaluator, vector: Array, noise: Array, law: NoiseLaw, converged: bool, message: str) -> Fit:
-    problem, (residuals, jacobian) = evaluator.problem, evaluator.at(vector)
-    space, scaled = problem.space, residuals / evaluator.noise
-    rho, weight, _ = law.loss(scaled**2)
-    slope = (jacobian / evaluator.noise[:, None]).T @ (weight * scaled) * space.scale
-    low, high = vector - space.lower <= _ON_BOUND * space.scale, space.upper - vector <= _ON_BOUND * space.scale
-    free = ~(low & (slope > 0.0)) & ~(high & (slope < 0.0))
-    return Fit(
-        read_only(vector),
-        read_only(noise),
-        float(np.sum(rho) + 2.0 * np.sum(np.log(evaluator.noise))),
-        read_only(residuals),
-        read_only(jacobian),
-        float(np.max(np.abs(slope[free]), initial=0.0)),
-        tuple(name for name, on in zip(space.names, low | high, strict=True) if on),
-        converged,
-        message,
-    )
+        The redundancy of a kind is its number of rows less their share in fixing the parameters, the trace of the hat
+        matrix; repeated with a fit in between, this leads to restricted maximum likelihood (Foerstner 1979). Rows count
+        as the noise found makes them count. `held` (kinds,) is noise that is known, nan elsewhere. Raises
+        ConvergenceError where the parameters follow all rows of a kind, so that its noise cannot be told.
+        """
+        index, names, noise = self.problem.kind_index, self.problem.kind_names, fit.noise
+        weight = self.law.weight((fit.residuals / noise[index]) ** 2)
+        weighed = fit.jacobian / noise[index, None] * np.sqrt(weight)[:, None]
+        length = np.linalg.norm(weighed, axis=0)
+        left, values, _ = np.linalg.svd(weighed[:, length > 0.0] / length[length > 0.0], full_matrices=False)
+        leverage = np.sum(left[:, values > 1e-10 * np.max(values, initial=0.0)] ** 2, axis=1)
+        redundancy = np.bincount(index, 1.0 - leverage, len(names))
+        for kind in np.flatnonzero((redundancy < _LEAST_REDUNDANCY) & np.isnan(held)).tolist():
+            raise ConvergenceError(
+                f"the parameters can follow all rows of {names[kind]!r} (redundancy {redundancy[kind]:.2g}): "
+                "give its noise, or more data"
+            )
+        # Weights follow the noise, which costs nothing; what a row leaves over stays, and is told anew after the fit.
+        for _ in range(_WEIGHTINGS):
+            square = np.bincount(index, weight * fit.residuals**2, len(names))
+            found = np.maximum(np.sqrt(square / np.maximum(redundancy, _LEAST_REDUNDANCY)), floor)
+            before, noise = noise, np.where(np.isnan(held), found, held)
+            if np.max(np.abs(np.log(noise / before))) < _SETTLED:
+                break
+            weight = self.law.weight((fit.residuals / noise[index]) ** 2)
+        return noise
 
 
 def fit_with_noise(
@@ -257,35 +211,47 @@ def fit_with_noise(
     law: NoiseLaw | None = None,
     known: Mapping[str, float] | None = None,
     floor: Array | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> Fit:
     """Fit parameters and the noise of each kind in turn, until both stand still.
 
     `known` : noise of some kinds by name, taken as given. `floor` : least noise (kinds,).
     Raises what the model raises at the start, and ConvergenceError where a kind's noise cannot be told.
     """
-    law, given = law or NoiseLaw(), known or {}
-    for kind, size in given.items():
-        if kind not in problem.kind_names:
-            raise unknown_name("kind of noise", kind, problem.kind_names)
-        positive_number(f"noise of {kind!r}", size)
-    held = np.array([given.get(kind, np.nan) for kind in problem.kind_names], dtype=float)
-    evaluator, vector = _Evaluator(problem, progress), _strictly_inside(start, problem.space.lower, problem.space.upper)
-    residuals, _ = evaluator.at(vector)
-    least = noise_floor(problem, residuals) if floor is None else floor
-    noise = np.where(np.isnan(held), np.maximum(root_mean_square(problem, residuals), least), held)
+    held = _known_noise(problem, known or {})
+    search = Search(problem, law or NoiseLaw(), progress)
+    vector = search.inside(start)
+    first = root_mean_square(problem, search.at(vector)[0])
+    least = _floor(first) if floor is None else floor
+    noise = np.where(np.isnan(held), np.maximum(first, least), held)
     for turn in range(_ROUNDS):
-        fit = _minimise(evaluator, vector, noise, law, _FIRST if turn == 0 else _LATER)
-        vector = fit.vector
-        new = estimated_noise(problem, fit.residuals, fit.jacobian, noise, law, least, held)
+        fit = search.minimise(vector, noise, _FIRST if turn == 0 else _LATER)
+        vector, new = fit.vector, search.estimated_noise(fit, least, held)
         change, noise = float(np.max(np.abs(np.log(new / noise)))), new
         if turn > 0 and change < _NOISE_TOLERANCE:
             break
     converged = fit.converged and change < _NOISE_TOLERANCE
     message = fit.message if converged or not fit.converged else f"the noise did not settle in {_ROUNDS} rounds"
-    evaluator.noise = noise[problem.kind_index]
-    finished = _fit(evaluator, fit.vector, noise, law, converged, message)
-    return replace(finished, known=~np.isnan(held))
+    return replace(search.fit(vector, noise, converged, message), known=~np.isnan(held))
+
+
+def root_mean_square(problem: JointProblem, residuals: Array) -> Array:
+    """Return the root mean square of the residuals (n,) of each kind, (kinds,)."""
+    index, count = problem.kind_index, len(problem.kind_names)
+    return np.asarray(np.sqrt(np.bincount(index, residuals**2, count) / np.bincount(index, minlength=count)))
+
+
+def _known_noise(problem: JointProblem, known: Mapping[str, float]) -> Array:
+    """The noise (kinds,) that is given, nan elsewhere."""
+    for kind, size in known.items():
+        if kind not in problem.kind_names:
+            raise unknown_name("kind of noise", kind, problem.kind_names)
+        positive_number(f"noise of {kind!r}", size)
+    return np.array([known.get(kind, np.nan) for kind in problem.kind_names], dtype=float)
+
+
+def _floor(first: Array) -> Array:
+    return np.maximum(_LEAST_NOISE * first, 1e-30)
 
 
 def spread_starts(problem: JointProblem, count: int, seed: int) -> Array:
@@ -293,10 +259,8 @@ def spread_starts(problem: JointProblem, count: int, seed: int) -> Array:
     from scipy.stats import qmc
 
     space, size = problem.space, whole_number("number of starts", count, least=1)
-    low, high = (
-        np.maximum(space.start - 2 * space.scale, space.lower),
-        np.minimum(space.start + 2 * space.scale, space.upper),
-    )
+    low = np.maximum(space.start - 2 * space.scale, space.lower)
+    high = np.minimum(space.start + 2 * space.scale, space.upper)
     if size == 1 or len(space) == 0:
         return space.start[None, :]
     power = max(int(np.ceil(np.log2(size - 1))), 0)
@@ -309,29 +273,28 @@ def multi_start(
     starts: Array,
     law: NoiseLaw | None = None,
     known: Mapping[str, float] | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> MultiStart:
     """Fit from every start (count, k) and keep the best; a start without an answer is recorded and passed over.
 
-    `progress` is called with the fraction done. Raises ConvergenceError if no start has an answer.
+    `progress` is called with the fraction done. Raises InvalidInput for noise of an unknown kind, ConvergenceError if
+    no start has an answer.
     """
-    fits, outcomes, floor = [], [], None
+    fits, failures, floor = [], [], None
+    _known_noise(problem, known or {})
     for number, start in enumerate(starts):
+        part = part_of(progress, number, len(starts))
         try:
             if floor is None:
-                floor = noise_floor(problem, problem.evaluate(start)[0])
-            fit = fit_with_noise(problem, start, law, known, floor, part_of(progress, number, len(starts)))
+                floor = _floor(root_mean_square(problem, problem.evaluate(start)[0]))
+            fits.append(fit_with_noise(problem, start, law, known, floor, part))
         except NO_ANSWER as cause:
-            outcomes.append(StartOutcome(read_only(start), None, np.nan, f"{type(cause).__name__}: {cause}"))
-        else:
-            fits.append(fit)
-            outcomes.append(StartOutcome(read_only(start), fit.vector, fit.deviance, fit.message))
-        if progress is not None:
-            progress((number + 1) / len(starts))
+            failures.append(f"{type(cause).__name__}: {cause}")
+        part(1.0)
     if not fits:
-        raise ConvergenceError(f"none of {len(starts)} starts has an answer; the first: {outcomes[0].message}")
+        raise ConvergenceError(f"none of {len(starts)} starts has an answer; the first: {failures[0]}")
     best = min(fits, key=lambda fit: fit.deviance)
     apart = [np.max(np.abs(fit.vector - best.vector) / problem.space.scale, initial=0.0) for fit in fits]
     higher = [abs(fit.deviance - best.deviance) for fit in fits]
     arrived = sum(d < _SAME_PLACE or h < _SAME_DEVIANCE for d, h in zip(apart, higher, strict=True))
-    return MultiStart(best, tuple(outcomes), int(arrived))
+    return MultiStart(best, len(starts), int(arrived), tuple(failures))

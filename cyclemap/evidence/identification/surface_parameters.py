@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 
 import numpy as np
 
@@ -26,8 +26,6 @@ SHARE_NAMES = ("rim_share", "corner_share", "inner_share")
 # An ellipse rounder than this (log of the axis ratio) counts as this round: phi then stays defined, and no motion or
 # force changes by more than a millionth.
 ROUNDEST = 1e-6
-# A start on a bound goes inside by this share of the way to the other one.
-_INSIDE = 0.01
 
 
 @dataclass(frozen=True)
@@ -65,9 +63,9 @@ class Parameter:
             raise InvalidInput(f"nominal value of {self.name} is {nominal}: outside its bounds")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ParameterSpace:
-    """Parameters in order, each name once.
+    """Parameters in order, each name once: names, bounds lower and upper, start and scale, (k,) each.
 
     >>> heat = Parameter("heat", "how warm it is", "K", 0.0, 10.0, 1.0, 0.5)
     >>> ParameterSpace((heat,)).vector({"heat": 3.0})
@@ -75,11 +73,18 @@ class ParameterSpace:
     """
 
     parameters: tuple[Parameter, ...]
+    names: tuple[str, ...] = field(init=False)
+    lower: Array = field(init=False)
+    upper: Array = field(init=False)
+    start: Array = field(init=False)
+    scale: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "parameters", tuple(self.parameters))
+        object.__setattr__(self, "names", tuple(one.name for one in self.parameters))
         if len(set(self.names)) < len(self.names):
             raise InvalidInput(f"a parameter is named twice: {self.names}")
+        for key in ("lower", "upper", "start", "scale"):
+            object.__setattr__(self, key, np.array([getattr(one, key) for one in self.parameters], dtype=float))
 
     def __len__(self) -> int:
         return len(self.parameters)
@@ -89,31 +94,6 @@ class ParameterSpace:
             if parameter.name == name:
                 return parameter
         raise unknown_name("parameter", name, self.names)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The names, in order."""
-        return tuple(parameter.name for parameter in self.parameters)
-
-    @property
-    def lower(self) -> Array:
-        """Lower bounds, (k,)."""
-        return np.array([parameter.lower for parameter in self.parameters], dtype=float)
-
-    @property
-    def upper(self) -> Array:
-        """Upper bounds, (k,)."""
-        return np.array([parameter.upper for parameter in self.parameters], dtype=float)
-
-    @property
-    def start(self) -> Array:
-        """Where a search begins, (k,)."""
-        return np.array([parameter.start for parameter in self.parameters], dtype=float)
-
-    @property
-    def scale(self) -> Array:
-        """Changes that matter, (k,)."""
-        return np.array([parameter.scale for parameter in self.parameters], dtype=float)
 
     @property
     def nominal(self) -> dict[str, float]:
@@ -139,7 +119,7 @@ class ParameterSpace:
 
     def values(self, vector: Array) -> dict[str, float]:
         """Return the values (k,) by name."""
-        return {name: float(value) for name, value in zip(self.names, vector, strict=True)}
+        return dict(zip(self.names, np.asarray(vector, dtype=float).tolist(), strict=True))
 
 
 SURFACE = ParameterSpace(
@@ -226,7 +206,7 @@ class SurfaceParameters:
 
     def values(self) -> dict[str, float]:
         """Return the values by name."""
-        return {name: float(getattr(self, name)) for name in SURFACE.names}
+        return asdict(self)
 
     def to_friction(self) -> EllipseFriction:
         """Return the friction ellipse, mu_a >= mu_b, phi within (-pi/2, pi/2].
@@ -249,32 +229,12 @@ class SurfaceParameters:
         inner = left * (1.0 - self.corner_share) * self.inner_share
         return {"inner_share": inner, "rim_share": self.rim_share, "corner_share": left * self.corner_share}
 
-    def friction_jacobian(self) -> Array:
-        """Return d FRICTION_NAMES / d (friction_scale, ellipticity_x, _y, offset_x, _y), (5, 5).
-
-        The row of phi grows without bound towards a circle. What depends smoothly on the ellipse has a finite product
-        with it, since turning a circle changes nothing; `chain` forms that product with errors below 1e-6.
-        """
-        ratio, phi = self._ellipse()
-        law, mean = self.to_friction(), math.exp(self.friction_scale)
-        double, across = (
-            np.array((math.cos(2 * phi), math.sin(2 * phi))),
-            np.array((-math.sin(2 * phi), math.cos(2 * phi))),
-        )
-        c, k = math.cos(phi), math.sin(phi)
-        jacobian = np.zeros((5, 5))
-        jacobian[:4, 0] = law.mu_a, law.mu_b, law.m0, law.n0
-        jacobian[0, 1:3], jacobian[1, 1:3] = 0.5 * law.mu_a * double, -0.5 * law.mu_b * double
-        jacobian[4, 1:3] = across / (2.0 * ratio)
-        jacobian[2, 1:3], jacobian[3, 1:3] = law.n0 * jacobian[4, 1:3], -law.m0 * jacobian[4, 1:3]
-        jacobian[2:4, 3:5] = mean * np.array(((c, k), (-k, c)))
-        return jacobian
-
     def chain(self, jacobian: Array, names: tuple[str, ...], parameters: tuple[str, ...] = SURFACE.names) -> Array:
         """Turn derivatives by the mechanics' parameters into derivatives by these: (..., j) -> (..., k).
 
         `names` (j) are those of the columns: of FRICTION_NAMES, the footprint's shares, or others of SURFACE, which
         pass through and add up. `parameters` (k) are wanted. Parameters that no column tells of have derivative zero.
+        Of a circle's phi, which has no meaning, the derivatives cancel with errors below 1e-6.
         Raises InvalidInput for an unknown name.
         """
         columns = np.asarray(jacobian, dtype=float)
@@ -282,7 +242,7 @@ class SurfaceParameters:
             raise InvalidInput(
                 f"the jacobian has shape {columns.shape}: its last axis must match the {len(names)} names"
             )
-        table = self._chain_table()
+        table = self._by_surface()
         for name in names:
             if name not in table:
                 raise unknown_name("parameter of the mechanics", name, table)
@@ -292,12 +252,20 @@ class SurfaceParameters:
                 raise unknown_name("parameter", name, SURFACE.names)
         return np.asarray(columns @ rows[:, [SURFACE.names.index(name) for name in parameters]])
 
-    def _chain_table(self) -> dict[str, Array]:
-        """The derivative (k,) of each of the mechanics' parameters by SURFACE."""
-        unit = np.eye(len(SURFACE))
-        table = dict(zip(SURFACE.names, unit, strict=True))
-        for name, row in zip(FRICTION_NAMES, self.friction_jacobian(), strict=True):
-            table[name] = np.concatenate([row, np.zeros(len(SURFACE) - 5)])
+    def _by_surface(self) -> dict[str, Array]:
+        """The derivative (k,) of each of the mechanics' parameters by SURFACE; that of phi has no bound at a circle."""
+        ratio, phi = self._ellipse()
+        law, mean = self.to_friction(), math.exp(self.friction_scale)
+        double = np.array((math.cos(2 * phi), math.sin(2 * phi)))
+        across = np.array((-math.sin(2 * phi), math.cos(2 * phi)))
+        c, k = math.cos(phi), math.sin(phi)
+        friction = np.zeros((5, len(SURFACE)))
+        friction[:4, 0] = law.mu_a, law.mu_b, law.m0, law.n0
+        friction[0, 1:3], friction[1, 1:3] = 0.5 * law.mu_a * double, -0.5 * law.mu_b * double
+        friction[4, 1:3] = across / (2.0 * ratio)
+        friction[2, 1:3], friction[3, 1:3] = law.n0 * friction[4, 1:3], -law.m0 * friction[4, 1:3]
+        friction[2:4, 3:5] = mean * np.array(((c, k), (-k, c)))
+        table = dict(zip((*SURFACE.names, *FRICTION_NAMES), [*np.eye(len(SURFACE)), *friction], strict=True))
         rim, corner, inner = self.rim_share, self.corner_share, self.inner_share
         by_rim, by_corner = table["rim_share"], table["corner_share"]
         table["corner_share"] = (1.0 - rim) * by_corner - corner * by_rim
@@ -368,7 +336,7 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
     searched = []
     for one in SURFACE.parameters:
         # A search begins at the value, or a little inside the bound that it lies on.
-        margin, value = _INSIDE * (one.upper - one.lower), values[one.name]
+        margin, value = 0.01 * (one.upper - one.lower), values[one.name]
         inside = min(max(value, one.lower + margin), one.upper - margin)
         searched.append(replace(one, start=inside, nominal=value))
     return ParameterSpace(tuple(searched))

@@ -457,7 +457,7 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
         follows = np.append(np.diff(number) == 1.0, False)
         found["theta_next"] = np.where(follows, following, math.nan)
         if not follows[:-1].all():
-            words.append(f"{int((~follows[:-1]).sum())} gaps in the numbers of the pushes: no pair across them")
+            words.append(f"no pair across gaps in the numbers of the pushes: {int((~follows[:-1]).sum())}")
     wanted = ("theta1", *_POSES) if posed else ("theta_next",)
     kept = known & np.all([np.isfinite(found[name]) for name in wanted], axis=0)
     if not known.all():

@@ -4,8 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from cyclemap.evidence.identification.data_block import FunctionBlock, Values
-from cyclemap.evidence.identification.surface_parameters import FRICTION_NAMES, SURFACE, SurfaceParameters
+from cyclemap.evidence import FunctionBlock, friction_scan_block
+from cyclemap.evidence.identification.data_block import JointProblem, Values
+from cyclemap.evidence.identification.identifiability import uncertainty
+from cyclemap.evidence.identification.least_squares import Fit
+from cyclemap.evidence.identification.surface_parameters import SURFACE
+from cyclemap.evidence.laws.linear_fit import student_quantile
 
 ELLIPSE = SURFACE.names[:5]
 MOTION = (*SURFACE.names[1:5], "pusher_friction", "rim_share")
@@ -21,25 +25,10 @@ TRUTH = {
 
 
 def forces(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Traction coefficients along x then y while sliding in directions (n,): (2 n,), and derivatives by ELLIPSE."""
-    surface = SurfaceParameters.from_values(values)
-    law = surface.to_friction()
-    velocity = np.stack([np.cos(directions), np.sin(directions)], axis=-1)
-    traction = law.traction(velocity)
-    by_law = complex_traction(law, velocity, 1e-30 * np.eye(5)).imag / 1e-30
-    jacobian = surface.chain(by_law.reshape(5, -1).T, FRICTION_NAMES, ELLIPSE)
-    return traction.T.ravel(), jacobian
-
-
-def complex_traction(law: Any, velocity: np.ndarray, steps: np.ndarray) -> np.ndarray:
-    """Traction (j, 2, n), each parameter moved by an imaginary step (j, 5): its imaginary part is the derivative."""
-    at = np.array([law.mu_a, law.mu_b, law.m0, law.n0, law.phi]) + 1j * steps
-    a, b, m0, n0, phi = at.T[:, :, None]
-    c, k = np.cos(phi), np.sin(phi)
-    v_m, v_n = c * velocity[:, 0] + k * velocity[:, 1], -k * velocity[:, 0] + c * velocity[:, 1]
-    s = np.sqrt(a**2 * v_m**2 + b**2 * v_n**2)
-    t_m, t_n = m0 + a**2 * v_m / s, n0 + b**2 * v_n / s
-    return np.stack([c * t_m - k * t_n, k * t_m + c * t_n], axis=1)
+    """Traction coefficients along, then across directions (n,) of sliding: (2 n,), and derivatives by ELLIPSE."""
+    still = {"direction": directions, "force_along": 0.0 * directions, "force_across": 0.0 * directions}
+    traction, jacobian = friction_scan_block(still, 1.0).residuals(values)
+    return traction.reshape(-1, 2).T.ravel(), np.concatenate([jacobian[::2], jacobian[1::2]])
 
 
 def motions(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -88,3 +77,16 @@ def motion_block(
     common, own = rng.standard_normal(count), rng.standard_normal((2, count))
     both = np.sqrt(shared) * common + np.sqrt(1.0 - shared) * own
     return block("pushes", motions, MOTION, directions, np.concatenate([turn_noise * both[0], shift_noise * both[1]]))
+
+
+def holds_truth(problem: JointProblem, fit: Fit, truth: Values) -> np.ndarray:
+    """Whether the 95 % interval of each free parameter, by covariance, holds the truth."""
+    errors = uncertainty(problem, fit)
+    half = np.array([student_quantile(0.95, freedom) for freedom in errors.freedom.tolist()])
+    return np.asarray(np.abs(fit.vector - problem.space.vector(truth)) < half * errors.standard_error)
+
+
+def hold_as_often_as_they_say(held: list[np.ndarray]) -> bool:
+    """Whether intervals of 95 % held the truth in 90 to 99 % of 200 runs, each parameter's."""
+    shares = np.mean(held, axis=0)
+    return len(held) == 200 and bool(np.all((shares >= 0.9) & (shares <= 0.99)))

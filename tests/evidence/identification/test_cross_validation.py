@@ -5,10 +5,11 @@ import pytest
 from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.evidence import FunctionBlock, Parameter, ParameterSpace
 from cyclemap.evidence.identification.cross_validation import cross_validate, kind_errors, random_folds
-from cyclemap.evidence.identification.data_block import FunctionBlock, JointProblem, Values
+from cyclemap.evidence.identification.data_block import JointProblem
 from cyclemap.evidence.identification.least_squares import fit_with_noise
-from cyclemap.evidence.identification.surface_parameters import SURFACE, Parameter, ParameterSpace
+from cyclemap.evidence.identification.surface_parameters import SURFACE
 
 X = np.linspace(0.0, 1.0, 12)
 DESIGN = np.stack([np.ones(12), X, X**2], axis=-1)
@@ -16,13 +17,7 @@ SPACE = ParameterSpace(tuple(Parameter(name, "", "1", -9.0, 9.0, 0.1, 1.0) for n
 DATA = np.cos(3.0 * X) + 0.05 * np.random.default_rng(0).standard_normal(12)
 
 
-def parabola(groups: np.ndarray) -> JointProblem:
-    def law(values: Values) -> tuple[np.ndarray, np.ndarray]:
-        return DESIGN @ SPACE.vector(values) - DATA, DESIGN
-
-    return JointProblem((FunctionBlock("parabola", SPACE.names, law, groups, "1"),), SPACE, {})
-
-
+@pytest.fixture
 def joint() -> JointProblem:
     space = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
     return JointProblem((force_block(12, 0.01), motion_block(16, 0.02, 0.002)), space, {})
@@ -32,54 +27,43 @@ def joint() -> JointProblem:
 def test_left_out_errors_of_a_linear_law_are_those_of_the_hat_matrix(size: int) -> None:
     """Of a group left out, the error is (1 - H)^-1 times the residuals, H its part of the hat matrix (Cook 1977)."""
     groups = np.arange(12) // size
-    problem = parabola(groups)
+    parabola = FunctionBlock("p", SPACE.names, lambda v: (DESIGN @ SPACE.vector(v) - DATA, DESIGN), groups, "1")
+    problem = JointProblem((parabola,), SPACE, {})
     fit = fit_with_noise(problem, SPACE.start)
     hat = DESIGN @ np.linalg.inv(DESIGN.T @ DESIGN) @ DESIGN.T
-    expected = np.concatenate(
-        [
-            np.linalg.solve(np.eye(size) - hat[np.ix_(rows, rows)], fit.residuals[rows])
-            for rows in (np.flatnonzero(groups == group) for group in range(12 // size))
-        ]
-    )
-    found = cross_validate(problem, fit, random_folds(problem, 12 // size))
-    assert np.allclose(found.residuals, expected, atol=2e-4)
-    assert found.failures == ()
-
-
-def test_random_folds_keep_groups_whole_and_deal_every_block_evenly() -> None:
-    problem = joint()
-    fold = random_folds(problem, 4, seed=3)
-    assert np.array_equal(fold, random_folds(problem, 4, seed=3))
-    assert not np.array_equal(fold, random_folds(problem, 4, seed=4))
-    assert all(len(np.unique(fold[problem.groups == group])) == 1 for group in range(28))
-    assert np.bincount(fold[problem.block_index == 0]).tolist() == [6, 6, 6, 6]
-    assert np.bincount(fold[problem.block_index == 1]).tolist() == [8, 8, 8, 8]
-
-
-def test_rows_of_no_fold_always_stay() -> None:
-    problem = joint()
-    fold = np.where(problem.block_index == 1, problem.groups % 2, -1)
-    found = cross_validate(problem, fit_with_noise(problem, problem.space.start), fold)
-    assert np.all(np.isnan(found.residuals[problem.block_index == 0]))
-    assert np.all(np.isfinite(found.residuals[problem.block_index == 1]))
-    table = kind_errors(problem, fit_with_noise(problem, problem.space.start), found)
-    assert [(row.block, row.kind, row.rows) for row in table] == [
-        ("scan", "force (1)", 24),
-        ("pushes", "shift (m)", 16),
-        ("pushes", "turn (rad)", 16),
+    expected = [
+        np.linalg.solve(np.eye(size) - hat[rows, rows], fit.residuals[rows])
+        for rows in (slice(first, first + size) for first in range(0, 12, size))
     ]
-    assert np.isnan(table[0].left_out_rms)
+    found, failures = cross_validate(problem, fit, random_folds(problem, 12 // size))
+    assert np.allclose(found, np.concatenate(expected), atol=2e-4)
+    assert failures == []
+
+
+def test_random_folds_keep_groups_whole_and_deal_every_block_evenly(joint) -> None:
+    fold = random_folds(joint, 4, seed=3)
+    assert np.array_equal(fold, random_folds(joint, 4, seed=3))
+    assert not np.array_equal(fold, random_folds(joint, 4, seed=4))
+    assert all(len(np.unique(fold[joint.groups == group])) == 1 for group in range(28))
+    assert np.bincount(fold[joint.block_index == 0]).tolist() == [6, 6, 6, 6]
+    assert np.bincount(fold[joint.block_index == 1]).tolist() == [8, 8, 8, 8]
+    for folds in (1, 29):
+        with pytest.raises(InvalidInput, match="folds must be from 2 to the 28 groups"):
+            random_folds(joint, folds)
+
+
+def test_rows_of_no_fold_always_stay_and_sizes_are_told_by_block_and_kind(joint) -> None:
+    fold, fit = np.where(joint.block_index == 1, joint.groups % 2, -1), fit_with_noise(joint, joint.space.start)
+    left_out, _ = cross_validate(joint, fit, fold)
+    assert np.array_equal(np.isfinite(left_out), joint.block_index == 1)
+    table = kind_errors(joint, fit, left_out)
+    told = [("scan", "force (1)", 24), ("pushes", "shift (m)", 16), ("pushes", "turn (rad)", 16)]
+    assert [(row.block, row.kind, row.rows) for row in table] == told
+    assert np.isnan(table[0].left_out_rms) and np.isnan(table[0].isotropic_mean)
     assert table[1].left_out_rms > table[1].rms
-
-
-def test_sizes_of_errors_are_mean_median_and_root_mean_square() -> None:
-    problem = parabola(np.arange(12))
-    fit = fit_with_noise(problem, SPACE.start)
-    (row,) = kind_errors(problem, fit, None)
-    size = np.abs(fit.residuals)
-    assert (row.mean, row.median) == (np.mean(size), np.median(size))
-    assert np.isclose(row.rms, np.sqrt(np.mean(size**2)))
-    assert np.isnan(row.left_out_mean)
+    size = np.abs(fit.residuals[:24])
+    assert (table[0].mean, table[0].median) == (np.mean(size), np.median(size))
+    assert np.isclose(table[0].rms, np.sqrt(np.mean(size**2)))
 
 
 def test_a_fold_without_an_answer_is_recorded_and_its_rows_stay_unknown() -> None:
@@ -94,17 +78,8 @@ def test_a_fold_without_an_answer_is_recorded_and_its_rows_stay_unknown() -> Non
                 raise ConvergenceError("cannot do without the first push")
             return whole.subset(keep_groups)
 
-    space = SURFACE.select(whole.parameters)
-    problem = JointProblem((Fragile(),), space, {})
+    problem = JointProblem((Fragile(),), SURFACE.select(whole.parameters), {})
     fold = random_folds(problem, 4)
-    found = cross_validate(problem, fit_with_noise(problem, space.vector(TRUTH)), fold)
-    assert len(found.failures) == 1
-    assert "cannot do without the first push" in found.failures[0]
-    assert np.count_nonzero(np.isnan(found.residuals)) == np.count_nonzero(fold == fold[0]) == 8
-
-
-def test_folds_that_do_not_fit_are_refused() -> None:
-    problem = joint()
-    for folds in (1, 29):
-        with pytest.raises(InvalidInput, match="folds must be from 2 to the 28 groups"):
-            random_folds(problem, folds)
+    found, failures = cross_validate(problem, fit_with_noise(problem, problem.space.vector(TRUTH)), fold)
+    assert len(failures) == 1 and "cannot do without the first push" in failures[0]
+    assert np.count_nonzero(np.isnan(found)) == np.count_nonzero(fold == fold[0]) == 8

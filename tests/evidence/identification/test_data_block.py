@@ -5,8 +5,8 @@ import pytest
 from stand_ins import ELLIPSE, TRUTH, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.identification.data_block import PRIOR_KIND, USUAL, FunctionBlock, JointProblem, prior_block
-from cyclemap.evidence.identification.identify import identify
+from cyclemap.evidence import FunctionBlock, identify
+from cyclemap.evidence.identification.data_block import JointProblem, prior_block
 from cyclemap.evidence.identification.surface_parameters import SURFACE
 
 SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "rim_share"))
@@ -17,9 +17,8 @@ def test_a_subset_has_the_rows_of_its_groups_and_nothing_else() -> None:
     part = block.subset([2, 7]).subset([7, 3])
     assert part.groups.tolist() == [7, 7]
     assert part.kinds.tolist() == ["turn (rad)", "shift (m)"]
-    whole, own = block.residuals(TRUTH), part.residuals(TRUTH)
-    assert np.array_equal(own[0], whole[0][[7, 17]])
-    assert np.array_equal(own[1], whole[1][[7, 17]])
+    for whole, own in zip(block.residuals(TRUTH), part.residuals(TRUTH), strict=True):
+        assert np.array_equal(own, whole[[7, 17]])
 
 
 def test_the_derivatives_of_the_stand_ins_are_their_slopes() -> None:
@@ -43,20 +42,26 @@ def test_a_parameter_whose_data_leave_is_held() -> None:
     assert [block.name for block in part.blocks] == ["scan"]
 
 
-def test_blocks_that_do_not_fit_are_refused() -> None:
-    with pytest.raises(InvalidInput, match="no block of data depends on rim_share"):
-        JointProblem((force_block(),), SURFACE.select((*ELLIPSE, "rim_share")), {})
-    with pytest.raises(InvalidInput, match="the data depend on offset_y"):
-        JointProblem((force_block(),), SURFACE.select(ELLIPSE[:4]), {})
-    with pytest.raises(InvalidInput, match="names of their own"):
-        JointProblem((force_block(), force_block()), SURFACE.select(ELLIPSE), {})
-    with pytest.raises(InvalidInput, match="3 whole numbers"):
-        FunctionBlock("x", ("a",), lambda v: (np.ones(3), np.ones((3, 1))), np.array([0.0, 1.0, 2.0]), "m")
-    with pytest.raises(InvalidInput, match="kinds of block 'x'"):
-        FunctionBlock("x", ("a",), lambda v: (np.ones(3), np.ones((3, 1))), [0, 1, 2], ["m", "m"])
-    short = FunctionBlock("x", ("a",), lambda v: (np.ones(3), np.ones((2, 1))), [0, 1, 2], "m")
-    with pytest.raises(InvalidInput, match="3 residuals but 2 derivatives"):
-        short.residuals({})
+def made(rows: object = np.ones(3), groups: object = (0, 1, 2), kinds: object = "m") -> FunctionBlock:
+    return FunctionBlock("x", ("offset_x",), lambda v: (np.ones(3), np.ones((np.size(rows), 1))), groups, kinds)
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        (lambda: JointProblem((force_block(),), SURFACE.select((*ELLIPSE, "rim_share")), {}), "depends on rim_share"),
+        (lambda: JointProblem((force_block(),), SURFACE.select(ELLIPSE[:4]), {}), "the data depend on offset_y"),
+        (lambda: JointProblem((force_block(), force_block()), SURFACE.select(ELLIPSE), {}), "names of their own"),
+        (lambda: made(groups=np.array([0.0, 1.0, 2.0])), "3 whole numbers"),
+        (lambda: made(kinds=["m", "m"]), "kinds of block 'x'"),
+        (lambda: made(np.ones(2)).residuals({}), "3 residuals but 2 derivatives"),
+        (lambda: prior_block({}), "one parameter at least"),
+        (lambda: prior_block({"rim_share": (0.5, 0.0)}), "rim_share"),
+    ],
+)
+def test_blocks_that_do_not_fit_are_refused(asked, words) -> None:
+    with pytest.raises(InvalidInput, match=words):
+        asked()
 
 
 def test_numbers_that_are_not_finite_stop_at_the_block() -> None:
@@ -66,36 +71,14 @@ def test_numbers_that_are_not_finite_stop_at_the_block() -> None:
         def residuals(self, values: object) -> tuple[np.ndarray, np.ndarray]:
             return np.array([0.0, np.nan]), np.zeros((2, 5))
 
-        def subset(self, keep_groups: object) -> "Broken":
-            return self
-
     with pytest.raises(ConvergenceError, match="'broken'"):
         JointProblem((Broken(),), SURFACE.select(ELLIPSE), {}).evaluate(np.zeros(5))
 
 
-def test_without_data_the_beliefs_and_their_deviations_come_back():
-    of_surface = {name: belief for name, belief in USUAL.items() if name in SURFACE.names}
-    found = identify([prior_block(of_surface)], list(of_surface), starts=1, noise={PRIOR_KIND: 1.0})
-    assert len(found.estimates) == 9
-    for one in found.estimates:
-        value, deviation = USUAL[one.name]
-        assert (one.value, one.standard_error) == pytest.approx((value, deviation), abs=1e-6 * deviation)
-
-
-def test_no_belief_and_one_without_width_are_refused():
-    with pytest.raises(InvalidInput, match="one parameter at least"):
-        prior_block({})
-    with pytest.raises(InvalidInput, match="rim_share"):
-        prior_block({"rim_share": (0.5, 0.0)})
-
-
-def test_a_belief_alone_keeps_its_deviation_beside_data_that_share_groups():
+def test_a_belief_alone_keeps_its_deviation_beside_data_that_share_groups() -> None:
     """What the data do not depend on has the interval of its belief, however near to it the estimate lies."""
-    rows = np.arange(40) // 2
-    data = 0.2 + 0.01 * np.cos(7.0 * np.arange(40))
-    law = FunctionBlock(
-        "law", ("pusher_friction", "rim_share"), lambda v: (v["pusher_friction"] - data, np.eye(2)[[0] * 40]), rows, "m"
-    )
+    names, data = ("pusher_friction", "rim_share"), 0.2 + 0.01 * np.cos(7.0 * np.arange(40))
+    law = FunctionBlock("law", names, lambda v: (v[names[0]] - data, np.eye(2)[[0] * 40]), np.arange(40) // 2, "m")
     beliefs = {"rim_share": (0.4, 0.1), "pusher_friction": (0.15, 0.05)}
     found = identify([law], list(beliefs), priors=beliefs, starts=1)
     assert found["rim_share"].value == pytest.approx(0.4, abs=1e-6)

@@ -1,20 +1,26 @@
 """Several plates on one floor: friction is the floor's, pressure each plate's, the frame's shift each data set's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, predicted_push_ends, push_end_block, surface_model
+from cyclemap.evidence import MeasuredPush, SurfaceParameters, identified_material, identify, push_end_block
+from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, predicted_push_ends, surface_model
 from cyclemap.evidence.identification.data_block import PlateBlock, usual_beliefs
-from cyclemap.evidence.identification.identify import identify
-from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE, SurfaceParameters
-from cyclemap.evidence.identified_material import identified_material
-from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
+from cyclemap.evidence.identification.surface_parameters import SHARE_NAMES, SURFACE
 from cyclemap.mechanics import Pose, Slider
+
+pytestmark = pytest.mark.slow
 
 FLOOR = {"ellipticity_x": 0.12, "ellipticity_y": -0.06, "offset_x": 0.04, "offset_y": -0.03, "pusher_friction": 0.18}
 SHARES = {"tri3": {"corner_share": 0.4, "rim_share": 0.1}, "rect2": {"inner_share": 0.5, "rim_share": 0.2}}
 SHIFTS = {"tri3": (8e-4, -4e-4), "rect2": (-3e-4, 1.2e-3)}
-PLACE, TURN = 1e-3, 0.01
+TRUTH = {
+    **FLOOR,
+    **{f"{name}[{plate}]": value for plate, shares in SHARES.items() for name, value in shares.items()},
+    **{f"tip_offset_{a}[{p}]": at for p, shift in SHIFTS.items() for a, at in zip("xy", shift, strict=True)},
+}
 OWNED = (*SURFACE.select(SHARE_NAMES).parameters, *TIP_OFFSET)
 PUSHES = 30
 
@@ -24,41 +30,32 @@ def collection(seed: int, wild: int = 0) -> list[PlateBlock]:
     rng, blocks = np.random.default_rng(seed), []
     for plate, shares in SHARES.items():
         slider, pushes = Slider.mit(plate), []
-        model = surface_model(SurfaceParameters(**FLOOR, **shares), slider)
         rim = slider.outline.points(360)
         for number in range(PUSHES):
             start = Pose(0.3, 0.1, float(rng.uniform(0.0, 6.0)))
             touch = np.array(start.to_world(*rim[rng.integers(len(rim))].tolist()))
             way = np.array([start.x, start.y]) - touch
-            way = 0.05 * way / np.hypot(*way)
             turn = rng.normal(0.0, 0.4)
-            way = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ way
+            way = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ (
+                0.05 * way / np.hypot(*way)
+            )
             first, last = touch - 0.3 * way, touch + 0.7 * way
             pushes.append(MeasuredPush(start, start, tuple(first.tolist()), tuple(last.tolist()), number))
+        model = surface_model(SurfaceParameters(**FLOOR, **shares), slider)
         ends = predicted_push_ends(model, pushes, SHIFTS[plate])[0]
-        ends += rng.standard_normal(ends.shape) * [PLACE, PLACE, TURN]
+        ends += rng.standard_normal(ends.shape) * [1e-3, 1e-3, 0.01]
         ends[:wild] += [0.03, -0.02, 0.5]
-        measured = [
-            MeasuredPush(push.start, Pose(*end), push.tip_start, push.tip_end, push.contact)
-            for push, end in zip(pushes, ends.tolist(), strict=True)
-        ]
+        measured = [replace(push, end=Pose(*end)) for push, end in zip(pushes, ends.tolist(), strict=True)]
         blocks.append(PlateBlock(push_end_block(measured, slider), plate, OWNED))
     return blocks
 
 
-def truth() -> dict[str, float]:
-    own = {f"{name}[{plate}]": value for plate, shares in SHARES.items() for name, value in shares.items()}
-    shifts = {f"tip_offset_{a}[{p}]": at for p, shift in SHIFTS.items() for a, at in zip("xy", shift, strict=True)}
-    return {**FLOOR, **own, **shifts}
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("wild", [0, 2])
 def test_friction_pressure_and_frames_of_two_plates_come_back_together(wild: int) -> None:
     """Within four of their own errors, also where two pushes in thirty go wrong; the isotropic errors are worse."""
-    free = tuple(truth())
+    free = tuple(TRUTH)
     found = identify(collection(3, wild), free, priors=usual_beliefs(free), starts=1, folds=3, student=4.0)
-    for name, value in truth().items():
+    for name, value in TRUTH.items():
         assert abs(found[name].value - value) < 4.0 * found[name].standard_error + 1e-4, found[name]
     assert found["offset_x"].standard_error < 0.05 and found["tip_offset_x[tri3]"].standard_error < 6e-4
     assert found.plates["tri3"]["corner_share"] == pytest.approx(0.36, abs=0.15)
@@ -73,15 +70,12 @@ def test_friction_pressure_and_frames_of_two_plates_come_back_together(wild: int
     assert "believed beforehand" in material.provenance and "isotropic" in material.misfit
 
 
-@pytest.mark.slow
 def test_a_plates_derivatives_are_those_of_differences() -> None:
-    block = collection(5)[0]
-    values = truth() | {"inner_share[tri3]": 0.1}
+    block, values = collection(5)[0], TRUTH | {"inner_share[tri3]": 0.1}
     base, jacobian = block.residuals(values)
+    assert base.shape == (3 * PUSHES,)
     for index, name in enumerate(block.parameters):
         step = 1e-5 if name.startswith("tip") else 1e-4
-        ahead, _ = block.residuals({**values, name: values[name] + step})
-        behind, _ = block.residuals({**values, name: values[name] - step})
+        ahead, behind = (block.residuals({**values, name: values[name] + by})[0] for by in (step, -step))
         slope = (ahead - behind) / (2.0 * step)
         assert np.median(np.abs(slope - jacobian[:, index])) < 0.02 * np.max(np.abs(slope)) + 1e-6, name
-    assert base.shape == (3 * PUSHES,)

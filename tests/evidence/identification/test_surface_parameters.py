@@ -8,18 +8,12 @@ import pytest
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.surface_parameters import (
-    FRICTION_NAMES,
-    SURFACE,
-    Parameter,
-    ParameterSpace,
-    SurfaceParameters,
-)
+from cyclemap.evidence import Parameter, ParameterSpace, SurfaceParameters
+from cyclemap.evidence.identification.surface_parameters import FRICTION_NAMES, SURFACE
 from cyclemap.mechanics import EllipseFriction, Material
 
 DIRECTIONS = np.linspace(0.0, 2 * np.pi, 7, endpoint=False)
 VELOCITIES = np.stack([np.cos(DIRECTIONS), np.sin(DIRECTIONS)], axis=-1)
-FRICTION_PART = SURFACE.names[:5]
 
 
 def dissipation(friction: EllipseFriction) -> np.ndarray:
@@ -35,10 +29,6 @@ def by_friction(friction: EllipseFriction) -> np.ndarray:
     return np.stack([friction.mu_a * v_m**2 / s, friction.mu_b * v_n**2 / s, v_m, v_n, t_m * v_n - t_n * v_m], axis=-1)
 
 
-def surface(vector: np.ndarray) -> SurfaceParameters:
-    return SurfaceParameters(*vector.tolist())
-
-
 def test_friction_to_parameters_and_back_is_the_same_limit_curve() -> None:
     rng = np.random.default_rng(0)
     for _ in range(50):
@@ -49,16 +39,14 @@ def test_friction_to_parameters_and_back_is_the_same_limit_curve() -> None:
 
 
 @pytest.mark.parametrize("ellipticity", [(0.0, 0.0), (1e-8, 0.0), (3e-5, -2e-5), (0.1, 0.2), (-0.3, 1e-3)])
-def test_the_chain_through_mu_a_mu_b_m0_n0_phi_is_the_derivative_also_at_isotropy(
-    ellipticity: tuple[float, float],
-) -> None:
-    at = np.array([math.log(0.3), *ellipticity, 0.08, -0.05])
-    here = surface(at)
-    exact = here.chain(by_friction(here.to_friction()), FRICTION_NAMES, FRICTION_PART)
-    step = 1e-3  # far above the roundest ellipse, so that the difference does not see it
-    for column in range(5):
-        shift = np.eye(5)[column] * step
-        values = [dissipation(surface(at + n * shift).to_friction()) for n in (-2, -1, 1, 2)]
+def test_the_chain_through_the_friction_is_the_derivative_also_at_isotropy(ellipticity: tuple[float, float]) -> None:
+    at, step = np.array([math.log(0.3), *ellipticity, 0.08, -0.05]), 1e-3
+    here = SurfaceParameters(*at.tolist())
+    exact = here.chain(by_friction(here.to_friction()), FRICTION_NAMES, SURFACE.names[:5])
+    # The step is far above the roundest ellipse, so that the difference does not see it.
+    for column, unit in enumerate(step * np.eye(5)):
+        moved = (SurfaceParameters(*(at + n * unit).tolist()) for n in (-2, -1, 1, 2))
+        values = [dissipation(one.to_friction()) for one in moved]
         slope = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * step)
         assert np.allclose(exact[:, column], slope, atol=2e-6)
     assert np.max(np.abs(exact[:, 1:3])) > 0.05
@@ -69,30 +57,18 @@ def test_the_chain_through_a_whole_cycle_of_the_mechanics_is_its_slope_on_a_roun
 
     By the friction's scale it is nothing, to what derivatives are good for at this accuracy.
     """
-    base, theta, step = CollectionLoop.mit(accuracy=1e-9), 0.7, 2e-3
+    base, theta, step, here = CollectionLoop.mit(accuracy=1e-9), 0.7, 2e-3, SurfaceParameters(offset_x=0.05)
 
     def loop(at: SurfaceParameters) -> CollectionLoop:
         return replace(base, material=Material("made", at.to_friction()))
 
-    def next_theta(**change: float) -> float:
-        return float(loop(SurfaceParameters(offset_x=0.05, **change)).next_theta(theta))
-
-    here, wanted = SurfaceParameters(offset_x=0.05), ("friction_scale", "ellipticity_x", "ellipticity_y", "offset_y")
+    wanted = ("friction_scale", "ellipticity_x", "ellipticity_y", "offset_y")
     by_law = loop(here).sensitivity(theta, FRICTION_NAMES)
-    row = by_law.jacobian[by_law.outputs.index("theta_next")]
-    exact = here.chain(row, FRICTION_NAMES, wanted)
-    slopes = [(next_theta(**{name: step}) - next_theta(**{name: -step})) / (2 * step) for name in wanted[1:]]
-    assert np.allclose(exact[1:], slopes, atol=1e-4)
+    exact = here.chain(by_law.jacobian[by_law.outputs.index("theta_next")], FRICTION_NAMES, wanted)
+    ends = [[float(loop(replace(here, **{n: s * step})).next_theta(theta)) for s in (-1, 1)] for n in wanted[1:]]
+    assert np.allclose(exact[1:], np.diff(ends)[:, 0] / (2 * step), atol=1e-4)
     assert np.min(np.abs(exact[1:])) > 0.05
     assert abs(exact[0]) < 1e-6
-
-
-def test_the_jacobian_of_the_friction_is_the_slope_of_to_friction() -> None:
-    at, step = np.array([-1.2, 0.15, -0.1, 0.04, 0.07]), 1e-6
-    for column in range(5):
-        up, down = surface(at + step * np.eye(5)[column]), surface(at - step * np.eye(5)[column])
-        slope = [(getattr(up.to_friction(), n) - getattr(down.to_friction(), n)) / (2 * step) for n in FRICTION_NAMES]
-        assert np.allclose(surface(at).friction_jacobian()[:, column], slope, atol=1e-8)
 
 
 def test_turning_the_surface_turns_offset_once_and_ellipticity_twice() -> None:
@@ -105,46 +81,26 @@ def test_turning_the_surface_turns_offset_once_and_ellipticity_twice() -> None:
     assert after.friction_scale == before.friction_scale
 
 
-def test_the_scale_of_friction_scales_every_force_and_nothing_else() -> None:
-    small, large = SurfaceParameters(-2.0, 0.1, 0.2, 0.05, 0.1), SurfaceParameters(-1.0, 0.1, 0.2, 0.05, 0.1)
-    assert np.allclose(dissipation(large.to_friction()), math.e * dissipation(small.to_friction()), rtol=1e-14)
-
-
-def test_names_of_the_surface_pass_through_the_chain() -> None:
-    """Each column is the derivative by its own name, and by no other."""
-    wanted = ("pusher_friction", "rim_share", "pin_friction_radius")
-    chained = SurfaceParameters().chain(np.array([[2.0, 5.0]]), ("pin_friction_radius", "pusher_friction"), wanted)
-    assert np.allclose(chained, [[5.0, 0.0, 2.0]], atol=1e-15)
-
-
-def test_every_parameter_of_a_surface_has_bounds_a_unit_and_words_and_a_start_between_them() -> None:
-    assert SURFACE.names == tuple(SurfaceParameters().values())
-    assert len(SURFACE) == 10
-    assert all(p.unit and p.description and p.lower < p.start < p.upper for p in SURFACE.parameters)
+def test_a_space_selects_and_extends_by_name_and_begins_at_the_nominal_surface() -> None:
     assert SURFACE.nominal == SurfaceParameters().values()
     assert SurfaceParameters.from_values({**SURFACE.nominal, "tilt": 1.0}) == SurfaceParameters()
-
-
-def test_a_space_selects_and_extends_by_name() -> None:
     space = SURFACE.extended(Parameter("bias", "a shift", "m", -1.0, 1.0, 0.0, 0.1)).select(("bias", "rim_share"))
-    assert space.names == ("bias", "rim_share")
     assert space.values(space.vector({"rim_share": 0.1, "bias": 2.0, "other": 3.0})) == {"bias": 2.0, "rim_share": 0.1}
 
 
-def test_what_cannot_be_a_surface_is_refused_by_name() -> None:
-    with pytest.raises(InvalidInput, match=r"rim_share is 1\.5"):
-        SurfaceParameters(rim_share=1.5)
-    with pytest.raises(InvalidInput, match="does not contain zero"):
-        SurfaceParameters(offset_x=0.9, ellipticity_x=-0.5).to_friction()
-    with pytest.raises(InvalidInput, match="did you mean 'rim_share'"):
-        SurfaceParameters.from_friction(EllipseFriction(0.2, 0.2), rim_shar=1.0)
-    with pytest.raises(InvalidInput, match="unknown parameter of the mechanics 'hitch_x'"):
-        SurfaceParameters().chain(np.ones((1, 1)), ("hitch_x",))
-    with pytest.raises(InvalidInput, match="match the 2 names"):
-        SurfaceParameters().chain(np.ones((1, 1)), ("mu_a", "mu_b"))
-    with pytest.raises(InvalidInput, match="strictly between"):
-        Parameter("x", "", "1", 0.0, 1.0, 0.0, 1.0)
-    with pytest.raises(InvalidInput, match="named twice"):
-        ParameterSpace((SURFACE["rim_share"], SURFACE["rim_share"]))
-    with pytest.raises(InvalidInput, match="no value for rim_share"):
-        SURFACE.select(("rim_share",)).vector({})
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        (lambda: SurfaceParameters(rim_share=1.5), r"rim_share is 1\.5"),
+        (lambda: SurfaceParameters(offset_x=0.9, ellipticity_x=-0.5).to_friction(), "does not contain zero"),
+        (lambda: SurfaceParameters.from_friction(EllipseFriction(0.2, 0.2), rim_shar=1.0), "did you mean 'rim_share'"),
+        (lambda: SurfaceParameters().chain(np.ones((1, 1)), ("hitch_x",)), "unknown parameter of the mechanics"),
+        (lambda: SurfaceParameters().chain(np.ones((1, 1)), ("mu_a", "mu_b")), "match the 2 names"),
+        (lambda: Parameter("x", "", "1", 0.0, 1.0, 0.0, 1.0), "strictly between"),
+        (lambda: ParameterSpace((SURFACE["rim_share"], SURFACE["rim_share"])), "named twice"),
+        (lambda: SURFACE.select(("rim_share",)).vector({}), "no value for rim_share"),
+    ],
+)
+def test_what_cannot_be_a_surface_is_refused_by_name(asked, words) -> None:
+    with pytest.raises(InvalidInput, match=words):
+        asked()

@@ -117,7 +117,10 @@ def test_missing_rows_make_no_pair_across_them_and_are_told(tmp_path) -> None:
     found = read_own_table(path, {"theta0": "theta0_degrees"}, ["deg"])
     assert len(found.columns["theta0"]) == 8
     assert np.degrees(found.columns["theta_next"] - found.columns["theta0"]) == pytest.approx(27.3)
-    assert any("1 gaps" in line for line in found.words) and any("1 rows without" in line for line in found.words)
+    assert (
+        any("no pair across gaps in the numbers of the pushes: 1" in line for line in found.words)
+        and "left out for want of an orientation: 1 of 11 rows" in found.words
+    )
 
 
 def quaternions(theta_deg):
