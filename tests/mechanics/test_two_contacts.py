@@ -1,11 +1,13 @@
 """Whole pushes by the engine and by an independent solver of all modes; a rod that touches two places of an outline."""
 
 import math
+from collections import Counter
 from functools import partial
 
 import numpy as np
 import pytest
 from force_balance import story
+from random_cases import random_case
 from two_contact_reference import (
     Contact,
     Instant,
@@ -233,6 +235,17 @@ def test_along_whole_pushes_the_independent_solver_finds_the_engines_modes_and_f
     (vertices, law, radius, mu, *_), _, modes = case
     seen = check_along(pushed(case[0]), patch_friction(vertices, law), radius, mu)
     assert seen == {NAMES[mode.split()[-1]] for mode in modes}
+
+
+def test_along_random_pushes_exactly_one_mode_of_the_solver_holds_and_has_the_engines_forces():
+    """Sticking and the two ways of sliding, without torque about the contact and along the cone's edge."""
+    seen = Counter()
+    for seed in range(12):
+        case = random_case(seed, accuracy=1e-9)
+        push, rod = case.model.push(case.pose, case.push), case.model.pusher
+        wrench = LimitSurface(case.model.pressure, case.model.friction).wrench
+        seen.update(check_along(push, wrench, rod.radius, rod.friction))
+    assert {"stick", "slide_left", "slide_right"} <= set(seen) and min(seen.values()) >= 3
 
 
 @pytest.mark.slow

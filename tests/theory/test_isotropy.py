@@ -10,9 +10,7 @@ from cyclemap.mechanics import (
     DragBack,
     Ellipse,
     EllipseFriction,
-    LimitSurface,
     Material,
-    PatchFootprint,
     SidePush,
     Slider,
     grid_footprint,
@@ -41,13 +39,6 @@ def test_the_leg_back_looks_the_same_from_every_start():
     rotation = sp.Matrix([[sp.cos(turn), sp.sin(turn)], [-sp.sin(turn), sp.cos(turn)]])
     wanted = -rotation * sp.Matrix([theory.RING_X, theory.RING_Y])
     assert (leg - wanted).applyfunc(spelled_out) == sp.zeros(2, 1)
-
-
-def test_the_codes_wrench_turns_with_the_object():
-    surface = LimitSurface(PatchFootprint(SQUARE), ISOTROPIC)
-    twists = np.random.default_rng(1).normal(size=(20, 3)) * (1.0, 1.0, 20.0)
-    for theta in (0.4, -2.0):
-        np.testing.assert_allclose(surface.wrench(twists, theta), surface.wrench(twists), rtol=0, atol=1e-14)
 
 
 def test_the_codes_cycle_is_a_rigid_rotation_for_every_footprint_push_and_object():

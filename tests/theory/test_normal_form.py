@@ -2,7 +2,6 @@
 
 import doctest
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -71,13 +70,6 @@ def test_the_response_is_equivariant_and_holds_one_harmonic(order) -> None:
     turned = response.subs(theory.THETA, theory.THETA + theory.ALPHA) * rotation(order * theory.ALPHA)
     oscillates = response.diff(theory.THETA, 2) + order**2 * response
     assert all(zero(entry) for entry in [*(turned - response), *oscillates])
-
-
-def test_the_full_map_is_conjugate_to_itself_on_a_turned_surface() -> None:
-    """What everything rests on, run with the mechanics: f of the surface turned by α at θ + α is f(θ) + α."""
-    loop, alpha, theta = CollectionLoop.mit(material="plywood"), 0.8, 1.1
-    turned = replace(loop, material=replace(loop.material, friction=loop.material.friction.turned(alpha)))
-    assert turned.cycle(theta + alpha).theta_next == pytest.approx(loop.cycle(theta).theta_next + alpha, abs=1e-9)
 
 
 def test_dissipation_is_homogeneous_so_that_the_scale_of_friction_drops_out_of_the_motion() -> None:

@@ -34,17 +34,6 @@ def test_the_first_memory_is_the_stated_function_of_the_length():
     assert sp.simplify(residual.rewrite(sp.exp)) == 0
 
 
-def test_the_codes_moebius_map_has_this_memory():
-    """The mean of e^{in(g(x) - x)} on a grid converges geometrically, so that it is exact to rounding."""
-    x = np.linspace(0.0, 2.0 * np.pi, 4096, endpoint=False)
-    for a in (0.1, 0.5, 0.9):
-        turn = CircleMap.moebius(a, 0.0).turn(x)
-        for order in range(1, 6):
-            assert (
-                abs(np.mean(np.exp(1j * order * turn)) - float(theory.memory(order).subs(theory.STRENGTH, a))) < 1e-13
-            )
-
-
 def test_one_leg_gives_even_headings_the_powers_of_its_strength_as_moments():
     x = np.linspace(0.0, 2.0 * np.pi, 4096, endpoint=False)
     for a in (0.1, 0.5, 0.9):

@@ -5,13 +5,11 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from residuals import residuals, vanishes
 
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction
 from theory import traction_law as theory
 
-RESIDUALS = residuals(theory)
 LAW = (theory.MU_A, theory.MU_B, theory.M0, theory.N0)
 VELOCITY = (theory.V_M, theory.V_N)
 
@@ -31,15 +29,6 @@ def numbers(law):
     return law.mu_a, law.mu_b, law.m0, law.n0
 
 
-@pytest.mark.parametrize("name", RESIDUALS)
-def test_every_residual_of_the_traction_law_is_exactly_zero(name):
-    assert vanishes(RESIDUALS[name]())
-
-
-def test_there_are_nine_residuals():
-    assert len(RESIDUALS) == 9
-
-
 def test_the_codes_dissipation_and_traction_are_the_derived_ones_to_rounding():
     h = sp.lambdify((*LAW, *VELOCITY), theory.dissipation())
     force = sp.lambdify((*LAW, *VELOCITY), list(theory.most_dissipating_traction()))
@@ -53,23 +42,6 @@ def test_the_codes_dissipation_and_traction_are_the_derived_ones_to_rounding():
         assert np.allclose(law.traction(velocities), derived, rtol=0, atol=1e-14)
         compared += len(velocities)
     assert compared == 1500
-
-
-def test_the_codes_tractions_lie_on_the_limit_ellipse_and_no_point_inside_it_gains_more():
-    rng, gaps = np.random.default_rng(2), 0
-    eq_1 = sp.lambdify((*LAW, theory.T_M, theory.T_N), theory.limit_ellipse())
-    gap = sp.lambdify((*LAW, *VELOCITY, theory.T_M, theory.T_N), theory.dissipation_gap())
-    for law in random_laws(20, seed=3):
-        v = rng.normal(size=2)
-        t_m, t_n = law.traction(v, frame=law.phi)
-        assert abs(eq_1(*numbers(law), t_m, t_n)) < 1e-13
-        radius, angle = np.sqrt(rng.uniform(size=100)), rng.uniform(0, 2 * np.pi, 100)
-        inside = law.m0 + law.mu_a * radius * np.cos(angle), law.n0 + law.mu_b * radius * np.sin(angle)
-        lost = law.dissipation(v, frame=law.phi) - inside[0] * v[0] - inside[1] * v[1]
-        assert np.allclose(gap(*numbers(law), *v, *inside), lost, atol=1e-14)
-        assert lost.min() > 0.0
-        gaps += lost.size
-    assert gaps == 2000
 
 
 def test_the_curvature_is_the_derivative_of_the_codes_traction():
