@@ -153,7 +153,21 @@ class Prediction:
     @cached_property
     def map(self) -> CircleMap:
         """The first-order map, with two harmonics: θ + Ω + Re(p exp(iθ) + q exp(2iθ))."""
-        return _two_harmonic_map(self.fingerprint.turn, *harmonics(self.fingerprint.cycle, self.anisotropy))
+        turn, (p, q) = self.fingerprint.turn, harmonics(self.fingerprint.cycle, self.anisotropy)
+
+        def lift(theta: Array) -> Array:
+            z = np.exp(1j * theta)
+            return np.asarray(theta + turn + (z * (p + q * z)).real)
+
+        def derivative(theta: Array) -> Array:
+            z = np.exp(1j * theta)
+            return np.asarray(1.0 - (z * (p + 2.0 * q * z)).imag)
+
+        def one(theta: float) -> float:
+            z = cmath.exp(1j * theta)
+            return theta + turn + (z * (p + q * z)).real
+
+        return CircleMap.with_scalar(lift, derivative, one)
 
     @cached_property
     def second_order_map(self) -> CircleMap:
@@ -180,7 +194,15 @@ class Prediction:
     @cached_property
     def directions(self) -> tuple[PredictedDirection, ...]:
         """The fixed points of the first-order map, by angle; a saddle-node counts once. None on isotropic surfaces."""
-        return tuple(self._direction(orbit) for orbit in fixed_points(self.map)) if self._anisotropic else ()
+        found = []
+        for orbit in fixed_points(self.map) if self._anisotropic else ():
+            theta = float(orbit.points[0])
+            error = max(self._reach(theta, 1.0), self._reach(theta, -1.0))
+            same = [other for other in self.second_order_points if other.stable == orbit.stable]
+            nearest = min(same, key=lambda other: abs(shorter_way(other.points[0] - theta)), default=None)
+            near = nearest is not None and abs(shorter_way(nearest.points[0] - theta)) <= error
+            found.append(PredictedDirection(orbit, error, nearest if near else None))
+        return tuple(found)
 
     @cached_property
     def second_order_points(self) -> tuple[Orbit, ...]:
@@ -247,14 +269,6 @@ class Prediction:
         turn = ahead + side * (scaled.turn(_ANGLES) - self.fingerprint.turn)
         return float(np.min(turn + sign * scaled.turn_error(_ANGLES)))
 
-    def _direction(self, orbit: Orbit) -> PredictedDirection:
-        theta = float(orbit.points[0])
-        error = max(self._reach(theta, 1.0), self._reach(theta, -1.0))
-        same = [other for other in self.second_order_points if other.stable == orbit.stable]
-        nearest = min(same, key=lambda other: abs(shorter_way(other.points[0] - theta)), default=None)
-        near = nearest is not None and abs(shorter_way(nearest.points[0] - theta)) <= error
-        return PredictedDirection(orbit, error, nearest if near else None)
-
     def _reach(self, theta: float, sense: float) -> float:
         """How far from the fixed point `theta`, in one sense, a turn within the error may still be none; π at most."""
         reach = _ANGLES[: _ANGLES.size // 2 + 1]
@@ -288,19 +302,3 @@ def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Pre
         )
     surface.require_surface()
     return Prediction(found, surface)
-
-
-def _two_harmonic_map(turn: float, p: complex, q: complex) -> CircleMap:
-    def lift(theta: Array) -> Array:
-        z = np.exp(1j * theta)
-        return np.asarray(theta + turn + (z * (p + q * z)).real)
-
-    def derivative(theta: Array) -> Array:
-        z = np.exp(1j * theta)
-        return np.asarray(1.0 - (z * (p + 2.0 * q * z)).imag)
-
-    def one(theta: float) -> float:
-        z = cmath.exp(1j * theta)
-        return theta + turn + (z * (p + q * z)).real
-
-    return CircleMap.with_scalar(lift, derivative, one)

@@ -189,19 +189,3 @@ def test_cubics_from_node_to_node_come_as_near_to_it_as_asked_with_not_many_node
     assert worst(nodes) <= error and set(given) <= set(nodes)
     half = np.linspace(0.0, 1.0, max(2, len(nodes) // 2)).tolist()
     assert worst([Node(x, *polynomial.at(x)) for x in half]) > error
-
-
-def test_a_smooth_map_takes_less_than_a_third_of_the_samples_that_its_cubics_have_nodes():
-    """`samples` tells what was asked for, the pieces how many cubics there are."""
-    asked = []
-
-    def sample(theta):
-        asked.extend(theta.tolist())
-        return theta + 0.5 + 0.3 * np.sin(theta), 1.0 + 0.3 * np.cos(theta)
-
-    found = sample_circle_map(sample, 1e-9)
-    theta = np.random.default_rng(4).uniform(0.0, 2.0 * math.pi, 4000)
-    off = np.abs(found(theta) - (theta + 0.5 + 0.3 * np.sin(theta))).max()
-    assert off <= found.max_error <= 1e-9
-    assert found.pieces is not None
-    assert found.samples == len(asked) < 0.33 * (len(found.pieces.knots) - 1)

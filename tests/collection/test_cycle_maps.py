@@ -37,13 +37,6 @@ def test_fixed_points_of_the_8x8_grid(ring_mm, stable_deg, unstable_deg, within_
         assert found == pytest.approx(expected, abs=within_deg)
 
 
-@pytest.mark.parametrize(("theta_deg", "multiplier"), [(61.45, 0.891), (200.193, 1.569)])
-def test_multipliers_of_the_8x8_grid(theta_deg, multiplier):
-    """df/dtheta at the grid's fixed points is what the independent solver found."""
-    found = plywood(grid=8).sensitivity(math.radians(theta_deg), ("theta",)).by_theta
-    assert found == pytest.approx(multiplier, abs=1e-3)
-
-
 def test_fixed_points_meet_in_a_saddle_node_as_the_ring_moves_in():
     """Stable and unstable point approach each other as the ring goes inwards, and are gone at 9 mm."""
     gaps = []
@@ -57,11 +50,6 @@ def test_fixed_points_meet_in_a_saddle_node_as_the_ring_moves_in():
 def centred():
     """MIT's loop on plywood without the ellipse's offset."""
     return CollectionLoop.mit(material=Material("centred", EllipseFriction(0.2545, 0.2346, phi=2.6175)))
-
-
-def test_centred_ellipse_locks_nowhere():
-    """Without the offset plywood has no fixed point."""
-    assert fixed_points(centred().circle_map(tolerance=1e-4)) == []
 
 
 def test_turn_of_a_centred_ellipse_on_the_8x8_grid():
@@ -93,19 +81,3 @@ def test_derivative_by_an_unknown_parameter_is_refused():
     """A parameter that does not exist is refused by name, not answered with zero."""
     with pytest.raises(InvalidInput, match="unknown parameter 'mu_c'"):
         plywood().sensitivity(0.0, ("theta", "mu_c"))
-
-
-def test_many_cycles_are_the_single_ones_in_any_shape():
-    """Batch evaluation gives each cycle's numbers, in the shape of the orientations, none and one included."""
-    loop = plywood()
-    theta = np.radians([[0.0, 60.0, 150.0], [270.0, 360.0, -90.0]])
-    many = loop.cycles(theta)
-    for index in np.ndindex(theta.shape):
-        single = loop.cycle(float(theta[index]))
-        found = (many.push_turn, many.drag_turn, many.drag_length, many.theta_next)
-        expected = (single.push_turn, single.drag_turn, single.drag_length, single.theta_next)
-        np.testing.assert_allclose([array[index] for array in found], expected, rtol=0.0, atol=1e-12)
-        np.testing.assert_allclose(many.push_displacement[index], single.push_displacement, rtol=0.0, atol=1e-13)
-        assert many.left[index] == (single.ended == "left")
-    assert many.left.sum() == 4
-    assert loop.cycles([]).theta_next.shape == (0,) and loop.next_theta(0.5).shape == ()

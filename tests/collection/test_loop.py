@@ -43,13 +43,6 @@ def test_the_lift_commutes_with_full_turns():
         assert abs(MIT.cycle(theta + 6 * math.pi).theta_next - MIT.cycle(theta).theta_next - 6 * math.pi) < 1e-8
 
 
-def test_the_order_of_calls_does_not_change_a_cycle():
-    first = [CollectionLoop.mit().cycle(t).theta_next for t in (0.0, 2.0, 4.0)]
-    loop = CollectionLoop.mit()
-    second = [loop.cycle(t).theta_next for t in (4.0, 2.0, 0.0)][::-1]
-    assert first == second
-
-
 def test_the_drawn_trajectory_is_the_cycles_own_only_finer():
     cycle = MIT.cycle(1.0)
     drawn = cycle.trajectory

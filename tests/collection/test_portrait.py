@@ -9,7 +9,6 @@ from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
 from cyclemap.collection.portrait_curves import cobweb, portrait_curves, turn_curve
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
-from cyclemap.maps.quadrature import circle_rule
 
 TURN = 2 * np.pi
 
@@ -60,12 +59,6 @@ def test_the_mean_over_cubics_is_exact(count) -> None:
     assert found.minimum == pytest.approx(0.1, abs=2e-5)
     assert found.maximum == pytest.approx(0.5, abs=2e-5)
     assert found.min_slope == pytest.approx(0.8, abs=1e-3) and found.max_slope == pytest.approx(1.2, abs=1e-3)
-
-
-def test_it_agrees_with_the_rule_for_waves_on_a_gentle_map() -> None:
-    circle_map = sampled(60)
-    theta, weight = circle_rule(circle_map, 2048)
-    assert turn_statistics(circle_map).mean == pytest.approx(weight @ circle_map.turn(theta) / TURN, abs=1e-13)
 
 
 def test_a_stretch_as_steep_as_a_jump_is_no_reason_to_refuse() -> None:

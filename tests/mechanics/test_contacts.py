@@ -12,7 +12,6 @@ from cyclemap.errors import CycleMapError, InvalidInput, UnsupportedContact
 from cyclemap.mechanics import (
     Ellipse,
     EllipseFriction,
-    PatchFootprint,
     PointFootprint,
     Polygon,
     Pose,
@@ -74,13 +73,6 @@ def test_a_rod_goes_around_a_corner_and_leaves_where_it_no_longer_approaches():
     assert abs(outward @ direction_of(push)) / 0.00475 < 1e-5
 
 
-def test_a_longer_push_changes_nothing_after_the_rod_has_left():
-    model = QuasiStaticModel(RECT, PLYWOOD)
-    first, second = (model.push(Pose(), SidePush(distance=d)) for d in (0.15, 1.0))
-    assert abs(first.turn - second.turn) < 1e-8
-    assert abs(first.travel - second.travel) < 1e-8
-
-
 def test_the_motion_is_continuous_across_modes_and_corners():
     for seed in range(20):
         case = random_case(seed, accuracy=1e-8)
@@ -89,13 +81,6 @@ def test_the_motion_is_continuous_across_modes_and_corners():
         travel = np.diff(trajectory.path)
         assert (jumps[travel < 1e-12]).max(initial=0.0) < 1e-8
         assert (np.abs(np.diff(trajectory.pose[:, :2], axis=0)).max(axis=1)[travel >= 1e-12] < 2e-2).all()
-
-
-def test_a_straight_push_through_the_centre_pushes_straight():
-    push = QuasiStaticModel(RECT, ISOTROPIC).push(Pose(theta=0.3), SidePush(fraction=0.5, distance=0.1))
-    assert abs(push.turn) < 1e-12
-    assert np.allclose(push.displacement, (0.0, -0.1), atol=1e-13)
-    assert story(push) == [("stick", "side")]
 
 
 def test_a_disc_pushed_off_centre_without_friction_translates():
@@ -145,25 +130,6 @@ def test_a_vertex_on_a_straight_side_is_no_corner():
             assert abs(plain.turn - same.turn) < 1e-7
 
 
-def gap_to_disc(sides):
-    """Difference of turns between a disc and a regular polygon on the same patch, pushed at the middle of a side."""
-    around = 2.0 * np.pi * np.arange(sides) / sides
-    many = Slider(Polygon(tuple(map(tuple, 0.05 * np.stack([np.cos(around), np.sin(around)], axis=-1)))))
-    patch, rod, side = PatchFootprint(Ellipse(0.05, 0.05)), Pusher(0.005, 0.1), sides // 11
-    cornered = QuasiStaticModel(many, PLYWOOD, rod, patch).push(Pose(), SidePush(side, 0.5, 0.7, 0.03))
-    disc = QuasiStaticModel(Slider(Ellipse(0.05, 0.05)), PLYWOOD, rod)
-    smooth = disc.push(Pose(), SidePush(0, (side + 0.5) / sides, 0.7, 0.03))
-    assert len(np.unique(cornered.course.rows[:, 6])) >= sides // 24
-    return abs(smooth.turn - cornered.turn)
-
-
-@pytest.mark.slow
-def test_polygons_of_many_sides_tend_to_the_disc():
-    coarse, fine = gap_to_disc(24), gap_to_disc(192)
-    assert coarse < 0.1
-    assert fine < 0.1 * coarse
-
-
 @pytest.mark.parametrize(
     ("push", "told"),
     [
@@ -179,11 +145,6 @@ def test_pushes_that_do_not_touch_or_start_inside_are_refused_in_one_line(push, 
     with pytest.raises(InvalidInput, match=told) as refused:
         QuasiStaticModel(RECT, PLYWOOD).push(Pose(), push)
     assert "\n" not in str(refused.value)
-
-
-def test_ellipses_know_one_side_only():
-    with pytest.raises(InvalidInput, match="sides 0 to 0"):
-        QuasiStaticModel(Slider.mit("ellip2"), PLYWOOD).push(Pose(), SidePush(side=1))
 
 
 def test_no_gap_opens_between_a_side_and_its_corner():

@@ -16,7 +16,6 @@ from cyclemap.mechanics import (
     EllipseFriction,
     LimitSurface,
     PatchFootprint,
-    PointFootprint,
     Polygon,
     Pose,
     Pusher,
@@ -116,15 +115,6 @@ def test_turning_surface_object_and_push_together_turns_the_motion():
     np.testing.assert_allclose((turned.end.x, turned.end.y), _turned(alpha, still.end.x, still.end.y), atol=1e-8)
 
 
-def test_on_isotropic_friction_every_orientation_gives_one_path_in_the_objects_frame():
-    one = model(EllipseFriction.isotropic(0.25), **FINE)
-    pushes = [one.push(Pose(theta=theta), SHORT) for theta in (0.0, 1.0, 2.5, 4.4)]
-    turns = np.array([push.turn for push in pushes])
-    places = np.array([push.displacement for push in pushes])
-    assert np.ptp(turns) < 1e-7 and np.ptp(places, axis=0).max() < 1e-8
-    assert turns[0] > 0.2
-
-
 def test_only_the_froude_number_and_the_softness_in_weights_matter():
     """Twice the size at sqrt(2) of the speed, or three times the mass on three times the stiffness: the same turn."""
     base = model(STRONG, **FINE).push(Pose(theta=0.5), SHORT)
@@ -151,12 +141,6 @@ def test_the_contact_begins_with_the_dampers_blow_and_ends_at_rest():
     assert np.abs(course.velocity[-1, :2]).max() <= 0.01 * 0.02
     assert course.path[-1] == course.path[-2] == pytest.approx(0.04)
     assert course.time[-1] > course.time[-2] == pytest.approx(2.0)
-
-
-def test_friction_of_the_ring_pin_holds_the_turn_back():
-    free = model().drag(Pose(0.02, 0.05, 0.4), ((0.0, 0.0),))
-    held = model().drag(Pose(0.02, 0.05, 0.4), ((0.0, 0.0),), pin_friction_radius=0.003)
-    assert abs(held.turn) < abs(free.turn) - 0.01
 
 
 def test_a_drag_through_way_points_ends_with_the_ring_at_the_last():
@@ -220,12 +204,6 @@ def test_a_slider_that_never_rests_is_told(monkeypatch):
         model().push(Pose(), SHORT)
 
 
-def test_two_support_points_suffice():
-    stand = PointFootprint(((-0.03, 0.0), (0.03, 0.0)), (1.0, 1.0))
-    push = model(footprint=stand).push(Pose(), SHORT)
-    assert push.ended == "distance" and push.turn > 0.1
-
-
 def _turned(angle: float, x: float, y: float) -> tuple[float, float]:
     return Pose(theta=angle).to_world(x, y)
 
@@ -248,27 +226,6 @@ def test_a_block_slides_to_rest_over_v_squared_by_2_mu_g(direction):
     distance = model.froude / (2.0 * MU)
     np.testing.assert_allclose(run.state[-1, :2], (c * distance, s * distance), rtol=1e-4, atol=1e-12)
     assert run.state[-1, 2] == pytest.approx(0.4, abs=1e-8)
-
-
-@pytest.mark.parametrize(("sign", "mu"), [(1.0, 0.34), (-1.0, 0.26)])
-def test_along_an_ellipses_axis_friction_is_the_semi_axis_and_the_offset(sign, mu):
-    """v = 1 - mu t / Fr, with mu = mu_a + m0 one way and mu_a - m0 the other."""
-    law, model = EllipseFriction(0.3, 0.2, 0.04, 0.0, 0.0), coasted(EllipseFriction.isotropic(MU), [0.0] * 6, 1e-3)[0]
-    time = model.froude
-    _, run = coasted(law, [0.0, 0.0, 0.0, sign, 0.0, 0.0], time)
-    assert sign * run.state[-1, 3] == pytest.approx(1.0 - mu, abs=1e-5)
-    np.testing.assert_allclose(run.state[-1, [4, 5]], 0.0, atol=1e-8)
-
-
-def test_a_plate_spins_to_rest_under_a_constant_torque():
-    """Points at radius r each take mu r of their load: omega falls evenly, the angle is omega^2 / (2 alpha)."""
-    model, _ = coasted(EllipseFriction.isotropic(MU), [0.0] * 6, 1e-3)
-    radius = float(np.hypot(*np.array(model.points.positions).T).mean() / model.points.extent)
-    inertia = model.physics()["inertia"]
-    alpha = MU * radius / (model.froude * inertia)
-    _, run = coasted(EllipseFriction.isotropic(MU), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0], 2.0 / alpha)
-    assert run.state[-1, 2] == pytest.approx(1.0 / (2.0 * alpha), rel=1e-4)
-    np.testing.assert_allclose(run.state[-1, :2], 0.0, atol=1e-10)
 
 
 def test_a_slider_left_alone_at_rest_creeps_by_less_than_the_creep_speed():

@@ -184,13 +184,6 @@ def test_their_friction_is_as_near_the_patchs_as_the_even_grids_and_nearer_on_fi
     assert errors[1] < max(errors[0] / 4.0, 6e-4)
 
 
-def test_a_vanishing_rim_share_is_the_even_grid_again():
-    _, weights = pressure_points(PatchFootprint(SQUARE, rim_share=1e-6), 8).quadrature
-    even = grid_footprint(SQUARE, 8).quadrature[1]
-    np.testing.assert_allclose(weights[:64], even, rtol=2e-6)
-    assert weights[64:].sum() == pytest.approx(1e-6, rel=1e-3)
-
-
 def test_points_that_cannot_carry_a_pressure_are_refused_with_what_to_set():
     """A steep lean on a triangle, whose coarse grid has its centre far from the patch's."""
     triangle = Polygon(((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)))

@@ -1,13 +1,12 @@
 """Values are shared by threads, forks, processes and Dask workers, survive pickling, and stop when interrupted."""
 
-import multiprocessing
 import os
 import pickle
 import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 
 import distributed
 import numpy as np
@@ -124,12 +123,6 @@ def test_loops_models_and_results_come_back_from_pickles(alone):
         assert pickle.loads(pickle.dumps(loop.model)) == loop.model
         cycle = pickle.loads(pickle.dumps(loop.cycle(0.3)))
         assert cycle.push.trajectory.contact_force.tobytes() == loop.cycle(0.3).push.trajectory.contact_force.tobytes()
-
-
-@pytest.mark.slow
-def test_spawned_workers_come_to_the_same_bits(alone):
-    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
-        assert list(pool.map(everything, mixture())) == alone
 
 
 def push_of(model):
