@@ -212,7 +212,12 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
 
     The mean is a quadrature that no break spoils; the extremes are over the same nodes, of which there are thousands.
     """
-    theta, weight = _spread_nodes(cycle_map)
+    if cycle_map.pieces is None:
+        theta, weight = circle_rule(cycle_map, _BANDWIDTH)
+    else:
+        # For the map itself: waves of it would need more nodes, the steeper it is.
+        knots = cycle_map.pieces.knots
+        theta, weight = gauss_rule(knots[:-1], np.diff(knots), _CUBIC_NODES)
     turn = cycle_map.turn(theta)
     slope = cycle_map.derivative(theta)
     return TurnStatistics(
@@ -222,14 +227,6 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
         min_slope=float(slope.min()),
         max_slope=float(slope.max()),
     )
-
-
-def _spread_nodes(cycle_map: CircleMap) -> tuple[Array, Array]:
-    """Nodes all over the circle with weights, for the map itself: waves of it would need more, the steeper it is."""
-    if cycle_map.pieces is None:
-        return circle_rule(cycle_map, _BANDWIDTH)
-    knots = cycle_map.pieces.knots
-    return gauss_rule(knots[:-1], np.diff(knots), _CUBIC_NODES)
 
 
 def _density_at(operator: TransferOperator, theta: float) -> float:

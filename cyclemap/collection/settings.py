@@ -123,29 +123,26 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
 
 
 def _slider(slider: Slider, settings: Settings) -> Slider:
-    hitch = _pair(settings, "slider.hitch", slider.hitch)
-    outline = _outline(settings)
-    if "shape" in settings:
-        slider = Slider.mit(str(settings["shape"]), hitch)
-    elif outline is not None:
-        slider = Slider(outline, slider.mass, hitch=hitch, name=OWN_OUTLINE)
-    centre = _pair(settings, "slider.centre_of_mass", slider.centre_of_mass)
-    name = str(settings.get("object_name", slider.name))
-    file_stem(name)
-    return replace(slider, hitch=hitch, centre_of_mass=centre, name=name, **_numbers(settings, "slider"))  # type: ignore[arg-type]
-
-
-def _outline(settings: Settings) -> Outline | None:
     given = [key for key in ("shape", "vertices_mm", "semi_x_mm") if key in settings]
     if len(given) > 1:
         raise InvalidInput(f"{given[0]} and {given[1]} both name the outline: give one of them")
     if ("semi_x_mm" in settings) != ("semi_y_mm" in settings):
         raise InvalidInput("an ellipse needs both semi_x_mm and semi_y_mm")
-    if "vertices_mm" in settings:
-        return Polygon(_points(settings, "vertices_mm"))
-    if "semi_x_mm" in settings:
-        return Ellipse(*(_si(key, settings[key]) for key in ("semi_x_mm", "semi_y_mm")))
-    return None
+    set_hitch, set_centre = (_numbers(settings, f"slider.{part}") for part in ("hitch", "centre_of_mass"))
+    hitch = set_hitch.get("0", slider.hitch[0]), set_hitch.get("1", slider.hitch[1])
+    if "shape" in settings:
+        slider = Slider.mit(str(settings["shape"]), hitch)
+    elif given:
+        outline: Outline = (
+            Polygon(_points(settings, "vertices_mm"))
+            if "vertices_mm" in settings
+            else Ellipse(*(_si(key, settings[key]) for key in ("semi_x_mm", "semi_y_mm")))
+        )
+        slider = Slider(outline, slider.mass, hitch=hitch, name=OWN_OUTLINE)
+    centre = tuple(set_centre.get(axis, before) for axis, before in zip("01", slider.centre_of_mass, strict=True))
+    name = str(settings.get("object_name", slider.name))
+    file_stem(name)
+    return replace(slider, hitch=hitch, centre_of_mass=centre, name=name, **_numbers(settings, "slider"))  # type: ignore[arg-type]
 
 
 @contextmanager
@@ -169,11 +166,6 @@ def _numbers(settings: Settings, part: str) -> dict[str, float]:
         if place == part and not SETTINGS[key].kind and name != "outline":
             found[name] = _si(key, value)
     return found
-
-
-def _pair(settings: Settings, part: str, before: tuple[float, float]) -> tuple[float, float]:
-    found = _numbers(settings, part)
-    return found.get("0", before[0]), found.get("1", before[1])
 
 
 def _si(key: str, value: object) -> float:

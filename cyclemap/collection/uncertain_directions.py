@@ -101,7 +101,10 @@ def direction_uncertainty(
     report = progress or (lambda fraction: None)
     stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
     if loop.material.posterior is None:
-        varied = [_with_ratio(stated, factor) for factor in (1.0 / (1.0 + VARIED), 1.0 + VARIED)]
+        law, varied = loop.material.friction, []
+        for root in (1.0 / math.sqrt(1.0 + VARIED), math.sqrt(1.0 + VARIED)):
+            friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
+            varied.append(replace(stated, material=replace(loop.material, friction=friction, wear=None)))
         nominal, *found = _stable_points([stated, *varied], report)
         return DirectionUncertainty("axis ratio", SAMPLES, 2, _locked(found), _intervals(nominal, found, span=True))
     loops = [sampled_loop(stated, number) for number in range(len(loop.material.posterior))]
@@ -125,16 +128,6 @@ def direction_uncertainty(
         intervals = _intervals(nominal, linear)
     report(1.0)
     return DirectionUncertainty("posterior", method, len(loops), _locked(linear), intervals, error)
-
-
-def _with_ratio(loop: CollectionLoop, factor: float) -> CollectionLoop:
-    """The loop with the ratio of its ellipse's axes times a factor, their geometric mean kept."""
-    law, root = loop.material.friction, math.sqrt(factor)
-    friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
-    return replace(loop, material=replace(loop.material, friction=friction, wear=None))
-
-
-# -- to first order ---------------------------------------------------------------------------------------------
 
 
 def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[Array]:
@@ -192,9 +185,6 @@ def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
     ranks = (ends * (len(some) - 1)).round().astype(int)
     telling = {some[order[rank]] for rank in ranks.tolist()}
     return sorted(telling), sorted({some[order[0]], some[order[-1]], *none[:1], *none[-1:]} - telling)
-
-
-# -- in full ----------------------------------------------------------------------------------------------------
 
 
 def _stable_points(loops: Sequence[CollectionLoop], report: Callable[[float], None] | None = None) -> list[Array]:
@@ -258,9 +248,6 @@ def _roots(number: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
     stable = (low - high) / step > -2.0
     found: list[Array] = [np.sort(np.mod(theta[stable & (number[cell] == index)], TWO_PI)) for index in range(count)]
     return found
-
-
-# -- intervals --------------------------------------------------------------------------------------------------
 
 
 def _locked(points: Sequence[Array]) -> int:
