@@ -250,17 +250,6 @@ def test_sizes_do_not_matter():
         assert length(thin) == pytest.approx(1e-3 * length(flat), rel=1e-12)
 
 
-def test_the_butterfly():
-    """MIT's plate, its concave waist cut into short sides: one loop, all of it touched by MIT's rod."""
-    outline = dataset_sliders()["butter"].outline
-    curve = contact_curve(outline, 0.00475)
-    check_points_and_junctions(outline, curve, 1e-13)
-    assert len(loops(curve)) == 1
-    wide = contact_curve(outline, 0.08)
-    check_points_and_junctions(outline, wide, 1e-13)
-    assert len(wide.pieces) < len(curve.pieces)
-
-
 def marched(outline, radius, start, toward):
     """Travel of a rod that goes as far as nothing can be in its way, again and again; None where it gets away."""
     travel = 0.0

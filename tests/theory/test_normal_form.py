@@ -1,8 +1,6 @@
 """The normal form follows from symmetry alone, and the code's fingerprint has it."""
 
-import doctest
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +12,6 @@ from cyclemap.mechanics import EllipseFriction, load_material
 from theory import normal_form as theory
 from theory.plane_rotation import rotation
 
-NOTE = Path(__file__).parents[2] / "docs" / "theory" / "normal-form.md"
 VALUES = {theory.MU_A: 0.3, theory.MU_B: 0.2, theory.M0: 0.04, theory.N0: -0.03, theory.PHI: 0.7}
 
 
@@ -134,14 +131,6 @@ def test_the_saddle_node_curve_solves_both_equations_and_is_the_lock_in_that_the
         assert lock_in.scale == pytest.approx(1.0, abs=1e-12) and lock_in.theta == pytest.approx(angle, abs=1e-6)
         found += 1
     assert found >= 5
-
-
-def test_the_notes_example_gives_what_its_text_says() -> None:
-    blocks = NOTE.read_text(encoding="utf-8").split("```python\n")[1:]
-    assert len(blocks) == 1
-    example = doctest.DocTestParser().get_doctest(blocks[0].split("```")[0], {}, NOTE.name, str(NOTE), 0)
-    assert len(example.examples) >= 3
-    assert doctest.DocTestRunner().run(example).failed == 0
 
 
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 2001)
