@@ -6,7 +6,7 @@ import numpy as np
 import sympy as sp
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.maps import CircleMap, fixed_points, rotation_number, slow_passages
+from cyclemap.maps import CircleMap, slow_passages
 from cyclemap.mechanics import EllipseFriction, Material, Pose, QuasiStaticModel, Slider
 from theory import half_turn_symmetry as theory
 from theory.plane_rotation import rotation
@@ -73,37 +73,6 @@ def test_even_maps_commute_with_half_a_turn_and_descend_to_the_doubled_circle():
     low = theory.even_map(1)
     twice = sp.expand(2 * low.subs(THETA, low).subs(THETA, THETA / 2))
     assert sp.expand(twice - theory.doubled(low).subs(THETA, theory.doubled(low))) == 0
-
-
-def random_even_map(rng, omega):
-    harmonics = rng.normal(size=(2, 2)) * ((0.1,), (0.02,))
-
-    def lift(x):
-        waves = sum(a * np.cos(2 * j * x) + b * np.sin(2 * j * x) for j, (a, b) in enumerate(harmonics, 1))
-        return x + omega + waves
-
-    def slope(x):
-        waves = sum(2 * j * (b * np.cos(2 * j * x) - a * np.sin(2 * j * x)) for j, (a, b) in enumerate(harmonics, 1))
-        return 1.0 + waves
-
-    return CircleMap(lift, slope), CircleMap(lambda y: 2 * lift(0.5 * y), lambda y: slope(0.5 * y))
-
-
-def test_rotation_number_doubles_and_fixed_points_come_in_opposite_pairs():
-    rng, pairs = np.random.default_rng(3), 0
-    for omega in (0.0, 0.02, 1.1):
-        whole, doubled = random_even_map(rng, omega)
-        half, full = (rotation_number(one, tolerance=1e-5) for one in (whole, doubled))
-        assert abs(2.0 * half.value - full.value) < 4e-5
-        orbits = fixed_points(whole)
-        for orbit in orbits:
-            opposite = min(
-                orbits, key=lambda o, p=orbit.points[0] + math.pi: abs(math.remainder(o.points[0] - p, TWO_PI))
-            )
-            assert abs(math.remainder(opposite.points[0] - orbit.points[0] - math.pi, TWO_PI)) < 1e-10
-            assert abs(opposite.multiplier - orbit.multiplier) < 1e-10
-            pairs += 1
-    assert pairs >= 4
 
 
 def test_the_codes_bottlenecks_of_a_centred_plywood_are_half_a_turn_apart():
