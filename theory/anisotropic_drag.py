@@ -37,7 +37,7 @@ def spin() -> sp.Expr:
 
 
 def trailing_rate() -> sp.Expr:
-    """Return d(dϑ/ds)/dϑ (1/m) where the ring leads, ϑ = γ, and its opposite at γ + π; exp(rate·ℓ) is the multiplier."""
+    """Return d(dϑ/ds)/dϑ (1/m) where the ring leads, ϑ = γ, and its opposite at γ + π; multiplier exp(rate·ℓ)."""
     return -LEVER * PULL / inertia().subs(LEVER_ANGLE, PULL_ANGLE)
 
 

@@ -29,7 +29,7 @@ def integrand() -> sp.Expr:
 
 
 def passage_at_tangency() -> sp.Expr:
-    """Return mean time at ε = 0: (√π/3) 12^{1/6} Γ(1/6) (a²D)^{-1/3}, cycles. The noise alone carries it through."""
+    """Return the mean time at ε = 0: (√π/3) 12^{1/6} Γ(1/6) (a²D)^{-1/3}, cycles; noise alone carries it through."""
     return (
         sp.sqrt(sp.pi) / 3 * 12 ** sp.Rational(1, 6) * sp.gamma(sp.Rational(1, 6)) / sp.cbrt(CURVATURE**2 * DIFFUSION)
     )

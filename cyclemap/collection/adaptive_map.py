@@ -56,10 +56,6 @@ class HermitePolynomial:
     """The polynomial of degree 2 k - 1 with the values and slopes of k nodes, by divided differences (Davis 1975, 3.1).
 
     nodes : ascending, no place twice. differences : Newton's coefficients, to places that come twice each.
-
-    >>> nodes = [Node(x, x**5, 5.0 * x**4) for x in (0.0, 0.5, 2.0)]
-    >>> HermitePolynomial.through(nodes).at(1.5) == (1.5**5, 5.0 * 1.5**4)
-    True
     """
 
     nodes: tuple[Node, ...]
@@ -179,11 +175,6 @@ def sample_circle_map(
 
     The map's `max_error` is the largest error estimate, checked at further places, plus `sample_error`; it exceeds the
     tolerance where that could not be reached, as on stretches so steep that they cannot be told from a jump.
-
-    >>> lift = lambda theta: theta + 0.5 + 0.1 * np.sin(theta)
-    >>> circle = sample_circle_map(lambda theta: (lift(theta), 1.0 + 0.1 * np.cos(theta)), 1e-6)
-    >>> bool(abs(circle(1.0) - lift(1.0)) < 1e-6), len(circle.breaks)
-    (True, 0)
     """
     interpolated = (1.0 - _LOCATED) * positive_number("tolerance", tolerance)
     sampler = _Sampler(sample, interpolated, progress or (lambda fraction: None))

@@ -111,13 +111,6 @@ def collection_text(
 
     noise : of a cycle, a `WrappedNormal` or its standard deviation in rad. more : further tables. comments : lines
     before all else. notes : what is said of a setting, by its key. Raises InvalidInput for a loop no setting can say.
-
-    >>> import tempfile
-    >>> loop = CollectionLoop.from_settings({"semi_x_mm": 40, "semi_y_mm": 50, "object_name": "puck"})
-    >>> with tempfile.TemporaryDirectory() as place:
-    ...     _ = Path(place, "puck.toml").write_text(collection_text(loop))
-    ...     read_collection(f"{place}/puck.toml").slider == loop.slider
-    True
     """
     head = "".join(f"# {line}".rstrip() + "\n" for line in comments)
     tables = {**collection_tables(loop, noise), **(more or {})}

@@ -41,10 +41,6 @@ def first_order_lock_in(response: TurnResponse, anisotropy: Anisotropy) -> LockI
 
     Its turn is Ω + scale·h(θ) with h of mean zero: it first meets a whole number of turns at the least or greatest h.
     For one harmonic that is |Ω| = scale·offset·A₁, Ω taken between -π and π.
-
-    >>> one = TurnResponse(0.1, [2.0, 0.0, 0.0, 0.0], np.zeros((4, 4)))
-    >>> round(first_order_lock_in(one, Anisotropy(1.0, 0.0, 0.0, 0.0)).scale, 12)
-    0.05
     """
     theta = stationary_angles(response, anisotropy)
     if not theta.size:

@@ -38,10 +38,6 @@ def first_settings(outline: Outline, name: str) -> Settings:
     The pushed side is the longest that a straight wall could touch, the ring on the way from the centroid to the corner
     that ends it; a disc, which no straight push turns, is pushed at a slant. Rod and friction are MIT's rod and no
     surface at all: they want to be measured.
-
-    >>> found = first_settings(Polygon([(0.06, 0.03), (-0.06, 0.03), (-0.06, -0.03), (0.06, -0.03)]), "box")
-    >>> found["side"], found["push_mm"], found["hitch_x_mm"]
-    (0, 140.0, -12.65)
     """
     size, centre = math.sqrt(outline.area), np.array(outline.centroid)
     if isinstance(outline, Ellipse):
@@ -98,10 +94,6 @@ def first_contact(slider: Slider, push: SidePush, radius: float) -> tuple[NDArra
     """Return the centre of the rod as it first touches (2,) m, and the push's unit vector (2,), in the object's frame.
 
     radius : of the rod, m. Raises InvalidInput for a side that is not there.
-
-    >>> place, way = first_contact(Slider.mit("rect1"), SidePush(), 0.00475)
-    >>> (1e3 * place).round(6), way.round(6) + 0.0
-    (array([-18.  ,  49.75]), array([ 0., -1.]))
     """
     outline = slider.outline
     if push.side >= outline.sides:

@@ -43,11 +43,7 @@ _TO_BE_TOLD = {
 
 
 def layered(*layers: Settings) -> Settings:
-    """Return settings of which later ones win; an outline takes the place of one that was said in another way.
-
-    >>> layered({"shape": "hex", "side": 1}, {"semi_x_mm": 40, "semi_y_mm": 50})
-    {'side': 1, 'semi_x_mm': 40, 'semi_y_mm': 50}
-    """
+    """Return settings of which later ones win; an outline takes the place of one that was said in another way."""
     found: Settings = {}
     for layer in layers:
         if any(key in layer for key in _OUTLINE):

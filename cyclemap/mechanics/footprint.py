@@ -258,10 +258,6 @@ def pressure_points(footprint: Footprint, count: int) -> PointFootprint:
     the rim about 4 `count` points along the outline, and the corners themselves; all then weighted with 1 + c . x, so
     that the centre of pressure is the patch's to rounding. InvalidInput where that takes negative weights: steep leans
     on coarse grids.
-
-    >>> even, rimmed = PatchFootprint(Ellipse(1.0, 1.0)), PatchFootprint(Ellipse(1.0, 1.0), rim_share=0.5)
-    >>> len(pressure_points(even, 8).positions), len(pressure_points(rimmed, 8).positions)
-    (52, 84)
     """
     if isinstance(footprint, PointFootprint):
         return footprint
