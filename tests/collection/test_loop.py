@@ -125,7 +125,6 @@ def test_stated_error_of_the_plywood_map_holds():
 
 
 THETA = np.array([-4.0, 0.5, 2.0, 7.0])
-SQUARE = MIT.slider.outline
 
 
 def same(one: Cycles, other: Cycles) -> None:

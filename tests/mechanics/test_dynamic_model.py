@@ -7,7 +7,6 @@ from functools import cache
 import casadi as ca
 import numpy as np
 import pytest
-from force_balance import story
 
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.mechanics import (
@@ -331,14 +330,3 @@ def test_every_shape_on_strong_friction_comes_within_inertia_of_the_quasi_static
     drag, slow_drag = (model(*parts).drag(found.end, ((0.0, 0.0),)) for model in (DynamicModel, QuasiStaticModel))
     assert drag.turn == pytest.approx(slow_drag.turn, abs=math.radians(1.0))
     assert drag.length == pytest.approx(slow_drag.length, rel=1e-12)
-
-
-def test_the_rod_rolls_around_a_corner_as_in_the_quasi_static_model():
-    """Pushed near a corner at a slant, the contact passes from the side on to the corner."""
-    push = SidePush(0, 0.97, math.radians(-30.0), 0.05)
-    footprint = grid_footprint(SQUARE.outline, 8)
-    still = QuasiStaticModel(SQUARE, PLYWOOD, Pusher(friction=0.5), footprint).push(Pose(), push)
-    assert {kind for _, kind in story(still)} == {"side", "corner"}
-    found = DynamicModel(SQUARE, PLYWOOD, Pusher(friction=0.5), footprint).push(Pose(), push)
-    assert found.ended == still.ended
-    assert found.turn == pytest.approx(still.turn, abs=1e-3)

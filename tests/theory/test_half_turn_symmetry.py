@@ -75,14 +75,6 @@ def test_even_maps_commute_with_half_a_turn_and_descend_to_the_doubled_circle():
     assert sp.expand(twice - theory.doubled(low).subs(THETA, theory.doubled(low))) == 0
 
 
-def test_the_codes_bottlenecks_of_a_centred_plywood_are_half_a_turn_apart():
-    centred = EllipseFriction(0.2545, 0.2346, phi=2.6175)
-    first, second = slow_passages(CollectionLoop.mit(material=Material("test", centred)).circle_map(1e-3))
-    assert abs(second.theta - first.theta - math.pi) < 1e-2
-    assert abs(second.gap / first.gap - 1.0) < 1e-2
-    assert first.gap > math.radians(3.0)
-
-
 def test_bottlenecks_come_in_opposite_pairs_so_that_steps_are_half_a_turn_at_most():
     """Steps: 180 degrees where each half turn has one bottleneck; the offset's first harmonic makes 360 possible."""
     seen = 0

@@ -1,15 +1,10 @@
 """A leg in a random direction leaves no bias: in symbols, in the code's drag, and for the ellipsoid's memory."""
 
-import math
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import sympy as sp
 
-from cyclemap.collection import CollectionLoop
 from cyclemap.maps import CircleMap
-from cyclemap.mechanics import DragBack, EllipseFriction, Material
 from theory import random_leg as theory
 from theory.moebius_drag import strength
 
@@ -41,17 +36,6 @@ def test_one_leg_gives_even_headings_the_powers_of_its_strength_as_moments():
         for order in range(1, 6):
             wanted = float(theory.moment_from_uniform(order).subs(theory.STRENGTH, a))
             assert abs(np.mean(np.exp(1j * order * heading)) - wanted) < 1e-13
-
-
-def test_the_codes_whole_cycle_turns_with_its_way_points_under_isotropic_friction():
-    """f with way-points turned by β is β + g(θ - β), for a push, a bent reset and the exact square patch."""
-    material = Material("test", EllipseFriction.isotropic(0.25))
-    points = ((0.1, 0.02), (-0.05, 0.1))
-    loop = CollectionLoop.mit(material=material, accuracy=1e-9, reset=DragBack(points))
-    for theta, angle in np.random.default_rng(1).uniform(-3, 3, (4, 2)):
-        c, s = math.cos(angle), math.sin(angle)
-        turned = replace(loop, reset=DragBack(tuple((c * x - s * y, s * x + c * y) for x, y in points)))
-        assert abs(turned.cycle(theta).theta_next - angle - loop.cycle(theta - angle).theta_next) < 1e-8
 
 
 def moments_left(strength, rotation, directions, order=64):

@@ -44,15 +44,6 @@ def test_the_codes_dissipation_and_traction_are_the_derived_ones_to_rounding():
     assert compared == 1500
 
 
-def test_the_curvature_is_the_derivative_of_the_codes_traction():
-    bend = sp.lambdify((*LAW, *VELOCITY), theory.curvature())
-    v, step = np.array((0.6, -0.7)), 1e-6
-    for law in random_laws(10, seed=4):
-        sides = [law.traction(v + sign * step * e, law.phi) for e in np.eye(2) for sign in (1, -1)]
-        slope = np.stack([(sides[0] - sides[1]), (sides[2] - sides[3])], axis=-1) / (2 * step)
-        assert np.allclose(slope, bend(*numbers(law), *v), atol=1e-8)
-
-
 def test_the_code_refuses_a_law_exactly_where_the_worst_velocity_no_longer_dissipates():
     worst = sp.lambdify(LAW, theory.dissipation(*theory.worst_velocity()))
     mu_a, mu_b, refused = 0.3, 0.2, 0
@@ -66,12 +57,3 @@ def test_the_code_refuses_a_law_exactly_where_the_worst_velocity_no_longer_dissi
                 EllipseFriction(*values)
             refused += 1
     assert refused == 24
-
-
-def test_the_least_dissipation_of_the_codes_law_is_the_one_at_the_worst_velocity():
-    angle = np.linspace(0.0, 2.0 * np.pi, 7201)
-    for law in random_laws(10, seed=5):
-        v = np.stack([np.cos(angle) / law.mu_a, np.sin(angle) / law.mu_b], axis=-1)
-        least = 1.0 - math.hypot(law.m0 / law.mu_a, law.n0 / law.mu_b)
-        found = law.dissipation(v, frame=law.phi).min()
-        assert least - 1e-14 <= found < least + 1e-6
