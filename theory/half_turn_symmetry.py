@@ -8,15 +8,7 @@ evenness makes a drag that retraces its path undo itself.
 
 import sympy as sp
 
-from theory.turned_surface import (
-    PHI,
-    SPIN,
-    THETA,
-    VELOCITY_X,
-    VELOCITY_Y,
-    dissipation_of_a_point,
-    support_function,
-)
+from theory.turned_surface import PHI, SPIN, THETA, VELOCITY_X, VELOCITY_Y, dissipation_of_a_point, support_function
 
 HARMONIC = sp.Symbol("k", integer=True)
 

@@ -6,13 +6,7 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import minimize, minimize_scalar
 
-from cyclemap.mechanics import (
-    EllipseFriction,
-    LimitSurface,
-    PatchFootprint,
-    PointFootprint,
-    Slider,
-)
+from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, PointFootprint, Slider
 from theory import contact_modes as theory
 
 _FACTOR = [theory.C[i, j] for i in range(3) for j in range(i + 1)]

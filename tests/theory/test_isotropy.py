@@ -6,10 +6,7 @@ import numpy as np
 import sympy as sp
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.mechanics import (
-    EllipseFriction,
-    Material,
-)
+from cyclemap.mechanics import EllipseFriction, Material
 from theory import isotropy as theory
 from theory.turned_surface import PHI, THETA, spelled_out
 

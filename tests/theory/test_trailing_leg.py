@@ -4,15 +4,7 @@ import pytest
 import sympy as sp
 
 from theory import trailing_leg as theory
-from theory.moebius_drag import (
-    HEADING,
-    LENGTH,
-    POINT,
-    half_angle_tangent,
-    heading_after,
-    leg_of_the_lever,
-    strength,
-)
+from theory.moebius_drag import HEADING, LENGTH, POINT, half_angle_tangent, heading_after, leg_of_the_lever, strength
 
 A = sp.Symbol("a", positive=True)
 
