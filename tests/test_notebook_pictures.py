@@ -56,12 +56,9 @@ def test_a_portrait_marks_its_fixed_points() -> None:
     assert len(list(shown(found).iter("circle"))) == len(found.fixed_points) == 2
 
 
-def test_cycles_are_the_same_numbers_as_rows_and_over_named_axes() -> None:
+def test_cycles_are_the_same_numbers_as_rows() -> None:
     runs = cm.run_cycles([LOOP, cm.CollectionLoop.mit("delrin")], [0.0, 1.0, 2.0])
-    data, frame = runs.to_dataset("loop", "start"), runs.to_frame()
-    assert dict(data.sizes) == {"loop": 2, "start": 3} and len(frame) == 6
+    frame = runs.to_frame()
+    assert len(frame) == 6
     assert np.array_equal(frame.push_dy, runs.push_displacement[..., 1].ravel())
-    assert np.array_equal(data.theta_next, runs.theta_next)
     assert math.isclose(np.degrees(frame.push_turn[0]), 73.653, abs_tol=1e-3)
-    with pytest.raises(cm.InvalidInput, match="give one for each"):
-        runs.to_dataset("loop")

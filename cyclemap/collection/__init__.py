@@ -4,7 +4,7 @@ The loop
 --------
 CollectionLoop : the protocol: object, surface, rod, push, reset
 Cycle, CycleTrajectory, CycleSensitivity : one push and drag back, its course, its derivatives
-run_cycles, Cycles : many, as arrays, a frame, or a dataset
+run_cycles, Cycles : many, as arrays or a frame
 worn_loop, drifting_map : on a surface that wears
 
 What it does

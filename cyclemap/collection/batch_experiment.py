@@ -38,11 +38,6 @@ class BatchRun:
     path: Array
 
     @property
-    def final(self) -> Array:
-        """Last orientation of each batch, rad, in [0, 2 pi)."""
-        return np.mod(self.theta[:, -1], 2.0 * np.pi)
-
-    @property
     def last_step(self) -> Array:
         """How far the last cycle of each batch still turned it, rad."""
         return np.abs(self.theta[:, -1] - self.theta[:, -2])
@@ -71,7 +66,7 @@ class BatchRun:
         if self.last_step.max() > 0.1 * near or self.left.max() > 0.25 * near:
             return ()
         groups: list[list[float]] = []
-        for end in np.sort(self.final).tolist():
+        for end in np.sort(np.mod(self.theta[:, -1], 2.0 * np.pi)).tolist():
             own = next((group for group in groups if abs(shorter_way(end - group[0])) <= near), None)
             if own is None:
                 groups.append(own := [])

@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.cycle_batch import CycleBatch
 
 if TYPE_CHECKING:
     import pandas
-    import xarray
 
     from cyclemap.mechanics import DragResult, DynamicDrag, DynamicPush, DynamicTrajectory, PushResult, Trajectory
 
@@ -104,27 +102,10 @@ class Cycles:
         """
         import pandas
 
-        return pandas.DataFrame({name: values.ravel() for name, values in self._columns().items()})
-
-    def to_dataset(self, *axes: str) -> xarray.Dataset:
-        """Return the cycles as an xarray Dataset over the axes of theta, by the names given; variables as `to_frame`.
-
-        Raises InvalidInput where names and axes differ in number.
-
-        >>> from cyclemap import CollectionLoop, run_cycles
-        >>> dict(run_cycles([CollectionLoop.mit()], [0.0, 1.0]).to_dataset("loop", "start").sizes)
-        {'loop': 1, 'start': 2}
-        """
-        import xarray
-
-        if len(axes) != self.theta.ndim:
-            raise InvalidInput(f"theta has {self.theta.ndim} axes, but {len(axes)} names are given: give one for each")
-        return xarray.Dataset({name: (axes, values) for name, values in self._columns().items()})
-
-    def _columns(self) -> dict[str, NDArray[Any]]:
         columns = {field.name: getattr(self, field.name) for field in fields(self)}
         dx, dy = np.moveaxis(columns.pop("push_displacement"), -1, 0)
-        return columns | {"push_dx": dx, "push_dy": dy}
+        columns |= {"push_dx": dx, "push_dy": dy}
+        return pandas.DataFrame({name: values.ravel() for name, values in columns.items()})
 
     @classmethod
     def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> Cycles:

@@ -166,11 +166,6 @@ class Prediction:
         return CircleMap.with_scalar(lift, derivative, one)
 
     @cached_property
-    def second_order_map(self) -> CircleMap:
-        """The map to second order."""
-        return CircleMap(lambda theta: theta + self.second_order_turn(theta))
-
-    @cached_property
     def ratio(self) -> float:
         """Largest error of the turn over its largest first-order part; 0 on an isotropic surface."""
         first = float(np.abs(self.fingerprint.cycle.first_order(self.anisotropy.seen_from(_ANGLES))).max())
@@ -203,7 +198,9 @@ class Prediction:
     @cached_property
     def second_order_points(self) -> tuple[Orbit, ...]:
         """The fixed points of the second-order map, by angle; none on isotropic surfaces."""
-        return tuple(fixed_points(self.second_order_map)) if self._anisotropic else ()
+        if not self._anisotropic:
+            return ()
+        return tuple(fixed_points(CircleMap(lambda theta: theta + self.second_order_turn(theta))))
 
     @property
     def stable_directions(self) -> tuple[PredictedDirection, ...]:
