@@ -112,8 +112,7 @@ def left_out_error(nodes: Sequence[Node], number: int) -> float:
 class _Interval:
     """Neighbouring nodes and the error (rad) that the polynomial through them is believed to have.
 
-    inner : nodes between, evenly spaced: none, the middle or three. around : the polynomial of what this is half of,
-    of whose nodes these are two.
+    inner : nodes between, evenly spaced: none, the middle or three. around : the polynomial of what this is half of.
     """
 
     low: Node

@@ -79,10 +79,7 @@ def read_collection(path: str | Path, surface: str | Path | None = None) -> Coll
 
 
 def data_settings(data: str | Path) -> Settings:
-    """Return what the folder of data, or one above it, says of object, push and reset; empty where none does.
-
-    The surface is not among them: it is what data are to tell.
-    """
+    """Return what the folder of data, or one above it, says of object, push and reset; not the surface."""
     place = Path(data)
     for folder in [place, *place.absolute().parents[:_FOLDERS_UP]]:
         if (folder / FILE_NAME).is_file():

@@ -114,10 +114,8 @@ def compare_dynamics(loop: DynamicLoop, theta: ArrayLike) -> DynamicsComparison:
 def on_points(loop: CollectionLoop) -> CollectionLoop:
     """Return the loop standing on points: its own, or those that carry its patch's pressure (`pressure_points`).
 
-    They are the paper's grid of 8 x 8 where the pressure is even; where it leans or has parts, that grid
-    weighted with it and points along the frame. Turns of a cycle on plywood from 12 orientations are then within 0.44
-    degrees in the push, 0.63 in the drag and 0.25 in both of those on the patch: the even grid's 0.44, 0.63 and 0.22
-    from the even patch are of the same size. Raises InvalidInput for a pressure that points cannot carry.
+    Turns of a cycle on plywood from 12 orientations are within 0.44 degrees in the push, 0.63 in the drag and 0.25 in
+    both of those on the patch, as the even grid's are. Raises InvalidInput for a pressure that points cannot carry.
     """
     if isinstance(_collection_loop(loop).footprint, PointFootprint):
         return loop

@@ -40,7 +40,6 @@ def first_order_lock_in(response: TurnResponse, anisotropy: Anisotropy) -> LockI
     """Return where the first-order map begins to lock in, exactly.
 
     Its turn is Ω + scale·h(θ) with h of mean zero: it first meets a whole number of turns at the least or greatest h.
-    For one harmonic that is |Ω| = scale·offset·A₁, Ω taken between -π and π.
     """
     theta = stationary_angles(response, anisotropy)
     if not theta.size:
@@ -251,10 +250,7 @@ class Prediction:
         return self.anisotropy.offset > 0.0 or self.anisotropy.ellipticity > 0.0
 
     def _least_turn(self, factor: float, sign: float) -> float:
-        """The turn nearest to locking (rad, negative where it locks) at a factor of the anisotropy, `sign` errors off.
-
-        It is counted from the whole turn at which lock-in begins.
-        """
+        """The turn (rad, negative where it locks) nearest to lock-in at a factor, `sign` errors off."""
         scaled = Prediction(self.fingerprint, self.anisotropy.scaled(factor))
         part = float(self.fingerprint.cycle.first_order(self.anisotropy.seen_from(self.lock_in.theta)))
         side = -math.copysign(1.0, part)

@@ -208,10 +208,7 @@ def noises_of(
 
 
 def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
-    """Mean, extremes and slopes of the turn of `cycle_map`.
-
-    The mean is a quadrature that no break spoils; the extremes are over the same nodes, of which there are thousands.
-    """
+    """Mean of the turn of `cycle_map`, a quadrature that no break spoils, and extremes over its thousands of nodes."""
     if cycle_map.pieces is None:
         theta, weight = circle_rule(cycle_map, _BANDWIDTH)
     else:

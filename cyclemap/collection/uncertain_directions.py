@@ -170,10 +170,7 @@ def _coordinates(loop: CollectionLoop, phi: float) -> Array:
 
 
 def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
-    """Samples that tell whether the first order holds: where the interval ends and between, and the most extreme.
-
-    Of the first the directions are judged, of the extreme ones only how many there are.
-    """
+    """Samples whose directions are judged, from end to end of the interval; and extremes, of which only the number."""
     some = [index for index, found in enumerate(points) if found.size]
     none = [index for index, found in enumerate(points) if not found.size]
     if not some:
@@ -188,11 +185,7 @@ def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
 
 
 def _stable_points(loops: Sequence[CollectionLoop], report: Callable[[float], None] | None = None) -> list[Array]:
-    """The stable fixed points of each loop's map, rad in [0, 2π), of maps good to 0.002 degrees, 0.02 beside a kink.
-
-    All maps at once: cells between nodes, each a cubic through values and slopes, are halved where one comes near zero
-    turn and is not good enough yet.
-    """
+    """The stable fixed points of each loop's map, rad in [0, 2π), of maps good to 0.002 degrees, 0.02 beside a kink."""
     theta = np.tile(TWO_PI * np.arange(_NODES // 2) / (_NODES // 2), (len(loops), 1))
     batch = run_batch(loops, theta, 1)
     turn, slope = batch.theta_next - theta, batch.jacobian[:, :, -1, 0] - 1.0
