@@ -233,11 +233,9 @@ def test_a_push_is_that_on_points_of_the_same_pressure_as_their_spacing_goes_to_
         ((1.01,), "inner share 1.01 must lie from 0 to 1"),
         ((0, -0.01), "rim share -0.01"),
         ((0, 0, float("nan")), "corner share"),
-        (("most",), "most"),
         ((0.5, 0.4, 0.2), r"add to 1\.1"),
         ((0.5, 0.5, 0, (0.001, 0)), "lifts"),
         ((0, 0, 0, (0.02, 0)), "lifts"),
-        ((0, 0, 0, (0.0, float("nan"))), "centre of pressure"),
         ((0, 0, 0, (0.0,)), "centre of pressure"),
     ],
 )
