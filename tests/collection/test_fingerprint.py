@@ -24,7 +24,6 @@ from cyclemap.collection.fingerprint_prediction import (
     UNDECIDED,
     first_order_lock_in,
     lock_in_boundary,
-    stationary_angles,
 )
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, fixed_points
@@ -180,18 +179,6 @@ def test_a_drifting_map_is_slowest_where_its_turn_is_least_and_its_mean_turn_is_
     assert weak.directions == () and weak.verdict == DRIFTS
     assert 0.0 < float(weak.turn(weak.slowest)) < weak.mean_turn < mit.turn
     assert float(weak.turn(weak.slowest)) == pytest.approx(weak.turn(np.linspace(0, 7, 3000)).min(), abs=1e-5)
-
-
-def test_the_quartic_holds_every_extremum_of_random_two_harmonic_turns() -> None:
-    rng = np.random.default_rng(2)
-    fine = np.linspace(0.0, 2.0 * np.pi, 20001)
-    for _ in range(40):
-        response = TurnResponse(0.1, rng.normal(size=4), np.zeros((4, 4)))
-        surface = Anisotropy(rng.exponential(), rng.uniform(0, 7), rng.exponential(), rng.uniform(0, 7))
-        roots = response.first_order(surface.seen_from(stationary_angles(response, surface)))
-        over = response.first_order(surface.seen_from(fine))
-        assert roots.min() == pytest.approx(over.min(), abs=1e-6) and roots.max() == pytest.approx(over.max(), abs=1e-6)
-    assert stationary_angles(response, surface.scaled(0.0)).size == 0
 
 
 def test_fixed_points_appear_exactly_at_the_predicted_scale(mit) -> None:

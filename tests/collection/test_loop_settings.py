@@ -115,13 +115,6 @@ def test_a_changed_material_says_so_and_an_unchanged_one_does_not():
     assert CollectionLoop.from_settings({"mu_a": 0.2545}).material.name == "plywood"
 
 
-def test_millimetres_and_degrees_mean_the_protocol_of_the_paper():
-    same = {"push_mm": 150, "fraction": 0.7, "side": 0, "angle_deg": 0, "pusher_radius_mm": 4.75, "pusher_mu": 0.15}
-    assert CollectionLoop.from_settings(same).cycle(0.0).theta_next == pytest.approx(
-        MIT.cycle(0.0).theta_next, abs=1e-9
-    )
-
-
 @pytest.mark.parametrize(
     ("settings", "told"),
     [

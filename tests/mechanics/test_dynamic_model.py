@@ -210,34 +210,6 @@ def _turned(angle: float, x: float, y: float) -> tuple[float, float]:
     return Pose(theta=angle).to_world(x, y)
 
 
-MU = 0.25
-FAR = np.array((50.0, 50.0))
-
-
-def coasted(friction: EllipseFriction, start: list[float], time: float):
-    """The slider alone on the floor, from a state in the equations' units; the rod is far away."""
-    model = DynamicModel(SQUARE, friction, Pusher(), tolerance=1e-9, regularisation=1e-6)
-    return model, model.equations(SQUARE.outline).run(np.array(start), FAR, np.zeros(2), time, model.physics())
-
-
-@pytest.mark.parametrize("direction", [0.0, 0.9, 4.0])
-def test_a_block_slides_to_rest_over_v_squared_by_2_mu_g(direction):
-    model, _ = coasted(EllipseFriction.isotropic(MU), [0.0] * 6, 1e-3)
-    c, s = math.cos(direction), math.sin(direction)
-    _, run = coasted(EllipseFriction.isotropic(MU), [0.0, 0.0, 0.4, c, s, 0.0], 2.0 * model.froude / MU)
-    distance = model.froude / (2.0 * MU)
-    np.testing.assert_allclose(run.state[-1, :2], (c * distance, s * distance), rtol=1e-4, atol=1e-12)
-    assert run.state[-1, 2] == pytest.approx(0.4, abs=1e-8)
-
-
-def test_a_slider_left_alone_at_rest_creeps_by_less_than_the_creep_speed():
-    law = EllipseFriction(0.3, 0.2, 0.1, 0.05, 0.3)
-    _, run = coasted(law, [0.0] * 6, 1.0)
-    moved = np.hypot(*run.state[-1, :2])
-    assert 0.0 < moved < 1e-6
-    assert np.all(run.force == 0.0)
-
-
 OUTLINES = {name: Slider.mit(name).outline for name in MIT_SHAPE_NAMES} | {"slim": Ellipse(0.08, 0.02)}
 
 

@@ -8,7 +8,7 @@ import sympy as sp
 
 from cyclemap.mechanics import Ellipse, EllipseFriction, LimitSurface, PatchFootprint, PointFootprint, Polygon
 from theory import offset_force as theory
-from theory.traction_law import M0, MU_A, MU_B, N0
+from theory.traction_law import M0, N0
 
 LAW = EllipseFriction(0.31, 0.17, 0.06, -0.04, 0.9)
 CENTRED = EllipseFriction(0.31, 0.17, 0.0, 0.0, 0.9)
@@ -40,16 +40,6 @@ def test_the_codes_limit_surface_is_the_centred_one_shifted_by_the_derived_wrenc
     power = offset.dissipation(TWISTS, frame) - centred.dissipation(TWISTS, frame)
     assert np.allclose(power, TWISTS @ shift, rtol=0, atol=1e-13)
     assert np.array_equal(offset.hessian(TWISTS, frame), centred.hessian(TWISTS, frame))
-
-
-def test_the_codes_point_footprint_dissipates_what_the_symbolic_sum_does():
-    footprint = FOOTPRINTS["points"]
-    points, loads = theory.support_points(3)
-    symbols = [MU_A, MU_B, M0, N0, theory.PHI, *theory.TWIST, *(c for point in points for c in point), *loads]
-    power = sp.lambdify(symbols, theory.total_dissipation(points, loads))
-    place, load = (values.ravel() for values in footprint.quadrature)
-    found = [power(LAW.mu_a, LAW.mu_b, LAW.m0, LAW.n0, LAW.phi, *twist, *place, *load) for twist in TWISTS]
-    assert np.allclose(LimitSurface(footprint, LAW).dissipation(TWISTS), found, rtol=1e-13)
 
 
 def test_a_centred_object_starts_to_slide_down_its_table_exactly_where_the_offset_ellipse_loses_the_origin():
