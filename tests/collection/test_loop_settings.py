@@ -92,16 +92,6 @@ def test_a_rim_share_keeps_the_lean_and_is_kept_until_the_footprint_is_set_anew(
     assert CollectionLoop.from_settings({"footprint": "exact"}, more).model.pressure.rim_share == 0.0
 
 
-def test_shares_of_the_weight_are_set_one_by_one_and_together():
-    outline = Slider.mit("rect1").outline
-    first = CollectionLoop.from_settings({"rim_share": 0.3, "corner_share": 0.1})
-    both = CollectionLoop.from_settings({"inner_share": 0.05}, first)
-    assert both.model.pressure == PatchFootprint(outline, 0.05, 0.3, 0.1)
-    moved = CollectionLoop.from_settings({"corner_share": 0.2, "centre_x_mm": 4}, both)
-    assert moved.model.pressure == PatchFootprint(outline, 0.05, 0.3, 0.2, (0.004, 0.0))
-    assert CollectionLoop.from_settings({"footprint": "exact"}, both).model.pressure.even_share == 1.0
-
-
 def test_settings_build_on_a_given_loop_and_replace_nothing_unasked():
     base = CollectionLoop.from_settings({"pusher_mu": 0.4, "way_points_mm": [[10, 20]]})
     loop = CollectionLoop.from_settings({"push_mm": 80}, base)

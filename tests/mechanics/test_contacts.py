@@ -158,28 +158,26 @@ def test_a_push_that_no_slip_balances_is_refused():
     assert low.push(Pose(theta=4.86), SidePush(0, 0.15385, -0.907, 0.1)).travel > 0.0
 
 
+def from_a_corner(radius, accuracy):
+    """A push that starts at a corner, where a rod sticks for a tenth of its radius."""
+    law = EllipseFriction(0.30861728598, 0.25904648895, -0.02573658839, 0.05206305240, math.radians(-50.646232833))
+    model = QuasiStaticModel(RECT, law, Pusher(radius, 1.0), accuracy=accuracy)
+    return model.push(Pose(theta=0.5130809722898073), SidePush(1, 0.0, math.radians(43.96024077736354), 0.8))
+
+
 @pytest.mark.parametrize("radius", [1e-4, 1e-5, 1e-6])
 def test_a_thin_rod_that_starts_at_a_corner_keeps_its_accuracy(radius):
-    """It sticks for a tenth of its radius: the end of the corner is found as exactly as the corner is small."""
-    law = EllipseFriction(0.30861728598, 0.25904648895, -0.02573658839, 0.05206305240, math.radians(-50.646232833))
-    model, ends = QuasiStaticModel(RECT, law, Pusher(radius, 1.0)), []
-    for accuracy in (1e-8, 1e-11):
-        push = SidePush(1, 0.0, math.radians(43.96024077736354), 0.8)
-        pushed = replace(model, accuracy=accuracy).push(Pose(theta=0.5130809722898073), push)
-        assert pushed.ended == "left"
-        ends.append((pushed.end.x / model.unit, pushed.end.y / model.unit, pushed.turn))
-    assert np.abs(np.subtract(*ends)).max() < 1e-8
+    """The end of the corner is found as exactly as the corner is small."""
+    fine, coarse = (from_a_corner(radius, accuracy) for accuracy in (1e-11, 1e-8))
+    assert fine.ended == coarse.ended == "left" and abs(fine.turn - coarse.turn) < 1e-8
+    assert np.abs(np.subtract((fine.end.x, fine.end.y), (coarse.end.x, coarse.end.y))).max() < 5e-10
 
 
 def test_a_point_that_starts_at_a_corner_leaves_where_thinner_and_thinner_rods_do():
     """It rests until the force comes to the cone's edge; a rod that starts from rest takes a root of its radius."""
-    law = EllipseFriction(0.30861728598, 0.25904648895, -0.02573658839, 0.05206305240, math.radians(-50.646232833))
-    push, turns = SidePush(1, 0.0, math.radians(43.96024077736354), 0.8), []
-    for radius, accuracy in ((0.0, 1e-11), (0.0, 1e-8), (0.0, 1e-4), (1e-9, 1e-11), (1e-8, 1e-11)):
-        model = QuasiStaticModel(RECT, law, Pusher(radius, 1.0), accuracy=accuracy)
-        turns.append(model.push(Pose(theta=0.5130809722898073), push).turn)
-    assert np.abs(np.subtract(turns[1:3], turns[0])).max() < 1e-9
-    thin, thick = np.abs(np.subtract(turns[3:], turns[0]))
+    exact = from_a_corner(0.0, 1e-11).turn
+    assert max(abs(from_a_corner(0.0, accuracy).turn - exact) for accuracy in (1e-8, 1e-4)) < 1e-9
+    thin, thick = (abs(from_a_corner(radius, 1e-11).turn - exact) for radius in (1e-9, 1e-8))
     assert 0.0 < thin < 2e-5 and 3.0 < thick / thin < 3.5
 
 
