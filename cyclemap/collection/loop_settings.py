@@ -34,16 +34,10 @@ _READ_OFF = [
 def loop_tables(loop: CollectionLoop) -> dict[str, Table]:
     """Return the settings that make of `CollectionLoop.mit(loop.material)` this loop, in tables by their part.
 
-    Object, push and rod are always told, and of an object that is not MIT's its mass, its ring and the rod's friction,
-    too. What a material brings along (friction of rod and ring, the ring's lever, the pressure) is else told only where
-    the loop has it otherwise, so that another material brings its own. Not told: the friction of the surface, the
-    accuracy, and the moment of inertia of an outline that is not MIT's.
-
-    Raises InvalidInput for what no setting can say: support points that are neither corners nor a grid.
-
-    >>> tables = loop_tables(CollectionLoop.mit())
-    >>> tables["push"]["side"], str(tables["push"]["push_mm"]), sorted(tables)
-    (0, '150.0', ['object', 'push'])
+    Object, push and rod are always told, and of an object that is not MIT's its mass, its ring and the rod's friction.
+    What a material brings along is else told only where the loop has it otherwise, so that another material brings its
+    own. Not told: the friction of the surface, the accuracy, and the inertia of an outline that is not MIT's. Raises
+    InvalidInput for what no setting can say: support points that are neither corners nor a grid.
     """
     base = CollectionLoop.mit(loop.material)
     shape = _shape(loop.slider)

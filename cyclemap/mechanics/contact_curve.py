@@ -99,12 +99,6 @@ class ContactCurve:
 
     `after[i]` and `before[i]` are the pieces at the high and the low end of piece i, `junctions[i]` is what joins i to
     after[i]. Pieces form closed loops: one around the object, one for each pocket that the rod fits but cannot enter.
-
-    >>> notched = Polygon([(0, 0), (4, 0), (4, 2), (2, 1), (0, 2)])
-    >>> curve = contact_curve(notched, 0.1)
-    >>> wedge = curve.junctions.index("wedge")
-    >>> [curve.pieces[i].side for i in (wedge, curve.after[wedge])]
-    [2, 3]
     """
 
     radius: float
