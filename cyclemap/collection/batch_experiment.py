@@ -150,7 +150,6 @@ def run_batches(
     if not now.size:
         raise InvalidInput("starts must hold at least one orientation")
     theta, paths = np.empty((now.size, length + 1)), np.empty((now.size, length, SAMPLES + 1, 2))
-    travel = np.linspace(0.0, (loop.loop if isinstance(loop, DynamicLoop) else loop).push.distance, SAMPLES + 1)
     for batch, start in enumerate(now.tolist()):
         theta[batch, 0] = start
         for cycle in range(length):
@@ -164,6 +163,7 @@ def run_batches(
                 push, drag = loop.strokes(theta[batch, cycle], loop.push.distance / _STEPS)
                 theta[batch, cycle + 1], course = drag.end.theta, push.trajectory
                 centre = placed(course.pose.T, np.array(loop.slider.centre_of_mass))
+                travel = np.linspace(0.0, loop.push.distance, SAMPLES + 1)
                 paths[batch, cycle] = np.stack([np.interp(travel, course.path, values) for values in centre.T], axis=-1)
             if progress is not None:
                 progress((batch * length + cycle + 1) / theta[:, 1:].size)

@@ -4,7 +4,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cyclemap.checks import finite_number
 from cyclemap.collection.found_with import plate_footprint
@@ -85,21 +85,18 @@ def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoo
         slider = _slider(loop.slider, settings)
     with _blaming(settings, "material"):
         friction = replace(loop.material.friction, **_numbers(settings, "material.friction"))
-    changed = friction != loop.material.friction
-    name = f"{loop.material.name} (changed)" if changed else loop.material.name
-    plates = loop.material.plates
-    material = Material(name, friction, loop.material.provenance, plates=plates) if changed else loop.material
-    with _blaming(settings, "pusher"):
-        pusher = replace(loop.pusher, **_numbers(settings, "pusher"))
-    with _blaming(settings, "push"):
-        push = replace(loop.push, **_numbers(settings, "push"))  # type: ignore[arg-type]
-    with _blaming(settings, "reset"):
-        reset = replace(loop.reset, **_numbers(settings, "reset"))  # type: ignore[arg-type]
-        if "way_points_mm" in settings:
-            reset = replace(reset, way_points=_points(settings, "way_points_mm"))
+    material = stated = loop.material
+    if friction != stated.friction:
+        material = Material(f"{stated.name} (changed)", friction, stated.provenance, plates=stated.plates)
+    parts: dict[str, Any] = {"slider": slider, "material": material}
+    for part in ("pusher", "push", "reset"):
+        with _blaming(settings, part):
+            set_here: dict[str, Any] = dict(_numbers(settings, part))
+            if part == "reset" and "way_points_mm" in settings:
+                set_here["way_points"] = _points(settings, "way_points_mm")
+            parts[part] = replace(getattr(loop, part), **set_here)
     with _blaming(settings, "footprint"):
-        footprint = _footprint(loop, slider, settings)
-    return replace(loop, slider=slider, material=material, pusher=pusher, push=push, reset=reset, footprint=footprint)
+        return replace(loop, **parts, footprint=_footprint(loop, slider, settings))
 
 
 def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Footprint | None:
