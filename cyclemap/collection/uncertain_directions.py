@@ -106,7 +106,8 @@ def direction_uncertainty(
             friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
             varied.append(replace(stated, material=replace(loop.material, friction=friction, wear=None)))
         nominal, *found = _stable_points([stated, *varied], report)
-        return DirectionUncertainty("axis ratio", SAMPLES, 2, _locked(found), _intervals(nominal, found, span=True))
+        locks, intervals = sum(one.size > 0 for one in found), _intervals(nominal, found, span=True)
+        return DirectionUncertainty("axis ratio", SAMPLES, 2, locks, intervals)
     loops = [sampled_loop(stated, number) for number in range(len(loop.material.posterior))]
     nominal = _stable_points([stated])[0]
     linear = _first_order(stated, loops)
@@ -115,9 +116,11 @@ def direction_uncertainty(
     full = dict(zip(judges, _stable_points([loops[index] for index in judges]), strict=True))
     report(0.3)
     intervals = _intervals(nominal, linear)
-    error = max(_distance(linear[index], full[index]) for index in telling)
-    if any(linear[index].size != full[index].size for index in extreme):
-        error = math.inf
+    # The farthest that a direction lies from the first order's.
+    off = [shorter_way(linear[index][:, None] - full[index]) for index in telling if linear[index].size]
+    error = math.inf
+    if all(linear[index].size == full[index].size for index in judges):
+        error = max((float(np.abs(away).min(axis=1).max()) for away in off), default=0.0)
     widths = [one.upper - one.lower for one in intervals]
     method = FIRST_ORDER
     if error > max(_LEAST, _SHARE * min(widths, default=0.0)):
@@ -127,7 +130,8 @@ def direction_uncertainty(
         linear, method = [full[index] for index in range(len(loops))], SAMPLES
         intervals = _intervals(nominal, linear)
     report(1.0)
-    return DirectionUncertainty("posterior", method, len(loops), _locked(linear), intervals, error)
+    locks = sum(one.size > 0 for one in linear)
+    return DirectionUncertainty("posterior", method, len(loops), locks, intervals, error)
 
 
 def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[Array]:
@@ -243,10 +247,6 @@ def _roots(number: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
     return found
 
 
-def _locked(points: Sequence[Array]) -> int:
-    return sum(found.size > 0 for found in points)
-
-
 def _intervals(nominal: Array, points: Sequence[Array], span: bool = False) -> tuple[DirectionInterval, ...]:
     """The interval of each stable direction of the stated numbers, else of each cluster of the samples'."""
     every = np.concatenate([np.zeros(0), *points])
@@ -278,12 +278,3 @@ def _clusters(points: Array) -> Array:
     order = np.roll(order, -1 - int(np.argmax(gaps)))
     cuts = np.flatnonzero(np.mod(np.diff(order), TWO_PI) > _APART) + 1
     return np.array([np.angle(np.exp(1j * group).mean()) % TWO_PI for group in np.split(order, cuts)])
-
-
-def _distance(first: Array, other: Array) -> float:
-    """The farthest that points of one sort lie from the other; inf where their numbers differ."""
-    if first.size != other.size:
-        return math.inf
-    if not first.size:
-        return 0.0
-    return float(np.abs(shorter_way(first[:, None] - other)).min(axis=1).max())
