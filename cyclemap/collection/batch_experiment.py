@@ -11,7 +11,7 @@ from cyclemap.arrays import Array, shorter_way
 from cyclemap.checks import finite_array, positive_number, whole_number
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.dynamic_loop import DynamicLoop, isotropic_twin
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 
 # Ma & Rodriguez (2018): 600 cycles in 6 batches.
@@ -127,7 +127,8 @@ def batch_experiment(
     A `DynamicLoop` runs the paper's experiment (Ma & Rodriguez 2018, "Simulation"); a `CollectionLoop` the same with
     quasi-static cycles on its own footprint. `progress` is called with the fraction done.
     """
-    _checked(loop)
+    if not isinstance(loop, DynamicLoop):
+        require_loop(loop)
     count, report = whole_number("batches", batches, least=1), progress or (lambda fraction: None)
     starts = 2.0 * np.pi * np.arange(count) / count
     anisotropic = run_batches(loop, starts, cycles, lambda done: report(0.5 * done))
@@ -146,7 +147,8 @@ def run_batches(
 ) -> BatchRun:
     """Run a batch of consecutive cycles from each of the orientations `starts` (rad)."""
     now, length = finite_array("starts", starts, ndim=1), whole_number("cycles", cycles, least=1)
-    _checked(loop)
+    if not isinstance(loop, DynamicLoop):
+        require_loop(loop)
     if not now.size:
         raise InvalidInput("starts must hold at least one orientation")
     theta, paths = np.empty((now.size, length + 1)), np.empty((now.size, length, SAMPLES + 1, 2))
@@ -168,11 +170,3 @@ def run_batches(
             if progress is not None:
                 progress((batch * length + cycle + 1) / theta[:, 1:].size)
     return BatchRun(theta, paths)
-
-
-def _checked(loop: object) -> None:
-    if not isinstance(loop, (DynamicLoop, CollectionLoop)):
-        told = repr(loop) if isinstance(loop, str) else f"a {type(loop).__name__}"
-        raise InvalidInput(
-            f"loop must be a DynamicLoop or a CollectionLoop, such as CollectionLoop.mit('plywood'), not {told}"
-        )

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material
 
@@ -247,11 +247,7 @@ def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None =
     >>> round(math.degrees(found.turn), 3), round(found.offset_amplitude, 3), round(found.ellipse_amplitude, 3)
     (8.002, 2.047, 1.769)
     """
-    if not isinstance(loop, CollectionLoop):
-        raise InvalidInput(
-            f"loop must be a CollectionLoop, such as CollectionLoop.mit(material='plywood'), not {loop!r}"
-        )
-    if loop.reset.way_points:
+    if require_loop(loop).reset.way_points:
         raise InvalidInput(
             f"way-points of the reset, {loop.reset.way_points}, are fixed in the world: a cycle then depends on the "
             "orientation on any surface and has no fingerprint; leave way_points_mm out"

@@ -255,3 +255,11 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
         )
     values = np.broadcast_to(values, (len(loops), values.shape[-1])).copy()
     return Cycles.of_batch(values, run_batch(loops, values))
+
+
+def require_loop(loop: object) -> CollectionLoop:
+    """Return the loop that it is; InvalidInput for anything else."""
+    if not isinstance(loop, CollectionLoop):
+        told = repr(loop) if isinstance(loop, (str, int, float, type(None))) else f"a {type(loop).__name__}"
+        raise InvalidInput(f"loop must be a CollectionLoop, such as CollectionLoop.mit('plywood'), not {told}")
+    return loop
