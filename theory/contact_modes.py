@@ -203,12 +203,6 @@ def continuity_residual() -> sp.Matrix:
     return difference.applyfunc(sp.simplify)
 
 
-def motion_cone() -> tuple[sp.Matrix, sp.Matrix]:
-    """Return the edges K d of the motion cone, d = -n - mu t and -n + mu t: a rod that moves between them sticks."""
-    mu = sp.Symbol("mu_p", nonnegative=True)
-    return mobility() * cone_edge(-mu), mobility() * cone_edge(mu)
-
-
 def cone_residual() -> sp.Expr:
     """(K d) x u less det K (d x K^-1 u), for any symmetric K and in axes along n and t (nu = 0).
 

@@ -8,47 +8,24 @@ evenness makes a drag that retraces its path undo itself.
 
 import sympy as sp
 
-from theory.turned_surface import (
-    PHI,
-    SPIN,
-    THETA,
-    VELOCITY_X,
-    VELOCITY_Y,
-    dissipation_of_a_point,
-    support_function,
-)
+from theory.turned_surface import PHI, SPIN, THETA, VELOCITY_X, VELOCITY_Y, dissipation_of_a_point, support_function
 
 HARMONIC = sp.Symbol("k", integer=True)
 
 
 def expanded_root(value: sp.Expr) -> sp.Expr:
-    """Return an expression with every radicand multiplied out, so that equal roots cancel.
-
-    >>> x = sp.Symbol("x")
-    >>> expanded_root(sp.sqrt((-1 - x) ** 2)) - expanded_root(sp.sqrt((1 + x) ** 2))
-    0
-    """
+    """Return an expression with every radicand multiplied out, so that equal roots cancel."""
     return value.replace(lambda part: part.is_Pow and part.exp == sp.S.Half, lambda root: sp.sqrt(sp.expand(root.base)))
 
 
 def oddness_of_the_support() -> sp.Expr:
-    """Return h(-v) - h(v) = -2 (m0 v_m + n0 v_n): only the offset is odd.
-
-    >>> from theory.turned_surface import M0, N0
-    >>> oddness_of_the_support().subs({M0: 0, N0: 0})
-    0
-    """
+    """Return h(-v) - h(v) = -2 (m0 v_m + n0 v_n): only the offset is odd."""
     velocity = sp.Matrix([VELOCITY_X, VELOCITY_Y])
     return sp.expand(expanded_root(support_function(-velocity, PHI)) - expanded_root(support_function(velocity, PHI)))
 
 
 def half_turn_residual() -> sp.Expr:
-    """Return h of a point at θ + π less h at θ, the twist of the object's frame being the same: zero when centred.
-
-    >>> from theory.turned_surface import M0, N0
-    >>> half_turn_residual().subs({M0: 0, N0: 0})
-    0
-    """
+    """Return h of a point at θ + π less h at θ, the twist of the object's frame being the same: zero when centred."""
     there = dissipation_of_a_point(THETA + sp.pi, PHI)
     return sp.expand(expanded_root(there) - expanded_root(dissipation_of_a_point(THETA, PHI)))
 
@@ -57,10 +34,6 @@ def reversal_residual() -> sp.Expr:
     """Return h of a point at the twist -V less h at V: zero when centred; the spin is then odd in the ring's velocity.
 
     If ω minimises D with the ring at velocity u, then -ω does with the ring at -u: a path retraced is a turn undone.
-
-    >>> from theory.turned_surface import M0, N0
-    >>> reversal_residual().subs({M0: 0, N0: 0})
-    0
     """
     here = dissipation_of_a_point(THETA, PHI)
     back = {VELOCITY_X: -VELOCITY_X, VELOCITY_Y: -VELOCITY_Y, SPIN: -SPIN}
@@ -71,19 +44,12 @@ def harmonic_factor() -> sp.Expr:
     """Return the factor e^{ikπ} by which half a turn multiplies the k-th harmonic of f(θ) - θ.
 
     f(θ + π) - (θ + π) = f(θ) - θ asks that it be 1 or the harmonic vanish: only even harmonics are left.
-
-    >>> [harmonic_factor().subs(HARMONIC, k) for k in (1, 2, 3, 4)]
-    [-1, 1, -1, 1]
     """
     return sp.exp(sp.I * sp.pi * HARMONIC)
 
 
 def even_map(order: int) -> sp.Expr:
-    """Return the general lift with even harmonics up to 2·order, θ + Ω + Σ (A_j cos 2jθ + B_j sin 2jθ).
-
-    >>> even_map(1)
-    A_1*cos(2*theta) + B_1*sin(2*theta) + Omega + theta
-    """
+    """Return the general lift with even harmonics up to 2·order, θ + Ω + Σ (A_j cos 2jθ + B_j sin 2jθ)."""
     value = THETA + sp.Symbol("Omega", real=True)
     for j in range(1, order + 1):
         a, b = sp.symbols(f"A_{j} B_{j}", real=True)
@@ -96,9 +62,6 @@ def doubled(lift: sp.Expr) -> sp.Expr:
 
     If f commutes with half a turn, G is again a lift of degree one, with twice the rotation number in turns and, at
     y = 2θ, the slope of f at θ. What f does in half a turn, G does in a turn.
-
-    >>> doubled(even_map(1))
-    2*A_1*cos(theta) + 2*B_1*sin(theta) + 2*Omega + theta
     """
     return sp.expand(2 * lift.subs(THETA, THETA / 2))
 
@@ -108,9 +71,6 @@ def last_step(count: int) -> sp.Expr:
 
     Bottlenecks at θ₁ < ... < θ_p < θ₁ + π repeat after π, and with them the p heights, which are positive. So every
     height is π exactly if there is one bottleneck in each half turn, and below π if there are more: 2π never.
-
-    >>> last_step(1), last_step(2)
-    (pi, pi - s_1)
     """
     others = sp.symbols(f"s_1:{count}", positive=True) if count > 1 else ()
     return sp.pi - sum(others)

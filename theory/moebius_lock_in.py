@@ -16,30 +16,18 @@ EXCESS = sp.Symbol("eta", positive=True)
 
 
 def cycle_map() -> sp.Expr:
-    """Return the image of z = e^{iχ} under one cycle.
-
-    >>> cycle_map().subs({TURNS: 0, POINT: 1})
-    1
-    """
+    """Return the image of z = e^{iχ} under one cycle."""
     return sp.exp(2 * sp.pi * sp.I * TURNS) * (POINT - STRENGTH) / (1 - STRENGTH * POINT)
 
 
 def cycle_matrix() -> sp.Matrix:
-    """Return the cycle's matrix, scaled to determinant one; it preserves |z| = 1.
-
-    >>> sp.simplify(cycle_matrix().det())
-    1
-    """
+    """Return the cycle's matrix, scaled to determinant one; it preserves |z| = 1."""
     half = sp.exp(sp.pi * sp.I * TURNS)
     return sp.Matrix([[half, -STRENGTH * half], [-STRENGTH / half, 1 / half]]) / sp.sqrt(1 - STRENGTH**2)
 
 
 def half_trace() -> sp.Expr:
-    """Return half the trace, cos πΩ/√(1 - a²): below one in size the map turns, above it locks.
-
-    >>> half_trace()
-    cos(pi*Omega)/sqrt(1 - a**2)
-    """
+    """Return half the trace, cos πΩ/√(1 - a²): below one in size the map turns, above it locks."""
     return sp.simplify(cycle_matrix().trace().rewrite(sp.cos) / 2)
 
 
@@ -47,28 +35,17 @@ def rotation_number() -> sp.Expr:
     """Return ρ = arccos(cos πΩ/√(1 - a²))/π, turns a cycle, for Ω in (0, 1) outside the lock-in.
 
     A matrix of determinant one whose half trace is cos πρ is a rotation by 2πρ in other coordinates.
-
-    >>> round(float(rotation_number().subs({STRENGTH: 0.5, TURNS: 0.3})), 12)
-    0.262536755899
     """
     return sp.acos(half_trace()) / sp.pi
 
 
 def lock_in_margin() -> sp.Expr:
-    """Return a² - sin² πΩ: the cycle locks where it is not negative, that is where |sin πΩ| ≤ a.
-
-    >>> lock_in_margin().subs({STRENGTH: sp.Rational(1, 2), TURNS: sp.Rational(1, 6)})
-    0
-    """
+    """Return a² - sin² πΩ: the cycle locks where it is not negative, that is where |sin πΩ| ≤ a."""
     return STRENGTH**2 - sp.sin(sp.pi * TURNS) ** 2
 
 
 def lock_in_edge() -> sp.Expr:
-    """Return the turn of the cycle at which the lock-in ends, arcsin(a)/π, turns: locked in |Ω| ≤ that.
-
-    >>> lock_in_edge().subs(STRENGTH, sp.Rational(1, 2))
-    1/6
-    """
+    """Return the turn of the cycle at which the lock-in ends, arcsin(a)/π, turns: locked in |Ω| ≤ that."""
     return sp.asin(STRENGTH) / sp.pi
 
 
@@ -76,31 +53,20 @@ def stable_multiplier() -> sp.Expr:
     """Return the multiplier of the stable fixed point, |Ω| < 1/2 inside the lock-in; the other's is its inverse.
 
     It is the inverse square of the matrix's larger eigenvalue.
-
-    >>> round(float(stable_multiplier().subs({STRENGTH: 0.5, TURNS: 0.1})), 15)
-    0.415123471685783
     """
     root, cosine = sp.sqrt(lock_in_margin()), sp.cos(sp.pi * TURNS)
     return (cosine - root) / (cosine + root)
 
 
 def fixed_points() -> tuple[sp.Expr, sp.Expr]:
-    """Return z of the stable and of the unstable fixed point, |Ω| < 1/2 inside the lock-in.
-
-    >>> [sp.simplify(point.subs(TURNS, 0)) for point in fixed_points()]
-    [-1, 1]
-    """
+    """Return z of the stable and of the unstable fixed point, |Ω| < 1/2 inside the lock-in."""
     root, half = sp.sqrt(lock_in_margin()), sp.exp(sp.pi * sp.I * TURNS)
     sine = sp.I * sp.sin(sp.pi * TURNS)
     return half * (-sine - root) / STRENGTH, half * (-sine + root) / STRENGTH
 
 
 def slope() -> sp.Expr:
-    """Return f'(χ), the Poisson kernel (1 - a²)/(1 - 2a cos χ + a²).
-
-    >>> slope().subs({STRENGTH: sp.Rational(1, 2), ANGLE: 0})
-    3
-    """
+    """Return f'(χ), the Poisson kernel (1 - a²)/(1 - 2a cos χ + a²)."""
     return (1 - STRENGTH**2) / (1 - 2 * STRENGTH * sp.cos(ANGLE) + STRENGTH**2)
 
 
@@ -108,20 +74,13 @@ def least_move() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """Return where f(χ) - χ is least, the gap ε there and the curvature A (f ≈ χ + ε + A x²), rad.
 
     The place is -arccos a; with Ω_c the edge of the lock-in, ε = 2π(Ω - Ω_c) and A = tan πΩ_c.
-
-    >>> least_move()[2]
-    a/sqrt(1 - a**2)
     """
     gap = 2 * sp.pi * (TURNS - lock_in_edge())
     return -sp.acos(STRENGTH), gap, STRENGTH / sp.sqrt(1 - STRENGTH**2)
 
 
 def cosine_beyond_the_edge() -> sp.Expr:
-    """Return cos πρ a little beyond the edge, at Ω = Ω_c + η, written in η and a alone.
-
-    >>> cosine_beyond_the_edge().subs(EXCESS, 0)
-    1
-    """
+    """Return cos πρ a little beyond the edge, at Ω = Ω_c + η, written in η and a alone."""
     return sp.cos(sp.pi * EXCESS) - least_move()[2] * sp.sin(sp.pi * EXCESS)
 
 
@@ -129,8 +88,5 @@ def square_root_law() -> sp.Expr:
     """Return the leading term of ρ² beyond the edge, 2Aη/π: the saddle-node's square-root law ρ ≈ √(2Aη/π).
 
     Its inverse root is the passage time π/√(Aε) of the bottleneck: close to the edge a turn is that passage.
-
-    >>> square_root_law()
-    2*a*eta/(pi*sqrt(1 - a**2))
     """
     return 2 * least_move()[2] * EXCESS / sp.pi

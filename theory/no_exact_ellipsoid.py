@@ -12,44 +12,17 @@ SPIN_RADIUS = sp.Symbol("c", positive=True)
 
 
 def speed_of_a_point() -> sp.Expr:
-    """Return |u + ω z × x| of a point x = ρ(cos α, sin α), u = (1, 0).
-
-    >>> speed_of_a_point().subs(SPIN, 0)
-    1
-    """
+    """Return |u + ω z × x| of a point x = ρ(cos α, sin α), u = (1, 0)."""
     x, y = DISTANCE * sp.cos(AZIMUTH), DISTANCE * sp.sin(AZIMUTH)
     return sp.sqrt((1 - SPIN * y) ** 2 + (SPIN * x) ** 2)
 
 
 def mean_over_directions(order: int) -> sp.Expr:
-    """Return the coefficient of ω^order in the speed, averaged over the angle between lever and motion.
-
-    >>> mean_over_directions(2)
-    rho**2/4
-    >>> mean_over_directions(3)
-    0
-    """
+    """Return the coefficient of ω^order in the speed, averaged over the angle between lever and motion."""
     polar = sp.series(speed_of_a_point(), SPIN, 0, order + 1).removeO().coeff(SPIN, order)
     return sp.integrate(sp.expand(polar), (AZIMUTH, 0, 2 * sp.pi)) / (2 * sp.pi)
 
 
 def ellipsoid_coefficient(order: int) -> sp.Expr:
-    """Return the coefficient of ω^order in √(1 + c²ω²).
-
-    >>> ellipsoid_coefficient(2), ellipsoid_coefficient(4)
-    (c**2/2, -c**4/8)
-    """
+    """Return the coefficient of ω^order in √(1 + c²ω²)."""
     return sp.series(sp.sqrt(1 + SPIN_RADIUS**2 * SPIN**2), SPIN, 0, order + 1).removeO().coeff(SPIN, order)
-
-
-def spin_limit_of_a_point() -> sp.Expr:
-    """Return lim |u + ω z × x|/ω for ω → ∞, ρ > 0: pure spin asks for the mean ⟨ρ⟩ as the ellipsoid's radius.
-
-    So one c cannot serve both: the trailing leg wants c² = ⟨ρ²⟩/2 (of a round footprint), the pure spin c = ⟨ρ⟩.
-
-    >>> spin_limit_of_a_point()
-    rho
-    """
-    rho = sp.Symbol("rho", positive=True)
-    squared = (speed_of_a_point().subs(DISTANCE, rho) / SPIN) ** 2
-    return sp.sqrt(sp.limit(sp.simplify(sp.expand(squared)), SPIN, sp.oo))

@@ -15,11 +15,7 @@ MIDDLE = sp.Symbol("s", real=True)
 
 
 def exponent() -> sp.Expr:
-    """Return (U(x) - U(y))/D at x = s + u/2, y = s - u/2: -(εu + a s²u + a u³/12)/D.
-
-    >>> sp.simplify(exponent() + SEPARATION * (GAP + CURVATURE * (MIDDLE**2 + SEPARATION**2 / 12)) / DIFFUSION)
-    0
-    """
+    """Return (U(x) - U(y))/D at x = s + u/2, y = s - u/2: -(εu + a s²u + a u³/12)/D."""
     place = sp.Symbol("x", real=True)
     potential = -GAP * place - CURVATURE * place**3 / 3
     high, low = MIDDLE + SEPARATION / 2, MIDDLE - SEPARATION / 2
@@ -27,32 +23,20 @@ def exponent() -> sp.Expr:
 
 
 def integrand() -> sp.Expr:
-    """Return the mean time's integrand over u > 0: √(π/(aDu)) exp(-(εu + a u³/12)/D), cycles per rad.
-
-    >>> integrand().subs({GAP: 0}).has(GAP)
-    False
-    """
+    """Return the mean time's integrand over u > 0: √(π/(aDu)) exp(-(εu + a u³/12)/D), cycles per rad."""
     gaussian = sp.sqrt(sp.pi * DIFFUSION / (CURVATURE * SEPARATION))
     return gaussian * sp.exp(exponent().subs(MIDDLE, 0)) / DIFFUSION
 
 
 def passage_at_tangency() -> sp.Expr:
-    """Return the mean time at ε = 0: (√π/3) 12^{1/6} Γ(1/6) (a²D)^{-1/3}, cycles. The noise alone carries it through.
-
-    >>> sp.N(passage_at_tangency().subs({CURVATURE: 1, DIFFUSION: 1}), 6)
-    4.97605
-    """
+    """Return the mean time at ε = 0: (√π/3) 12^{1/6} Γ(1/6) (a²D)^{-1/3}, cycles; noise alone carries it through."""
     return (
         sp.sqrt(sp.pi) / 3 * 12 ** sp.Rational(1, 6) * sp.gamma(sp.Rational(1, 6)) / sp.cbrt(CURVATURE**2 * DIFFUSION)
     )
 
 
 def passage_without_noise() -> sp.Expr:
-    """Return the limit D → 0 for ε > 0: with u = D w the cubic term drops out, and π/√(aε) is left, cycles.
-
-    >>> passage_without_noise()
-    pi/(sqrt(a)*sqrt(epsilon))
-    """
+    """Return the limit D → 0 for ε > 0: with u = D w the cubic term drops out, and π/√(aε) is left, cycles."""
     gap, width = sp.symbols("epsilon w", positive=True)
     scaled = (integrand().subs(GAP, gap).subs(SEPARATION, DIFFUSION * width) * DIFFUSION).simplify()
     return sp.integrate(sp.limit(scaled, DIFFUSION, 0), (width, 0, sp.oo))
@@ -62,9 +46,6 @@ def kramers_time() -> sp.Expr:
     """Return the leading term for ε = -e < 0 and little noise: π/√(ae) exp(4 e^{3/2}/(3 D √a)), cycles.
 
     Laplace's method about the largest integrand, u = 2 √(e/a), the distance of the two fixed points.
-
-    >>> kramers_time().subs(sp.Symbol("e", positive=True), CURVATURE)
-    pi*exp(4*a/(3*D))/a
     """
     depth = sp.Symbol("e", positive=True)
     logarithm = exponent().subs(MIDDLE, 0).subs(GAP, -depth)
@@ -75,9 +56,5 @@ def kramers_time() -> sp.Expr:
 
 
 def without_noise_residual() -> sp.Expr:
-    """Return the noiseless limit less the flow's passage time: zero.
-
-    >>> without_noise_residual()
-    0
-    """
+    """Return the noiseless limit less the flow's passage time: zero."""
     return sp.simplify(passage_without_noise() - passage_time())

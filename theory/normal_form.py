@@ -29,30 +29,19 @@ def shape_logarithm() -> sp.Matrix:
 
     Its trace is the logarithm of mu_a mu_b, and its traceless part the ellipticity: a tensor that turns twice as fast
     as a vector.
-
-    >>> sp.simplify(shape_logarithm().trace() - sp.log(MU_A) - sp.log(MU_B))
-    0
     """
     turn = rotation(PHI)
     return turn * sp.diag(sp.log(MU_A), sp.log(MU_B)) * turn.T
 
 
 def ellipticity_vector() -> sp.Matrix:
-    """Return the two components of the traceless part of `shape_logarithm`: log(mu_a/mu_b)/2 (cos 2φ, sin 2φ).
-
-    >>> sp.simplify(ellipticity_vector().norm().subs({MU_A: sp.E, MU_B: 1 / sp.E}))
-    1
-    """
+    """Return the two components of the traceless part of `shape_logarithm`: log(mu_a/mu_b)/2 (cos 2φ, sin 2φ)."""
     shape = shape_logarithm()
     return sp.Matrix([(shape[0, 0] - shape[1, 1]) / 2, shape[0, 1]])
 
 
 def generator() -> sp.Matrix:
-    """Return d/dθ of (u_x, u_y, v_x, v_y), a matrix: the offset seen turns by -1, the ellipticity seen by -2.
-
-    >>> generator().eigenvals() == {sp.I: 1, -sp.I: 1, 2 * sp.I: 1, -2 * sp.I: 1}
-    True
-    """
+    """Return d/dθ of (u_x, u_y, v_x, v_y), a matrix: the offset seen turns by -1, the ellipticity seen by -2."""
     backward = sp.Matrix([[0, 1], [-1, 0]])
     return sp.diag(backward, 2 * backward)
 
@@ -62,9 +51,6 @@ def harmonics(offset_degree: int, ellipticity_degree: int) -> Counter[int]:
 
     The derivative d/dθ acts on the polynomials of these degrees in (u, v) as a matrix; its eigenvalues are ±i times
     the harmonics. A harmonic above 0 has two real coefficients, its cosine and its sine.
-
-    >>> harmonics(1, 0), harmonics(0, 1)
-    (Counter({1: 2}), Counter({2: 2}))
     """
     found: Counter[int] = Counter()
     for eigenvalue, multiplicity in derivative_matrix(offset_degree, ellipticity_degree).eigenvals().items():
@@ -73,13 +59,7 @@ def harmonics(offset_degree: int, ellipticity_degree: int) -> Counter[int]:
 
 
 def derivative_matrix(offset_degree: int, ellipticity_degree: int) -> sp.Matrix:
-    """Return the matrix of d/dθ on the monomials of these degrees in the offset and the ellipticity seen.
-
-    >>> derivative_matrix(1, 0)
-    Matrix([
-    [0, -1],
-    [1,  0]])
-    """
+    """Return the matrix of d/dθ on the monomials of these degrees in the offset and the ellipticity seen."""
     monomials = [
         sp.prod((*of_u, *of_v))
         for of_u in combinations_with_replacement(SEEN[:2], offset_degree)
@@ -99,9 +79,6 @@ def response(order: int) -> sp.Matrix:
     R(θ), a row of two, is how the turn answers the two components in the surface's axes. Turning surface and object
     together must not change the turn: R(θ + α) T(α) = R(θ) with T the rotation by order·α. Differentiated at α = 0 this
     is R' = -order·R·J, J the quarter turn, and its solution from R(0) = (a, b) is returned.
-
-    >>> response(1)
-    Matrix([[a*cos(theta) - b*sin(theta), a*sin(theta) + b*cos(theta)]])
     """
     a, b = sp.symbols("a b", real=True)
     quarter = rotation(sp.pi / 2)
@@ -110,11 +87,7 @@ def response(order: int) -> sp.Matrix:
 
 
 def first_order_turn() -> sp.Expr:
-    """Return Ω + X cos(θ - ψ - δ₁) + Y cos(2(θ - φ) - δ₂): X = offset·A₁, Y = ellipticity·A₂, offset along ψ.
-
-    >>> first_order_turn().subs({sp.Symbol("Y", nonnegative=True): 0, THETA: 0})
-    Omega + X*cos(delta_1 + psi)
-    """
+    """Return Ω + X cos(θ - ψ - δ₁) + Y cos(2(θ - φ) - δ₂): X = offset·A₁, Y = ellipticity·A₂, offset along ψ."""
     x, y = sp.symbols("X Y", nonnegative=True)
     psi, delta_1, delta_2 = sp.symbols("psi delta_1 delta_2", real=True)
     return OMEGA + x * sp.cos(THETA - psi - delta_1) + y * sp.cos(2 * (THETA - PHI) - delta_2)
@@ -125,9 +98,6 @@ def offset_fixed_points() -> tuple[tuple[sp.Expr, sp.Expr], tuple[sp.Expr, sp.Ex
 
     The stable one lies where the turn falls through zero: at the arc cosine of -Ω/X, with multiplier 1 - √(X² - Ω²).
     It attracts for X² - Ω² < 4, and the two meet at |Ω| = X: a saddle-node.
-
-    >>> offset_fixed_points()[0][1]
-    1 - sqrt(-Omega**2 + X**2)
     """
     x = sp.Symbol("X", positive=True)
     angle, root = sp.acos(-OMEGA / x), sp.sqrt(x**2 - OMEGA**2)
@@ -139,9 +109,6 @@ def lock_in_curve() -> tuple[sp.Expr, sp.Expr]:
 
     The turn Ω + X cos s + Y cos(2s - χ), χ = 2(φ - ψ - δ₁) + δ₂, vanishes with its derivative: two linear equations for
     (X, Y) at each s. The curve bounds lock-in where X, Y ≥ 0 and the extremum is the least (Ω > 0) or greatest.
-
-    >>> [sp.simplify(part.subs(sp.Symbol("s", real=True), sp.pi)) for part in lock_in_curve()]
-    [Omega, 0]
     """
     s, chi = sp.symbols("s chi", real=True)
     x, y = sp.symbols("X Y", real=True)
@@ -155,9 +122,6 @@ def dissipation(velocity: sp.Matrix) -> sp.Expr:
 
     It is homogeneous of degree one in (mu_a, mu_b, m0, n0). A quasi-static motion minimises a sum of such terms under
     conditions on the velocity, or balances its gradients: the common factor drops out.
-
-    >>> dissipation(sp.Matrix([1, 0])).subs(PHI, 0)
-    m_0 + mu_a
     """
     along, across = rotation(-PHI) * velocity
     return sp.sqrt(MU_A**2 * along**2 + MU_B**2 * across**2) + M0 * along + N0 * across
@@ -168,9 +132,6 @@ def ellipticity_ratios() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
 
     (mu_a - mu_b)/(mu_a + mu_b) over v, and the offset's factor with the mean and with the root mean square of mu_a,
     mu_b in place of sqrt(mu_a mu_b). All are 1 + O(v²): the choice changes the turn at third order only.
-
-    >>> [sp.series(ratio, sp.Symbol("v"), 0, 2).removeO() for ratio in ellipticity_ratios()]
-    [1, 1, 1]
     """
     v = sp.Symbol("v")
     return sp.tanh(v) / v, 1 / sp.cosh(v), 1 / sp.sqrt(sp.cosh(2 * v))

@@ -36,11 +36,7 @@ def centred(expression: sp.Expr) -> sp.Expr:
 
 
 def support_points(count: int) -> tuple[list[Point], list[sp.Symbol]]:
-    """Return symbols for positions (m) and loads (N) of support points.
-
-    >>> support_points(1)
-    ([(x_0, y_0)], [N_0])
-    """
+    """Return symbols for positions (m) and loads (N) of support points."""
     points = [sp.symbols(f"x_{i} y_{i}", real=True) for i in range(count)]
     return points, [sp.Symbol(f"N_{i}", positive=True) for i in range(count)]
 

@@ -26,11 +26,7 @@ def inverse_integral(d: sp.Expr = D, t: sp.Expr = T) -> sp.Expr:
 
 
 def length_integral(d: sp.Expr = D, t: sp.Expr = T) -> sp.Expr:
-    """Return int_0^t |w| dt = [t sqrt(d^2 + t^2) + d^2 asinh(t/|d|)]/2.
-
-    >>> length_integral(0, T)
-    t*Abs(t)/2
-    """
+    """Return int_0^t |w| dt = [t sqrt(d^2 + t^2) + d^2 asinh(t/|d|)]/2."""
     if d == 0:
         return t * sp.Abs(t) / 2
     return (t * sp.sqrt(d**2 + t**2) + d**2 * inverse_integral(d, t)) / 2
@@ -67,11 +63,7 @@ def normals(corners: list[Corner]) -> list[sp.Matrix]:
 
 
 def polygon_integral(corners: list[Corner]) -> sp.Expr:
-    """Return int |w| over a counter-clockwise polygon of the velocity plane, whether or not it holds the origin.
-
-    >>> sp.simplify(polygon_integral([(0, 0), (3, 0), (3, 4)]) - (3*sp.Rational(20) + 27*sp.asinh(sp.Rational(4, 3)))/6)
-    0
-    """
+    """Return int |w| over a counter-clockwise polygon of the velocity plane, whether or not it holds the origin."""
     return sum((side_term(*side) for side in sides(corners)), sp.Integer(0))
 
 

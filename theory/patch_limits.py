@@ -80,9 +80,6 @@ def square_far_series() -> list[sp.Expr]:
 
     The unit of velocity is mu v. Right, left, and twice the bottom, which the top equals. Each is d/3 int |w| dt (see
     `length_residual` of `theory.patch_dissipation`) over t = middle + epsilon u, expanded under the integral.
-
-    >>> square_far_series()[1]
-    -7*epsilon**3/9 + 4*epsilon**2/3 - 2*epsilon/3
     """
     e, u = EPSILON, sp.Symbol("u", real=True)
 
@@ -173,9 +170,6 @@ def spinning_square_grid_defect(count: sp.Expr) -> sp.Expr:
     """Return `grid_defect` of a square that spins about its centre on `count` x `count` points, relative to D.
 
     It is -ln(1 + sqrt 2)/((sqrt 2 + ln(1 + sqrt 2)) count^2) for isotropic friction.
-
-    >>> round(float(spinning_square_grid_defect(8)), 5)
-    -0.006
     """
     log = sp.log(1 + sp.sqrt(2))
     return -log / ((sp.sqrt(2) + log) * count**2)

@@ -4,11 +4,5 @@ import sympy as sp
 
 
 def rotation(angle: sp.Expr) -> sp.Matrix:
-    """Return the matrix that turns vectors of the plane by an angle (rad), counter-clockwise.
-
-    >>> rotation(sp.pi / 2)
-    Matrix([
-    [0, -1],
-    [1,  0]])
-    """
+    """Return the matrix that turns vectors of the plane by an angle (rad), counter-clockwise."""
     return sp.Matrix([[sp.cos(angle), -sp.sin(angle)], [sp.sin(angle), sp.cos(angle)]])

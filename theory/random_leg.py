@@ -17,20 +17,12 @@ START, DIRECTION = sp.symbols("theta beta", real=True)
 
 
 def turned_leg(leg: sp.Function) -> sp.Expr:
-    """Return f_β(θ) = β + g(θ - β) for a leg g along x.
-
-    >>> turned_leg(sp.Function("g"))
-    beta + g(-beta + theta)
-    """
+    """Return f_β(θ) = β + g(θ - β) for a leg g along x."""
     return DIRECTION + leg(START - DIRECTION)
 
 
 def turn_by_heading(leg: sp.Function) -> sp.Expr:
-    """Return the turn f_β(θ) - θ as a function of x = θ - β: θ alone is in it no more.
-
-    >>> turn_by_heading(sp.Function("g"))
-    -x + g(x)
-    """
+    """Return the turn f_β(θ) - θ as a function of x = θ - β: θ alone is in it no more."""
     heading = sp.Symbol("x", real=True)
     return sp.expand(turned_leg(leg).subs(START, DIRECTION + heading) - DIRECTION - heading)
 
@@ -39,9 +31,6 @@ def memory(order: int) -> sp.Expr:
     """Return κ_n of an ellipsoid's leg, the factor by which one cycle shrinks the n-th moment: a residue.
 
     The mean of e^{in(g - x)} is the integral of (g(z)/z)ⁿ over z around the circle, whose only pole inside is at 0.
-
-    >>> memory(1), memory(2)
-    (1 - a**2, (1 - 3*a**2)*(1 - a**2))
     """
     image = leg_of_the_lever(STRENGTH) ** order
     derivative = sp.diff(image, POINT, order) / sp.factorial(order)
@@ -50,11 +39,7 @@ def memory(order: int) -> sp.Expr:
 
 
 def correlation() -> sp.Expr:
-    """Return κ_1 as a function of the leg's length ℓ: 1/cosh²(κℓ/2), about 4 exp(-κℓ) for long legs.
-
-    >>> correlation().subs(LENGTH, 0)
-    1
-    """
+    """Return κ_1 as a function of the leg's length ℓ: 1/cosh²(κℓ/2), about 4 exp(-κℓ) for long legs."""
     return 1 / sp.cosh(rate() * LENGTH / 2) ** 2
 
 
@@ -62,9 +47,6 @@ def moment_from_uniform(harmonic: int) -> sp.Expr:
     """Return E e^{inψ} after one leg of an ellipsoid in one direction, the headings ψ before it evenly spread: aⁿ.
 
     The mean of an analytic function over the unit circle is its value at the centre (Cauchy).
-
-    >>> moment_from_uniform(3)
-    a**3
     """
     return (leg_of_the_lever(STRENGTH) ** harmonic).subs(POINT, 0)
 
@@ -74,9 +56,6 @@ def surviving_share(harmonic: int, directions: int) -> sp.Expr:
 
     So a leg in one of K such directions at random commutes, in the mean, with a turn by 2π/K: only the harmonics nK of
     the bias survive, and two opposite directions already leave no first harmonic.
-
-    >>> [surviving_share(n, 3) for n in range(5)]
-    [1, 0, 0, 1, 0]
     """
     total = sum(sp.exp(-2 * sp.pi * sp.I * sp.Rational(harmonic * j, directions)) for j in range(directions))
     return sp.nsimplify(sp.simplify(sp.expand_complex(total)) / directions)

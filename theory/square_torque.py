@@ -18,11 +18,7 @@ _ANGLE = sp.Symbol("theta", real=True)
 
 
 def square_torque(mu: sp.Expr = MU, side: sp.Expr = L) -> sp.Expr:
-    """Return mu L (sqrt 2 + ln(1 + sqrt 2))/6, the torque of an evenly loaded square.
-
-    >>> round(float(square_torque(1, 1)), 10)
-    0.3825978582
-    """
+    """Return mu L (sqrt 2 + ln(1 + sqrt 2))/6, the torque of an evenly loaded square."""
     return mu * side * (sp.sqrt(2) + sp.log(1 + sp.sqrt(2))) / 6
 
 
@@ -81,11 +77,7 @@ def rim_ratio_residual() -> sp.Expr:
 
 
 def polygon_torque(count: sp.Expr) -> sp.Expr:
-    """Return the torque of a regular polygon: mu R/3 [1 + cos^2 x asinh(tan x)/sin x], x = pi/count.
-
-    >>> sp.simplify(polygon_torque(4).rewrite(sp.log) - square_torque(MU, R * sp.sqrt(2)))
-    0
-    """
+    """Return the torque of a regular polygon: mu R/3 [1 + cos^2 x asinh(tan x)/sin x], x = pi/count."""
     x = sp.pi / count
     return MU * R / 3 * (1 + sp.cos(x) ** 2 * sp.asinh(sp.tan(x)) / sp.sin(x))
 
@@ -135,11 +127,7 @@ def disc_limit_residual() -> sp.Expr:
 
 
 def anisotropic_disc_torque(mu_a: sp.Expr, mu_b: sp.Expr) -> sp.Expr:
-    """Return the torque of a disc under a centred ellipse, 4/(3 pi) mu_a R E(1 - mu_b^2/mu_a^2), E(m) complete.
-
-    >>> anisotropic_disc_torque(MU, MU)
-    2*R*mu/3
-    """
+    """Return the torque of a disc under a centred ellipse, 4/(3 pi) mu_a R E(1 - mu_b^2/mu_a^2), E(m) complete."""
     return 4 * mu_a * R * sp.elliptic_e(1 - mu_b**2 / mu_a**2) / (3 * sp.pi)
 
 

@@ -29,11 +29,7 @@ def sliding_speed(v_m: sp.Expr = V_M, v_n: sp.Expr = V_N) -> sp.Expr:
 
 
 def dissipation(v_m: sp.Expr = V_M, v_n: sp.Expr = V_N) -> sp.Expr:
-    """Return the support function of the limit ellipse, h(v) = s + m0 v_m + n0 v_n, m/s.
-
-    >>> dissipation(1, 0)
-    m0 + mu_a
-    """
+    """Return the support function of the limit ellipse, h(v) = s + m0 v_m + n0 v_n, m/s."""
     return sliding_speed(v_m, v_n) + M0 * v_m + N0 * v_n
 
 

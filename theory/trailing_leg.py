@@ -12,20 +12,12 @@ EXCLUDED, TOLERANCE = sp.symbols("delta epsilon", positive=True)
 
 
 def multiplier() -> sp.Expr:
-    """Return the factor exp(-κℓ) = (1 - a)/(1 + a) by which a leg shrinks a small heading.
-
-    >>> multiplier().subs(LENGTH, 0)
-    1
-    """
+    """Return the factor exp(-κℓ) = (1 - a)/(1 + a) by which a leg shrinks a small heading."""
     return sp.exp(-rate() * LENGTH)
 
 
 def slope(shrink: sp.Expr) -> sp.Expr:
-    """Return d(end)/d(start) of a leg of multiplier m at heading ψ: m/(cos²(ψ/2) + m² sin²(ψ/2)).
-
-    >>> slope(sp.Rational(1, 3)).subs(HEADING, sp.pi)  # where the object goes ahead the leg stretches as much
-    3
-    """
+    """Return d(end)/d(start) of a leg of multiplier m at heading ψ: m/(cos²(ψ/2) + m² sin²(ψ/2))."""
     return shrink / (sp.cos(HEADING / 2) ** 2 + shrink**2 * sp.sin(HEADING / 2) ** 2)
 
 
@@ -33,23 +25,12 @@ def forgetting_length() -> sp.Expr:
     """Return the leg ℓ after which every heading ends within ±ε of the trailing one, if it began δ away from ±π.
 
     (1/κ) ln(cot(δ/2) cot(ε/2)): no length would do for δ = 0, since the object that goes straight ahead stays there.
-
-    >>> from theory.moebius_drag import LEVER, SPIN_RADIUS
-    >>> ring, square = 0.015, 0.09 / 12**0.5  # the MIT ring, and the square's radius of trailing
-    >>> five = sp.pi / 36
-    >>> at = {LEVER: ring, SPIN_RADIUS: square, EXCLUDED: five, TOLERANCE: five}
-    >>> round(float(forgetting_length().subs(at)), 3)  # m
-    0.376
     """
     return sp.log(sp.cot(EXCLUDED / 2) * sp.cot(TOLERANCE / 2)) / rate()
 
 
 def share_within() -> sp.Expr:
-    """Return the share of all headings, evenly spread, that a leg of length ℓ brings within ±ε of the trailing one.
-
-    >>> share_within().subs(LENGTH, 0).subs(TOLERANCE, sp.pi / 2)
-    1/2
-    """
+    """Return the share of all headings, evenly spread, that a leg of length ℓ brings within ±ε of the trailing one."""
     return 2 * sp.atan(sp.tan(TOLERANCE / 2) / multiplier()) / sp.pi
 
 
@@ -57,9 +38,6 @@ def density_from_uniform(a: sp.Expr) -> sp.Expr:
     """Return the density of the heading (1/rad) after a leg of strength a that began at a uniformly random heading.
 
     It is the wrapped Cauchy density (the Poisson kernel) with resultant a = tanh(κℓ/2).
-
-    >>> density_from_uniform(0)
-    1/(2*pi)
     """
     return (1 - a**2) / (2 * sp.pi * (1 - 2 * a * sp.cos(HEADING) + a**2))
 
@@ -68,8 +46,5 @@ def mean_from_uniform(a: sp.Expr) -> sp.Expr:
     """Return the mean of e^{iψ} after a leg of strength a from a uniform start: the bias that the leg leaves, a itself.
 
     The mean of an analytic function over the unit circle is its value at the centre (Cauchy).
-
-    >>> mean_from_uniform(sp.Rational(1, 3))
-    1/3
     """
     return leg_of_the_lever(a).subs(POINT, 0)

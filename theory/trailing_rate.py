@@ -21,57 +21,32 @@ RING_1, RING_2 = sp.symbols("rho_1 rho_2", real=True)
 
 
 def law_matrix() -> sp.Matrix:
-    """Return Q: for axes μa, μb at the angle φ it is R(φ) diag(μa², μb²) R(φ)ᵀ.
-
-    >>> law_matrix().is_symmetric()
-    True
-    """
+    """Return Q: for axes μa, μb at the angle φ it is R(φ) diag(μa², μb²) R(φ)ᵀ."""
     return sp.Matrix([[FIRST, MIXED], [MIXED, SECOND]])
 
 
 def direction() -> sp.Matrix:
-    """Return u, the direction in which the ring moves.
-
-    >>> direction().subs(TOWARDS, 0).T
-    Matrix([[1, 0]])
-    """
+    """Return u, the direction in which the ring moves."""
     return sp.Matrix([sp.cos(TOWARDS), sp.sin(TOWARDS)])
 
 
 def sliding_speed() -> sp.Expr:
-    """Return s = √(uᵀQu), the friction coefficient of sliding along u without the offset.
-
-    >>> sliding_speed().subs({FIRST: 4, MIXED: 0, SECOND: 1, TOWARDS: 0})
-    2
-    """
+    """Return s = √(uᵀQu), the friction coefficient of sliding along u without the offset."""
     return sp.sqrt((direction().T * law_matrix() * direction())[0])
 
 
 def friction_force() -> sp.Matrix:
-    """Return f = Qu/s + m, the force per unit load that keeps the object translating along u.
-
-    >>> friction_force().subs({FIRST: 4, MIXED: 0, SECOND: 1, TOWARDS: 0, OFFSET_1: 0, OFFSET_2: 0}).T
-    Matrix([[2, 0]])
-    """
+    """Return f = Qu/s + m, the force per unit load that keeps the object translating along u."""
     return law_matrix() * direction() / sliding_speed() + sp.Matrix([OFFSET_1, OFFSET_2])
 
 
 def turned(x: sp.Expr, y: sp.Expr) -> sp.Matrix:
-    """Return a vector of the object after it has turned by `TURN`.
-
-    >>> turned(1, 0).T
-    Matrix([[cos(theta), sin(theta)]])
-    """
+    """Return a vector of the object after it has turned by `TURN`."""
     return rotation(TURN) * sp.Matrix([x, y])
 
 
 def dissipation_of_a_point() -> sp.Expr:
-    """Return h at the point x of the object, turned by `TURN`, while it spins by `SPIN` about its moving ring.
-
-    >>> at_ring = dissipation_of_a_point().subs({POINT_1: RING_1, POINT_2: RING_2})
-    >>> at_ring.has(SPIN)  # the ring itself moves by u, whatever the spin
-    False
-    """
+    """Return h at the point x of the object, turned by `TURN`, while it spins by `SPIN` about its moving ring."""
     lever = turned(POINT_1 - RING_1, POINT_2 - RING_2)
     velocity = direction() + SPIN * sp.Matrix([-lever[1], lever[0]])
     quadratic = (velocity.T * law_matrix() * velocity)[0]
@@ -79,22 +54,14 @@ def dissipation_of_a_point() -> sp.Expr:
 
 
 def ring_torque() -> sp.Expr:
-    """Return dD/dω at ω = 0 of a patch with its centre of pressure at the origin: -f·(z × ρ), zero where ρ is along f.
-
-    >>> ring_torque().subs({RING_1: 0, RING_2: 0})
-    0
-    """
+    """Return dD/dω at ω = 0 of a patch centred at the origin: -f·(z × ρ), zero where ρ is along f."""
     lever = turned(RING_1, RING_2)
     force = friction_force()
     return force[0] * lever[1] - force[1] * lever[0]
 
 
 def spin_stiffness(second_moment: sp.Expr) -> sp.Expr:
-    """Return d²D/dω² at ω = 0, turn zero: det Q ((u·ρ)² + ⟨(u·x)²⟩)/s³, given the pressure's second moment along u.
-
-    >>> spin_stiffness(sp.Symbol("X")).has(OFFSET_1)  # a constant force has no stiffness
-    False
-    """
+    """Return d²D/dω² at ω = 0, turn zero: det Q ((u·ρ)² + ⟨(u·x)²⟩)/s³, given the pressure's second moment along u."""
     along = direction()[0] * RING_1 + direction()[1] * RING_2
     return law_matrix().det() * (along**2 + second_moment) / sliding_speed() ** 3
 
@@ -103,11 +70,6 @@ def trailing_rate(lever: sp.Expr, second_moment: sp.Expr) -> sp.Expr:
     """Return d(dθ/ds)/dθ (1/m) where the ring leads: -|f| r s³/(det Q ((u·ρ)² + ⟨(u·x)²⟩)), ρ = r f/|f|.
 
     Over a leg of length ℓ the multiplier is exp(rate·ℓ). Behind the object (ρ = -r f/|f|) the rate has the other sign.
-
-    >>> r, second = sp.symbols("r X", positive=True)
-    >>> isotropic = {FIRST: 1, MIXED: 0, SECOND: 1, OFFSET_1: 0, OFFSET_2: 0, TOWARDS: 0}
-    >>> trailing_rate(r, second).subs(isotropic)  # the ellipsoid's κ, c² the second moment along the lever
-    -r/(X + r**2)
     """
     force = friction_force()
     size = sp.sqrt(force.dot(force))

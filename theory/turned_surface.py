@@ -17,11 +17,7 @@ POINT_X, POINT_Y = sp.symbols("x y", real=True)
 
 
 def support_function(velocity: sp.Matrix, phi: sp.Expr) -> sp.Expr:
-    """Return h of a velocity in the world, the friction ellipse's axes turned by φ (Ma & Rodriguez 2018, Eq. 2).
-
-    >>> support_function(sp.Matrix([2, 0]), 0)
-    2*m_0 + 2*mu_a
-    """
+    """Return h of a velocity in the world, the friction ellipse's axes turned by φ (Ma & Rodriguez 2018, Eq. 2)."""
     along, across = rotation(-phi) * velocity
     return sp.sqrt((MU_A * along) ** 2 + (MU_B * across) ** 2) + M0 * along + N0 * across
 
@@ -30,20 +26,13 @@ def dissipation_of_a_point(theta: sp.Expr, phi: sp.Expr) -> sp.Expr:
     """Return h at the point (x, y) of an object at orientation θ whose twist, in its own frame, is (v_x, v_y, ω).
 
     The patch's D is the mean of this over its pressure, which is fixed in the object's frame.
-
-    >>> dissipation_of_a_point(0, 0).subs({VELOCITY_X: 1, VELOCITY_Y: 0, SPIN: 0})
-    m_0 + mu_a
     """
     velocity = sp.Matrix([VELOCITY_X - SPIN * POINT_Y, VELOCITY_Y + SPIN * POINT_X])
     return support_function(rotation(theta) * velocity, phi)
 
 
 def spelled_out(value: sp.Expr) -> sp.Expr:
-    """Return a trigonometric polynomial as a sum of exponentials, in which equal things cancel.
-
-    >>> spelled_out(sp.cos(THETA) ** 2 + sp.sin(THETA) ** 2)
-    1
-    """
+    """Return a trigonometric polynomial as a sum of exponentials, in which equal things cancel."""
     return sp.expand(value.rewrite(sp.exp))
 
 
@@ -51,9 +40,6 @@ def turning_residual() -> sp.Matrix:
     """Return the velocity in the material's axes at (θ + α, φ + α) less that at (θ, φ), the object's own kept.
 
     It is zero, and h is a function of that velocity alone: object and surface turned together feel the same friction.
-
-    >>> turning_residual().T
-    Matrix([[0, 0]])
     """
     velocity = sp.Matrix([VELOCITY_X, VELOCITY_Y])
     there = rotation(-PHI - TURN) * rotation(THETA + TURN) * velocity
@@ -61,20 +47,12 @@ def turning_residual() -> sp.Matrix:
 
 
 def leg_in_object_frame(way_point: sp.Matrix, ring: sp.Matrix, theta: sp.Expr) -> sp.Matrix:
-    """Return a leg from the ring's place to a way-point (world frame, from the target) as the object sees it.
-
-    >>> leg_in_object_frame(sp.Matrix([0, 0]), sp.Matrix([1, 0]), sp.pi / 2).T
-    Matrix([[0, 1]])
-    """
+    """Return a leg from the ring's place to a way-point (world frame, from the target) as the object sees it."""
     return rotation(-theta) * (way_point - ring)
 
 
 def leg_residual() -> sp.Matrix:
-    """Return the leg after everything is turned by α, less the leg before, both seen by the object: zero.
-
-    >>> leg_residual().T
-    Matrix([[0, 0]])
-    """
+    """Return the leg after everything is turned by α, less the leg before, both seen by the object: zero."""
     px, py, rx, ry = sp.symbols("p_x p_y r_x r_y", real=True)
     point, ring, turn = sp.Matrix([px, py]), sp.Matrix([rx, ry]), rotation(TURN)
     there = leg_in_object_frame(turn * point, turn * ring, THETA + TURN)
@@ -85,9 +63,6 @@ def turned_iterate(count: int) -> sp.Expr:
     """Return the n-th iterate, at θ + α, of g(θ) = f(θ - α) + α, for an unknown f: it is fⁿ(θ) + α.
 
     So g has the rotation number of f, its fixed points lie α further, and the multipliers are the same.
-
-    >>> turned_iterate(2)
-    alpha + f(f(theta))
     """
     f, angle = sp.Function("f"), THETA + TURN
     for _ in range(count):
@@ -96,11 +71,7 @@ def turned_iterate(count: int) -> sp.Expr:
 
 
 def infinitesimal_identity() -> sp.Expr:
-    """Return ∂f/∂θ + ∂f/∂φ - 1: the derivative by α, at α = 0, of f(θ + α, φ + α) - f(θ, φ) - α, hence zero.
-
-    >>> infinitesimal_identity()
-    Derivative(f(theta, phi), phi) + Derivative(f(theta, phi), theta) - 1
-    """
+    """Return ∂f/∂θ + ∂f/∂φ - 1: the derivative by α, at α = 0, of f(θ + α, φ + α) - f(θ, φ) - α, hence zero."""
     f = sp.Function("f")
     conjugacy = f(THETA + TURN, PHI + TURN) - f(THETA, PHI) - TURN
     return sp.simplify(sp.diff(conjugacy, TURN).subs(TURN, 0).doit())

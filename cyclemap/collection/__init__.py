@@ -4,7 +4,7 @@ The loop
 --------
 CollectionLoop : the protocol: object, surface, rod, push, reset
 Cycle, CycleTrajectory, CycleSensitivity : one push and drag back, its course, its derivatives
-run_cycles, Cycles : many, as arrays, a frame, or a dataset
+run_cycles, Cycles : many, as arrays or a frame
 worn_loop, drifting_map : on a surface that wears
 
 What it does
@@ -60,40 +60,11 @@ if TYPE_CHECKING:
 else:
     import_on_first_use(__name__)
 
-__all__ = [
-    "Anisotropy",
-    "BatchExperiment",
-    "BatchRun",
-    "CheckedCollection",
-    "CollectionLoop",
-    "Cycle",
-    "CycleSensitivity",
-    "CycleTrajectory",
-    "Cycles",
-    "DirectionInterval",
-    "DirectionUncertainty",
-    "DynamicCycle",
-    "DynamicLoop",
-    "DynamicsComparison",
-    "Fingerprint",
-    "OutlineFile",
-    "Portrait",
-    "Prediction",
-    "PredictionCheck",
-    "StaircaseForecast",
-    "TurnResponse",
-    "batch_experiment",
-    "check_collection",
-    "check_prediction",
-    "compare_dynamics",
-    "direction_uncertainty",
-    "drifting_map",
-    "fingerprint",
-    "isotropic_twin",
-    "portrait",
-    "predict",
-    "read_outline",
-    "run_cycles",
-    "staircase_forecast",
-    "worn_loop",
-]
+__all__ = ["CollectionLoop", "Cycle", "CycleSensitivity", "CycleTrajectory", "Cycles", "drifting_map", "run_cycles"]
+__all__ += ["worn_loop"]
+__all__ += ["BatchExperiment", "BatchRun", "DirectionInterval", "DirectionUncertainty", "Portrait"]
+__all__ += ["StaircaseForecast", "batch_experiment", "direction_uncertainty", "portrait", "staircase_forecast"]
+__all__ += ["Anisotropy", "Fingerprint", "Prediction", "PredictionCheck", "TurnResponse", "check_prediction"]
+__all__ += ["fingerprint", "predict"]
+__all__ += ["DynamicCycle", "DynamicLoop", "DynamicsComparison", "compare_dynamics", "isotropic_twin"]
+__all__ += ["CheckedCollection", "OutlineFile", "check_collection", "read_outline"]

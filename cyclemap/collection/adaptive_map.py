@@ -56,10 +56,6 @@ class HermitePolynomial:
     """The polynomial of degree 2 k - 1 with the values and slopes of k nodes, by divided differences (Davis 1975, 3.1).
 
     nodes : ascending, no place twice. differences : Newton's coefficients, to places that come twice each.
-
-    >>> nodes = [Node(x, x**5, 5.0 * x**4) for x in (0.0, 0.5, 2.0)]
-    >>> HermitePolynomial.through(nodes).at(1.5) == (1.5**5, 5.0 * 1.5**4)
-    True
     """
 
     nodes: tuple[Node, ...]
@@ -72,13 +68,12 @@ class HermitePolynomial:
         column = [node.value for node in nodes for _ in (0, 1)]
         differences = column[:1]
         for order in range(1, len(places)):
-            rises = [column[i + 1] - column[i] for i in range(len(column) - 1)]
-            if order == 1:
-                column = [
-                    rise / (places[i + 1] - places[i]) if i % 2 else nodes[i // 2].slope for i, rise in enumerate(rises)
-                ]
-            else:
-                column = [rise / (places[i + order] - places[i]) for i, rise in enumerate(rises)]
+            column = [
+                nodes[i // 2].slope
+                if order == 1 and i % 2 == 0
+                else (column[i + 1] - column[i]) / (places[i + order] - places[i])
+                for i in range(len(column) - 1)
+            ]
             differences.append(column[0])
         return cls(tuple(nodes), tuple(differences))
 
@@ -94,21 +89,17 @@ class HermitePolynomial:
     def refined(self, error: float) -> Iterator[Node]:
         """Its nodes, and so many between them that cubics from one to the next are within `error` of it."""
         for low, high in pairwise(self.nodes):
-            count = max(1, math.ceil(_CLOSER * (self._off_cubic(low, high) / error) ** 0.25))
-            width = (high.theta - low.theta) / count
+            # A cubic between two places misses q by q'''' (s (1 - s) h^2)^2 / 24 at the share s of its width h.
+            width, off = high.theta - low.theta, 0.0
+            for s in _COMPARED:
+                tangents = width * s * (1.0 - s) * ((1.0 - s) * low.slope - s * high.slope)
+                cubic = low.value + s**2 * (3.0 - 2.0 * s) * (high.value - low.value) + tangents
+                off = max(off, abs(cubic - self.at(low.theta + s * width)[0]) / (16.0 * (s * (1.0 - s)) ** 2))
+            count = max(1, math.ceil(_CLOSER * (off / error) ** 0.25))
             yield low
-            for theta in (low.theta + k * width for k in range(1, count)):
+            for theta in (low.theta + k * (width / count) for k in range(1, count)):
                 yield Node(theta, *self.at(theta))
         yield self.nodes[-1]
-
-    def _off_cubic(self, low: Node, high: Node) -> float:
-        # A cubic between two places misses q by q'''' (s (1 - s) h^2)^2 / 24 at the share s of its width h.
-        width, off = high.theta - low.theta, 0.0
-        for s in _COMPARED:
-            tangents = width * s * (1.0 - s) * ((1.0 - s) * low.slope - s * high.slope)
-            cubic = low.value + s**2 * (3.0 - 2.0 * s) * (high.value - low.value) + tangents
-            off = max(off, abs(cubic - self.at(low.theta + s * width)[0]) / (16.0 * (s * (1.0 - s)) ** 2))
-        return off
 
 
 def left_out_error(nodes: Sequence[Node], number: int) -> float:
@@ -121,8 +112,7 @@ def left_out_error(nodes: Sequence[Node], number: int) -> float:
 class _Interval:
     """Neighbouring nodes and the error (rad) that the polynomial through them is believed to have.
 
-    inner : nodes between, evenly spaced: none, the middle or three. around : the polynomial of what this is half of,
-    of whose nodes these are two.
+    inner : nodes between, evenly spaced: none, the middle or three. around : the polynomial of what this is half of.
     """
 
     low: Node
@@ -157,9 +147,6 @@ class _Sampler:
     taken: int = 0
     known: dict[float, Node] = field(default_factory=dict)
 
-    def node(self, theta: float) -> Node:
-        return self.nodes([theta])[0]
-
     def nodes(self, theta: list[float]) -> list[Node]:
         """The nodes at several places: those not known yet in one call."""
         new = [t for t in theta if t not in self.known]
@@ -187,11 +174,6 @@ def sample_circle_map(
 
     The map's `max_error` is the largest error estimate, checked at further places, plus `sample_error`; it exceeds the
     tolerance where that could not be reached, as on stretches so steep that they cannot be told from a jump.
-
-    >>> lift = lambda theta: theta + 0.5 + 0.1 * np.sin(theta)
-    >>> circle = sample_circle_map(lambda theta: (lift(theta), 1.0 + 0.1 * np.cos(theta)), 1e-6)
-    >>> bool(abs(circle(1.0) - lift(1.0)) < 1e-6), len(circle.breaks)
-    (True, 0)
     """
     interpolated = (1.0 - _LOCATED) * positive_number("tolerance", tolerance)
     sampler = _Sampler(sample, interpolated, progress or (lambda fraction: None))
@@ -200,9 +182,16 @@ def sample_circle_map(
     _resolve(sampler, [_Interval(low, high, math.inf) for low, high in pairwise(nodes)])
     _check(sampler)
     intervals = sorted(sampler.finished, key=lambda interval: interval.low.theta)
-    located = _LOCATED * tolerance
-    largest = max(interval.error for interval in intervals)
-    made = _assemble(intervals, largest + located + sample_error, _FILLED * interpolated)
+    joined: list[Node] = []
+    for interval in intervals:
+        # Where neighbours do not share a node, a repeated place marks a break.
+        if not joined or joined[-1] != interval.low:
+            joined.append(interval.low)
+        inner = interval.polynomial.refined(_FILLED * interpolated) if interval.inner else (interval.low, interval.high)
+        joined.extend(list(inner)[1:])
+    theta, lifted, slopes = np.array([(node.theta, node.value, node.slope) for node in joined]).T
+    error = max(interval.error for interval in intervals) + _LOCATED * tolerance + sample_error
+    made = CircleMap.from_samples(theta, lifted, slopes, degree=1, max_error=error)
     assert made.pieces is not None
     # For the record: what was asked for, not the nodes that were put between.
     return CircleMap.from_pieces(made.pieces, made.breaks, sampler.taken, made.max_error)
@@ -211,12 +200,20 @@ def sample_circle_map(
 def _resolve(sampler: _Sampler, waiting: list[_Interval]) -> None:
     """Halve intervals until all of their parts are good enough, splitting them at breaks."""
     while waiting:
-        narrow = [interval for interval in waiting if interval.width <= 2.0 * _NARROWEST]
-        sampler.finish(*(replace(interval, error=min(interval.error, _narrow_error(interval))) for interval in narrow))
+        for interval in (one for one in waiting if one.width <= 2.0 * _NARROWEST):
+            # Most that the cubic can be off where the map stays between the values of the ends: slopes lift it by 4/27
+            # of the width each at most above the straight line.
+            low, high = interval.low, interval.high
+            most = abs(high.value - low.value) + 4.0 / 27.0 * interval.width * (abs(low.slope) + abs(high.slope))
+            sampler.finish(replace(interval, error=min(interval.error, most)))
         halved = [interval for interval in waiting if interval.width > 2.0 * _NARROWEST]
         middles = sampler.nodes([0.5 * (interval.low.theta + interval.high.theta) for interval in halved])
         rest = [pair for pair in zip(halved, middles, strict=True) if not _finished(sampler, *pair)]
-        waiting = [part for pair in _unjoined(sampler, rest) for part in _halves(sampler, *pair)]
+        waiting = []
+        for around, group in groupby(rest, key=lambda pair: pair[0].around):
+            halves = list(group)
+            if around is None or len(halves) == 1 or not _joined(sampler, halves):
+                waiting += [part for pair in halves for part in _halves(sampler, *pair)]
 
 
 def _finished(sampler: _Sampler, interval: _Interval, middle: Node) -> bool:
@@ -234,17 +231,8 @@ def _finished(sampler: _Sampler, interval: _Interval, middle: Node) -> bool:
     return True
 
 
-def _unjoined(sampler: _Sampler, pairs: list[tuple[_Interval, Node]]) -> list[tuple[_Interval, Node]]:
-    """Keep both halves of an interval together where the polynomial through their five nodes is good enough."""
-    kept = []
-    for around, group in groupby(pairs, key=lambda pair: pair[0].around):
-        halves = list(group)
-        if around is None or len(halves) == 1 or not _joined(sampler, halves):
-            kept.extend(halves)
-    return kept
-
-
 def _joined(sampler: _Sampler, halves: list[tuple[_Interval, Node]]) -> bool:
+    """Keep both halves of an interval together if the polynomial through their five nodes is good enough."""
     (first, before), (second, after) = halves
     nodes = (first.low, before, first.high, after, second.high)
     beside = max(left_out_error(nodes, 1), left_out_error(nodes, 3))
@@ -265,15 +253,6 @@ def _halves(sampler: _Sampler, interval: _Interval, middle: Node) -> tuple[_Inte
     return sides or (_Interval(low, middle, error, around=around), _Interval(middle, high, error, around=around))
 
 
-def _narrow_error(interval: _Interval) -> float:
-    """Most that the cubic can be off where the map stays between the values of the interval's ends.
-
-    The slopes lift a cubic by 4/27 of the width each at most above the straight line.
-    """
-    low, high = interval.low, interval.high
-    return abs(high.value - low.value) + 4.0 / 27.0 * interval.width * (abs(low.slope) + abs(high.slope))
-
-
 def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, ...] | None:
     """Bisect to a kink or a jump; return the parts on either side, or None if the map is only steep or curved."""
     low, high = interval.low, interval.high
@@ -282,33 +261,21 @@ def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, 
         is_jump = gap > 10.0 * sampler.tolerance
         if not is_jump and abs(high.slope - low.slope) * (high.theta - low.theta) < _LOCATED * sampler.tolerance:
             break
-        middle = sampler.node(0.5 * (low.theta + high.theta))
-        side = _side(low, middle, high, gap if is_jump else 0.0)
-        if side == 0:
+        (middle,) = sampler.nodes([0.5 * (low.theta + high.theta)])
+        # It belongs to a side by value where the sides are apart, by slope where they only meet at an angle.
+        if is_jump:
+            off = [abs(middle.value - side.along_tangent(middle.theta)) for side in (low, high)]
+        else:
+            gap, off = abs(high.slope - low.slope), [abs(middle.slope - side.slope) for side in (low, high)]
+        if min(off) > _SIDE_SHARE * gap:
             return None
-        low, high = (middle, high) if side < 0 else (low, middle)
+        low, high = (middle, high) if off[0] < off[1] else (low, middle)
     place = 0.5 * (low.theta + high.theta)
     left, right = low.along_tangent(place), high.along_tangent(place)
     if abs(right - left) <= sampler.tolerance:
         left = right = 0.5 * (left + right)
     before, after = Node(place, left, low.slope), Node(place, right, high.slope)
     return _Interval(after, interval.high, math.inf), _Interval(interval.low, before, math.inf)
-
-
-def _side(low: Node, middle: Node, high: Node, gap: float) -> int:
-    """Tell whether a node belongs to the low (-1) or the high (+1) side of a break, or to neither (0).
-
-    By value where the sides are apart by `gap`, by slope where they only meet at an angle.
-    """
-    if gap > 0.0:
-        from_low = abs(middle.value - low.along_tangent(middle.theta))
-        from_high = abs(middle.value - high.along_tangent(middle.theta))
-    else:
-        gap = abs(high.slope - low.slope)
-        from_low, from_high = abs(middle.slope - low.slope), abs(middle.slope - high.slope)
-    if min(from_low, from_high) > _SIDE_SHARE * gap:
-        return 0
-    return -1 if from_low < from_high else 1
 
 
 def _check(sampler: _Sampler) -> None:
@@ -319,22 +286,10 @@ def _check(sampler: _Sampler) -> None:
     wide = [interval for interval in chosen.values() if interval.width > 2.0 * _NARROWEST]
     places = [interval.low.theta + _OFF_NODES[len(interval.inner)] * interval.width for interval in wide]
     for interval, found in zip(wide, sampler.nodes(places), strict=True):
-        error = abs(interval.polynomial.at(found.theta)[0] - found.value) + (
-            _FILLED * sampler.tolerance if interval.inner else 0.0
-        )
+        filled = _FILLED * sampler.tolerance if interval.inner else 0.0
+        error = abs(interval.polynomial.at(found.theta)[0] - found.value) + filled
         sampler.finished = [other for other in sampler.finished if other is not interval]
         if error <= sampler.tolerance:
             sampler.finish(replace(interval, error=max(error, interval.error)))
         else:
             _resolve(sampler, [_Interval(interval.low, interval.high, math.inf)])
-
-
-def _assemble(intervals: list[_Interval], max_error: float, filled: float) -> CircleMap:
-    """Join the intervals; where neighbours do not share a node, a repeated place marks a break."""
-    nodes: list[Node] = []
-    for interval in intervals:
-        if not nodes or nodes[-1] != interval.low:
-            nodes.append(interval.low)
-        nodes.extend(list(interval.polynomial.refined(filled))[1:] if interval.inner else (interval.high,))
-    theta, lifted, slopes = np.array([(node.theta, node.value, node.slope) for node in nodes]).T
-    return CircleMap.from_samples(theta, lifted, slopes, degree=1, max_error=max_error)

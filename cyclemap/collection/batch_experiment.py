@@ -11,7 +11,7 @@ from cyclemap.arrays import Array, shorter_way
 from cyclemap.checks import finite_array, positive_number, whole_number
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.dynamic_loop import DynamicLoop, isotropic_twin
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 
 # Ma & Rodriguez (2018): 600 cycles in 6 batches.
@@ -36,11 +36,6 @@ class BatchRun:
 
     theta: Array
     path: Array
-
-    @property
-    def final(self) -> Array:
-        """Last orientation of each batch, rad, in [0, 2 pi)."""
-        return np.mod(self.theta[:, -1], 2.0 * np.pi)
 
     @property
     def last_step(self) -> Array:
@@ -70,17 +65,13 @@ class BatchRun:
         near = positive_number("within", within)
         if self.last_step.max() > 0.1 * near or self.left.max() > 0.25 * near:
             return ()
-        return self._grouped(near)
-
-    def _grouped(self, within: float) -> tuple[float, ...]:
-        found: list[Array] = []
-        for end in np.sort(self.final):
-            near = [k for k, group in enumerate(found) if abs(shorter_way(end - group[0])) <= within]
-            if near:
-                found[near[0]] = np.append(found[near[0]], end)
-            else:
-                found.append(np.array([end]))
-        return tuple(sorted(float(np.angle(np.exp(1j * group).mean()) % (2.0 * np.pi)) for group in found))
+        groups: list[list[float]] = []
+        for end in np.sort(np.mod(self.theta[:, -1], 2.0 * np.pi)).tolist():
+            own = next((group for group in groups if abs(shorter_way(end - group[0])) <= near), None)
+            if own is None:
+                groups.append(own := [])
+            own.append(end)
+        return tuple(sorted(float(np.angle(np.exp(1j * np.array(one)).mean()) % (2.0 * np.pi)) for one in groups))
 
     def settled_after(self) -> Array:
         """Return the number of cycles (batches,) after which each batch stays within WITHIN (rad) of where it ends.
@@ -136,7 +127,8 @@ def batch_experiment(
     A `DynamicLoop` runs the paper's experiment (Ma & Rodriguez 2018, "Simulation"); a `CollectionLoop` the same with
     quasi-static cycles on its own footprint. `progress` is called with the fraction done.
     """
-    _checked(loop)
+    if not isinstance(loop, DynamicLoop):
+        require_loop(loop)
     count, report = whole_number("batches", batches, least=1), progress or (lambda fraction: None)
     starts = 2.0 * np.pi * np.arange(count) / count
     anisotropic = run_batches(loop, starts, cycles, lambda done: report(0.5 * done))
@@ -155,36 +147,26 @@ def run_batches(
 ) -> BatchRun:
     """Run a batch of consecutive cycles from each of the orientations `starts` (rad)."""
     now, length = finite_array("starts", starts, ndim=1), whole_number("cycles", cycles, least=1)
-    _checked(loop)
+    if not isinstance(loop, DynamicLoop):
+        require_loop(loop)
     if not now.size:
         raise InvalidInput("starts must hold at least one orientation")
     theta, paths = np.empty((now.size, length + 1)), np.empty((now.size, length, SAMPLES + 1, 2))
     for batch, start in enumerate(now.tolist()):
         theta[batch, 0] = start
         for cycle in range(length):
-            theta[batch, cycle + 1], paths[batch, cycle] = _course(loop, theta[batch, cycle])
+            if isinstance(loop, DynamicLoop):
+                ran = loop.cycle(theta[batch, cycle], SAMPLES)
+                theta[batch, cycle + 1], slider = ran.theta_next, loop.loop.slider
+                # The last sample, at rest, takes the place of that where the rod stops.
+                pose = ran.push.trajectory.pose[np.r_[0:SAMPLES, SAMPLES + 1]]
+                paths[batch, cycle] = placed(pose.T, np.array(slider.centre_of_mass))
+            else:
+                push, drag = loop.strokes(theta[batch, cycle], loop.push.distance / _STEPS)
+                theta[batch, cycle + 1], course = drag.end.theta, push.trajectory
+                centre = placed(course.pose.T, np.array(loop.slider.centre_of_mass))
+                travel = np.linspace(0.0, loop.push.distance, SAMPLES + 1)
+                paths[batch, cycle] = np.stack([np.interp(travel, course.path, values) for values in centre.T], axis=-1)
             if progress is not None:
                 progress((batch * length + cycle + 1) / theta[:, 1:].size)
     return BatchRun(theta, paths)
-
-
-def _checked(loop: object) -> None:
-    if not isinstance(loop, (DynamicLoop, CollectionLoop)):
-        told = repr(loop) if isinstance(loop, str) else f"a {type(loop).__name__}"
-        raise InvalidInput(
-            f"loop must be a DynamicLoop or a CollectionLoop, such as CollectionLoop.mit('plywood'), not {told}"
-        )
-
-
-def _course(loop: DynamicLoop | CollectionLoop, theta: float) -> tuple[float, Array]:
-    """Orientation after a cycle, and places (samples + 1, 2) of the centre of mass during its push."""
-    if isinstance(loop, DynamicLoop):
-        cycle = loop.cycle(theta, SAMPLES)
-        # The last sample, at rest, takes the place of that where the rod stops.
-        pose = cycle.push.trajectory.pose[np.r_[0:SAMPLES, SAMPLES + 1]]
-        return cycle.theta_next, placed(pose.T, np.array(loop.loop.slider.centre_of_mass))
-    push, drag = loop.strokes(theta, loop.push.distance / _STEPS)
-    course = push.trajectory
-    centre = placed(course.pose.T, np.array(loop.slider.centre_of_mass))
-    travel = np.linspace(0.0, loop.push.distance, SAMPLES + 1)
-    return drag.end.theta, np.column_stack([np.interp(travel, course.path, values) for values in centre.T])

@@ -7,7 +7,7 @@ as in a material file. What else is in it ([strategy], [predicted], [simulation]
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from decimal import Decimal
 from pathlib import Path
 
@@ -43,28 +43,19 @@ def read_settings(path: str | Path) -> Settings:
     check_checksum(path, text)
     settings: Settings = {}
     # Decimals, so that no number is rounded before its unit is known.
-    for table, key, value in _entries(read_toml(path, Decimal)):
-        with located(key_place(path, text, table, key), DataFileError):
-            if key in settings:
-                raise InvalidInput(f"{key} is given twice; keep one")
-            if isinstance(value, bool) or not isinstance(value, (int, Decimal, str, list)):
-                raise InvalidInput(f"{key} is {_plain(value)!r}; it must be a number, text or list of points")
-            settings[key] = plain_numbers(value)
-            setting_named(key).checked(settings[key])
+    for name, found in read_toml(path, Decimal).items():
+        if name in _PASSED_OVER or _is_surface(name, found):
+            continue
+        table, entries = (name, found) if isinstance(found, dict) else ("", {name: found})
+        for key, value in entries.items():
+            with located(key_place(path, text, table, key), DataFileError):
+                if key in settings:
+                    raise InvalidInput(f"{key} is given twice; keep one")
+                settings[key] = plain_numbers(value)
+                if isinstance(value, bool) or not isinstance(value, (int, Decimal, str, list)):
+                    raise InvalidInput(f"{key} is {settings[key]!r}; it must be a number, text or list of points")
+                setting_named(key).checked(settings[key])
     return settings
-
-
-def _entries(tables: Mapping[str, object]) -> Iterator[tuple[str, str, object]]:
-    """(table, key, value) of every setting; the table is "" of those that stand before the first."""
-    for name, table in tables.items():
-        if name not in _PASSED_OVER and not _is_surface(name, table):
-            inner = table if isinstance(table, dict) else {name: table}
-            yield from ((name if inner is table else "", *entry) for entry in inner.items())
-
-
-def _plain(value: object) -> object:
-    """A value of a file as people wrote it."""
-    return {key: _plain(part) for key, part in value.items()} if isinstance(value, dict) else plain_numbers(value)
 
 
 def _is_surface(name: str, table: object) -> bool:
@@ -88,10 +79,7 @@ def read_collection(path: str | Path, surface: str | Path | None = None) -> Coll
 
 
 def data_settings(data: str | Path) -> Settings:
-    """Return what the folder of data, or one above it, says of object, push and reset; empty where none does.
-
-    The surface is not among them: it is what data are to tell.
-    """
+    """Return what the folder of data, or one above it, says of object, push and reset; not the surface."""
     place = Path(data)
     for folder in [place, *place.absolute().parents[:_FOLDERS_UP]]:
         if (folder / FILE_NAME).is_file():
@@ -120,13 +108,6 @@ def collection_text(
 
     noise : of a cycle, a `WrappedNormal` or its standard deviation in rad. more : further tables. comments : lines
     before all else. notes : what is said of a setting, by its key. Raises InvalidInput for a loop no setting can say.
-
-    >>> import tempfile
-    >>> loop = CollectionLoop.from_settings({"semi_x_mm": 40, "semi_y_mm": 50, "object_name": "puck"})
-    >>> with tempfile.TemporaryDirectory() as place:
-    ...     _ = Path(place, "puck.toml").write_text(collection_text(loop))
-    ...     read_collection(f"{place}/puck.toml").slider == loop.slider
-    True
     """
     head = "".join(f"# {line}".rstrip() + "\n" for line in comments)
     tables = {**collection_tables(loop, noise), **(more or {})}

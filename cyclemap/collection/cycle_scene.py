@@ -83,11 +83,7 @@ def _stroke(loop: CollectionLoop, trajectory: Trajectory) -> StrokeScene:
 
 
 def placed(pose: Array, points: Array) -> Array:
-    """`points` (..., 2) of the object's frame, in the world, for the pose (x, y, θ).
-
-    >>> placed(np.array([1.0, 2.0, np.pi / 2]), np.array([1.0, 0.0])).round(12)
-    array([1., 3.])
-    """
+    """`points` (..., 2) of the object's frame, in the world, for the pose (x, y, θ)."""
     cosine, sine = np.cos(pose[2]), np.sin(pose[2])
     x, y = points[..., 0], points[..., 1]
     return np.stack([pose[0] + cosine * x - sine * y, pose[1] + sine * x + cosine * y], axis=-1)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
-from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material
 
@@ -37,11 +37,8 @@ class Anisotropy:
     ellipticity : log(mu_a / mu_b) / 2, here never negative; (mu_a - mu_b)/(mu_a + mu_b) is its hyperbolic tangent.
     ellipse_direction : rad in [0, π), of the axis along which friction is greater.
 
-    Other means of mu_a and mu_b in the offset, and (mu_a - mu_b)/(mu_a + mu_b) as the ellipticity, differ from these
-    by terms of third order in the anisotropy. These are additive under exchange and scaling of the axes.
-
-    It may be larger than any surface's, for the first-order law is linear in it and scales may be sought along a ray:
-    `require_surface` tells. Raises InvalidInput for a value that is not finite, or a negative offset or ellipticity.
+    It may be larger than any surface's, since scales are sought along a ray: `require_surface` tells. Raises
+    InvalidInput for a value that is not finite, or a negative offset or ellipticity.
 
     >>> seen = Anisotropy.of(EllipseFriction(0.2, 0.3, m0=0.05, phi=0.5))
     >>> round(seen.offset, 4), seen.offset_direction, round(seen.ellipticity, 4), round(seen.ellipse_direction, 4)
@@ -78,20 +75,14 @@ class Anisotropy:
         return cls(math.hypot(u_x, u_y), math.atan2(u_y, u_x), math.hypot(v_x, v_y), angle % math.pi)
 
     def friction(self, mean: float = 0.25) -> EllipseFriction:
-        """Return the friction ellipse of this anisotropy whose mean radius sqrt(mu_a mu_b) is `mean`.
-
-        Raises InvalidInput where there is none: see `require_surface`.
-        """
+        """Return the friction ellipse of mean radius sqrt(mu_a mu_b) = `mean`; InvalidInput as `require_surface`."""
         self.require_surface()
         centre = mean * cmath.rect(self.offset, self.offset_direction - self.ellipse_direction)
         stretch = math.exp(self.ellipticity)
         return EllipseFriction(mean * stretch, mean / stretch, centre.real, centre.imag, self.ellipse_direction)
 
     def require_surface(self) -> None:
-        """Raise InvalidInput where no surface has this anisotropy.
-
-        A friction ellipse contains zero, so the offset ends inside it; the ellipticity is at most 5.
-        """
+        """Raise InvalidInput where the offset ends outside the friction ellipse, or the ellipticity is above 5."""
         if self.ellipticity > MOST_ELLIPTICITY:
             raise InvalidInput(
                 f"ellipticity {self.ellipticity:g} is more than any surface has: it is log(mu_a/mu_b)/2, "
@@ -112,9 +103,8 @@ class Anisotropy:
     def seen_from(self, theta: ArrayLike) -> Array:
         """Return the anisotropy in the axes of an object at orientations (...), rad: (..., 4).
 
-        The numbers are offset (cos, sin)(offset_direction - θ), ellipticity (cos, sin)(2 (ellipse_direction - θ)): all
-        that the turn of a cycle depends on, because turning surface and object together turns the motion alone. Raises
-        InvalidInput for an orientation that is not finite.
+        offset (cos, sin)(offset_direction - θ), ellipticity (cos, sin)(2 (ellipse_direction - θ)): all that the turn of
+        a cycle depends on. Raises InvalidInput for an orientation that is not finite.
         """
         angle = finite_array("theta", theta)
         first, second = self.offset_direction - angle, 2.0 * (self.ellipse_direction - angle)
@@ -189,13 +179,12 @@ class Fingerprint:
     """How the cycle of a protocol answers a surface that is nearly isotropic.
 
     f(θ) = θ + Ω + offset·A₁ cos(θ - ψ - δ₁) + ellipticity·A₂ cos(2(θ - φ) - δ₂), with an error of second order, offset
-    along ψ, greater friction along φ (`Anisotropy`). The five numbers Ω, A₁, δ₁, A₂, δ₂ belong to the protocol: object,
-    rod, ring and push. The ten of `cycle.hessian` give the second order.
+    along ψ, greater friction along φ (`Anisotropy`). Ω, A₁, δ₁, A₂, δ₂ belong to the protocol: object, rod, ring, push.
 
     push, drag : the two parts, both over the orientation before the push. hessian_error : largest asymmetry of the
-    cycle's hessian before it was made symmetric, in rad: what the differences that gave it are good for. remainder :
-    1/rad, what the second order leaves of the turn of usual surfaces, root mean square, over (offset·A₁ +
-    ellipticity·A₂)². It does not vanish with the anisotropy: where contact phases come and go, second derivatives jump.
+    cycle's hessian as found, rad: what the differences that gave it are good for. remainder : 1/rad, what the second
+    order leaves of the turn of usual surfaces, root mean square, over (offset·A₁ + ellipticity·A₂)²; it does not vanish
+    with the anisotropy, since second derivatives jump where contact phases come and go.
     """
 
     push: TurnResponse
@@ -250,22 +239,15 @@ class Fingerprint:
 def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None = None) -> Fingerprint:
     """Return the fingerprint of a loop's protocol; its material's friction plays no part.
 
-    By equivariance one orientation is enough. The gradient comes from the sensitivities of two isotropic cycles,
-    the hessian from central differences of those of twelve nearly isotropic ones, the remainder from sixteen cycles on
-    usual surfaces: half a second in all. `progress` is called with the fraction done.
-
-    Raises InvalidInput where `loop` is no CollectionLoop, or the way back has way-points: they are fixed in the
-    world, so that a cycle depends on the object's orientation without any anisotropy and five numbers cannot tell it.
+    The gradient comes from the sensitivities of two isotropic cycles, the hessian from central differences of twelve
+    nearly isotropic ones, the remainder from sixteen cycles on usual surfaces. `progress` gets the fraction done.
+    Raises InvalidInput where `loop` is no CollectionLoop, or the way back has way-points, fixed in the world.
 
     >>> found = fingerprint(CollectionLoop.mit())
     >>> round(math.degrees(found.turn), 3), round(found.offset_amplitude, 3), round(found.ellipse_amplitude, 3)
     (8.002, 2.047, 1.769)
     """
-    if not isinstance(loop, CollectionLoop):
-        raise InvalidInput(
-            f"loop must be a CollectionLoop, such as CollectionLoop.mit(material='plywood'), not {loop!r}"
-        )
-    if loop.reset.way_points:
+    if require_loop(loop).reset.way_points:
         raise InvalidInput(
             f"way-points of the reset, {loop.reset.way_points}, are fixed in the world: a cycle then depends on the "
             "orientation on any surface and has no fingerprint; leave way_points_mm out"

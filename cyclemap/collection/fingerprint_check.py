@@ -67,36 +67,29 @@ def check_prediction(
     >>> round(math.degrees(stable.miss), 1), stable.within_error
     (3.8, True)
     """
-    _refuse_other_surface(prediction, loop)
-    full = loop.circle_map(tolerance=tolerance, progress=progress)
-    points = tuple(fixed_points(full))
-    return PredictionCheck(full, points, tuple(_checked(direction, points) for direction in prediction.directions))
-
-
-def _refuse_other_surface(prediction: Prediction, loop: CollectionLoop) -> None:
     if not isinstance(prediction, Prediction) or not isinstance(loop, CollectionLoop):
         raise InvalidInput(f"a check needs a Prediction and a CollectionLoop, not {prediction!r} and {loop!r}")
     own = Anisotropy.of(loop.material.friction)
     if not np.allclose(own.seen_from(0.0), prediction.anisotropy.seen_from(0.0), rtol=1e-6, atol=1e-9):
-        raise InvalidInput(
-            f"the prediction is of {_surface(prediction.anisotropy)}, but {loop.material.name} has {_surface(own)}: "
-            "predict for this loop's own friction"
+        given, found = (
+            f"offset {seen.offset:.4f} along {math.degrees(seen.offset_direction):.2f}° and ellipticity "
+            f"{seen.ellipticity:.4f} along {math.degrees(seen.ellipse_direction):.2f}°"
+            for seen in (prediction.anisotropy, own)
         )
-
-
-def _surface(seen: Anisotropy) -> str:
-    along = f"{math.degrees(seen.offset_direction):.2f}° and ellipticity {seen.ellipticity:.4f}"
-    return f"offset {seen.offset:.4f} along {along} along {math.degrees(seen.ellipse_direction):.2f}°"
-
-
-def _checked(direction: PredictedDirection, points: tuple[Orbit, ...]) -> CheckedDirection:
-    same = [orbit for orbit in points if orbit.stable == direction.stable]
-    nearest = min(same, key=lambda orbit: _distance(orbit, direction.theta), default=None)
-    return CheckedDirection(direction, nearest, math.inf if nearest is None else _distance(nearest, direction.theta))
-
-
-def _distance(orbit: Orbit, theta: float) -> float:
-    return abs(math.remainder(float(orbit.points[0]) - theta, 2.0 * math.pi))
+        raise InvalidInput(
+            f"the prediction is of {given}, but {loop.material.name} has {found}: predict for this loop's own friction"
+        )
+    full = loop.circle_map(tolerance=tolerance, progress=progress)
+    points, checked = tuple(fixed_points(full)), []
+    for direction in prediction.directions:
+        away = {
+            abs(math.remainder(float(orbit.points[0]) - direction.theta, TWO_PI)): orbit
+            for orbit in points
+            if orbit.stable == direction.stable
+        }
+        miss = min(away, default=math.inf)
+        checked.append(CheckedDirection(direction, away.get(miss), miss))
+    return PredictionCheck(full, points, tuple(checked))
 
 
 def full_lock_in(loop: CollectionLoop, anisotropy: Anisotropy, near: LockIn, tolerance: float = 1e-6) -> LockIn:
@@ -116,10 +109,9 @@ def full_lock_in(loop: CollectionLoop, anisotropy: Anisotropy, near: LockIn, tol
 
     def nearest(scale: float) -> tuple[float, float]:
         surface = with_anisotropy(loop, anisotropy.scaled(scale))
-        ends = near.theta - _REACH, near.theta + _REACH
         found = minimize_scalar(
             lambda theta: sign * (surface.cycle(theta).theta_next - theta - whole),
-            bounds=ends,
+            bounds=(near.theta - _REACH, near.theta + _REACH),
             method="bounded",
             options={"xatol": 3e-4},
         )

@@ -40,11 +40,6 @@ def first_order_lock_in(response: TurnResponse, anisotropy: Anisotropy) -> LockI
     """Return where the first-order map begins to lock in, exactly.
 
     Its turn is Ω + scale·h(θ) with h of mean zero: it first meets a whole number of turns at the least or greatest h.
-    For one harmonic that is |Ω| = scale·offset·A₁, Ω taken between -π and π.
-
-    >>> one = TurnResponse(0.1, [2.0, 0.0, 0.0, 0.0], np.zeros((4, 4)))
-    >>> round(first_order_lock_in(one, Anisotropy(1.0, 0.0, 0.0, 0.0)).scale, 12)
-    0.05
     """
     theta = stationary_angles(response, anisotropy)
     if not theta.size:
@@ -153,12 +148,21 @@ class Prediction:
     @cached_property
     def map(self) -> CircleMap:
         """The first-order map, with two harmonics: θ + Ω + Re(p exp(iθ) + q exp(2iθ))."""
-        return _two_harmonic_map(self.fingerprint.turn, *harmonics(self.fingerprint.cycle, self.anisotropy))
+        turn, (p, q) = self.fingerprint.turn, harmonics(self.fingerprint.cycle, self.anisotropy)
 
-    @cached_property
-    def second_order_map(self) -> CircleMap:
-        """The map to second order."""
-        return CircleMap(lambda theta: theta + self.second_order_turn(theta))
+        def lift(theta: Array) -> Array:
+            z = np.exp(1j * theta)
+            return np.asarray(theta + turn + (z * (p + q * z)).real)
+
+        def derivative(theta: Array) -> Array:
+            z = np.exp(1j * theta)
+            return np.asarray(1.0 - (z * (p + 2.0 * q * z)).imag)
+
+        def one(theta: float) -> float:
+            z = cmath.exp(1j * theta)
+            return theta + turn + (z * (p + q * z)).real
+
+        return CircleMap.with_scalar(lift, derivative, one)
 
     @cached_property
     def ratio(self) -> float:
@@ -180,12 +184,22 @@ class Prediction:
     @cached_property
     def directions(self) -> tuple[PredictedDirection, ...]:
         """The fixed points of the first-order map, by angle; a saddle-node counts once. None on isotropic surfaces."""
-        return tuple(self._direction(orbit) for orbit in fixed_points(self.map)) if self._anisotropic else ()
+        found = []
+        for orbit in fixed_points(self.map) if self._anisotropic else ():
+            theta = float(orbit.points[0])
+            error = max(self._reach(theta, 1.0), self._reach(theta, -1.0))
+            same = [other for other in self.second_order_points if other.stable == orbit.stable]
+            nearest = min(same, key=lambda other: abs(shorter_way(other.points[0] - theta)), default=None)
+            near = nearest is not None and abs(shorter_way(nearest.points[0] - theta)) <= error
+            found.append(PredictedDirection(orbit, error, nearest if near else None))
+        return tuple(found)
 
     @cached_property
     def second_order_points(self) -> tuple[Orbit, ...]:
         """The fixed points of the second-order map, by angle; none on isotropic surfaces."""
-        return tuple(fixed_points(self.second_order_map)) if self._anisotropic else ()
+        if not self._anisotropic:
+            return ()
+        return tuple(fixed_points(CircleMap(lambda theta: theta + self.second_order_turn(theta))))
 
     @property
     def stable_directions(self) -> tuple[PredictedDirection, ...]:
@@ -236,24 +250,13 @@ class Prediction:
         return self.anisotropy.offset > 0.0 or self.anisotropy.ellipticity > 0.0
 
     def _least_turn(self, factor: float, sign: float) -> float:
-        """The turn nearest to locking (rad, negative where it locks) at a factor of the anisotropy, `sign` errors off.
-
-        It is counted from the whole turn at which lock-in begins.
-        """
+        """The turn (rad, negative where it locks) nearest to lock-in at a factor, `sign` errors off."""
         scaled = Prediction(self.fingerprint, self.anisotropy.scaled(factor))
         part = float(self.fingerprint.cycle.first_order(self.anisotropy.seen_from(self.lock_in.theta)))
         side = -math.copysign(1.0, part)
         ahead = (side * self.fingerprint.turn) % TWO_PI
         turn = ahead + side * (scaled.turn(_ANGLES) - self.fingerprint.turn)
         return float(np.min(turn + sign * scaled.turn_error(_ANGLES)))
-
-    def _direction(self, orbit: Orbit) -> PredictedDirection:
-        theta = float(orbit.points[0])
-        error = max(self._reach(theta, 1.0), self._reach(theta, -1.0))
-        same = [other for other in self.second_order_points if other.stable == orbit.stable]
-        nearest = min(same, key=lambda other: abs(shorter_way(other.points[0] - theta)), default=None)
-        near = nearest is not None and abs(shorter_way(nearest.points[0] - theta)) <= error
-        return PredictedDirection(orbit, error, nearest if near else None)
 
     def _reach(self, theta: float, sense: float) -> float:
         """How far from the fixed point `theta`, in one sense, a turn within the error may still be none; π at most."""
@@ -288,19 +291,3 @@ def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Pre
         )
     surface.require_surface()
     return Prediction(found, surface)
-
-
-def _two_harmonic_map(turn: float, p: complex, q: complex) -> CircleMap:
-    def lift(theta: Array) -> Array:
-        z = np.exp(1j * theta)
-        return np.asarray(theta + turn + (z * (p + q * z)).real)
-
-    def derivative(theta: Array) -> Array:
-        z = np.exp(1j * theta)
-        return np.asarray(1.0 - (z * (p + 2.0 * q * z)).imag)
-
-    def one(theta: float) -> float:
-        z = cmath.exp(1j * theta)
-        return theta + turn + (z * (p + q * z)).real
-
-    return CircleMap.with_scalar(lift, derivative, one)

@@ -10,14 +10,7 @@ if TYPE_CHECKING:
 
 
 def with_material(loop: "CollectionLoop", material: Material) -> "CollectionLoop":
-    """Return the loop on a material, with all that is not None in its `found_with` and its plate's pressure.
-
-    >>> from cyclemap.collection.loop import CollectionLoop
-    >>> from cyclemap.mechanics import FoundWith
-    >>> slate = replace(CollectionLoop.mit().material, found_with=FoundWith(pusher_friction=0.2))
-    >>> with_material(CollectionLoop.mit(), slate).pusher.friction
-    0.2
-    """
+    """Return the loop on a material, with all that is not None in its `found_with` and its plate's pressure."""
     found = material.found_with
     loop = replace(loop, material=material)
     if found.pusher_friction is not None:

@@ -199,11 +199,10 @@ class CollectionLoop:
     def sensitivity(self, theta: float, parameters: tuple[str, ...] = PARAMETERS) -> CycleSensitivity:
         """Run one cycle and differentiate it by theta and by every parameter of material, pusher and protocol.
 
-        The derivatives solve the cycle's variational equation, by CasADi tangents at three places of each of its steps.
-        At accuracy 1e-8 those by theta are off by 3e-7 in the median and by 1e-5 at worst, at 1e-10 by 2e-8 and 6e-7
-        (MIT's loop on plywood, delrin and pu, 1,200 cycles). By the radius of a point rod that comes to a corner, and
-        by shares of the pressure that a footprint cannot have, they are nan; by the friction of a ring that has none
-        one-sided. Raises InvalidInput for an unknown name.
+        At accuracy 1e-8 derivatives by theta are off by 3e-7 in the median and by 1e-5 at worst, at 1e-10 by 2e-8 and
+        6e-7 (MIT's loop on plywood, delrin and pu, 1,200 cycles). By the radius of a point rod that comes to a corner,
+        and by shares that a footprint cannot have, they are nan; by the friction of a ring that has none one-sided.
+        Raises InvalidInput for an unknown name.
         """
         for name in parameters:
             if name not in PARAMETERS:
@@ -235,16 +234,11 @@ class CollectionLoop:
 def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
     """Run one push and reset of each of k loops from each of n orientations: `Cycles` with the axes (k, n).
 
-    Parameters
-    ----------
-    loops : any mixture of materials, protocols, objects and accuracies.
-    theta : (n,), rad, orientations that all loops start from, or (k, n), those of each.
+    loops : any mixture. theta : (n,), rad, orientations that all loops start from, or (k, n), those of each.
 
-    All of it is one call of the engine, on as many threads as CYCLEMAP_THREADS tells, else one a core; the results do
-    not depend on how many, nor on what else is in the call: they are the numbers of `CollectionLoop.cycle` to the bit.
-
-    Raises what `CollectionLoop.cycle` raises where a cycle is refused, telling which loop and orientation; InvalidInput
-    for loops that are none, or thetas in another shape.
+    One call of the engine, on as many threads as CYCLEMAP_THREADS tells, else one a core; the results are the numbers
+    of `CollectionLoop.cycle` to the bit. Raises what that raises where a cycle is refused, telling which loop and
+    orientation; InvalidInput for loops that are none, or thetas in another shape.
 
     >>> loops = [CollectionLoop.mit(material) for material in ("plywood", "delrin")]
     >>> np.degrees(run_cycles(loops, [0.0, 1.0, 2.0]).push_turn).round(2)
@@ -261,3 +255,11 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
         )
     values = np.broadcast_to(values, (len(loops), values.shape[-1])).copy()
     return Cycles.of_batch(values, run_batch(loops, values))
+
+
+def require_loop(loop: object) -> CollectionLoop:
+    """Return the loop that it is; InvalidInput for anything else."""
+    if not isinstance(loop, CollectionLoop):
+        told = repr(loop) if isinstance(loop, (str, int, float, type(None))) else f"a {type(loop).__name__}"
+        raise InvalidInput(f"loop must be a CollectionLoop, such as CollectionLoop.mit('plywood'), not {told}")
+    return loop

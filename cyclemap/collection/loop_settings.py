@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from decimal import Decimal
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
 
@@ -34,23 +34,17 @@ _READ_OFF = [
 def loop_tables(loop: CollectionLoop) -> dict[str, Table]:
     """Return the settings that make of `CollectionLoop.mit(loop.material)` this loop, in tables by their part.
 
-    Object, push and rod are always told, and of an object that is not MIT's its mass, its ring and the rod's friction,
-    too. What a material brings along (friction of rod and ring, the ring's lever, the pressure) is else told only where
-    the loop has it otherwise, so that another material brings its own. Not told: the friction of the surface, the
-    accuracy, and the moment of inertia of an outline that is not MIT's.
-
-    Raises InvalidInput for what no setting can say: support points that are neither corners nor a grid.
-
-    >>> tables = loop_tables(CollectionLoop.mit())
-    >>> tables["push"]["side"], str(tables["push"]["push_mm"]), sorted(tables)
-    (0, '150.0', ['object', 'push'])
+    Object, push and rod are always told, and of an object that is not MIT's its mass, its ring and the rod's friction.
+    What a material brings along is else told only where the loop has it otherwise, so that another material brings its
+    own. Not told: the friction of the surface, the accuracy, and the inertia of an outline that is not MIT's. Raises
+    InvalidInput for what no setting can say: support points that are neither corners nor a grid.
     """
     base = CollectionLoop.mit(loop.material)
     shape = _shape(loop.slider)
     own = "shape" not in shape
     # An own object's ring is told in any case: MIT's would lie beside it.
     ring = {key: _written(SETTINGS[key], loop) for key in ("hitch_x_mm", "hitch_y_mm")} if own else {}
-    start = CollectionLoop.from_settings(_plain({**shape, **ring}), base)
+    start = CollectionLoop.from_settings(plain_numbers({**shape, **ring}), base)
     told = {**shape, **_footprint(loop, start)}
     for setting in _READ_OFF:
         always = setting.told == ALWAYS or (own and setting.told == OWN)
@@ -62,17 +56,23 @@ def loop_tables(loop: CollectionLoop) -> dict[str, Table]:
         name: {key: told[key] for key, setting in SETTINGS.items() if key in told and setting.group in groups}
         for name, groups in _TABLES.items()
     }
-    _refuse_what_is_lost(loop, CollectionLoop.from_settings(_plain(told), base))
+    found = CollectionLoop.from_settings(plain_numbers(told), base)
+    lost = [] if _same(loop.slider.outline_points(8), found.slider.outline_points(8)) else ["outline"]
+    lost += [setting.key for setting in _READ_OFF if not _same(setting.of(loop), setting.of(found))]
+    # A footprint that is left to the centre of mass is compared as what it comes to.
+    pressures = [
+        one.footprint or PatchFootprint(one.slider.outline, centre=one.slider.centre_of_mass) for one in (loop, found)
+    ]
+    lost += [] if _same_footprint(*pressures) else ["footprint"]
+    if lost:
+        raise InvalidInput(f"no setting of a protocol file can say the loop's {', '.join(lost)}: leave that as it was")
     return {name: table for name, table in tables.items() if table}
 
 
-def _plain(settings: Table) -> Table:
-    """The settings as a file gives them to a loop: doubles for decimals."""
-    return {key: plain_numbers(value) for key, value in settings.items()}
-
-
-def plain_numbers(value: object) -> object:
-    """Return a value of a file with doubles in place of decimals."""
+def plain_numbers(value: Any) -> Any:
+    """Return a value of a file with doubles in place of decimals, in lists and tables too."""
+    if isinstance(value, dict):
+        return {key: plain_numbers(part) for key, part in value.items()}
     if isinstance(value, list):
         return [plain_numbers(part) for part in value]
     return float(value) if isinstance(value, Decimal) else value
@@ -111,14 +111,10 @@ def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Table:
         return {"footprint": "exact"}
     if isinstance(found, PatchFootprint):
         return {"footprint": "exact", **{name: getattr(found, name) for name in SHARES}}
-    return {"footprint": _support_name(found, loop.slider)}
-
-
-def _support_name(found: PointFootprint, slider: Slider) -> str:
-    names = ["corners"] if isinstance(slider.outline, Polygon) else []
+    names = ["corners"] if isinstance(loop.slider.outline, Polygon) else []
     for name in (*names, *(f"grid:{count}" for count in range(2, _LARGEST_GRID + 1))):
-        if _same_footprint(found, parse_footprint(name, slider.outline)):
-            return name
+        if _same_footprint(found, parse_footprint(name, loop.slider.outline)):
+            return {"footprint": name}
     raise InvalidInput(
         f"{len(found.positions)} support points are neither corners nor a grid: a protocol names them by their CSV "
         "file; write it without them, and add footprint = FILE.csv by hand"
@@ -137,21 +133,3 @@ def _same_footprint(one: object, other: object) -> bool:
 def _same(one: object, other: object) -> bool:
     a, b = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
     return a.shape == b.shape and bool(np.all(np.abs(a - b) <= _ROUNDING))
-
-
-def _refuse_what_is_lost(loop: CollectionLoop, found: CollectionLoop) -> None:
-    """Raise InvalidInput where the settings, read back, do not give the loop."""
-    lost = [] if _same(_corners(loop.slider), _corners(found.slider)) else ["outline"]
-    lost += [setting.key for setting in _READ_OFF if not _same(setting.of(loop), setting.of(found))]
-    lost += [] if _same_footprint(_leaning(loop), _leaning(found)) else ["footprint"]
-    if lost:
-        raise InvalidInput(f"no setting of a protocol file can say the loop's {', '.join(lost)}: leave that as it was")
-
-
-def _leaning(loop: CollectionLoop) -> object:
-    """The footprint; one that is left to the centre of mass as what it comes to."""
-    return loop.footprint or PatchFootprint(loop.slider.outline, centre=loop.slider.centre_of_mass)
-
-
-def _corners(slider: Slider) -> object:
-    return replace(slider, hitch=(0.0, 0.0)).outline_points(8)

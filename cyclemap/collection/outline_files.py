@@ -83,22 +83,18 @@ def read_outline(
             raise InvalidInput(
                 f"{path}: an outline is read from {listed}, not from {kind or 'a file without an ending'}"
             )
-    return _finished(path, line, _unit(line, unit, own), tolerance)
+    if unit is not None:
+        metres, known = UNITS[unit], f"as told, in {unit}"
+    elif own is not None:
+        metres, known = own, "in the file's own unit"
+    else:
+        guess = "m" if float(np.ptp(line, axis=0).max()) < _METRES_BELOW else "mm"
+        metres, known = UNITS[guess], f"in {guess}, guessed by its size: give --unit where that is wrong"
+    return _finished(path, metres * line, known, tolerance)
 
 
-def _unit(line: Array, named: str | None, own: float | None) -> tuple[float, str]:
-    """Metres of one unit of a file, and how that is known."""
-    if named is not None:
-        return UNITS[named], f"as told, in {named}"
-    size = float(np.ptp(line, axis=0).max())
-    if own is not None:
-        return own, "in the file's own unit"
-    guess = "m" if size < _METRES_BELOW else "mm"
-    return UNITS[guess], f"in {guess}, guessed by its size: give --unit where that is wrong"
-
-
-def _finished(path: Path, line: Array, unit: tuple[float, str], tolerance: float) -> OutlineFile:
-    points = unit[0] * line
+def _finished(path: Path, points: Array, known: str, tolerance: float) -> OutlineFile:
+    """The outline of a closed line, m, about its centroid; `known`: what is said of its unit."""
     points = points[:-1] if np.allclose(points[0], points[-1], atol=1e-9) else points
     drawn = len(points)
     if path.suffix.lower() != ".csv":
@@ -118,7 +114,7 @@ def _finished(path: Path, line: Array, unit: tuple[float, str], tolerance: float
     outline = Polygon(tuple(map(tuple, points.round(9).tolist())))
     width, height = 1e3 * np.ptp(points, axis=0)
     told = (
-        f"{path.name}: {width:.4g} x {height:.4g} mm, {unit[1]}; {outline.sides} sides of {drawn} points, simplified "
+        f"{path.name}: {width:.4g} x {height:.4g} mm, {known}; {outline.sides} sides of {drawn} points, simplified "
         f"within {1e3 * tolerance:g} mm; the frame's origin is its centroid"
     )
     return OutlineFile(outline, (told,))
@@ -168,18 +164,15 @@ def _svg_outline(path: Path) -> tuple[Array, float]:
                 ends += [segment.point(step / pieces) for step in range(1, pieces + 1)]
             if len(ends) > 3 and abs(ends[-1] - ends[0]) <= 1e-3 * max(abs(end - ends[0]) for end in ends):
                 lines.append(np.array([[end.real, -end.imag] for end in ends]))
-    return _largest(path, lines), _svg_unit(root)
-
-
-def _svg_unit(root: ElementTree.Element) -> float:
-    """Metres of one unit of the drawing: its width in the world over its width in the drawing's own units."""
+    # One unit of the drawing, m: its width in the world over its width in the drawing's own units.
     width, box = (root.get("width") or "").strip(), (root.get("viewBox") or "").replace(",", " ").split()
     digits = width.rstrip("abcdefghijklmnopqrstuvwxyz%")
     try:
         name, across = width[len(digits) :], plain_number(digits)
-        return _SVG_UNITS[name] * (across / plain_number(box[2]) if len(box) == 4 else 1.0)
+        unit = _SVG_UNITS[name] * (across / plain_number(box[2]) if len(box) == 4 else 1.0)
     except (ValueError, KeyError):
-        return _SVG_UNITS["px"]
+        unit = _SVG_UNITS["px"]
+    return _largest(path, lines), unit
 
 
 def _dxf_outline(path: Path) -> tuple[Array, float | None]:
@@ -199,18 +192,14 @@ def _dxf_outline(path: Path) -> tuple[Array, float | None]:
         finest = 1e-4 * max(float(np.ptp(ends, axis=0).max()), 1e-9)
         pieces.append(np.array([[point.x, point.y] for point in made.flattening(finest)]))
     unit = _DXF_UNITS.get(drawing.header.get("$INSUNITS", 0))
-    return _largest(path, _closed(pieces)), None if unit is None else UNITS[unit]
-
-
-def _closed(pieces: Sequence[Array]) -> list[Array]:
-    """The closed lines, and those that open ones make where their ends meet."""
-    shapely = _library("shapely")
     pieces = [piece for piece in pieces if len(piece) > 1]
     closed = [piece for piece in pieces if len(piece) > 3 and math.dist(piece[0], piece[-1]) <= 1e-6 * np.ptp(piece)]
+    # Open lines make closed ones where their ends meet.
+    shapely = _library("shapely")
     rest = [shapely.LineString(piece.round(6)) for piece in pieces if not any(piece is one for one in closed)]
     if rest:
         closed += [np.array(found.exterior.coords) for found in shapely.polygonize(rest).geoms]
-    return closed
+    return _largest(path, closed), None if unit is None else UNITS[unit]
 
 
 def _loaded_mesh(path: Path) -> Array:
@@ -254,7 +243,15 @@ def _urdf_mesh(path: Path) -> Array:
     link = next(iter(links.values()))
     parts = link.findall("collision") or link.findall("visual")
     try:
-        return np.concatenate([_placed(_geometry(part.find("geometry"), path), part.find("origin")) for part in parts])
+        placed = []
+        for part in parts:
+            triangles, origin = _geometry(part.find("geometry"), path), part.find("origin")
+            if origin is not None:
+                angles = _numbers(origin.get("rpy") or "0 0 0")
+                turn = _library("trimesh").transformations.euler_matrix(*angles, "sxyz")[:3, :3]
+                triangles = triangles @ turn.T + np.array(_numbers(origin.get("xyz") or "0 0 0"))
+            placed.append(triangles)
+        return np.concatenate(placed)
     except CycleMapError:
         raise
     except Exception as error:  # what is missing, or is no number, in an element's text
@@ -276,14 +273,6 @@ def _geometry(geometry: Any, path: Path) -> Array:
             raise DataFileError(f"{path}: its mesh {name} is not there: put it beside the URDF")
         return np.asarray(_loaded_mesh(file) * np.array(_numbers(shape.get("scale") or "1 1 1")))
     raise DataFileError(f"{path}: a {shape.tag} has no flat underside: give a box, cylinder or mesh")
-
-
-def _placed(triangles: Array, origin: Any) -> Array:
-    if origin is None:
-        return triangles
-    trimesh = _library("trimesh")
-    turn = trimesh.transformations.euler_matrix(*_numbers(origin.get("rpy") or "0 0 0"), "sxyz")[:3, :3]
-    return np.asarray(triangles @ turn.T + np.array(_numbers(origin.get("xyz") or "0 0 0")))
 
 
 def _numbers(text: str | None) -> list[float]:

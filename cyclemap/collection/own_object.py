@@ -27,7 +27,7 @@ _RULED_MM = 5.0
 # Objects that a rod on a robot's arm pushes about are within these sizes (m); a hand moves none that is heavier (kg).
 _SMALLEST, _LARGEST, _HEAVIEST = 0.01, 1.0, 50.0
 _MOST_RATIO = 2.0
-_ORIENTATIONS = 24
+_AROUND = (np.arange(24) * 2.0 * math.pi / 24).tolist()
 # A ring nearer to the centre than this share of the object's reach hardly turns it; a push shorter than this neither.
 _SHORT_LEVER, _SHORT_PUSH = 0.03, 0.1
 
@@ -38,10 +38,6 @@ def first_settings(outline: Outline, name: str) -> Settings:
     The pushed side is the longest that a straight wall could touch, the ring on the way from the centroid to the corner
     that ends it; a disc, which no straight push turns, is pushed at a slant. Rod and friction are MIT's rod and no
     surface at all: they want to be measured.
-
-    >>> found = first_settings(Polygon([(0.06, 0.03), (-0.06, 0.03), (-0.06, -0.03), (0.06, -0.03)]), "box")
-    >>> found["side"], found["push_mm"], found["hitch_x_mm"]
-    (0, 140.0, -12.65)
     """
     size, centre = math.sqrt(outline.area), np.array(outline.centroid)
     if isinstance(outline, Ellipse):
@@ -73,16 +69,12 @@ def first_settings(outline: Outline, name: str) -> Settings:
 def within_reach(loop: CollectionLoop) -> CollectionLoop:
     """Return the loop with its push no longer than its rod stays on the object, from 24 orientations, less a tenth."""
     coarse = replace(loop, accuracy=1e-6)
-    travel = min(coarse.cycle(theta).push.travel for theta in _around())
+    travel = min(coarse.cycle(theta).push.travel for theta in _AROUND)
     if travel >= loop.push.distance * (1.0 - 1e-9):
         return loop
     shorter = 0.9 * MM * travel
     ruled = _RULED_MM * math.floor(shorter / _RULED_MM) or shorter
     return replace(loop, push=replace(loop.push, distance=ruled / MM))
-
-
-def _around() -> list[float]:
-    return [2.0 * math.pi * number / _ORIENTATIONS for number in range(_ORIENTATIONS)]
 
 
 def _longest_outer_side(outline: Polygon) -> int:
@@ -102,10 +94,6 @@ def first_contact(slider: Slider, push: SidePush, radius: float) -> tuple[NDArra
     """Return the centre of the rod as it first touches (2,) m, and the push's unit vector (2,), in the object's frame.
 
     radius : of the rod, m. Raises InvalidInput for a side that is not there.
-
-    >>> place, way = first_contact(Slider.mit("rect1"), SidePush(), 0.00475)
-    >>> (1e3 * place).round(6), way.round(6) + 0.0
-    (array([-18.  ,  49.75]), array([ 0., -1.]))
     """
     outline = slider.outline
     if push.side >= outline.sides:
@@ -146,27 +134,10 @@ def check_collection(path: str | Path) -> CheckedCollection:
     and drag from 24 orientations, whether the rod runs off the object and whether cycles turn it; last, friction.
     Raises DataFileError where the file is no collection at all.
     """
-    settings, _ = without_noise(read_settings(path))
-    told = [Finding(False, words) for words in _unsaid(settings, names_surface(path))]
-    with warnings.catch_warnings(record=True) as doubts:
-        warnings.simplefilter("always", DoubtfulInput)
-        try:
-            material = load_material(path if names_surface(path) else "isotropic")
-            loop = CollectionLoop.from_settings(layered(settings), CollectionLoop.mit(material))
-            first_contact(loop.slider, loop.push, loop.pusher.radius)
-            _ = loop.model
-        except InvalidInput as error:
-            return CheckedCollection(None, (Finding(True, str(error)), *told))
-    told += [Finding(False, words) for words in dict.fromkeys(str(doubt.message) for doubt in doubts)]
-    told += [Finding(False, words) for words in (*_sizes(loop.slider), *_friction(loop))]
-    return CheckedCollection(loop, (*_strokes(loop), *told))
-
-
-def _unsaid(settings: Settings, has_surface: bool) -> list[str]:
-    left = inherited_defaults(settings)
+    (settings, _), has_surface = without_noise(read_settings(path)), names_surface(path)
     told = [
         f"{words} is not said, so it is that of MIT's experiment: give {', '.join(keys)}"
-        for words, keys in left.items()
+        for words, keys in inherited_defaults(settings).items()
     ]
     if not {"vertices_mm", "semi_x_mm", "shape"} & set(settings):
         told.append(
@@ -176,10 +147,22 @@ def _unsaid(settings: Settings, has_surface: bool) -> list[str]:
         told.append(
             "no surface is said: give a table [friction] with mu_a and mu_b, or name a material with each command"
         )
-    return told
+    with warnings.catch_warnings(record=True) as doubts:
+        warnings.simplefilter("always", DoubtfulInput)
+        try:
+            material = load_material(path if has_surface else "isotropic")
+            loop = CollectionLoop.from_settings(layered(settings), CollectionLoop.mit(material))
+            first_contact(loop.slider, loop.push, loop.pusher.radius)
+            _ = loop.model
+        except InvalidInput as error:
+            return CheckedCollection(None, (Finding(True, str(error)), *(Finding(False, words) for words in told)))
+    told += [*dict.fromkeys(str(doubt.message) for doubt in doubts), *_unusual(loop)]
+    return CheckedCollection(loop, (*_strokes(loop), *(Finding(False, words) for words in told)))
 
 
-def _sizes(slider: Slider) -> list[str]:
+def _unusual(loop: CollectionLoop) -> list[str]:
+    """What is odd about the sizes and frictions of a loop."""
+    slider, law = loop.slider, loop.material.friction
     reach, told = slider.outline.extent, []
     size = f"the object reaches {MM * reach:.4g} mm from its centre"
     if reach < _SMALLEST:
@@ -193,11 +176,6 @@ def _sizes(slider: Slider) -> list[str]:
         told.append("the ring is all but at the centre of mass: the drag back will hardly turn the object")
     if slider.mass > _HEAVIEST:
         told.append(f"the mass is {slider.mass:g} kg: was it given in grams?")
-    return told
-
-
-def _friction(loop: CollectionLoop) -> list[str]:
-    law, told = loop.material.friction, []
     low, high = sorted((law.mu_a, law.mu_b))
     if low < SETTINGS["mu_a"].low or high > SETTINGS["mu_a"].high:
         told.append(f"friction of {low:g} to {high:g} is rare between dry solids, 0.1 to 0.8 is usual")
@@ -219,7 +197,7 @@ def _strokes(loop: CollectionLoop) -> list[Finding]:
     """What running the cycle from orientations all around shows."""
     coarse, asked = replace(loop, accuracy=1e-6), loop.push.distance
     shortest, turns = (math.inf, 0.0), []
-    for theta in _around():
+    for theta in _AROUND:
         try:
             cycle = coarse.cycle(theta)
         except CycleMapError as error:

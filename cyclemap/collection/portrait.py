@@ -208,11 +208,13 @@ def noises_of(
 
 
 def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
-    """Mean, extremes and slopes of the turn of `cycle_map`.
-
-    The mean is a quadrature that no break spoils; the extremes are over the same nodes, of which there are thousands.
-    """
-    theta, weight = _spread_nodes(cycle_map)
+    """Mean of the turn of `cycle_map`, a quadrature that no break spoils, and extremes over its thousands of nodes."""
+    if cycle_map.pieces is None:
+        theta, weight = circle_rule(cycle_map, _BANDWIDTH)
+    else:
+        # For the map itself: waves of it would need more nodes, the steeper it is.
+        knots = cycle_map.pieces.knots
+        theta, weight = gauss_rule(knots[:-1], np.diff(knots), _CUBIC_NODES)
     turn = cycle_map.turn(theta)
     slope = cycle_map.derivative(theta)
     return TurnStatistics(
@@ -222,14 +224,6 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
         min_slope=float(slope.min()),
         max_slope=float(slope.max()),
     )
-
-
-def _spread_nodes(cycle_map: CircleMap) -> tuple[Array, Array]:
-    """Nodes all over the circle with weights, for the map itself: waves of it would need more, the steeper it is."""
-    if cycle_map.pieces is None:
-        return circle_rule(cycle_map, _BANDWIDTH)
-    knots = cycle_map.pieces.knots
-    return gauss_rule(knots[:-1], np.diff(knots), _CUBIC_NODES)
 
 
 def _density_at(operator: TransferOperator, theta: float) -> float:

@@ -65,23 +65,15 @@ class PortraitCurves:
 
 def portrait_curves(portrait: Portrait) -> PortraitCurves:
     """The curves of `portrait`."""
-    theta = np.linspace(0.0, FULL_TURN, CURVE_SAMPLES + 1)
-    return PortraitCurves(
-        turn=turn_curve(portrait.map),
-        cobweb=cobweb(portrait),
-        density_theta=theta,
-        density=_density(portrait, theta),
-        scene=cycle_scene(portrait.loop, portrait.cycle),
-    )
-
-
-def _density(portrait: Portrait, theta: Array) -> Array:
-    drifting = portrait.drifting
+    theta, drifting = np.linspace(0.0, FULL_TURN, CURVE_SAMPLES + 1), portrait.drifting
     if drifting is None:
-        return portrait.operator.density(theta)
-    shares = (np.arange(WORN_SURFACES) + 0.5) / WORN_SURFACES
-    maps = (drifting.at(portrait.staircase.cycles * share) for share in shares.tolist())
-    return np.asarray(np.mean([transfer_operator(one, portrait.noise).density(theta) for one in maps], axis=0))
+        density = portrait.operator.density(theta)
+    else:
+        shares = (np.arange(WORN_SURFACES) + 0.5) / WORN_SURFACES
+        maps = (drifting.at(portrait.staircase.cycles * share) for share in shares.tolist())
+        density = np.mean([transfer_operator(one, portrait.noise).density(theta) for one in maps], axis=0)
+    scene = cycle_scene(portrait.loop, portrait.cycle)
+    return PortraitCurves(turn_curve(portrait.map), cobweb(portrait), theta, density, scene)
 
 
 def turn_curve(cycle_map: CircleMap) -> TurnCurve:
@@ -101,32 +93,20 @@ def cobweb(portrait: Portrait) -> Cobweb:
     map leads inward, and on both sides of every unstable point.
     """
     curve = turn_curve(portrait.map)
-    centre = _cobweb_centre(portrait, curve)
+    theta, turn = (np.concatenate(columns) for columns in zip(*curve.pieces, strict=True))
+    places = [*(float(orbit.points[0]) for orbit in portrait.stable_points), *portrait.gathering_jumps]
+    centre = places[0] if places else float(theta[np.argmin(np.abs(turn))])
     largest = max(abs(portrait.turns.minimum), abs(portrait.turns.maximum))
     half = float(np.clip(4 * largest, np.deg2rad(20.0), np.pi))
     low, high = centre - half, centre + half
     jumps = np.array([jump.theta for jump in curve.jumps])
     pieces = _pieces(low, high, _lifts_between(jumps, low, high))
-    starts = _cobweb_starts(portrait, low, high)
-    paths = tuple(_cobweb_path(portrait.map, start, low, high) for start in starts)
-    return Cobweb(low, high, tuple((theta, portrait.map(theta)) for theta in pieces), paths)
-
-
-def _cobweb_centre(portrait: Portrait, curve: TurnCurve) -> float:
-    if portrait.stable_points:
-        return float(portrait.stable_points[0].points[0])
-    if portrait.gathering_jumps:
-        return portrait.gathering_jumps[0]
-    theta = np.concatenate([piece[0] for piece in curve.pieces])
-    turn = np.concatenate([piece[1] for piece in curve.pieces])
-    return float(theta[np.argmin(np.abs(turn))])
-
-
-def _cobweb_starts(portrait: Portrait, low: float, high: float) -> list[float]:
     beside = 0.01 * (high - low)
     unstable = np.array([orbit.points[0] for orbit in portrait.fixed_points if not orbit.stable])
-    ends = [low + beside] * bool(portrait.map.turn(low) > 0) + [high - beside] * bool(portrait.map.turn(high) < 0)
-    return ends + [theta + side for theta in _lifts_between(unstable, low, high) for side in (-beside, beside)]
+    starts = [low + beside] * bool(portrait.map.turn(low) > 0) + [high - beside] * bool(portrait.map.turn(high) < 0)
+    starts += [place + side for place in _lifts_between(unstable, low, high) for side in (-beside, beside)]
+    paths = tuple(_cobweb_path(portrait.map, start, low, high) for start in starts)
+    return Cobweb(low, high, tuple((piece, portrait.map(piece)) for piece in pieces), paths)
 
 
 def _cobweb_path(cycle_map: CircleMap, start: float, low: float, high: float) -> Array:

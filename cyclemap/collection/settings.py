@@ -4,7 +4,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cyclemap.checks import finite_number
 from cyclemap.collection.found_with import plate_footprint
@@ -43,11 +43,7 @@ _TO_BE_TOLD = {
 
 
 def layered(*layers: Settings) -> Settings:
-    """Return settings of which later ones win; an outline takes the place of one that was said in another way.
-
-    >>> layered({"shape": "hex", "side": 1}, {"semi_x_mm": 40, "semi_y_mm": 50})
-    {'side': 1, 'semi_x_mm': 40, 'semi_y_mm': 50}
-    """
+    """Return settings of which later ones win; an outline takes the place of one that was said in another way."""
     found: Settings = {}
     for layer in layers:
         if any(key in layer for key in _OUTLINE):
@@ -89,21 +85,18 @@ def apply_settings(loop: "CollectionLoop", settings: Settings) -> "CollectionLoo
         slider = _slider(loop.slider, settings)
     with _blaming(settings, "material"):
         friction = replace(loop.material.friction, **_numbers(settings, "material.friction"))
-    changed = friction != loop.material.friction
-    name = f"{loop.material.name} (changed)" if changed else loop.material.name
-    plates = loop.material.plates
-    material = Material(name, friction, loop.material.provenance, plates=plates) if changed else loop.material
-    with _blaming(settings, "pusher"):
-        pusher = replace(loop.pusher, **_numbers(settings, "pusher"))
-    with _blaming(settings, "push"):
-        push = replace(loop.push, **_numbers(settings, "push"))  # type: ignore[arg-type]
-    with _blaming(settings, "reset"):
-        reset = replace(loop.reset, **_numbers(settings, "reset"))  # type: ignore[arg-type]
-        if "way_points_mm" in settings:
-            reset = replace(reset, way_points=_points(settings, "way_points_mm"))
+    material = stated = loop.material
+    if friction != stated.friction:
+        material = Material(f"{stated.name} (changed)", friction, stated.provenance, plates=stated.plates)
+    parts: dict[str, Any] = {"slider": slider, "material": material}
+    for part in ("pusher", "push", "reset"):
+        with _blaming(settings, part):
+            set_here: dict[str, Any] = dict(_numbers(settings, part))
+            if part == "reset" and "way_points_mm" in settings:
+                set_here["way_points"] = _points(settings, "way_points_mm")
+            parts[part] = replace(getattr(loop, part), **set_here)
     with _blaming(settings, "footprint"):
-        footprint = _footprint(loop, slider, settings)
-    return replace(loop, slider=slider, material=material, pusher=pusher, push=push, reset=reset, footprint=footprint)
+        return replace(loop, **parts, footprint=_footprint(loop, slider, settings))
 
 
 def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Footprint | None:
@@ -123,29 +116,26 @@ def _footprint(loop: "CollectionLoop", slider: Slider, settings: Settings) -> Fo
 
 
 def _slider(slider: Slider, settings: Settings) -> Slider:
-    hitch = _pair(settings, "slider.hitch", slider.hitch)
-    outline = _outline(settings)
-    if "shape" in settings:
-        slider = Slider.mit(str(settings["shape"]), hitch)
-    elif outline is not None:
-        slider = Slider(outline, slider.mass, hitch=hitch, name=OWN_OUTLINE)
-    centre = _pair(settings, "slider.centre_of_mass", slider.centre_of_mass)
-    name = str(settings.get("object_name", slider.name))
-    file_stem(name)
-    return replace(slider, hitch=hitch, centre_of_mass=centre, name=name, **_numbers(settings, "slider"))  # type: ignore[arg-type]
-
-
-def _outline(settings: Settings) -> Outline | None:
     given = [key for key in ("shape", "vertices_mm", "semi_x_mm") if key in settings]
     if len(given) > 1:
         raise InvalidInput(f"{given[0]} and {given[1]} both name the outline: give one of them")
     if ("semi_x_mm" in settings) != ("semi_y_mm" in settings):
         raise InvalidInput("an ellipse needs both semi_x_mm and semi_y_mm")
-    if "vertices_mm" in settings:
-        return Polygon(_points(settings, "vertices_mm"))
-    if "semi_x_mm" in settings:
-        return Ellipse(*(_si(key, settings[key]) for key in ("semi_x_mm", "semi_y_mm")))
-    return None
+    set_hitch, set_centre = (_numbers(settings, f"slider.{part}") for part in ("hitch", "centre_of_mass"))
+    hitch = set_hitch.get("0", slider.hitch[0]), set_hitch.get("1", slider.hitch[1])
+    if "shape" in settings:
+        slider = Slider.mit(str(settings["shape"]), hitch)
+    elif given:
+        outline: Outline = (
+            Polygon(_points(settings, "vertices_mm"))
+            if "vertices_mm" in settings
+            else Ellipse(*(_si(key, settings[key]) for key in ("semi_x_mm", "semi_y_mm")))
+        )
+        slider = Slider(outline, slider.mass, hitch=hitch, name=OWN_OUTLINE)
+    centre = tuple(set_centre.get(axis, before) for axis, before in zip("01", slider.centre_of_mass, strict=True))
+    name = str(settings.get("object_name", slider.name))
+    file_stem(name)
+    return replace(slider, hitch=hitch, centre_of_mass=centre, name=name, **_numbers(settings, "slider"))  # type: ignore[arg-type]
 
 
 @contextmanager
@@ -169,11 +159,6 @@ def _numbers(settings: Settings, part: str) -> dict[str, float]:
         if place == part and not SETTINGS[key].kind and name != "outline":
             found[name] = _si(key, value)
     return found
-
-
-def _pair(settings: Settings, part: str, before: tuple[float, float]) -> tuple[float, float]:
-    found = _numbers(settings, part)
-    return found.get("0", before[0]), found.get("1", before[1])
 
 
 def _si(key: str, value: object) -> float:

@@ -14,7 +14,6 @@ from cyclemap.maps import (
     CircleMap,
     DriftingMap,
     Estimate,
-    SlowZone,
     Staircase,
     StaircaseSummary,
     StepComparison,
@@ -84,21 +83,20 @@ def staircase_forecast(
     report(0.8)
     run = sample_staircase(drifting or cycle_map, kicks, cycles, start, seed)
     worn = None if drifting is None else predict_staircase(drifting.maps[-1], noise)
-    residences = tuple(_log10_residence(cycle_map, noise, zone) for zone in prediction.zones)
+    residences: list[Estimate | None] = []
+    for zone in prediction.zones:
+        if np.isfinite(zone.residence_cycles):
+            residences.append(Estimate(np.log10(zone.residence_cycles), 0.0))
+            continue
+        still = shifted(cycle_map, -zone.winding)
+        try:
+            # From the point that `SlowZone.residence_cycles` starts from.
+            residences.append(log10_passage_time(still, noise, zone.middle, zone.arc, lifted=zone.whole_turn))
+        except ConvergenceError:
+            residences.append(None)
     report(1.0)
     steps = find_steps(run.theta)
     comparison = compare_steps(steps, prediction)
     return StaircaseForecast(
-        loop, cycle_map, noise, prediction, residences, run, steps, comparison, drifting, worn, uncertainty
+        loop, cycle_map, noise, prediction, tuple(residences), run, steps, comparison, drifting, worn, uncertainty
     )
-
-
-def _log10_residence(cycle_map: CircleMap, noise: WrappedNormal, zone: SlowZone) -> Estimate | None:
-    """log10 of the zone's mean residence, from the point that `SlowZone.residence_cycles` starts from."""
-    if np.isfinite(zone.residence_cycles):
-        return Estimate(np.log10(zone.residence_cycles), 0.0)
-    still = shifted(cycle_map, -zone.winding)
-    try:
-        return log10_passage_time(still, noise, zone.middle, zone.arc, lifted=zone.whole_turn)
-    except ConvergenceError:
-        return None

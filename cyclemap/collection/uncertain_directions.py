@@ -101,9 +101,13 @@ def direction_uncertainty(
     report = progress or (lambda fraction: None)
     stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
     if loop.material.posterior is None:
-        varied = [_with_ratio(stated, factor) for factor in (1.0 / (1.0 + VARIED), 1.0 + VARIED)]
+        law, varied = loop.material.friction, []
+        for root in (1.0 / math.sqrt(1.0 + VARIED), math.sqrt(1.0 + VARIED)):
+            friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
+            varied.append(replace(stated, material=replace(loop.material, friction=friction, wear=None)))
         nominal, *found = _stable_points([stated, *varied], report)
-        return DirectionUncertainty("axis ratio", SAMPLES, 2, _locked(found), _intervals(nominal, found, span=True))
+        locks, intervals = sum(one.size > 0 for one in found), _intervals(nominal, found, span=True)
+        return DirectionUncertainty("axis ratio", SAMPLES, 2, locks, intervals)
     loops = [sampled_loop(stated, number) for number in range(len(loop.material.posterior))]
     nominal = _stable_points([stated])[0]
     linear = _first_order(stated, loops)
@@ -112,9 +116,11 @@ def direction_uncertainty(
     full = dict(zip(judges, _stable_points([loops[index] for index in judges]), strict=True))
     report(0.3)
     intervals = _intervals(nominal, linear)
-    error = max(_distance(linear[index], full[index]) for index in telling)
-    if any(linear[index].size != full[index].size for index in extreme):
-        error = math.inf
+    # The farthest that a direction lies from the first order's.
+    off = [shorter_way(linear[index][:, None] - full[index]) for index in telling if linear[index].size]
+    error = math.inf
+    if all(linear[index].size == full[index].size for index in judges):
+        error = max((float(np.abs(away).min(axis=1).max()) for away in off), default=0.0)
     widths = [one.upper - one.lower for one in intervals]
     method = FIRST_ORDER
     if error > max(_LEAST, _SHARE * min(widths, default=0.0)):
@@ -124,17 +130,8 @@ def direction_uncertainty(
         linear, method = [full[index] for index in range(len(loops))], SAMPLES
         intervals = _intervals(nominal, linear)
     report(1.0)
-    return DirectionUncertainty("posterior", method, len(loops), _locked(linear), intervals, error)
-
-
-def _with_ratio(loop: CollectionLoop, factor: float) -> CollectionLoop:
-    """The loop with the ratio of its ellipse's axes times a factor, their geometric mean kept."""
-    law, root = loop.material.friction, math.sqrt(factor)
-    friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
-    return replace(loop, material=replace(loop.material, friction=friction, wear=None))
-
-
-# -- to first order ---------------------------------------------------------------------------------------------
+    locks = sum(one.size > 0 for one in linear)
+    return DirectionUncertainty("posterior", method, len(loops), locks, intervals, error)
 
 
 def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[Array]:
@@ -177,10 +174,7 @@ def _coordinates(loop: CollectionLoop, phi: float) -> Array:
 
 
 def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
-    """Samples that tell whether the first order holds: where the interval ends and between, and the most extreme.
-
-    Of the first the directions are judged, of the extreme ones only how many there are.
-    """
+    """Samples whose directions are judged, from end to end of the interval; and extremes, of which only the number."""
     some = [index for index, found in enumerate(points) if found.size]
     none = [index for index, found in enumerate(points) if not found.size]
     if not some:
@@ -194,15 +188,8 @@ def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
     return sorted(telling), sorted({some[order[0]], some[order[-1]], *none[:1], *none[-1:]} - telling)
 
 
-# -- in full ----------------------------------------------------------------------------------------------------
-
-
 def _stable_points(loops: Sequence[CollectionLoop], report: Callable[[float], None] | None = None) -> list[Array]:
-    """The stable fixed points of each loop's map, rad in [0, 2π), of maps good to 0.002 degrees, 0.02 beside a kink.
-
-    All maps at once: cells between nodes, each a cubic through values and slopes, are halved where one comes near zero
-    turn and is not good enough yet.
-    """
+    """The stable fixed points of each loop's map, rad in [0, 2π), of maps good to 0.002 degrees, 0.02 beside a kink."""
     theta = np.tile(TWO_PI * np.arange(_NODES // 2) / (_NODES // 2), (len(loops), 1))
     batch = run_batch(loops, theta, 1)
     turn, slope = batch.theta_next - theta, batch.jacobian[:, :, -1, 0] - 1.0
@@ -260,13 +247,6 @@ def _roots(number: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
     return found
 
 
-# -- intervals --------------------------------------------------------------------------------------------------
-
-
-def _locked(points: Sequence[Array]) -> int:
-    return sum(found.size > 0 for found in points)
-
-
 def _intervals(nominal: Array, points: Sequence[Array], span: bool = False) -> tuple[DirectionInterval, ...]:
     """The interval of each stable direction of the stated numbers, else of each cluster of the samples'."""
     every = np.concatenate([np.zeros(0), *points])
@@ -298,12 +278,3 @@ def _clusters(points: Array) -> Array:
     order = np.roll(order, -1 - int(np.argmax(gaps)))
     cuts = np.flatnonzero(np.mod(np.diff(order), TWO_PI) > _APART) + 1
     return np.array([np.angle(np.exp(1j * group).mean()) % TWO_PI for group in np.split(order, cuts)])
-
-
-def _distance(first: Array, other: Array) -> float:
-    """The farthest that points of one sort lie from the other; inf where their numbers differ."""
-    if first.size != other.size:
-        return math.inf
-    if not first.size:
-        return 0.0
-    return float(np.abs(shorter_way(first[:, None] - other)).min(axis=1).max())

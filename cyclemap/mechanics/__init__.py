@@ -77,43 +77,10 @@ if TYPE_CHECKING:
 else:
     import_on_first_use(__name__)
 
-__all__ = [
-    "MIT_HITCH",
-    "MIT_SHAPE_NAMES",
-    "CycleNoise",
-    "DragBack",
-    "DragResult",
-    "DynamicDrag",
-    "DynamicModel",
-    "DynamicPush",
-    "DynamicTrajectory",
-    "Ellipse",
-    "EllipseFriction",
-    "Footprint",
-    "FoundWith",
-    "FrameShift",
-    "LimitSurface",
-    "Material",
-    "MaterialPosterior",
-    "PatchFootprint",
-    "PlatePressure",
-    "PointFootprint",
-    "Polygon",
-    "Pose",
-    "PushResult",
-    "Pusher",
-    "QuasiStaticModel",
-    "SidePush",
-    "Slider",
-    "Trajectory",
-    "Wear",
-    "WorldPush",
-    "corner_footprint",
-    "grid_footprint",
-    "load_footprint",
-    "load_material",
-    "material_names",
-    "material_toml",
-    "parse_footprint",
-    "worn_friction",
-]
+__all__ = ["MIT_HITCH", "MIT_SHAPE_NAMES", "Ellipse", "Polygon", "Slider"]
+__all__ += ["EllipseFriction", "Footprint", "LimitSurface", "PatchFootprint", "PointFootprint", "corner_footprint"]
+__all__ += ["grid_footprint", "load_footprint", "parse_footprint", "worn_friction"]
+__all__ += ["CycleNoise", "FoundWith", "FrameShift", "Material", "MaterialPosterior", "PlatePressure", "Wear"]
+__all__ += ["load_material", "material_names", "material_toml"]
+__all__ += ["DragBack", "DragResult", "DynamicDrag", "DynamicModel", "DynamicPush", "DynamicTrajectory", "Pose"]
+__all__ += ["PushResult", "Pusher", "QuasiStaticModel", "SidePush", "Trajectory", "WorldPush"]

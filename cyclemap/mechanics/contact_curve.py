@@ -99,12 +99,6 @@ class ContactCurve:
 
     `after[i]` and `before[i]` are the pieces at the high and the low end of piece i, `junctions[i]` is what joins i to
     after[i]. Pieces form closed loops: one around the object, one for each pocket that the rod fits but cannot enter.
-
-    >>> notched = Polygon([(0, 0), (4, 0), (4, 2), (2, 1), (0, 2)])
-    >>> curve = contact_curve(notched, 0.1)
-    >>> wedge = curve.junctions.index("wedge")
-    >>> [curve.pieces[i].side for i in (wedge, curve.after[wedge])]
-    [2, 3]
     """
 
     radius: float
@@ -121,10 +115,9 @@ class ContactCurve:
 
 @lru_cache(maxsize=256)
 def contact_curve(outline: Outline, radius: float) -> ContactCurve:
-    """Return the curve of a rod's centre; lengths as in the outline and the radius.
+    """Return the curve of a rod's centre: its points are `radius` from the outline, to some 1e-13 of its size.
 
-    Its points have the distance `radius` from the outline, to some 1e-13 of the outline's size. What cannot be decided
-    within that (a rod exactly as wide as a notch) comes out as it would for a slightly thicker or thinner rod.
+    What that cannot decide (a rod as wide as a notch) comes out as for a slightly thicker or thinner rod.
     """
     if isinstance(outline, Ellipse):
         return ContactCurve(radius, (EllipsePiece(outline.semi_x, outline.semi_y),), (0,), (0,), ("smooth",))
@@ -266,11 +259,7 @@ def _clearance(outline: Polygon, own: list[int], places: Array) -> Array:
 
 
 def _crossings(a: _RawPiece, b: _RawPiece, radius: float, count: int) -> list[tuple[float, float, bool]]:
-    """(coordinate on a, coordinate on b, whether a ends there) of the places where two untrimmed pieces cross.
-
-    With t the direction and n the normal of each, a goes on into what b keeps the rod out of where t_a . n_b < 0; that
-    is n_a x n_b < 0, so that of two pieces that cross one ends and the other begins.
-    """
+    """(coordinate on a, coordinate on b, whether a ends there) of the places where two untrimmed pieces cross."""
     if isinstance(a, SidePiece):
         if isinstance(b, CornerPiece):
             found = _side_corner(a, b, radius)

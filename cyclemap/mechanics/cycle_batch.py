@@ -183,17 +183,12 @@ def _check(ran: Ran, strokes: Sequence[Strokes], theta: Array, number: NDArray[n
 
 
 def derivative_units(model: QuasiStaticModel, names: Sequence[str]) -> Array:
-    """Return what derivatives by the engine's parameters `names` are to be multiplied by, (k,), to be those by SI.
-
-    nan for shares of the pressure that the footprint cannot have.
-    """
-    footprint, factors = model.pressure, []
-    for name in names:
-        factor = 1.0 / model.unit if name in _LENGTHS else 1.0 / model.scale if name in _FRICTION else 1.0
-        if name == "corner_share":
-            cornered = isinstance(footprint, PatchFootprint) and not isinstance(footprint.outline, Ellipse)
-            factor = 1.0 if cornered else math.nan
-        elif name.endswith("_share"):
-            factor = 1.0 if isinstance(footprint, PatchFootprint) and footprint.has_frame else math.nan
-        factors.append(factor)
-    return np.array(factors)
+    """Return factors (k,) from derivatives by the engine's `names` to those by SI; nan for shares there cannot be."""
+    patch = model.pressure if isinstance(model.pressure, PatchFootprint) else None
+    factors = dict.fromkeys(names, 1.0) | dict.fromkeys(_LENGTHS, 1.0 / model.unit)
+    factors |= dict.fromkeys(_FRICTION, 1.0 / model.scale)
+    if patch is None or not patch.has_frame:
+        factors |= {"inner_share": math.nan, "rim_share": math.nan}
+    if patch is None or isinstance(patch.outline, Ellipse):
+        factors["corner_share"] = math.nan
+    return np.array([factors[name] for name in names])

@@ -62,22 +62,20 @@ _NEWTON_STEPS = 8
 class DynamicModel:
     """A slider with its inertia on a surface, and the rod that moves it through a stiff contact.
 
-    Newton-Euler with the mass matrix diag(m, m, I) (Ma & Rodriguez 2018, Eq. 3). The rod moves straight at a constant
-    speed; the slider is at rest before each stroke, and after it the rod is held until no speed is above 1 % of it.
+    The rod moves straight at a constant speed; the slider is at rest before each stroke, and after it the rod is held
+    until no speed is above 1 % of it.
 
     Parameters
     ----------
-    slider, friction, pusher : the object, the surface under it, the rod. The slider's inertia is a uniform plate's
-        where it is not known. Its outline must be convex.
+    slider, friction, pusher : the object, of convex outline (of unknown inertia: a uniform plate's), surface, rod.
     footprint : support points; None: the paper's grid of 8 x 8 with equal load.
     speed : of the rod, m/s.
     stiffness : of the contact and of the ring, N/m; errors of a cycle fall with its inverse (1e6 leaves under 0.001
         degrees on the MIT square, 0.002 on the worst of the MIT shapes).
     damping : of the contact, in shares of the critical damping of the slider's mass on the contact's spring.
-    regularisation : speed below which friction fades, as a share of the rod's: friction at slip u is that of
-        u / sqrt(u^2 + regularisation^2). What should stick creeps at about this speed; errors fall in proportion (1e-4
-        leaves 0.002 degrees of a cycle on the MIT square, about 0.01 on the worst of the MIT shapes: the round plate
-        `ellip1`, whose contact with the rod creeps while it rolls).
+    regularisation : speed below which friction fades, as a share of the rod's: at slip u as u / sqrt(u^2 +
+        regularisation^2). What should stick creeps at about this speed; errors fall in proportion (1e-4 leaves 0.002
+        degrees of a cycle on the MIT square, about 0.01 on the round plate `ellip1`, whose contact creeps as it rolls).
     tolerance : relative error of a step, from 1e-10 to 1e-3; angles of a cycle come out within about fifty times
         that, in rad (1e-7: 0.0003 degrees).
 
@@ -139,8 +137,7 @@ class DynamicModel:
     def push(self, pose: Pose, push: SidePush, samples: int = SAMPLES) -> DynamicPush:
         """Push the slider from rest at a pose, the rod first just touching it; `samples` of the course are kept.
 
-        Raises InvalidInput for a contact that does not exist or a concave outline, ConvergenceError where the
-        integration fails.
+        InvalidInput for a contact that does not exist or a concave outline, ConvergenceError where integration fails.
         """
         radius, outline = self.pusher.radius, self.slider.outline
         pieces = contact_curve(outline, radius).pieces
@@ -263,11 +260,7 @@ class Leg(NamedTuple):
 
 @dataclass(frozen=True)
 class LegEquations:
-    """The initial value problem of one leg of the rod, everything in the equations' units.
-
-    touched : the outline that the rod pushes, or the place of the ring in which it drags. samples : of the leg, evenly
-    in time, beside its start.
-    """
+    """One leg of the rod, in the equations' units; touched: the outline that it pushes, or the ring's place."""
 
     footprint: PointFootprint
     centre: tuple[float, float]
@@ -372,10 +365,7 @@ def _floor(
 
 
 def nearest_place(outline: Outline, place: ca.SX) -> ca.SX:
-    """Return where a convex outline is nearest to a place (2,) outside it; all in one frame and unit.
-
-    Raises InvalidInput for a concave outline, which a rod may touch in two places at once.
-    """
+    """Return where a convex outline is nearest to a place (2,) outside it; InvalidInput where it is concave."""
     if isinstance(outline, Ellipse):
         # Newton on the eccentric angle at which the lever to the place is normal to the outline.
         (x, y), a, b = ca.vertsplit(place), outline.semi_x, outline.semi_y

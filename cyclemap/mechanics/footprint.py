@@ -30,11 +30,9 @@ class PatchFootprint:
     """Pressure of an outline, exact, without a grid, as a sum of parts whose shares of the load add to one.
 
     even, over the whole area: what is left; inner, over the outline scaled by INNER about its centroid; rim, a line
-    load along the outline (per length as far as the side is from the centroid: the derivative of the even form by the
-    scale; on an ellipse alike in the eccentric angle); corners, on the vertices of a polygon alike. Where the centre
-    of pressure is not that of the parts, the even part leans: per unit load its pressure is (share + gradient . x)/A,
-    x = r - centroid. A rigid object on even ground leans just so that the centre of pressure lies under its centre of
-    mass.
+    load along the outline (per length as far as the side is from the centroid; on an ellipse alike in the eccentric
+    angle); corners, on the vertices of a polygon alike. Where the centre of pressure is not that of the parts, the even
+    part leans, as a rigid object does: per unit load its pressure is (share + gradient . x)/A, x = r - centroid.
 
     Parameters
     ----------
@@ -256,16 +254,10 @@ def parse_footprint(text: str, outline: Outline) -> Footprint:
 def pressure_points(footprint: Footprint, count: int) -> PointFootprint:
     """Return support points that carry the load of a footprint: points as they are, a patch on `count` x `count`.
 
-    The even part becomes the paper's grid (`grid_footprint`), weighted where it leans; the inner part that grid scaled
-    to the inner outline; the rim about 4 `count` points along the outline, and the corners themselves. Then all are
-    weighted with 1 + c . x so that the centre of pressure is the patch's to rounding.
-
-    Raises InvalidInput where the weights that put the centre of pressure right would be negative: steep leans on
-    coarse grids.
-
-    >>> even, rimmed = PatchFootprint(Ellipse(1.0, 1.0)), PatchFootprint(Ellipse(1.0, 1.0), rim_share=0.5)
-    >>> len(pressure_points(even, 8).positions), len(pressure_points(rimmed, 8).positions)
-    (52, 84)
+    The even part becomes the paper's grid (`grid_footprint`), weighted where it leans; the inner part that grid scaled;
+    the rim about 4 `count` points along the outline, and the corners themselves; all then weighted with 1 + c . x, so
+    that the centre of pressure is the patch's to rounding. InvalidInput where that takes negative weights: steep leans
+    on coarse grids.
     """
     if isinstance(footprint, PointFootprint):
         return footprint
@@ -273,8 +265,8 @@ def pressure_points(footprint: Footprint, count: int) -> PointFootprint:
     if footprint.even_share == 1.0 and footprint.gradient == (0.0, 0.0):
         return even
     grid, centroid = even.quadrature[0], np.array(footprint.outline.centroid)
-    lean = (grid - centroid) @ np.array(footprint.gradient)
-    points, loads = [grid], [(footprint.even_share + lean) / len(grid)]
+    leaning = (grid - centroid) @ np.array(footprint.gradient)
+    points, loads = [grid], [(footprint.even_share + leaning) / len(grid)]
     if footprint.inner_share:
         points.append(centroid + INNER * (grid - centroid))
         loads.append(np.full(len(grid), footprint.inner_share / len(grid)))
@@ -285,7 +277,18 @@ def pressure_points(footprint: Footprint, count: int) -> PointFootprint:
     if footprint.corner_share and not isinstance(footprint.outline, Ellipse):
         points.append(footprint.outline.array)
         loads.append(np.full(footprint.outline.sides, footprint.corner_share / footprint.outline.sides))
-    return _about(footprint.centre, np.concatenate(points), np.concatenate(loads))
+    places, load = np.concatenate(points), np.concatenate(loads)
+    load = np.where(np.abs(load) < _NO_LOAD / len(load), 0.0, load)
+    mean = load @ places / load.sum()
+    lever = places - mean
+    lean = np.linalg.solve((load[:, None] * lever).T @ lever / load.sum(), np.subtract(footprint.centre, mean))
+    weights = load * (1.0 + lever @ lean)
+    if weights.min() < 0.0:
+        raise InvalidInput(
+            f"this footprint's pressure cannot be carried by support points (least load {weights.min():.3g}): set the "
+            "footprint to points, such as grid:8 or a CSV file"
+        )
+    return PointFootprint(tuple(map(tuple, places.tolist())), tuple(weights.tolist()))
 
 
 def _rim_points(footprint: PatchFootprint, count: int) -> tuple[Array, Array]:
@@ -304,18 +307,3 @@ def _rim_points(footprint: PatchFootprint, count: int) -> tuple[Array, Array]:
         points.append(a + ((np.arange(pieces) + 0.5) / pieces)[:, None] * (b - a))
         shares.append(np.full(pieces, share / pieces))
     return np.concatenate(points), np.concatenate(shares)
-
-
-def _about(centre: tuple[float, float], points: Array, loads: Array) -> PointFootprint:
-    """Return the points with their loads weighted so that the centre of pressure is `centre`."""
-    loads = np.where(np.abs(loads) < _NO_LOAD / len(loads), 0.0, loads)
-    mean = loads @ points / loads.sum()
-    lever = points - mean
-    lean = np.linalg.solve((loads[:, None] * lever).T @ lever / loads.sum(), np.subtract(centre, mean))
-    weights = loads * (1.0 + lever @ lean)
-    if weights.min() < 0.0:
-        raise InvalidInput(
-            f"this footprint's pressure cannot be carried by support points (least load {weights.min():.3g}): set the "
-            "footprint to points, such as grid:8 or a CSV file"
-        )
-    return PointFootprint(tuple(map(tuple, points.tolist())), tuple(weights.tolist()))

@@ -17,8 +17,7 @@ class EllipseFriction:
     """Friction of one support point whose limit curve is an ellipse off its centre.
 
     In the material's axes (m, n), turned by `phi` (rad) counter-clockwise from the surface's x axis, the dissipation
-    per unit load and unit sliding distance is the support function of the limit ellipse with the semi-axes `mu_a`,
-    `mu_b` about (`m0`, `n0`) (Ma & Rodriguez 2018, Eq. 2, as a maximum-dissipation law):
+    per unit load and distance is the support function of the limit ellipse (Ma & Rodriguez 2018, Eq. 2):
 
         h(v) = s + m0 v_m + n0 v_n,   s = sqrt(mu_a^2 v_m^2 + mu_b^2 v_n^2)
 
@@ -69,8 +68,7 @@ class EllipseFriction:
     def traction(self, velocity: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
         """Traction coefficients (..., 2) at sliding velocities (..., 2), both in the frame at angle `frame`.
 
-        The force of the surface on the point is minus this, times the load. Raises InvalidInput at zero
-        velocity, where friction is any point of the ellipse.
+        The force on the point is minus this, times the load. InvalidInput at rest, where friction is not unique.
         """
         v_m, v_n = self._in_material_axes(velocity, frame)
         s = np.hypot(self.mu_a * v_m, self.mu_b * v_n)
@@ -89,13 +87,11 @@ class EllipseFriction:
 
 
 def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -> EllipseFriction:
-    """Return the friction a `share` (0 to 1) of the way from `fresh` to `worn`.
+    """Return the friction a `share` (0 to 1) of the way from `fresh` to `worn`; the ends as they were given.
 
-    A limit ellipse (Ma & Rodriguez 2018, Eq. 1) is its centre c = R(φ)(m0, n0) and its shape matrix
-    S = R(φ) diag(mu_a², mu_b²) R(φ)ᵀ in the surface's own axes; both go in a straight line, so that angles that name
-    the same ellipse (φ, φ + π; φ + π/2 with the axes exchanged) make no difference. S stays positive definite, and
-    cᵀ S⁻¹ c, which must be below one, is jointly convex in (c, S): it stays below the larger of its ends. The ends
-    are returned as they were given; between them mu_a belongs to the axis nearest to that of `fresh`.
+    The ellipse's centre c = R(φ)(m0, n0) and shape matrix S = R(φ) diag(mu_a², mu_b²) R(φ)ᵀ go in a straight line, so
+    that angles that name the same ellipse (φ, φ + π; φ + π/2 with the axes exchanged) make no difference. cᵀ S⁻¹ c,
+    which must be below one, is jointly convex in (c, S). Between the ends mu_a is of the axis nearest to `fresh`'s.
 
     >>> between = worn_friction(EllipseFriction(0.3, 0.3), EllipseFriction(0.4, 0.3, m0=0.1), 0.5)
     >>> round(between.mu_a, 6), between.mu_b, between.m0

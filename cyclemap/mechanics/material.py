@@ -189,12 +189,11 @@ class CycleNoise:
 class Material:
     """A surface: its name, its point friction against the slider, and the source of the numbers.
 
-    misfit : how far the data lie from what the numbers predict, in words. inferred : whether the numbers were inferred
-    from how objects moved rather than measured as forces. found_with : what was identified along with the friction.
-    wear : the friction at the end of the data; None where it is taken not to change. plates : how plates press on it,
-    those not named evenly. frames : how the frames of the data behind it are shifted. posterior : what else the data
-    allow, of numbers that the material states, and noise : of a cycle, as measured; None where that is not known.
-    Raises InvalidInput where a sample of the posterior is no material.
+    misfit : how far the data lie from what the numbers predict, in words. inferred : whether from how objects moved
+    rather than from forces. found_with : what was identified along with the friction. wear : how it changes; None: not.
+    plates : how plates press on it, those not named evenly. frames : shifts of the frames of the data behind it.
+    posterior : what else the data allow; noise : of a cycle, as measured; None where that is not known. InvalidInput
+    where a sample of the posterior is no material.
     """
 
     name: str

@@ -30,6 +30,7 @@ FILE_KEYS = (
     *("name", "provenance", "misfit", "inferred", "friction", "worn", "found_with", "plates", "posterior"),
     *("cycle_noise", "frames"),
 )
+_DRAWN_TABLES = {"posterior": ("parameters", "samples"), "cycle_noise": ("log_sigma", "correlation")}
 # What a file may hold beside a surface: the object on it, and what is done to it (`cyclemap.collection`).
 _OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation")
 
@@ -88,6 +89,13 @@ def _material_of(table: dict[str, object], name: str) -> Material:
     plates, frames = _table(table, "plates"), _table(table, "frames")
     pressures = {plate: _table(plates, plate, SHARE_KEYS, f"plates.{plate}") for plate in plates}
     shifts = {plate: _table(frames, plate, ("shift_x_mm", "shift_y_mm"), f"frames.{plate}") for plate in frames}
+    posterior, noise = (_table(table, name, keys) for name, keys in _DRAWN_TABLES.items())
+    names, samples = posterior.get("parameters"), posterior.get("samples")
+    is_list = isinstance(names, list) and isinstance(samples, list) and all(isinstance(name, str) for name in names)
+    if posterior and not is_list:
+        raise InvalidInput("a table [posterior] needs parameters, a list of names, and samples, a list of rows")
+    if noise and "log_sigma" not in noise:
+        raise InvalidInput("a table [cycle_noise] needs log_sigma, the logarithm of its standard deviation in radians")
     return Material(
         str(table.get("name", name)),
         _friction_of(friction),
@@ -97,8 +105,8 @@ def _material_of(table: dict[str, object], name: str) -> Material:
         found_with=FoundWith(**together),
         wear=_wear_of(_table(table, "worn")),
         plates=tuple(PlatePressure(plate, **shares) for plate, shares in pressures.items()),  # type: ignore[arg-type]
-        posterior=_posterior_of(_table(table, "posterior", ("parameters", "samples"))),
-        noise=_noise_of(_table(table, "cycle_noise", ("log_sigma", "correlation"))),
+        posterior=MaterialPosterior(tuple(names), tuple(samples)) if posterior else None,  # type: ignore[arg-type]
+        noise=CycleNoise(**noise) if noise else None,  # type: ignore[arg-type]
         frames=tuple(
             FrameShift(plate, *(1e-3 * finite_number(key, shift.get(key, 0.0)) for key in ("shift_x_mm", "shift_y_mm")))
             for plate, shift in shifts.items()
@@ -144,21 +152,6 @@ def _wear_of(worn: dict[str, object]) -> Wear | None:
         )
     cycles, course = finite_number("cycles", worn.pop("cycles")), worn.pop("course", [])
     return Wear(_friction_of(worn), cycles, course)  # type: ignore[arg-type]
-
-
-def _posterior_of(posterior: dict[str, object]) -> MaterialPosterior | None:
-    if not posterior:
-        return None
-    names, samples = (posterior.get(key) for key in ("parameters", "samples"))
-    if not (isinstance(names, list) and all(isinstance(name, str) for name in names) and isinstance(samples, list)):
-        raise InvalidInput("a table [posterior] needs parameters, a list of names, and samples, a list of rows")
-    return MaterialPosterior(tuple(names), tuple(samples))
-
-
-def _noise_of(noise: dict[str, object]) -> CycleNoise | None:
-    if noise and "log_sigma" not in noise:
-        raise InvalidInput("a table [cycle_noise] needs log_sigma, the logarithm of its standard deviation in radians")
-    return CycleNoise(**noise) if noise else None  # type: ignore[arg-type]
 
 
 def material_toml(material: Material) -> str:

@@ -83,7 +83,7 @@ class Polygon:
 
     def encloses(self, other: "Polygon") -> bool:
         """Whether another polygon lies inside, touching no side."""
-        sides, others = _sides(self.array), _sides(other.array)
+        sides, others = (list(zip(one.array, np.roll(one.array, -1, axis=0), strict=True)) for one in (self, other))
         apart = not any(_segments_meet(*side, *another) for side in sides for another in others)
         return apart and bool(self.contains(other.array).all())
 
@@ -223,26 +223,23 @@ def _signed_area(points: Array) -> float:
 
 def _refuse_crossing(points: Array) -> None:
     size = float(np.ptp(points, axis=0).max())
-    edge = np.roll(points, -1, axis=0) - points
+    after = np.roll(points, -1, axis=0)
+    edge = after - points
     short = np.flatnonzero(np.hypot(*edge.T) <= 1e-9 * size)
     if size == 0.0 or short.size:
         raise InvalidInput(f"polygon vertices {short.tolist()} coincide with the next one: leave one of each out")
     if np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[-1] <= 1e-9 * size:
         raise InvalidInput("the polygon has no area: its vertices lie on a line")
-    sides, k = _sides(points), len(points)
+    k = len(points)
     for i, j in combinations(range(k), 2):
         if (j - i) % k in (1, k - 1):
             # Neighbours share a corner: they may not run back along each other.
             first, second = (edge[i], edge[j]) if j == i + 1 else (edge[j], edge[i])
             meet = _cross(first, second) == 0.0 and first @ second < 0.0
         else:
-            meet = _segments_meet(*sides[i], *sides[j])
+            meet = _segments_meet(points[i], after[i], points[j], after[j])
         if meet:
             raise InvalidInput(f"the polygon's sides {i} and {j} cross or touch: order the vertices around it")
-
-
-def _sides(points: Array) -> list[tuple[Array, Array]]:
-    return list(zip(points, np.roll(points, -1, axis=0), strict=True))
 
 
 def _segments_meet(a: Array, b: Array, c: Array, d: Array) -> bool:

@@ -135,11 +135,10 @@ class QuasiStaticModel:
         )
 
     def push(self, pose: Pose, push: SidePush | WorldPush, longest_step: float = math.inf) -> PushResult:
-        """Push the slider from a pose.
+        """Push the slider from a pose; `longest_step` (m) bounds the spacing of the trajectory's samples.
 
-        `longest_step` (m) bounds the spacing of the trajectory's samples. Raises InvalidInput for a contact that does
-        not exist or a push that points away, UnsupportedContact where the rod would touch two sides at once or slide
-        without bound, ConvergenceError where the contact cannot be solved.
+        Raises InvalidInput for a contact that does not exist or a push that points away, UnsupportedContact where the
+        rod would slide without bound or nothing goes on, ConvergenceError where the contact cannot be solved.
         """
         course = self.course(self.push_strokes(pose, push), pose, longest_step)
         return self._pushed(pose, run_strokes([course]), course)

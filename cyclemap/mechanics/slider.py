@@ -56,9 +56,9 @@ class Slider:
     outline : `Polygon` or `Ellipse`, m; sides are numbered counter-clockwise from vertex 0.
     mass : kg; in quasi-static motion it scales the contact forces and nothing else.
     centre_of_mass : (x, y), m; None: the outline's centroid.
-    hitch : (x, y), m: the ring in which the rod drags it back. Outside the outline it is a `DoubtfulInput` warning, and
-        more than ten times as far from the centre as any of the outline InvalidInput: lengths are in other units there.
-    inertia : moment of inertia about the centre of mass, kg m^2; None: a uniform plate's is not assumed, it is unknown.
+    hitch : (x, y), m: the ring in which the rod drags it back. Outside the outline it is a `DoubtfulInput` warning,
+        and InvalidInput more than ten times as far from the centre as any of the outline.
+    inertia : moment of inertia about the centre of mass, kg m^2; None: unknown.
 
     >>> Slider.mit("rect1").outline.sides
     4

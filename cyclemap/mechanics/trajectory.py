@@ -76,6 +76,11 @@ class Course:
         # Travel starts anew with every leg.
         path = travel + np.cumsum(np.where(np.diff(stroke, prepend=stroke[:1]) != 0.0, np.roll(travel, 1), 0.0))
         phase = np.cumsum(np.append(0, np.diff(path) <= 0.0))
+        # How far a contact's force lies outside the friction cone, or off its edge where the rod slides.
+        normal, tangential, limit = rows[:, 8], rows[:, 9], self.strokes.rod_friction * rows[:, 8]
+        sign = np.select([modes == 1, modes == 2], [1.0, -1.0], 0.0)
+        off = np.where(modes == 0, np.abs(tangential) - limit, np.abs(tangential - sign * limit))
+        outside = np.where(bound, 0.0, np.maximum(np.maximum(off, -normal), 0.0))
         return Trajectory(
             self.unit * path,
             pose,
@@ -84,7 +89,7 @@ class Course:
             self.scale * self.weight * force,
             np.array(MODES)[modes],
             phase,
-            float(max(rows[:, 10].max(), self._outside_cone(rows, modes).max())),
+            float(max(rows[:, 10].max(), outside.max())),
         )
 
     def _wedged(self, rows: Array, modes: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -98,14 +103,6 @@ class Course:
             if angle == 3:
                 first = rows[:, 2:4] - self.strokes.radius * np.column_stack([c, s])
         return first, total
-
-    def _outside_cone(self, rows: Array, modes: NDArray[np.intp]) -> Array:
-        """How far the force of each row lies outside the friction cone, or off its edge where the rod slides."""
-        normal, tangential = rows[:, 8], rows[:, 9]
-        limit = self.strokes.rod_friction * normal
-        sign = np.select([modes == 1, modes == 2], [1.0, -1.0], 0.0)
-        off = np.where(modes == 0, np.abs(tangential) - limit, np.abs(tangential - sign * limit))
-        return np.where(modes < MODES.index("ring"), np.maximum(np.maximum(off, -normal), 0.0), 0.0)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Loops drawn at random from everything that can be asked for, seeded, and what becomes of their cycles."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +14,6 @@ from cyclemap.mechanics import (
     Ellipse,
     EllipseFriction,
     Material,
-    PatchFootprint,
     PointFootprint,
     Polygon,
     Pusher,
@@ -81,35 +81,39 @@ def _outline(rng: np.random.Generator, number: int) -> Polygon | Ellipse:
     return polygon if polygon.area > 1e-2 * size**2 else _outline(rng, number)
 
 
-def _leaning(loop: CollectionLoop, rng: np.random.Generator) -> CollectionLoop:
-    """Its centre of mass off the centroid, as far as it stands."""
-    outline, reach = loop.slider.outline, 10.0
+def _as_far_as_it_stands(loop: CollectionLoop, change: Callable[[float], CollectionLoop], reach: float):
+    """The loop changed by less and less, until it stands."""
     for _ in range(40):
-        off = rng.uniform(-1.0, 1.0, 2) * reach * outline.extent
-        reach *= 0.7
         try:
-            moved = replace(loop, slider=replace(loop.slider, centre_of_mass=tuple(outline.centroid + off)))
+            moved = change(reach)
             assert moved.model.pressure
+            return moved
         except InvalidInput:
-            continue
-        return moved
+            reach *= 0.7
     return loop
+
+
+def _leaning(loop: CollectionLoop, rng: np.random.Generator) -> CollectionLoop:
+    """Its centre of mass off the centroid."""
+
+    def moved(reach: float) -> CollectionLoop:
+        away = rng.uniform(-1.0, 1.0, 2) * reach * loop.slider.outline.extent
+        centre = tuple(loop.slider.outline.centroid + away)
+        return replace(loop, slider=replace(loop.slider, centre_of_mass=centre))
+
+    return _as_far_as_it_stands(loop, moved, 10.0)
 
 
 def _framed(loop: CollectionLoop, rng: np.random.Generator) -> CollectionLoop:
-    """More weight inside, at the rim and at the corners, as far as it stands."""
+    """More weight inside, at the rim and at the corners."""
     under = loop.model.pressure
-    assert isinstance(under, PatchFootprint)
-    names = ("inner_share", "rim_share") if isinstance(under.outline, Ellipse) else SHARES
-    reach = 1.0
-    for _ in range(40):
+    names = SHARES[:2] if isinstance(under.outline, Ellipse) else SHARES
+
+    def pressed(reach: float) -> CollectionLoop:
         shares = reach * rng.dirichlet(np.full(len(names) + 1, 0.7))[:-1]
-        reach *= 0.7
-        try:
-            return replace(loop, footprint=replace(under, **dict(zip(names, shares.tolist(), strict=True))))
-        except InvalidInput:
-            continue
-    return loop
+        return replace(loop, footprint=replace(under, **dict(zip(names, shares.tolist(), strict=True))))
+
+    return _as_far_as_it_stands(loop, pressed, 1.0)
 
 
 def _points(loop: CollectionLoop, rng: np.random.Generator) -> PointFootprint:

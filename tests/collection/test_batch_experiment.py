@@ -131,14 +131,6 @@ def test_rest_counts_even_where_steps_at_the_level_of_the_errors_grow():
     assert made([1.0, 1.001]).directions() == () and made([1.0, 1.001]).left[0] == math.inf
 
 
-def test_the_ring_at_a_place_where_no_fixed_point_is_leaves_batches_without_a_direction():
-    """Near its bottleneck at 162 degrees a cycle turns by 0.025 degrees, always onwards."""
-    loop = CollectionLoop.from_settings({"hitch_x_mm": -6.92, "hitch_y_mm": 6.92})
-    run = run_batches(replace(loop, accuracy=1e-6), np.radians([161.9, 162.2]), cycles=4)
-    assert np.all(np.diff(run.theta) > math.radians(0.02)) and run.last_step.max() < math.radians(0.05)
-    assert run.directions() == ()
-
-
 def test_progress_reaches_one_in_even_steps():
     told: list[float] = []
     batch_experiment(replace(on_points(CollectionLoop.mit()), accuracy=1e-4), 2, 2, told.append)

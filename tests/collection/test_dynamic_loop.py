@@ -52,12 +52,6 @@ def test_whole_turns_of_the_start_change_nothing_but_the_lift():
     assert again.theta_next - once.theta_next == pytest.approx(4.0 * math.pi, abs=5e-5)
 
 
-def test_on_isotropic_friction_every_cycle_is_the_same():
-    found = compared(True).dynamic
-    assert np.ptp(found.push_turn) < 2e-5 and np.ptp(found.drag_turn) < 2e-5
-    assert np.ptp(found.push_displacement, axis=0).max() < 3e-6
-
-
 def test_it_stands_on_the_loops_own_points_and_else_on_the_papers_grid():
     loop = CollectionLoop.mit()
     corners = corner_footprint(loop.slider.outline)

@@ -1,14 +1,16 @@
-"""The collection loop: a cycle is a push and a drag; by theta its derivative is the map's slope."""
+"""The collection loop: its cycles, one by one and many, their derivatives, and where their map comes to rest."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
-from cyclemap.collection import CollectionLoop
-from cyclemap.errors import InvalidInput
-from cyclemap.mechanics import SidePush, WorldPush
+from cyclemap.collection import CollectionLoop, Cycles, run_cycles
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps import fixed_points
+from cyclemap.mechanics import EllipseFriction, Material, Pusher, SidePush, Slider, WorldPush, grid_footprint
 
 MIT = CollectionLoop.mit()
 
@@ -21,11 +23,6 @@ def test_the_multiplier_is_the_slope_of_the_cycle_map(theta):
     assert abs(found.by_theta - (8.0 * near - far) / (12.0 * step)) < 1e-6
     assert found.by_theta == found.by("theta") == found.by("theta", "theta_next")
     assert abs(found.theta_next - loop.cycle(theta).theta_next) < 1e-14
-
-
-def test_a_sensitivity_of_an_unknown_name_is_refused():
-    with pytest.raises(InvalidInput, match="no derivative of 'theta_next' by 'mass'"):
-        MIT.sensitivity(0.0).by("mass")
 
 
 def test_a_cycle_starts_and_ends_with_its_ring_at_the_target():
@@ -43,13 +40,6 @@ def test_the_lift_commutes_with_full_turns():
         assert abs(MIT.cycle(theta + 6 * math.pi).theta_next - MIT.cycle(theta).theta_next - 6 * math.pi) < 1e-8
 
 
-def test_the_order_of_calls_does_not_change_a_cycle():
-    first = [CollectionLoop.mit().cycle(t).theta_next for t in (0.0, 2.0, 4.0)]
-    loop = CollectionLoop.mit()
-    second = [loop.cycle(t).theta_next for t in (4.0, 2.0, 0.0)][::-1]
-    assert first == second
-
-
 def test_the_drawn_trajectory_is_the_cycles_own_only_finer():
     cycle = MIT.cycle(1.0)
     drawn = cycle.trajectory
@@ -64,6 +54,10 @@ def test_values_that_fit_no_loop_are_refused():
     for theta in (float("nan"), "1", None, True):
         with pytest.raises(InvalidInput, match="theta"):
             MIT.cycle(theta)
+    with pytest.raises(InvalidInput, match="no derivative of 'theta_next' by 'mass'"):
+        MIT.sensitivity(0.0).by("mass")
+    with pytest.raises(InvalidInput, match="unknown parameter 'mu_c'"):
+        MIT.sensitivity(0.0, ("theta", "mu_c"))
     with pytest.raises(InvalidInput, match="sides 0 to 3"):
         replace(MIT, push=SidePush(side=7)).cycle(0.0)
     with pytest.raises(InvalidInput, match="did you mean 'plywood'"):
@@ -72,3 +66,120 @@ def test_values_that_fit_no_loop_are_refused():
         MIT.next_theta([0.0, float("inf")])
     with pytest.raises(InvalidInput):
         WorldPush((0.0, 0.0), 0.0, -1.0)
+
+
+def plywood(ring_mm=15.0, grid=None):
+    """MIT's loop on plywood with the ring at a distance from the centre, towards the same corner."""
+    lever = ring_mm * 1e-3 / math.sqrt(2.0)
+    slider = Slider.mit("rect1", hitch=(-lever, lever))
+    footprint = grid_footprint(slider.outline, grid) if grid else None
+    return CollectionLoop.mit(slider=slider, footprint=footprint)
+
+
+def turn_deg(loop, theta_deg):
+    return math.degrees(loop.cycle(math.radians(theta_deg)).theta_next) - theta_deg
+
+
+@pytest.mark.parametrize(
+    ("ring_mm", "stable_deg", "unstable_deg", "within_deg"),
+    [(15.0, 61.45, 200.2, 0.05), (13.0, 97.5, 193.4, 0.1), (10.0, 151.0, 172.0, 0.6)],
+)
+def test_fixed_points_of_the_8x8_grid(ring_mm, stable_deg, unstable_deg, within_deg):
+    """On the paper's grid the fixed points lie where the independent solver found them."""
+    loop = replace(plywood(ring_mm, grid=8), accuracy=1e-6)
+    for expected in (stable_deg, unstable_deg):
+        found = brentq(lambda theta: turn_deg(loop, theta), expected - 3.0, expected + 3.0, xtol=1e-4)
+        assert found == pytest.approx(expected, abs=within_deg)
+
+
+def test_fixed_points_meet_in_a_saddle_node_as_the_ring_moves_in():
+    """Stable and unstable point approach each other as the ring goes inwards, and are gone at 9 mm."""
+    gaps = []
+    for ring_mm in (15.0, 13.0, 10.0, 9.0):
+        orbits = fixed_points(plywood(ring_mm).circle_map(tolerance=1e-4))
+        gaps.append(np.degrees(orbits[1].points[0] - orbits[0].points[0]) if len(orbits) == 2 else None)
+        assert [orbit.kind for orbit in orbits] == (["stable", "unstable"] if ring_mm > 9.0 else [])
+    assert gaps[0] > gaps[1] > gaps[2] > 0.0 and gaps[3] is None
+
+
+def centred():
+    """MIT's loop on plywood without the ellipse's offset."""
+    return CollectionLoop.mit(material=Material("centred", EllipseFriction(0.2545, 0.2346, phi=2.6175)))
+
+
+def test_turn_of_a_centred_ellipse_on_the_8x8_grid():
+    """Without the offset every cycle on the grid turns the object by 3.3 to 11.4 degrees; half a turn tells all."""
+    loop = replace(centred(), footprint=grid_footprint(Slider.mit("rect1").outline, 8), accuracy=1e-6)
+    theta = np.radians(np.arange(0.0, 180.0, 5.0))
+    turn = np.degrees(loop.next_theta(theta) - theta)
+    np.testing.assert_allclose([turn.min(), turn.max()], [3.31, 11.37], atol=0.03)
+
+
+def test_stated_error_of_the_plywood_map_holds():
+    """At 40 random orientations the map is within its stated error of single, finer cycles."""
+    loop = plywood()
+    circle = loop.circle_map(tolerance=1e-6)
+    theta = np.random.default_rng(11).uniform(0.0, 2.0 * np.pi, 40)
+    error = np.abs(circle(theta) - replace(loop, accuracy=1e-10).next_theta(theta))
+    assert error.max() <= circle.max_error <= 1e-6
+
+
+THETA = np.array([-4.0, 0.5, 2.0, 7.0])
+
+
+def same(one: Cycles, other: Cycles) -> None:
+    for field in fields(Cycles):
+        np.testing.assert_allclose(getattr(one, field.name), getattr(other, field.name), rtol=0.0, atol=1e-11)
+
+
+def taken(cycles: Cycles, *index) -> Cycles:
+    return Cycles(*(getattr(cycles, field.name)[index] for field in fields(Cycles)))
+
+
+def test_orientations_are_each_loops_own_or_everyones():
+    loops, order = [MIT, CollectionLoop.mit("delrin", pusher=Pusher(0.0), accuracy=1e-7)], [3, 0, 2, 1]
+    common = run_cycles(loops, THETA)
+    assert common.push_displacement.shape == (2, 4, 2) and common.left.dtype == bool
+    for number, loop in enumerate(loops):
+        same(taken(common, number), loop.cycles(THETA))
+        one = loop.cycle(THETA[1])
+        assert (common.theta_next[number, 1], common.left[number, 1]) == (one.theta_next, one.ended == "left")
+    same(run_cycles(loops, np.stack([THETA, THETA])), common)
+    crossed = run_cycles(loops, np.stack([THETA, THETA[order]]))
+    same(taken(crossed, 0), taken(common, 0))
+    same(taken(crossed, 1), taken(common, 1, order))
+
+
+def test_nothing_to_run_is_no_cycles():
+    assert MIT.cycles([]).theta_next.shape == (0,) and MIT.next_theta(0.5).shape == ()
+    assert run_cycles([], THETA).theta.shape == (0, 4)
+    assert run_cycles([MIT], np.zeros(0)).push_displacement.shape == (1, 0, 2)
+
+
+REFUSED = [
+    (replace(MIT, push=SidePush(side=9)), InvalidInput, "side 9 does not exist"),
+    (replace(MIT, accuracy=1.0), InvalidInput, "accuracy 1.0 is out of reach"),
+]
+
+
+@pytest.mark.parametrize(("loop", "kind", "told"), REFUSED, ids=["a side too many", "accuracy"])
+def test_a_refusal_is_that_of_the_cycle_and_tells_which(loop, kind, told):
+    with pytest.raises(kind, match=told) as alone:
+        loop.cycle(2.0)
+    with pytest.raises(kind, match=f"loop 1: .*{told}") as among:
+        run_cycles([MIT, loop], [2.0, 3.0])
+    assert type(among.value) is type(alone.value) and not isinstance(among.value, ConvergenceError)
+
+
+@pytest.mark.parametrize(
+    ("loops", "theta", "told"),
+    [
+        ([MIT, "plywood"], [0.0], "loop 1 must be a CollectionLoop, not 'plywood'"),
+        ([MIT], 0.0, r"shape \(n,\) for all loops or \(1, n\), one row a loop, not \(\)"),
+        ([MIT, MIT], np.zeros((3, 2)), r"or \(2, n\), one row a loop, not \(3, 2\)"),
+        ([MIT], [math.nan], "theta must be finite"),
+    ],
+)
+def test_what_is_no_batch_is_refused(loops, theta, told):
+    with pytest.raises(InvalidInput, match=told):
+        run_cycles(loops, theta)

@@ -92,16 +92,6 @@ def test_a_rim_share_keeps_the_lean_and_is_kept_until_the_footprint_is_set_anew(
     assert CollectionLoop.from_settings({"footprint": "exact"}, more).model.pressure.rim_share == 0.0
 
 
-def test_shares_of_the_weight_are_set_one_by_one_and_together():
-    outline = Slider.mit("rect1").outline
-    first = CollectionLoop.from_settings({"rim_share": 0.3, "corner_share": 0.1})
-    both = CollectionLoop.from_settings({"inner_share": 0.05}, first)
-    assert both.model.pressure == PatchFootprint(outline, 0.05, 0.3, 0.1)
-    moved = CollectionLoop.from_settings({"corner_share": 0.2, "centre_x_mm": 4}, both)
-    assert moved.model.pressure == PatchFootprint(outline, 0.05, 0.3, 0.2, (0.004, 0.0))
-    assert CollectionLoop.from_settings({"footprint": "exact"}, both).model.pressure.even_share == 1.0
-
-
 def test_settings_build_on_a_given_loop_and_replace_nothing_unasked():
     base = CollectionLoop.from_settings({"pusher_mu": 0.4, "way_points_mm": [[10, 20]]})
     loop = CollectionLoop.from_settings({"push_mm": 80}, base)
@@ -115,53 +105,33 @@ def test_a_changed_material_says_so_and_an_unchanged_one_does_not():
     assert CollectionLoop.from_settings({"mu_a": 0.2545}).material.name == "plywood"
 
 
-def test_millimetres_and_degrees_mean_the_protocol_of_the_paper():
-    same = {"push_mm": 150, "fraction": 0.7, "side": 0, "angle_deg": 0, "pusher_radius_mm": 4.75, "pusher_mu": 0.15}
-    assert CollectionLoop.from_settings(same).cycle(0.0).theta_next == pytest.approx(
-        MIT.cycle(0.0).theta_next, abs=1e-9
-    )
-
-
 @pytest.mark.parametrize(
     ("settings", "told"),
     [
         ({"mu_c": 1}, "did you mean 'mu_"),
         ({"mu_a": "rough"}, "rough"),
-        ({"mu_a": float("nan")}, "nan"),
         ({"mu_a": -0.1}, "-0.1"),
         ({"m0": 0.3}, "gain energy"),
         ({"pusher_radius_mm": -1}, "radius"),
         ({"side": 1.5}, "side"),
-        ({"side": True}, "side"),
         ({"fraction": 1.01}, "1.01"),
         ({"angle_deg": 90}, "points away"),
         ({"push_mm": 0}, "distance"),
         ({"shape": "rect9"}, "did you mean 'rect"),
         ({"shape": "hex", "semi_x_mm": 3, "semi_y_mm": 3}, "both name the outline"),
         ({"semi_x_mm": 3}, "both semi_x_mm and semi_y_mm"),
-        ({"semi_y_mm": 3}, "both semi_x_mm and semi_y_mm"),
-        ({"vertices_mm": [[0, 0], [1, 0]]}, "three vertices"),
         ({"vertices_mm": [[0, 0], [1, 1], [1, 0], [0, 1]]}, "cross"),
         ({"vertices_mm": "square"}, "vertices_mm"),
-        ({"vertices_mm": 3}, "vertices_mm"),
         ({"way_points_mm": [1, 2]}, "way_points_mm"),
-        ({"way_points_mm": [[1, float("inf")]]}, "way_points_mm"),
         ({"centre_x_mm": 60}, "outside the outline"),
         ({"footprint": "exact:8"}, "none of"),
-        ({"footprint": 8}, "none of"),
-        ({"footprint": "grid:8.5"}, "none of"),
         ({"footprint": "none.csv"}, "none.csv"),
         ({"mass_kg": 0}, "mass"),
         ({"rim_share": 1.5}, "1.5"),
-        ({"rim_share": -0.1}, "-0.1"),
-        ({"rim_share": "half"}, "half"),
-        ({"rim_share": 0.2, "footprint": "grid:8"}, "exact footprint"),
         ({"rim_share": 0.5, "inner_share": 0.6}, "add to 1.1"),
-        ({"inner_share": "some"}, "some"),
         ({"corner_share": 0.2, "footprint": "grid:8"}, "corner_share belongs to the exact footprint"),
         ({"corner_share": 0.2, "shape": "ellip1"}, "no corners"),
         ({"pin_friction_mm": -1}, "pin_friction_mm=-1"),
-        ({"hitch_x_mm": None}, "hitch_x_mm"),
     ],
 )
 def test_bad_settings_are_refused_by_name_in_one_line(settings, told):

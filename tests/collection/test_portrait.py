@@ -1,15 +1,16 @@
-"""The portrait of a loop: every number checked on maps whose answers are known in closed form."""
+"""Portrait and forecast of a loop: every number checked on maps whose answers are known in closed form."""
+
+import math
 
 import numpy as np
 import pytest
 
-from cyclemap.collection import portrait
+from cyclemap.collection import portrait, staircase_forecast
 from cyclemap.collection.cycle_scene import cycle_scene, placed
 from cyclemap.collection.portrait import DEFAULT_SIGMA, turn_statistics
 from cyclemap.collection.portrait_curves import cobweb, portrait_curves, turn_curve
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap
-from cyclemap.maps.quadrature import circle_rule
 
 TURN = 2 * np.pi
 
@@ -60,26 +61,6 @@ def test_the_mean_over_cubics_is_exact(count) -> None:
     assert found.minimum == pytest.approx(0.1, abs=2e-5)
     assert found.maximum == pytest.approx(0.5, abs=2e-5)
     assert found.min_slope == pytest.approx(0.8, abs=1e-3) and found.max_slope == pytest.approx(1.2, abs=1e-3)
-
-
-def test_it_agrees_with_the_rule_for_waves_on_a_gentle_map() -> None:
-    circle_map = sampled(60)
-    theta, weight = circle_rule(circle_map, 2048)
-    assert turn_statistics(circle_map).mean == pytest.approx(weight @ circle_map.turn(theta) / TURN, abs=1e-13)
-
-
-def test_a_stretch_as_steep_as_a_jump_is_no_reason_to_refuse() -> None:
-    """The map climbs by 3 rad within 1e-10 rad: its turn is that of the steps on either side."""
-    at, rise = 2.0, 3.0
-    theta = np.array([0.0, at, at + 1e-10, 4.0, TURN])
-    lifted = np.array([0.0, at, at + rise, 4.0 + rise, TURN])
-    slope = np.array([1.0, 1.0, 1.0, 1.0, 1.0])
-    found = turn_statistics(CircleMap.from_samples(theta, lifted, slope))
-    # From 4 on it comes down to the whole turn again: 3 h/2 under a cubic with slope 1 at both of its ends.
-    mean = (rise * (4.0 - at) + 0.5 * rise * (TURN - 4.0)) / TURN
-    assert found.mean == pytest.approx(mean, abs=1e-9)
-    assert found.maximum == pytest.approx(rise, abs=1e-9) and found.minimum == pytest.approx(0.0, abs=1e-9)
-    assert found.max_slope == pytest.approx(1.5 * rise / 1e-10, rel=1e-2)
 
 
 @pytest.mark.slow
@@ -206,3 +187,52 @@ def test_reach_holds_everything_drawn(real_loop) -> None:
 def test_placed_turns_then_moves() -> None:
     moved = placed(np.array([1.0, 2.0, np.pi / 2]), np.array([[1.0, 0.0], [0.0, 1.0]]))
     assert np.allclose(moved, [[1.0, 3.0], [0.0, 2.0]])
+
+
+def test_residences_that_a_float_can_hold_are_told_alike_by_their_logarithm(loop_of) -> None:
+    found = staircase_forecast(loop_of(CircleMap.arnold(0.1, 0.9)), sigma=0.4, cycles=500)
+    (zone,) = found.prediction.zones
+    assert zone.kind == "stable"
+    assert found.log10_residences[0] == pytest.approx(math.log10(zone.residence_cycles), abs=1e-12)
+
+
+@pytest.mark.slow
+def test_long_residences_grow_as_one_over_the_noise_squared(loop_of) -> None:
+    """Freidlin and Wentzell: σ² ln T tends to a constant of the map, however long T."""
+    stuck = loop_of(CircleMap.arnold(0.1, 0.9))
+    wide, narrow = (staircase_forecast(stuck, sigma=sigma, cycles=10) for sigma in (0.056, 0.028))
+    assert narrow.prediction.mean_residence_cycles == math.inf
+    assert narrow.log10_residences[0] > 300.0
+    assert narrow.log10_residences[0] / wide.log10_residences[0] == pytest.approx(4.0, rel=0.03)
+
+
+@pytest.mark.slow
+def test_zones_that_make_whole_turns_have_the_residence_of_those_that_make_none(loop_of) -> None:
+    """A whole turn more a cycle moves no direction: residences depend on the map of the circle alone."""
+    still, turning = (
+        staircase_forecast(loop_of(CircleMap.arnold(omega, 0.9)), sigma=0.028, cycles=10) for omega in (0.1, 1.1)
+    )
+    assert turning.prediction.zones[0].winding == 1
+    assert turning.log10_residences[0] == pytest.approx(float(still.log10_residences[0]), rel=1e-9)
+
+
+def test_the_steps_of_a_run_past_a_ghost_are_whole_turns_of_the_predicted_length(loop_of) -> None:
+    found = staircase_forecast(loop_of(CircleMap.arnold(0.0955, 0.6)), sigma=0.03, cycles=20_000, seed=3)
+    assert found.prediction.step == pytest.approx(2 * np.pi)
+    assert found.steps.count > 50
+    assert np.median(found.steps.heights) == pytest.approx(2 * np.pi, abs=0.05)
+    assert abs(found.comparison.net_steps - found.comparison.expected_steps) < 4 * found.comparison.net_error
+
+
+@pytest.mark.slow
+def test_plywood_of_the_paper_climbs_in_whole_turns_but_hardly_ever(real_loop) -> None:
+    found = staircase_forecast(real_loop, cycles=200)
+    assert math.degrees(found.prediction.step) == pytest.approx(360.0)
+    assert found.log10_residences[0] == pytest.approx(683.81, abs=0.1)
+    assert found.log10_residences[0].error_bound < 1e-6
+    assert found.steps.count == 0
+
+
+def test_a_run_without_noise_is_refused(loop_of) -> None:
+    with pytest.raises(InvalidInput, match="sigma"):
+        staircase_forecast(loop_of(CircleMap.arnold(0.1, 0.9)), sigma=0.0)

@@ -8,6 +8,7 @@ plane, no homogeneity of D. Where the centre is far or at infinity, a fine area 
 import math
 
 import numpy as np
+from sympy.integrals.quadrature import gauss_legendre
 
 from cyclemap.mechanics import Ellipse, PointFootprint, Polygon
 
@@ -18,15 +19,9 @@ TURN = 2 * REAL("3.14159265358979323846264")
 
 
 def _gauss(count):
-    """Nodes and weights on [0, 1], polished beyond double precision."""
-    x = np.polynomial.legendre.leggauss(count)[0].astype(REAL)
-    for _ in range(3):
-        before, now = np.ones_like(x), x
-        for k in range(2, count + 1):
-            before, now = now, ((2 * k - 1) * x * now - (k - 1) * before) / k
-        slope = count * (x * now - before) / (x * x - 1)
-        x = x - now / slope
-    return (1 + x) / 2, 1 / ((1 - x * x) * slope * slope)
+    """Nodes and weights on [0, 1], beyond double precision."""
+    nodes, weights = (np.array([REAL(str(one)) for one in values]) for values in gauss_legendre(count, 25))
+    return (1 + nodes) / 2, weights / 2
 
 
 NODE, WEIGHT = _gauss(20)

@@ -9,14 +9,11 @@ from cyclemap.mechanics import (
     MIT_SHAPE_NAMES,
     EllipseFriction,
     PointFootprint,
-    Polygon,
     Pose,
     Pusher,
     QuasiStaticModel,
     SidePush,
     Slider,
-    corner_footprint,
-    grid_footprint,
 )
 
 
@@ -63,59 +60,16 @@ def sized(case: Case, factor: float) -> Case:
     return Case(model, pose, replace(case.push, distance=factor * case.push.distance))
 
 
-def _pushed(**changes):
-    return lambda case, rng: replace(
-        case, push=replace(case.push, **{name: value(rng) for name, value in changes.items()})
-    )
-
-
-def _rod(**changes):
-    def change(case, rng):
-        rod = replace(case.model.pusher, **{name: value(rng) for name, value in changes.items()})
-        return replace(case, model=replace(case.model, pusher=rod))
-
-    return change
-
-
-def _extreme_offset(case, rng):
-    law, towards = case.model.friction, rng.uniform(0, 2 * math.pi)
-    centre = 0.95 * law.mu_a * math.cos(towards), 0.95 * law.mu_b * math.sin(towards)
-    return replace(case, model=replace(case.model, friction=EllipseFriction(law.mu_a, law.mu_b, *centre, law.phi)))
-
-
-def _on(footprint):
-    def change(case, rng):
-        return replace(case, model=replace(case.model, footprint=footprint(case.model.slider.outline, rng)))
-
-    return change
-
-
-def _corners(outline, rng):
-    return corner_footprint(outline) if isinstance(outline, Polygon) else grid_footprint(outline, 2)
-
-
-def _scattered(outline, rng):
+def harsh_case(kind: str, seed: int) -> Case:
+    """The random case of a seed with one thing taken to its extreme."""
+    case, rng = random_case(seed), np.random.default_rng([seed, 1])
+    if kind == "grazing push":
+        return replace(case, push=replace(case.push, angle=math.radians(rng.uniform(-89.9, 89.9))))
+    if kind == "extreme offset":
+        law, towards = case.model.friction, rng.uniform(0, 2 * math.pi)
+        centre = 0.95 * law.mu_a * math.cos(towards), 0.95 * law.mu_b * math.sin(towards)
+        return replace(case, model=replace(case.model, friction=EllipseFriction(law.mu_a, law.mu_b, *centre, law.phi)))
     count = int(rng.integers(2, 7))
     points, weights = rng.uniform(-0.04, 0.04, (count, 2)), rng.uniform(0.05, 1.0, count)
-    return PointFootprint(tuple(map(tuple, points)), tuple(weights))
-
-
-EXTREMES = {
-    "tiny and huge": lambda case, rng: sized(case, 10 ** rng.uniform(-5, 4)),
-    "ends of a side": _pushed(fraction=lambda rng: float(rng.integers(2))),
-    "sticky rod": _rod(friction=lambda rng: 5.0),
-    "extreme offset": _extreme_offset,
-    "thick rod": _rod(radius=lambda rng: 10 ** rng.uniform(-2, 0)),
-    "long push": _pushed(distance=lambda rng: 1.0),
-    "grid": _on(lambda outline, rng: grid_footprint(outline, int(rng.integers(2, 9)))),
-    "corners": _on(_corners),
-    "point rod": _rod(radius=lambda rng: 0.0),
-    "frictionless rod": _rod(friction=lambda rng: 0.0),
-    "grazing push": _pushed(angle=lambda rng: math.radians(rng.uniform(-89.9, 89.9))),
-    "scattered points": _on(_scattered),
-}
-
-
-def harsh_case(kind: str, seed: int) -> Case:
-    """Return the random case of a seed with one thing taken to its extreme."""
-    return EXTREMES[kind](random_case(seed), np.random.default_rng([seed, 1]))
+    footprint = PointFootprint(tuple(map(tuple, points)), tuple(weights))
+    return replace(case, model=replace(case.model, footprint=footprint))

@@ -1,4 +1,4 @@
-"""The dynamic simulation keeps the laws of mechanics: momentum, friction cone, dimensions, frames, closed forms."""
+"""The dynamic simulation keeps the laws of mechanics, and converges at the orders that its docstrings state."""
 
 import math
 from dataclasses import replace
@@ -16,13 +16,14 @@ from cyclemap.mechanics import (
     EllipseFriction,
     LimitSurface,
     PatchFootprint,
-    PointFootprint,
     Polygon,
     Pose,
     Pusher,
+    QuasiStaticModel,
     SidePush,
     Slider,
     dynamic_model,
+    grid_footprint,
     load_material,
 )
 from cyclemap.mechanics.dynamic_model import nearest_place
@@ -116,15 +117,6 @@ def test_turning_surface_object_and_push_together_turns_the_motion():
     np.testing.assert_allclose((turned.end.x, turned.end.y), _turned(alpha, still.end.x, still.end.y), atol=1e-8)
 
 
-def test_on_isotropic_friction_every_orientation_gives_one_path_in_the_objects_frame():
-    one = model(EllipseFriction.isotropic(0.25), **FINE)
-    pushes = [one.push(Pose(theta=theta), SHORT) for theta in (0.0, 1.0, 2.5, 4.4)]
-    turns = np.array([push.turn for push in pushes])
-    places = np.array([push.displacement for push in pushes])
-    assert np.ptp(turns) < 1e-7 and np.ptp(places, axis=0).max() < 1e-8
-    assert turns[0] > 0.2
-
-
 def test_only_the_froude_number_and_the_softness_in_weights_matter():
     """Twice the size at sqrt(2) of the speed, or three times the mass on three times the stiffness: the same turn."""
     base = model(STRONG, **FINE).push(Pose(theta=0.5), SHORT)
@@ -151,12 +143,6 @@ def test_the_contact_begins_with_the_dampers_blow_and_ends_at_rest():
     assert np.abs(course.velocity[-1, :2]).max() <= 0.01 * 0.02
     assert course.path[-1] == course.path[-2] == pytest.approx(0.04)
     assert course.time[-1] > course.time[-2] == pytest.approx(2.0)
-
-
-def test_friction_of_the_ring_pin_holds_the_turn_back():
-    free = model().drag(Pose(0.02, 0.05, 0.4), ((0.0, 0.0),))
-    held = model().drag(Pose(0.02, 0.05, 0.4), ((0.0, 0.0),), pin_friction_radius=0.003)
-    assert abs(held.turn) < abs(free.turn) - 0.01
 
 
 def test_a_drag_through_way_points_ends_with_the_ring_at_the_last():
@@ -220,63 +206,8 @@ def test_a_slider_that_never_rests_is_told(monkeypatch):
         model().push(Pose(), SHORT)
 
 
-def test_two_support_points_suffice():
-    stand = PointFootprint(((-0.03, 0.0), (0.03, 0.0)), (1.0, 1.0))
-    push = model(footprint=stand).push(Pose(), SHORT)
-    assert push.ended == "distance" and push.turn > 0.1
-
-
 def _turned(angle: float, x: float, y: float) -> tuple[float, float]:
     return Pose(theta=angle).to_world(x, y)
-
-
-MU = 0.25
-FAR = np.array((50.0, 50.0))
-
-
-def coasted(friction: EllipseFriction, start: list[float], time: float):
-    """The slider alone on the floor, from a state in the equations' units; the rod is far away."""
-    model = DynamicModel(SQUARE, friction, Pusher(), tolerance=1e-9, regularisation=1e-6)
-    return model, model.equations(SQUARE.outline).run(np.array(start), FAR, np.zeros(2), time, model.physics())
-
-
-@pytest.mark.parametrize("direction", [0.0, 0.9, 4.0])
-def test_a_block_slides_to_rest_over_v_squared_by_2_mu_g(direction):
-    model, _ = coasted(EllipseFriction.isotropic(MU), [0.0] * 6, 1e-3)
-    c, s = math.cos(direction), math.sin(direction)
-    _, run = coasted(EllipseFriction.isotropic(MU), [0.0, 0.0, 0.4, c, s, 0.0], 2.0 * model.froude / MU)
-    distance = model.froude / (2.0 * MU)
-    np.testing.assert_allclose(run.state[-1, :2], (c * distance, s * distance), rtol=1e-4, atol=1e-12)
-    assert run.state[-1, 2] == pytest.approx(0.4, abs=1e-8)
-
-
-@pytest.mark.parametrize(("sign", "mu"), [(1.0, 0.34), (-1.0, 0.26)])
-def test_along_an_ellipses_axis_friction_is_the_semi_axis_and_the_offset(sign, mu):
-    """v = 1 - mu t / Fr, with mu = mu_a + m0 one way and mu_a - m0 the other."""
-    law, model = EllipseFriction(0.3, 0.2, 0.04, 0.0, 0.0), coasted(EllipseFriction.isotropic(MU), [0.0] * 6, 1e-3)[0]
-    time = model.froude
-    _, run = coasted(law, [0.0, 0.0, 0.0, sign, 0.0, 0.0], time)
-    assert sign * run.state[-1, 3] == pytest.approx(1.0 - mu, abs=1e-5)
-    np.testing.assert_allclose(run.state[-1, [4, 5]], 0.0, atol=1e-8)
-
-
-def test_a_plate_spins_to_rest_under_a_constant_torque():
-    """Points at radius r each take mu r of their load: omega falls evenly, the angle is omega^2 / (2 alpha)."""
-    model, _ = coasted(EllipseFriction.isotropic(MU), [0.0] * 6, 1e-3)
-    radius = float(np.hypot(*np.array(model.points.positions).T).mean() / model.points.extent)
-    inertia = model.physics()["inertia"]
-    alpha = MU * radius / (model.froude * inertia)
-    _, run = coasted(EllipseFriction.isotropic(MU), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0], 2.0 / alpha)
-    assert run.state[-1, 2] == pytest.approx(1.0 / (2.0 * alpha), rel=1e-4)
-    np.testing.assert_allclose(run.state[-1, :2], 0.0, atol=1e-10)
-
-
-def test_a_slider_left_alone_at_rest_creeps_by_less_than_the_creep_speed():
-    law = EllipseFriction(0.3, 0.2, 0.1, 0.05, 0.3)
-    _, run = coasted(law, [0.0] * 6, 1.0)
-    moved = np.hypot(*run.state[-1, :2])
-    assert 0.0 < moved < 1e-6
-    assert np.all(run.force == 0.0)
 
 
 OUTLINES = {name: Slider.mit(name).outline for name in MIT_SHAPE_NAMES} | {"slim": Ellipse(0.08, 0.02)}
@@ -294,3 +225,80 @@ def test_no_place_of_the_outline_is_nearer(name):
     for place, nearest in zip(places.tolist(), found.tolist(), strict=True):
         assert math.dist(nearest, place) == pytest.approx(outline.distance(place), abs=1e-12)
         assert outline.distance(nearest) < 1e-12
+
+
+def strokes(model, theta=0.3, distance=0.04, **options) -> np.ndarray:
+    """Turns (rad) and displacement (0.1 m) of a push and of the drag back."""
+    push = model.push(Pose(theta=theta), SidePush(distance=distance), **options)
+    drag = model.drag(push.end, ((0.0, 0.0),), **options)
+    return np.array((push.turn, *(10.0 * push.displacement), drag.turn))
+
+
+@cache
+def dynamic(friction=STRONG, theta=0.3, **numbers) -> np.ndarray:
+    return strokes(DynamicModel(SQUARE, friction, Pusher(), **numbers), theta, samples=1)
+
+
+def halvings(name: str, first: float, factor: float, count: int, friction: EllipseFriction) -> np.ndarray:
+    """Changes (count - 1, 4) from one value of a number to the next."""
+    values = (first * factor**k for k in range(count))
+    return np.diff([dynamic(friction, **{"tolerance": 1e-8, name: value}) for value in values], axis=0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", [PLYWOOD, STRONG], ids=["plywood", "strong"])
+@pytest.mark.parametrize(
+    ("name", "first", "factor", "order"),
+    [("stiffness", 1e5, 2.0, 1.0), ("regularisation", 1.6e-3, 0.5, 1.0), ("speed", 0.04, 0.5, 2.0)],
+)
+def test_errors_fall_with_softness_and_regularisation_and_with_speed_squared(name, first, factor, order, friction):
+    size = np.abs(halvings(name, first, factor, 4, friction)).max(axis=1)
+    assert size.shape == (3,) and np.all(size > 1e-6)
+    orders = np.log2(size[:-1] / size[1:])
+    # A stroke's end, where stick and slip change, is not smooth in the stiffness.
+    slack = 0.8 if name == "stiffness" else 0.15
+    np.testing.assert_allclose(orders, order, atol=slack)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", [PLYWOOD, STRONG], ids=["plywood", "strong"])
+def test_the_error_stays_within_fifty_times_the_tolerance(friction):
+    exact = dynamic(friction, tolerance=1e-10)
+    errors = {
+        tolerance: np.abs(dynamic(friction, tolerance=tolerance) - exact).max() for tolerance in (1e-5, 1e-6, 1e-8)
+    }
+    assert all(error < 50.0 * tolerance for tolerance, error in errors.items()), errors
+    assert errors[1e-8] < 0.05 * errors[1e-5]
+
+
+@pytest.mark.parametrize(("friction", "theta"), [(PLYWOOD, 0.3), (PLYWOOD, 2.6), (STRONG, 0.3), (STRONG, 4.0)])
+def test_extrapolated_to_no_speed_it_is_the_quasi_static_model(friction, theta):
+    """Two speeds, their v^2 taken out: turns agree to 2e-5 rad (0.001 degrees), displacements to 2 micrometres."""
+    sharp = {"tolerance": 1e-8, "stiffness": 1e7, "regularisation": 2e-5}
+    slow, slower = (dynamic(friction, theta, speed=speed, **sharp) for speed in (0.02, 0.01))
+    footprint = grid_footprint(SQUARE.outline, 8)
+    still = strokes(QuasiStaticModel(SQUARE, friction, Pusher(), footprint), theta)
+    at_rest = (4.0 * slower - slow) / 3.0
+    np.testing.assert_allclose(at_rest, still, atol=2e-5, rtol=0.0)
+    # What was taken out was larger: the extrapolation carries the agreement.
+    assert np.abs(slow - still).max() > 3e-4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MIT_SHAPE_NAMES)
+def test_every_shape_on_strong_friction_comes_within_inertia_of_the_quasi_static_model(name):
+    """Axis ratio, offset and push drawn: at 20 mm/s a push differs by less than 0.3 degrees, its drag by 1."""
+    random = np.random.default_rng(MIT_SHAPE_NAMES.index(name))
+    slider, ratio = Slider.mit(name), math.exp(random.uniform(-1.0, 1.0))
+    law = EllipseFriction(0.25, 0.25 * ratio, 0.08, -0.05 * min(ratio, 1.0), random.uniform(0.0, math.pi))
+    side = int(random.integers(slider.outline.sides))
+    push = SidePush(side, random.uniform(0.05, 0.95), random.uniform(-0.6, 0.6), random.uniform(0.02, 0.1))
+    parts = slider, law, Pusher(friction=random.uniform(0.0, 0.6)), grid_footprint(slider.outline, 8)
+    start = Pose(0.01, 0.03, random.uniform(-3.0, 3.0))
+    found, still = DynamicModel(*parts).push(start, push), QuasiStaticModel(*parts).push(start, push)
+    assert found.ended == still.ended
+    assert found.turn == pytest.approx(still.turn, abs=math.radians(0.3))
+    np.testing.assert_allclose(found.displacement, still.displacement, atol=5e-4)
+    drag, slow_drag = (model(*parts).drag(found.end, ((0.0, 0.0),)) for model in (DynamicModel, QuasiStaticModel))
+    assert drag.turn == pytest.approx(slow_drag.turn, abs=math.radians(1.0))
+    assert drag.length == pytest.approx(slow_drag.length, rel=1e-12)

@@ -18,17 +18,6 @@ WAYS = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=-1)
 
 
 @pytest.mark.parametrize("law", LAWS[:8])
-def test_traction_is_the_gradient_of_dissipation_in_any_frame_and_dissipates_it(law):
-    step = 1e-6
-    for frame in (0.0, 0.7, -2.9):
-        along = [law.dissipation(VELOCITIES + step * e, frame) for e in (*np.eye(2), *-np.eye(2))]
-        slope = np.stack([along[0] - along[2], along[1] - along[3]], axis=-1) / (2.0 * step)
-        assert np.allclose(law.traction(VELOCITIES, frame), slope, atol=1e-8)
-    power = (law.traction(VELOCITIES) * VELOCITIES).sum(-1)
-    assert np.allclose(power, law.dissipation(VELOCITIES), rtol=1e-13)
-
-
-@pytest.mark.parametrize("law", LAWS[:8])
 def test_a_turned_frame_sees_the_same_forces_turned_back(law):
     angle = 1.1
     turn = np.array(((math.cos(angle), -math.sin(angle)), (math.sin(angle), math.cos(angle))))
@@ -38,22 +27,11 @@ def test_a_turned_frame_sees_the_same_forces_turned_back(law):
     assert np.allclose(turned, law.traction(VELOCITIES), atol=1e-14)
 
 
-def test_dissipation_is_positive_in_every_direction_up_to_the_limit_of_the_centre():
-    assert all(law.dissipation(WAYS).min() > 0.0 for law in LAWS)
-    edge = EllipseFriction(0.3, 0.2, 0.3 * 0.999999 * math.cos(1.0), 0.2 * 0.999999 * math.sin(1.0))
-    assert 0.0 < edge.dissipation(WAYS).min() < 1e-5
-
-
 @pytest.mark.parametrize("law", LAWS)
 def test_no_other_force_of_the_ellipse_dissipates_more(law):
     others = law.traction(np.random.default_rng(1).normal(size=(200, 2)))
     own = law.dissipation(VELOCITIES)
     assert (own[:, None] - VELOCITIES @ others.T).min() >= -1e-14
-
-
-def test_isotropic_friction_opposes_the_velocity_with_one_coefficient():
-    found = EllipseFriction.isotropic(0.3).turned(0.4).traction(VELOCITIES, frame=1.3)
-    assert np.allclose(found, 0.3 * VELOCITIES / np.hypot(*VELOCITIES.T)[:, None], atol=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -63,8 +41,6 @@ def test_isotropic_friction_opposes_the_velocity_with_one_coefficient():
         ((0.25, 0.2, 0.2, 0.15), "n0=0.15"),
         ((0.0, 0.2), "mu_a"),
         ((0.2, -0.1), "-0.1"),
-        ((float("nan"), 0.2), "nan"),
-        ((0.2, 0.2, float("inf")), "m0"),
         ((0.2, 0.2, 0.0, 0.0, "1"), "phi"),
         ((True, 0.2), "mu_a"),
     ],

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from random_cases import random_case, sized
 
-from cyclemap.mechanics import DragBack, EllipseFriction, Polygon, Pose, SidePush, Slider, load_material
+from cyclemap.mechanics import DragBack, EllipseFriction, Polygon, Pose, SidePush, Slider
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.strokes import PARAMETERS
 
 SEEDS = (0, 3, 6, 9, 11, 25)
-PLYWOOD = load_material("plywood").friction
 every_case = pytest.mark.parametrize("seed", SEEDS)
 
 

@@ -1,4 +1,4 @@
-"""Values are shared by threads, forks, processes and Dask workers, survive pickling, and stop when interrupted."""
+"""Values are shared by threads, forks and processes, survive pickling, and stop when interrupted."""
 
 import multiprocessing
 import os
@@ -9,7 +9,6 @@ import sys
 import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
-import distributed
 import numpy as np
 import pytest
 
@@ -22,7 +21,6 @@ from cyclemap.mechanics import (
     PatchFootprint,
     PointFootprint,
     Polygon,
-    Pose,
     Pusher,
     SidePush,
     Slider,
@@ -127,42 +125,17 @@ def test_loops_models_and_results_come_back_from_pickles(alone):
 
 
 @pytest.mark.slow
-def test_spawned_workers_come_to_the_same_bits(alone):
+def test_spawned_workers_come_to_the_same_bits_and_maps_come_back_the_same(alone):
+    made = [map_of(loop) for loop in mixture()[:2]]
     with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
         assert list(pool.map(everything, mixture())) == alone
-
-
-def push_of(model):
-    """The course of a push of a model alone."""
-    course = model.push(Pose(0.01, -0.02, 0.7), SidePush(0, 0.3, 0.0, 0.05)).trajectory
-    return np.hstack([course.pose, course.contact_force]).tobytes()
+        for here, there in zip(made, pool.map(map_of, mixture()[:2]), strict=True):
+            assert here(THETA).tobytes() == there(THETA).tobytes()
+            assert here.derivative(THETA).tobytes() == there.derivative(THETA).tobytes()
 
 
 def map_of(loop):
     return loop.circle_map(tolerance=1e-3)
-
-
-def images(circle_map):
-    """Values and slopes of a map, and the fixed points found in it."""
-    orbits = cm.fixed_points(circle_map)
-    found = [circle_map(THETA), circle_map.derivative(THETA), *(orbit.points for orbit in orbits)]
-    return np.concatenate([np.ravel(column) for column in found]).tobytes()
-
-
-@pytest.mark.slow
-def test_loops_models_and_maps_come_to_the_same_bits_on_dask_workers(alone):
-    """Loops and models go out with what they have computed; maps go out, come back, and are computed over there."""
-    loops = mixture()
-    here = [push_of(loop.model) for loop in loops]
-    maps = [map_of(loop) for loop in loops[:2]]
-    options = {"n_workers": 2, "threads_per_worker": 2, "processes": True, "dashboard_address": None}
-    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
-        assert client.gather(client.map(everything, loops, pure=False)) == alone
-        assert client.gather(client.map(push_of, [loop.model for loop in loops], pure=False)) == here
-        wanted = [images(circle_map) for circle_map in maps]
-        assert client.gather(client.map(images, maps, pure=False)) == wanted
-        made = client.gather(client.map(map_of, loops[:2], pure=False))
-        assert [images(circle_map) for circle_map in made] == wanted
 
 
 CHILD = """

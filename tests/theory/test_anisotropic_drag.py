@@ -1,9 +1,7 @@
 """An ellipsoid with axes fixed in the world: the equation of motion, its quadrature and rate; it is not Möbius."""
 
-import numpy as np
 import pytest
 import sympy as sp
-from scipy.integrate import solve_ivp
 
 from theory import anisotropic_drag as theory
 from theory.turned_surface import spelled_out
@@ -53,20 +51,3 @@ def test_a_moebius_flow_would_need_a_third_harmonic_that_the_spin_does_not_have(
     free = {cosine: 0, sine: 0}
     assert theory.moebius_field_times_inertia(1).subs(free) == 0
     assert sp.simplify(theory.spin() * theory.inertia() + theory.LEVER * W * sp.sin(THETA - GAMMA)) == 0
-
-
-def test_numerical_integration_agrees_with_the_quadrature_and_least_dissipation():
-    symbols = (theory.P, theory.Q, theory.SPIN_TERM, theory.LEVER)
-    spin = sp.lambdify((THETA, theory.TOWARDS, *symbols), theory.spin_of_least_dissipation())
-    length = sp.lambdify((PSI, GAMMA, W, *symbols), theory.elapsed_length())
-    rng = np.random.default_rng(5)
-    for towards, psi, p, q, c, r in rng.uniform((-3, 1, 0.5, 0.5, 0.3, 0.5), (3, 3, 2, 2, 2, 2), (8, 6)):
-        pull = np.array((p * np.cos(towards), q * np.sin(towards)))
-        gamma, size = np.arctan2(pull[1], pull[0]), np.hypot(*pull)
-        ran = solve_ivp(
-            lambda s, y, b=towards, n=(p, q, c, r): spin(y, b, *n), (0.0, 1.0), [psi + gamma], "DOP853",
-            rtol=1e-12, atol=1e-13,
-        )  # fmt: skip
-        end = ran.y[0, -1] - gamma
-        ran_length = length(end, gamma, size, p, q, c, r) - length(psi, gamma, size, p, q, c, r)
-        assert abs(ran_length - 1.0) < 1e-10

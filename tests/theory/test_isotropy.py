@@ -6,22 +6,11 @@ import numpy as np
 import sympy as sp
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.mechanics import (
-    DragBack,
-    Ellipse,
-    EllipseFriction,
-    LimitSurface,
-    Material,
-    PatchFootprint,
-    SidePush,
-    Slider,
-    grid_footprint,
-)
+from cyclemap.mechanics import EllipseFriction, Material
 from theory import isotropy as theory
 from theory.turned_surface import PHI, THETA, spelled_out
 
 ISOTROPIC = EllipseFriction.isotropic(0.25)
-SQUARE = Slider.mit("rect1").outline
 
 
 def loop_with(**changes):
@@ -41,31 +30,6 @@ def test_the_leg_back_looks_the_same_from_every_start():
     rotation = sp.Matrix([[sp.cos(turn), sp.sin(turn)], [-sp.sin(turn), sp.cos(turn)]])
     wanted = -rotation * sp.Matrix([theory.RING_X, theory.RING_Y])
     assert (leg - wanted).applyfunc(spelled_out) == sp.zeros(2, 1)
-
-
-def test_the_codes_wrench_turns_with_the_object():
-    surface = LimitSurface(PatchFootprint(SQUARE), ISOTROPIC)
-    twists = np.random.default_rng(1).normal(size=(20, 3)) * (1.0, 1.0, 20.0)
-    for theta in (0.4, -2.0):
-        np.testing.assert_allclose(surface.wrench(twists, theta), surface.wrench(twists), rtol=0, atol=1e-14)
-
-
-def test_the_codes_cycle_is_a_rigid_rotation_for_every_footprint_push_and_object():
-    loops = (
-        loop_with(footprint=grid_footprint(SQUARE, 8)),
-        loop_with(push=SidePush(side=1, fraction=0.35, angle=0.3, distance=0.1)),
-        loop_with(slider=Slider(Ellipse(0.05, 0.03)), push=SidePush(side=0, fraction=0.2, distance=0.08)),
-    )
-    for loop in loops:
-        found = loop.cycles(np.random.default_rng(2).uniform(-6, 6, 3))
-        assert np.ptp(found.theta_next - found.theta) < 1e-8
-        assert np.ptp(found.push_turn) < 1e-8
-        assert abs(loop.sensitivity(1.0, ("theta",)).by_theta - 1.0) < 1e-9
-
-
-def test_a_way_point_fixed_in_the_world_breaks_it():
-    turns = [loop_with(reset=DragBack(((0.1, 0.0),))).cycle(theta).theta_next - theta for theta in (0.0, 1.0, 2.0)]
-    assert np.ptp(turns) > 0.01
 
 
 def test_the_ellipsoids_drag_turn_is_five_degrees_more_than_the_squares():

@@ -5,8 +5,6 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from scipy.integrate import solve_ivp
-from scipy.optimize import minimize_scalar
 
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import Ellipse, EllipseFriction, Pose, QuasiStaticModel, Slider
@@ -90,21 +88,6 @@ def test_the_trails_map_is_the_codes_moebius_map():
     angle, strength = rng.uniform(-np.pi, np.pi, 50), rng.uniform(0.0, 0.99, 50)
     for chi, a in zip(angle, strength, strict=True):
         assert abs(image(np.exp(1j * chi), a) - np.exp(1j * CircleMap.moebius(a, 0.0)(chi))) < 1e-14
-
-
-def test_the_closed_form_agrees_with_numerical_minimisation_and_integration():
-    """The spin is minimised by search, the leg integrated by an eighth-order method; neither knows the formulas."""
-    squared = sp.lambdify((theory.SPIN, PSI, R, C), theory.squared_dissipation())
-    after = sp.lambdify((PSI, R, C, ELL), theory.heading_after())
-    for psi, lever, radius, length in np.random.default_rng(2).uniform((-3, 0.1, 0.3, 0.5), (3, 2, 2, 5), (12, 4)):
-
-        def spin(s, state, lever=lever, radius=radius):
-            return -lever * np.sin(state) / (lever**2 + radius**2)
-
-        searched = minimize_scalar(lambda w, p=psi, r=lever, c=radius: squared(w, p, r, c), tol=1e-14).x
-        assert abs(searched - spin(0.0, psi)) < 1e-7
-        ran = solve_ivp(spin, (0.0, length), [psi], method="DOP853", rtol=1e-12, atol=1e-13)
-        assert abs(ran.y[0, -1] - after(psi, lever, radius, length)) < 1e-11
 
 
 @pytest.mark.parametrize(

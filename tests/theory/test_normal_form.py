@@ -1,9 +1,6 @@
 """The normal form follows from symmetry alone, and the code's fingerprint has it."""
 
-import doctest
 import math
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +12,6 @@ from cyclemap.mechanics import EllipseFriction, load_material
 from theory import normal_form as theory
 from theory.plane_rotation import rotation
 
-NOTE = Path(__file__).parents[2] / "docs" / "theory" / "normal-form.md"
 VALUES = {theory.MU_A: 0.3, theory.MU_B: 0.2, theory.M0: 0.04, theory.N0: -0.03, theory.PHI: 0.7}
 
 
@@ -71,13 +67,6 @@ def test_the_response_is_equivariant_and_holds_one_harmonic(order) -> None:
     turned = response.subs(theory.THETA, theory.THETA + theory.ALPHA) * rotation(order * theory.ALPHA)
     oscillates = response.diff(theory.THETA, 2) + order**2 * response
     assert all(zero(entry) for entry in [*(turned - response), *oscillates])
-
-
-def test_the_full_map_is_conjugate_to_itself_on_a_turned_surface() -> None:
-    """What everything rests on, run with the mechanics: f of the surface turned by α at θ + α is f(θ) + α."""
-    loop, alpha, theta = CollectionLoop.mit(material="plywood"), 0.8, 1.1
-    turned = replace(loop, material=replace(loop.material, friction=loop.material.friction.turned(alpha)))
-    assert turned.cycle(theta + alpha).theta_next == pytest.approx(loop.cycle(theta).theta_next + alpha, abs=1e-9)
 
 
 def test_dissipation_is_homogeneous_so_that_the_scale_of_friction_drops_out_of_the_motion() -> None:
@@ -142,14 +131,6 @@ def test_the_saddle_node_curve_solves_both_equations_and_is_the_lock_in_that_the
         assert lock_in.scale == pytest.approx(1.0, abs=1e-12) and lock_in.theta == pytest.approx(angle, abs=1e-6)
         found += 1
     assert found >= 5
-
-
-def test_the_notes_example_gives_what_its_text_says() -> None:
-    blocks = NOTE.read_text(encoding="utf-8").split("```python\n")[1:]
-    assert len(blocks) == 1
-    example = doctest.DocTestParser().get_doctest(blocks[0].split("```")[0], {}, NOTE.name, str(NOTE), 0)
-    assert len(example.examples) >= 3
-    assert doctest.DocTestRunner().run(example).failed == 0
 
 
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 2001)

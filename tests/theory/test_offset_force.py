@@ -5,13 +5,11 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from residuals import residuals, vanishes
 
 from cyclemap.mechanics import Ellipse, EllipseFriction, LimitSurface, PatchFootprint, PointFootprint, Polygon
 from theory import offset_force as theory
-from theory.traction_law import M0, MU_A, MU_B, N0
+from theory.traction_law import M0, N0
 
-RESIDUALS = residuals(theory)
 LAW = EllipseFriction(0.31, 0.17, 0.06, -0.04, 0.9)
 CENTRED = EllipseFriction(0.31, 0.17, 0.0, 0.0, 0.9)
 TRIANGLE = Polygon(((-0.05, -0.03), (0.07, -0.02), (0.0, 0.06)))
@@ -23,16 +21,6 @@ FOOTPRINTS = {
     "points": PointFootprint(((0.01, 0.02), (0.05, -0.03), (-0.04, 0.01)), (1.0, 2.0, 0.5)),
 }
 TWISTS = np.random.default_rng(0).normal(size=(40, 3)) * (1.0, 1.0, 20.0)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", RESIDUALS)
-def test_every_residual_of_the_offset_force_is_exactly_zero(name):
-    assert vanishes(RESIDUALS[name]())
-
-
-def test_there_are_six_residuals():
-    assert len(RESIDUALS) == 6
 
 
 def constant_wrench(footprint, frame):
@@ -52,23 +40,6 @@ def test_the_codes_limit_surface_is_the_centred_one_shifted_by_the_derived_wrenc
     power = offset.dissipation(TWISTS, frame) - centred.dissipation(TWISTS, frame)
     assert np.allclose(power, TWISTS @ shift, rtol=0, atol=1e-13)
     assert np.array_equal(offset.hessian(TWISTS, frame), centred.hessian(TWISTS, frame))
-
-
-def test_the_codes_point_footprint_dissipates_what_the_symbolic_sum_does():
-    footprint = FOOTPRINTS["points"]
-    points, loads = theory.support_points(3)
-    symbols = [MU_A, MU_B, M0, N0, theory.PHI, *theory.TWIST, *(c for point in points for c in point), *loads]
-    power = sp.lambdify(symbols, theory.total_dissipation(points, loads))
-    place, load = (values.ravel() for values in footprint.quadrature)
-    found = [power(LAW.mu_a, LAW.mu_b, LAW.m0, LAW.n0, LAW.phi, *twist, *place, *load) for twist in TWISTS]
-    assert np.allclose(LimitSurface(footprint, LAW).dissipation(TWISTS), found, rtol=1e-13)
-
-
-def test_a_footprint_pulled_without_turning_needs_no_torque_about_its_centre_of_pressure_offset_or_not():
-    for footprint in FOOTPRINTS.values():
-        x, y = footprint.centre
-        fx, fy, torque = LimitSurface(footprint, LAW).wrench((0.3, -0.8, 0.0))
-        assert abs(torque - (x * fy - y * fx)) < 1e-15
 
 
 def test_a_centred_object_starts_to_slide_down_its_table_exactly_where_the_offset_ellipse_loses_the_origin():

@@ -100,19 +100,6 @@ def test_counted_iterates_of_the_parabola_agree_with_the_counting_time_to_order_
     assert orders.min() > 0.8
 
 
-def test_counted_iterates_of_the_soluble_map_are_exact():
-    """From -1 on until past 1, short of the pole at 1/a = 2: the count is the angle over arctan √(aε)."""
-    angle = sp.lambdify((X, EPS, A), theory.soluble_angle())
-    for gap in (1e-2, 1e-4):
-        x, count = -1.0, 0
-        while x < 1.0:
-            x, count = (x + gap) / (1.0 - 0.5 * x), count + 1
-        passed = angle(x, gap, 0.5) - angle(-1.0, gap, 0.5)
-        share = passed / math.pi
-        assert abs(share * float(theory.soluble_passage().subs({EPS: gap, A: 0.5})) - count) < 1e-9 * count
-        assert count > 30
-
-
 @pytest.mark.parametrize("gap", [1e-3, 1e-5])
 def test_the_codes_slow_passage_is_the_theorys(gap):
     strength = 0.9

@@ -5,26 +5,14 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from residuals import residuals, vanishes
 
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Polygon, grid_footprint
 from theory import patch_limits as theory
 from theory.patch_dissipation import side_term, traction_matrix, velocity_image
 
-RESIDUALS = residuals(theory)
 LAW = EllipseFriction(0.31, 0.17, phi=0.8)
 SQUARE = Polygon(((-0.045, -0.045), (0.045, -0.045), (0.045, 0.045), (-0.045, 0.045)))
 TRIANGLE = Polygon(((-0.05, -0.03), (0.07, -0.02), (0.0, 0.06)))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", RESIDUALS)
-def test_every_residual_of_the_patchs_limits_is_exactly_zero(name):
-    assert vanishes(RESIDUALS[name]())
-
-
-def test_there_are_six_residuals():
-    assert len(RESIDUALS) == 6
 
 
 def predicted_near_translation(patch, velocity, omega):

@@ -1,15 +1,10 @@
 """A leg in a random direction leaves no bias: in symbols, in the code's drag, and for the ellipsoid's memory."""
 
-import math
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import sympy as sp
 
-from cyclemap.collection import CollectionLoop
 from cyclemap.maps import CircleMap
-from cyclemap.mechanics import DragBack, EllipseFriction, Material
 from theory import random_leg as theory
 from theory.moebius_drag import strength
 
@@ -34,17 +29,6 @@ def test_the_first_memory_is_the_stated_function_of_the_length():
     assert sp.simplify(residual.rewrite(sp.exp)) == 0
 
 
-def test_the_codes_moebius_map_has_this_memory():
-    """The mean of e^{in(g(x) - x)} on a grid converges geometrically, so that it is exact to rounding."""
-    x = np.linspace(0.0, 2.0 * np.pi, 4096, endpoint=False)
-    for a in (0.1, 0.5, 0.9):
-        turn = CircleMap.moebius(a, 0.0).turn(x)
-        for order in range(1, 6):
-            assert (
-                abs(np.mean(np.exp(1j * order * turn)) - float(theory.memory(order).subs(theory.STRENGTH, a))) < 1e-13
-            )
-
-
 def test_one_leg_gives_even_headings_the_powers_of_its_strength_as_moments():
     x = np.linspace(0.0, 2.0 * np.pi, 4096, endpoint=False)
     for a in (0.1, 0.5, 0.9):
@@ -52,17 +36,6 @@ def test_one_leg_gives_even_headings_the_powers_of_its_strength_as_moments():
         for order in range(1, 6):
             wanted = float(theory.moment_from_uniform(order).subs(theory.STRENGTH, a))
             assert abs(np.mean(np.exp(1j * order * heading)) - wanted) < 1e-13
-
-
-def test_the_codes_whole_cycle_turns_with_its_way_points_under_isotropic_friction():
-    """f with way-points turned by β is β + g(θ - β), for a push, a bent reset and the exact square patch."""
-    material = Material("test", EllipseFriction.isotropic(0.25))
-    points = ((0.1, 0.02), (-0.05, 0.1))
-    loop = CollectionLoop.mit(material=material, accuracy=1e-9, reset=DragBack(points))
-    for theta, angle in np.random.default_rng(1).uniform(-3, 3, (4, 2)):
-        c, s = math.cos(angle), math.sin(angle)
-        turned = replace(loop, reset=DragBack(tuple((c * x - s * y, s * x + c * y) for x, y in points)))
-        assert abs(turned.cycle(theta).theta_next - angle - loop.cycle(theta - angle).theta_next) < 1e-8
 
 
 def moments_left(strength, rotation, directions, order=64):

@@ -5,25 +5,12 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from residuals import residuals, vanishes
-from scipy.integrate import quad
 from scipy.special import ellipe
 
 from cyclemap.mechanics import Ellipse, EllipseFriction, LimitSurface, PatchFootprint, Polygon, corner_footprint
 from theory import square_torque as theory
 
-RESIDUALS = residuals(theory)
 SPIN = (0.0, 0.0, 3.0)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", RESIDUALS)
-def test_every_residual_of_the_torques_is_exactly_zero(name):
-    assert vanishes(RESIDUALS[name]())
-
-
-def test_there_are_nine_residuals():
-    assert len(RESIDUALS) == 9
 
 
 def torque(footprint, friction):
@@ -47,11 +34,6 @@ def test_the_codes_square_and_rectangles_have_the_derived_torque_to_rounding():
         square = float(theory.square_torque(sp.Float(mu), sp.Float(a)))
         assert abs(torque(PatchFootprint(rectangle(a, a)), friction) / square - 1.0) < 1e-13
         assert abs(torque(PatchFootprint(rectangle(a, b)), friction) / of_rectangle(mu, a, b) - 1.0) < 1e-13
-
-
-def test_direct_quadrature_of_the_lever_gives_the_squares_torque():
-    wedge, _ = quad(lambda angle: (0.5 / math.cos(angle)) ** 3 / 3.0, 0.0, math.pi / 4.0, epsabs=1e-14)
-    assert abs(8.0 * wedge - float(theory.square_torque(1, 1))) < 1e-14
 
 
 def test_the_integrals_of_the_secant_start_at_zero():

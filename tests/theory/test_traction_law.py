@@ -5,13 +5,11 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from residuals import residuals, vanishes
 
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction
 from theory import traction_law as theory
 
-RESIDUALS = residuals(theory)
 LAW = (theory.MU_A, theory.MU_B, theory.M0, theory.N0)
 VELOCITY = (theory.V_M, theory.V_N)
 
@@ -31,15 +29,6 @@ def numbers(law):
     return law.mu_a, law.mu_b, law.m0, law.n0
 
 
-@pytest.mark.parametrize("name", RESIDUALS)
-def test_every_residual_of_the_traction_law_is_exactly_zero(name):
-    assert vanishes(RESIDUALS[name]())
-
-
-def test_there_are_nine_residuals():
-    assert len(RESIDUALS) == 9
-
-
 def test_the_codes_dissipation_and_traction_are_the_derived_ones_to_rounding():
     h = sp.lambdify((*LAW, *VELOCITY), theory.dissipation())
     force = sp.lambdify((*LAW, *VELOCITY), list(theory.most_dissipating_traction()))
@@ -55,32 +44,6 @@ def test_the_codes_dissipation_and_traction_are_the_derived_ones_to_rounding():
     assert compared == 1500
 
 
-def test_the_codes_tractions_lie_on_the_limit_ellipse_and_no_point_inside_it_gains_more():
-    rng, gaps = np.random.default_rng(2), 0
-    eq_1 = sp.lambdify((*LAW, theory.T_M, theory.T_N), theory.limit_ellipse())
-    gap = sp.lambdify((*LAW, *VELOCITY, theory.T_M, theory.T_N), theory.dissipation_gap())
-    for law in random_laws(20, seed=3):
-        v = rng.normal(size=2)
-        t_m, t_n = law.traction(v, frame=law.phi)
-        assert abs(eq_1(*numbers(law), t_m, t_n)) < 1e-13
-        radius, angle = np.sqrt(rng.uniform(size=100)), rng.uniform(0, 2 * np.pi, 100)
-        inside = law.m0 + law.mu_a * radius * np.cos(angle), law.n0 + law.mu_b * radius * np.sin(angle)
-        lost = law.dissipation(v, frame=law.phi) - inside[0] * v[0] - inside[1] * v[1]
-        assert np.allclose(gap(*numbers(law), *v, *inside), lost, atol=1e-14)
-        assert lost.min() > 0.0
-        gaps += lost.size
-    assert gaps == 2000
-
-
-def test_the_curvature_is_the_derivative_of_the_codes_traction():
-    bend = sp.lambdify((*LAW, *VELOCITY), theory.curvature())
-    v, step = np.array((0.6, -0.7)), 1e-6
-    for law in random_laws(10, seed=4):
-        sides = [law.traction(v + sign * step * e, law.phi) for e in np.eye(2) for sign in (1, -1)]
-        slope = np.stack([(sides[0] - sides[1]), (sides[2] - sides[3])], axis=-1) / (2 * step)
-        assert np.allclose(slope, bend(*numbers(law), *v), atol=1e-8)
-
-
 def test_the_code_refuses_a_law_exactly_where_the_worst_velocity_no_longer_dissipates():
     worst = sp.lambdify(LAW, theory.dissipation(*theory.worst_velocity()))
     mu_a, mu_b, refused = 0.3, 0.2, 0
@@ -94,12 +57,3 @@ def test_the_code_refuses_a_law_exactly_where_the_worst_velocity_no_longer_dissi
                 EllipseFriction(*values)
             refused += 1
     assert refused == 24
-
-
-def test_the_least_dissipation_of_the_codes_law_is_the_one_at_the_worst_velocity():
-    angle = np.linspace(0.0, 2.0 * np.pi, 7201)
-    for law in random_laws(10, seed=5):
-        v = np.stack([np.cos(angle) / law.mu_a, np.sin(angle) / law.mu_b], axis=-1)
-        least = 1.0 - math.hypot(law.m0 / law.mu_a, law.n0 / law.mu_b)
-        found = law.dissipation(v, frame=law.phi).min()
-        assert least - 1e-14 <= found < least + 1e-6

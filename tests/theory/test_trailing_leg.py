@@ -1,24 +1,10 @@
 """Forgetting length, bias and multiplier of a leg: zero residuals, and iterates of the code's Möbius maps."""
 
-import math
-
-import numpy as np
 import pytest
 import sympy as sp
 
-from cyclemap.maps import CircleMap
 from theory import trailing_leg as theory
-from theory.moebius_drag import (
-    HEADING,
-    LENGTH,
-    LEVER,
-    POINT,
-    SPIN_RADIUS,
-    half_angle_tangent,
-    heading_after,
-    leg_of_the_lever,
-    strength,
-)
+from theory.moebius_drag import HEADING, LENGTH, POINT, half_angle_tangent, heading_after, leg_of_the_lever, strength
 
 A = sp.Symbol("a", positive=True)
 
@@ -57,24 +43,3 @@ def test_a_uniform_heading_becomes_wrapped_cauchy():
     assert sp.simplify(backwards.subs(whole) - density) == 0
     assert theory.mean_from_uniform(A) == A
     assert sp.residue(leg_of_the_lever(A) / POINT, POINT, 0) == A
-
-
-def test_headings_spread_evenly_end_as_the_density_says():
-    """10^5 headings through the code's Möbius map, half a turn apart from the lever's."""
-    numbers = {LEVER: 0.015, SPIN_RADIUS: 0.026, LENGTH: 0.1}
-    a = float(strength().subs(numbers))
-    trail = np.linspace(-np.pi, np.pi, 100_000, endpoint=False)
-    heading = CircleMap.moebius(a, 0.0)(trail) - np.pi
-    assert abs(np.mean(np.exp(1j * heading)) - a) < 1e-12
-    for tolerance in (0.2, 1.0, 2.5):
-        share = np.mean(np.abs((heading + np.pi) % (2 * np.pi) - np.pi) < tolerance)
-        assert abs(share - float(theory.share_within().subs({**numbers, theory.TOLERANCE: tolerance}))) < 3e-5
-
-
-def test_the_forgetting_length_is_where_the_codes_map_gets_there():
-    for delta, epsilon in np.random.default_rng(1).uniform(0.01, 1.0, (10, 2)):
-        numbers = {LEVER: 0.015, SPIN_RADIUS: 0.026, theory.EXCLUDED: delta, theory.TOLERANCE: epsilon}
-        length = float(theory.forgetting_length().subs(numbers))
-        a = float(strength().subs({**numbers, LENGTH: length}))
-        end = float(CircleMap.moebius(a, 0.0)(delta))
-        assert abs(end - (math.pi - epsilon)) < 1e-9

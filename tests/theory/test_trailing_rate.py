@@ -9,7 +9,6 @@ import sympy as sp
 from cyclemap.mechanics import (
     Ellipse,
     EllipseFriction,
-    LimitSurface,
     PatchFootprint,
     PointFootprint,
     Pose,
@@ -98,21 +97,6 @@ def test_the_rate_is_the_implicit_derivative():
     assert rate - theory.trailing_rate(lever, moment) == 0
     square = turning.subs(leading) * size - lever * force.dot(force)
     assert sp.simplify(square) == 0
-
-
-@pytest.mark.parametrize("name", FOOTPRINTS)
-def test_the_codes_limit_surface_has_this_torque_and_stiffness(name):
-    footprint = FOOTPRINTS[name]
-    stiffness = expression(theory.spin_stiffness(sp.Symbol("X")), theory.RING_1, theory.RING_2, sp.Symbol("X"))
-    torque = expression(theory.ring_torque().subs(theory.TURN, 0), theory.RING_1, theory.RING_2)
-    for law in (PLYWOOD, STRONG):
-        surface = LimitSurface(footprint, law)
-        for towards, x, y in np.random.default_rng(4).uniform((-3, -0.04, -0.04), (3, 0.04, 0.04), (6, 3)):
-            twist, along = (math.cos(towards), math.sin(towards), 0.0), np.array((y, -x, 1.0))
-            numbers = law_numbers(law, towards)
-            assert abs(surface.wrench(twist) @ along - torque(*numbers, x, y)) < 1e-14
-            wanted = stiffness(*numbers, x, y, second_moment(footprint, towards))
-            assert abs(along @ surface.hessian(twist) @ along / wanted - 1.0) < 1e-9
 
 
 @pytest.mark.parametrize("name", FOOTPRINTS)

@@ -8,8 +8,7 @@ import pytest
 import sympy as sp
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.maps import CircleMap, fixed_points, rotation_number
-from cyclemap.mechanics import DragBack, EllipseFriction, LimitSurface, Material, PatchFootprint, Slider, load_material
+from cyclemap.mechanics import DragBack, EllipseFriction, Material, load_material
 from theory import turned_surface as theory
 
 PLYWOOD = load_material("plywood").friction
@@ -33,16 +32,6 @@ def test_the_support_function_is_the_codes():
         law = (STRONG.mu_a, STRONG.mu_b, STRONG.m0, STRONG.n0, STRONG.phi)
         code = STRONG.dissipation((vx - spin * y, vy + spin * x), frame=theta)
         assert abs(point(*law, theta, vx, vy, spin, x, y) - code) < 1e-14
-
-
-def test_the_patch_feels_the_same_when_object_and_surface_turn():
-    footprint = PatchFootprint(Slider.mit("rect1").outline)
-    rng = np.random.default_rng(2)
-    twists = rng.normal(size=(30, 3)) * (1.0, 1.0, 20.0)
-    for theta, angle in rng.uniform(-3, 3, (5, 2)):
-        here = LimitSurface(footprint, STRONG).dissipation(twists, theta)
-        there = LimitSurface(footprint, STRONG.turned(angle)).dissipation(twists, theta + angle)
-        np.testing.assert_allclose(there, here, rtol=1e-12)
 
 
 @pytest.mark.parametrize("law", [PLYWOOD, STRONG], ids=["plywood", "strong"])
@@ -76,18 +65,6 @@ def test_the_infinitesimal_identity_holds_in_the_codes_sensitivities():
             found = loop.sensitivity(theta, ("theta", "phi"))
             assert abs(found.by_theta + found.by("phi") - 1.0) < 1e-12
             assert abs(found.by("phi")) > 1e-3
-
-
-def test_turned_textbook_maps_keep_rotation_number_and_multipliers():
-    angle = 0.7
-    for base in (CircleMap.arnold(0.1, 0.9), CircleMap.moebius(0.5, 0.3)):
-        turned = CircleMap(lambda x, f=base: f(x - angle) + angle, lambda x, f=base: f.derivative(x - angle))
-        numbers = [rotation_number(one, tolerance=1e-6) for one in (base, turned)]
-        assert abs(numbers[0].value - numbers[1].value) < 2e-6
-        here, there = fixed_points(base), fixed_points(turned)
-        assert len(here) == len(there)
-        moved = sorted((orbit.points[0] + angle) % (2 * math.pi) for orbit in here)
-        np.testing.assert_allclose(sorted(orbit.points[0] for orbit in there), moved, atol=1e-12)
 
 
 def test_fixed_way_points_break_the_conjugacy():

@@ -245,7 +245,8 @@ static int slips_about(const Stroke *r, const Motion *m, const double *state, in
     friction_at(p, b.twist, b.matrix, &is_far, wrench);
     Friction own;
     begin_sums(&own, b.twist, b.matrix, 0);
-    add_point(&own, pin[0], pin[1], load);
+    const double alone[] = {pin[0], pin[1], 1.0};
+    add_points(&own, alone, 1, 3, 0, 2, load);
     double fx = wrench[0] - own.wrench[0], fy = wrench[1] - own.wrench[1], turning = wrench[2] - own.wrench[2];
     double gx = fx + f[0], gy = fy + f[1], torque = turning + f[2] - (pin[0] * gy - pin[1] * gx);
     double size = torque / arm;

@@ -28,7 +28,9 @@ def contacts() -> dict[str, ca.Function]:
     """Return the functions of a contact: begin and slopes of each kind and law, finish of each law."""
     found = {f"finish_{law}": _finish(law) for law in LAWS}
     for kind, law in pairs():
-        found[f"begin_{kind}_{law}"] = _begin(kind, law)
+        state, p, z = ca.SX.sym("state", 2), ca.SX.sym("p", len(PARAMETERS)), ca.SX.sym("z", unknowns(law))
+        begun = list(_begun(kind, law, state, p, p[17:], z))
+        found[f"begin_{kind}_{law}"] = function_of(f"begin_{kind}_{law}", [state, p, z], begun)
         found[f"slopes_{kind}_{law}"] = _slopes(kind, law, 3)
         found[f"all_slopes_{kind}_{law}"] = _slopes(kind, law, 2 + len(VARIED) + len(SHARES))
     return found
@@ -84,12 +86,6 @@ def _begun(kind: str, law: str, state: ca.SX, p: ca.SX, angles: ca.SX, z: ca.SX)
     return twist, matrix, frame
 
 
-def _begin(kind: str, law: str) -> ca.Function:
-    """(state, parameters, unknowns) -> twist, matrix, frame."""
-    state, p, z = ca.SX.sym("state", 2), ca.SX.sym("p", len(PARAMETERS)), ca.SX.sym("z", unknowns(law))
-    return function_of(f"begin_{kind}_{law}", [state, p, z], list(_begun(kind, law, state, p, p[17:], z)))
-
-
 def unknowns(law: str) -> int:
     """Return how many unknowns a contact has: its spin, and where it slides its slip."""
     return 2 if law == "slide" else 1
@@ -140,7 +136,10 @@ def _finish(law: str) -> ca.Function:
     frame, p, z = ca.SX.sym("frame", len(FRAME)), ca.SX.sym("p", len(PARAMETERS)), ca.SX.sym("z", count)
     given, g = ca.SX.sym("given", 9), ca.SX.sym("g", 3)
     residual, first, second = _residual(law, frame, p, g)
-    toward = _twist_slopes(law, frame)
+    # Derivative of the twist by the unknowns.
+    toward = ca.vertcat(frame[4], -frame[3], 1)
+    if law == "slide":
+        toward = ca.horzcat(toward, ca.vertcat(-frame[6], frame[5], 0))
     by_unknowns = ca.jacobian(residual, g) @ _hessian(given) @ toward
     step = -_solved(by_unknowns, residual)
     total = given[:3] + frame[:3]
@@ -158,12 +157,6 @@ def _finish(law: str) -> ca.Function:
     size = residual if count == 1 else ca.sqrt(residual[0] ** 2 + residual[1] ** 2)
     report = ca.vertcat(ca.mmax(ca.fabs(step)), size, first, second)
     return function_of(f"finish_{law}", [frame, p, z, given], [row, report])
-
-
-def _twist_slopes(law: str, frame: ca.SX) -> ca.SX:
-    """Derivative of the twist by the unknowns."""
-    spin = ca.vertcat(frame[4], -frame[3], 1)
-    return ca.horzcat(spin, ca.vertcat(-frame[6], frame[5], 0)) if law == "slide" else spin
 
 
 def _hessian(given: ca.SX) -> ca.SX:

@@ -25,7 +25,9 @@ def kernels() -> dict[str, ca.Function]:
     twist, matrix, toward = ca.SX.sym("twist", 3), ca.SX.sym("matrix", 4), ca.SX.sym("toward", 4)
     ends, images = ca.SX.sym("ends", 4), ca.SX.sym("images", 6)
     lean, place, chord = ca.SX.sym("lean", 4), ca.SX.sym("place", 2), ca.SX.sym("chord", 11)
-    own, scale = _images(twist, matrix, ends), _patch_scale(twist, matrix)
+    own = ca.vertcat(_image(twist, matrix, ends[:2]), _image(twist, matrix, ends[2:]))
+    # One over how a patch's area grows in the velocity plane.
+    scale = 1 / (twist[2] ** 2 * (matrix[0] * matrix[3] - matrix[1] * matrix[2]))
     found = {"assembled": _assembled(twist, matrix)}
     # Edges are summed in two passes, so that the slow steps of one do not wait for those of another.
     side, angle = _Side(images), ca.SX.sym("angle")
@@ -74,10 +76,6 @@ def _image(twist: ca.SX, matrix: ca.SX, place: ca.SX) -> ca.SX:
     return ca.vertcat(x, y, ca.sqrt(x * x + y * y))
 
 
-def _images(twist: ca.SX, matrix: ca.SX, ends: ca.SX) -> ca.SX:
-    return ca.vertcat(_image(twist, matrix, ends[:2]), _image(twist, matrix, ends[2:]))
-
-
 class _Side:
     """A straight side in the velocity plane: w = d n + t tau, and its integrals that keep their digits from afar."""
 
@@ -115,11 +113,6 @@ class _Side:
             along * tx * ty + mixed * (nx * ty + tx * ny) + across * nx * ny,
             along * ty * ty + 2 * mixed * ny * ty + across * ny * ny,
         )
-
-
-def _patch_scale(twist: ca.SX, matrix: ca.SX) -> ca.SX:
-    """One over how a patch's area grows in the velocity plane."""
-    return 1 / (twist[2] ** 2 * (matrix[0] * matrix[3] - matrix[1] * matrix[2]))
 
 
 def _homogeneous(matrix: ca.SX, speed: ca.SX, fx: ca.SX, fy: ca.SX, curve: tuple[ca.SX, ca.SX, ca.SX]) -> list[ca.SX]:

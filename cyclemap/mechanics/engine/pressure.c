@@ -30,12 +30,6 @@ static void add(double *to, const double *what, double factor, int count) {
     for (int i = 0; i < count; ++i) to[i] += factor * what[i];
 }
 
-/* What a patch's sums in the velocity plane are to be multiplied by. */
-static double patch_scale(const Friction *f) {
-    const double *m = f->matrix;
-    return 1.0 / (f->twist[2] * f->twist[2] * (m[0] * m[3] - m[1] * m[2]));
-}
-
 /* The image of a corner in the velocity plane, and its distance from the origin. */
 static inline void image_of(const Friction *f, const double *place, double *image) {
     const double *given[] = {f->twist, f->matrix, place};
@@ -175,11 +169,6 @@ static void add_points(Friction *f, const double *rows, int64_t count, int strid
     add_sums(f, &frame, &sums, load);
 }
 
-static void add_point(Friction *f, double x, double y, double load) {
-    const double row[] = {x, y, 1.0};
-    add_points(f, row, 1, 3, 0, 2, load);
-}
-
 static void add_patch(Friction *f, const double *geometry, double load);
 static void add_rim(Friction *f, const double *geometry, double load);
 
@@ -214,7 +203,7 @@ static void begin_sums(Friction *f, const double *twist, const double *matrix, c
     f->matrix = matrix;
     f->toward = toward;
     f->is_summed = 0;
-    f->scale = patch_scale(f);
+    f->scale = 1.0 / (twist[2] * twist[2] * (matrix[0] * matrix[3] - matrix[1] * matrix[2]));
     memset(f->sums, 0, sizeof f->sums);
     memset(f->wrench, 0, sizeof f->wrench);
 }

@@ -227,7 +227,10 @@ def run(strokes: Sequence[Strokes], number: NDArray[np.intp], poses: Array, vari
         )
 
     threads = min(thread_count(), -(-count // _LEAST_SHARE))
-    if count <= _LEAST_SHARE or (threads == 1 and not _hears_interrupts()):
+    # Ctrl-C raises in the main thread alone: a sweep's workers are spared handing their work to another one.
+    is_main = threading.current_thread() is threading.main_thread()
+    hears_interrupts = is_main and signal.getsignal(signal.SIGINT) != signal.SIG_IGN
+    if count <= _LEAST_SHARE or (threads == 1 and not hears_interrupts):
         work()
     else:
         _on_threads(threads, work, stop)
@@ -324,11 +327,6 @@ def thread_count() -> int:
     if not (named.isascii() and named.isdecimal() and 1 <= len(named) <= 4 and int(named) >= 1):
         raise InvalidInput(f"{THREADS_VARIABLE} must be a whole number from 1 to 9999, not {named!r}")
     return int(named)
-
-
-def _hears_interrupts() -> bool:
-    """Whether Ctrl-C raises in this thread: not in a sweep's workers, which are spared handing work to another one."""
-    return threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) != signal.SIG_IGN
 
 
 def _on_threads(count: int, work: Callable[[], None], stop: ctypes.c_int64) -> None:

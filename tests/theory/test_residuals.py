@@ -1,0 +1,34 @@
+"""What the theory says to vanish is exactly zero in symbols: every function named ..._residual."""
+
+import inspect
+
+import pytest
+import sympy as sp
+
+from theory import contact_modes, offset_force, patch_dissipation, patch_limits, square_torque, traction_law
+
+COUNTS = {contact_modes: 15, offset_force: 6, patch_dissipation: 7, patch_limits: 6, square_torque: 9, traction_law: 9}
+QUICK = (patch_dissipation, traction_law)
+
+
+def residuals_of(module):
+    found = inspect.getmembers(module, inspect.isfunction)
+    return [one for name, one in found if name.endswith("_residual") and one.__module__ == module.__name__]
+
+
+CASES = [
+    pytest.param(one, id=f"{one.__module__}.{one.__name__}", marks=[] if module in QUICK else pytest.mark.slow)
+    for module in COUNTS
+    for one in residuals_of(module)
+]
+
+
+@pytest.mark.parametrize("residual", CASES)
+def test_every_residual_is_exactly_zero(residual):
+    found = residual()
+    entries = list(found) if isinstance(found, sp.MatrixBase) else [found]
+    assert entries and all(entry == sp.Integer(0) for entry in entries)
+
+
+def test_none_is_left_out():
+    assert {module: len(residuals_of(module)) for module in COUNTS} == COUNTS
