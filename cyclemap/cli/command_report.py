@@ -96,27 +96,21 @@ def _beside_data(found: Portrait, data: Path, sigma: float, said: bool, progress
     """Recorded against predicted: the verdicts of `cyclemap compare`, with their p-values, and what is left over."""
     from cyclemap.evidence.comparison.compare import compare
     from cyclemap.maps import WrappedNormal
-    from cyclemap.views.compare_page import (
-        data_sentence,
-        explanation_sentences,
-        headline,
-        residual_page,
-        trust_sentences,
-    )
+    from cyclemap.views import compare_page
     from cyclemap.views.report.report_page import Section
     from cyclemap.views.style import render
 
     compared = compare(found.loop, data, noise=WrappedNormal(sigma) if said else None, progress=progress)
     name = found.loop.material.name
-    told = (headline(name, compared), data_sentence(compared))
+    told = (compare_page.headline(name, compared), compare_page.data_sentence(compared))
     verdicts = (one.words for one in compared.verdicts)
-    trust = trust_sentences(compared)
-    page = residual_page(compared)
+    trust = compare_page.trust_sentences(compared)
+    page = compare_page.residual_page(compared)
     return [
         Section("Recorded against predicted", (*told, *verdicts, *trust)),
         Section(
             "What explains it, and what is left",
-            tuple(explanation_sentences(name, compared)),
+            tuple(compare_page.explanation_sentences(name, compared)),
             b"" if page is None else render(page, "png", 80),
             "Measured less predicted, over the orientation before the push; a line joins medians of 5 degrees",
         ),

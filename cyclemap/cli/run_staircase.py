@@ -8,15 +8,8 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
 from cyclemap.collection.staircase_forecast import StaircaseForecast, staircase_forecast
 from cyclemap.evidence import MeasuredStaircase, measured_staircase, read_theta0_pairs
+from cyclemap.views import staircase_page
 from cyclemap.views.sentences import uncertainty_sentence
-from cyclemap.views.staircase_page import (
-    fitted_sentence,
-    forecast_sentence,
-    measured_sentence,
-    run_sentence,
-    staircase_page,
-    worn_sentence,
-)
 
 
 def run_staircase(options: LoopOptions, request: RunRequest, json_target: str | None) -> None:
@@ -44,15 +37,15 @@ def _run_loop(
     """The staircase of a loop that does the same in every cycle."""
     forecast = _forecast(loop, sigma, request, measured)
     stem = request.out / f"staircase_{file_stem(loop.material.name)}"
-    page = staircase_page(forecast, measured)
+    page = staircase_page.staircase_page(forecast, measured)
     picture = publish(staircase_report(forecast, measured), page, stem, request.picture_format, json_target)
     if picture is None:
         return
-    told = [worn_sentence(forecast), run_sentence(forecast)]
+    told = [staircase_page.worn_sentence(forecast), staircase_page.run_sentence(forecast)]
     told.append(uncertainty_sentence(loop.material.name, forecast.uncertainty))
     if measured is not None:
-        told += [measured_sentence(measured), fitted_sentence(measured)]
-    PeopleConsole().tell(forecast_sentence(forecast), *filter(None, told), f"picture: {picture}")
+        told += [staircase_page.measured_sentence(measured), staircase_page.fitted_sentence(measured)]
+    PeopleConsole().tell(staircase_page.forecast_sentence(forecast), *filter(None, told), f"picture: {picture}")
 
 
 def _forecast(

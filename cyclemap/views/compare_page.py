@@ -14,26 +14,9 @@ from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
 from cyclemap.evidence.comparison.cycle_agreement import OrientationAgreement, StaircaseAgreement
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, mean_distances
-from cyclemap.views.map_panels import (
-    PER_DEGREE,
-    draw_measured_histogram,
-    draw_measured_turns,
-    draw_staircase,
-    draw_turn,
-)
+from cyclemap.views import map_panels, style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import (
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    QUIET,
-    degree_axis,
-    legend_above,
-    new_figure,
-    picture_style,
-    say,
-    write_page,
-)
+from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET
 
 # Points between a panel and its title, so that the legend has a line of its own.
 TITLE_PAD = 22.0
@@ -54,8 +37,8 @@ ISOTROPIC = "isotropic friction under even pressure"
 
 def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     """Draw the comparison; ``curve``: the turn of the predicted map (at mid-run where it wears)."""
-    with picture_style():
-        figure = new_figure()
+    with style.picture_style():
+        figure = style.new_figure()
         rows = bool(found.pushes) + (found.cycle is not None)
         grid = GridSpec(
             max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62
@@ -69,7 +52,7 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
         drawn = "all are drawn" if len(found.pushes) > MOST_SETS else "the largest is drawn"
         sets = f"; {len(found.pushes)} sets of pushes, {drawn}" if len(found.pushes) > 1 else ""
         told = (data_sentence(found), summary_sentence(found))
-        write_page(figure, headline(name, found), told, f"{noise_words(found)}{sets}")
+        style.write_page(figure, headline(name, found), told, f"{noise_words(found)}{sets}")
     return figure
 
 
@@ -85,10 +68,10 @@ def residual_page(found: Comparison) -> Figure | None:
             left.append((label, theta, (np.degrees(1.0) if name == "dtheta" else 1000.0) * off[:, column]))
     if not left:
         return None
-    with picture_style():
+    with style.picture_style():
         columns = min(len(left), 2)
         rows = -(-len(left) // columns)
-        figure = new_figure(5.0 + 2.0 * columns, 2.7 * rows)
+        figure = style.new_figure(5.0 + 2.0 * columns, 2.7 * rows)
         grid = GridSpec(
             rows, columns, figure,
             left=0.1, right=0.98, bottom=0.2 / rows, top=1.0 - 0.05 / rows, wspace=0.2, hspace=0.35,
@@ -100,7 +83,7 @@ def residual_page(found: Comparison) -> Figure | None:
             bins = turn_bins(Theta0Pairs(theta, theta + off))
             if bins.centre.size >= FEWEST_MEDIANS:
                 axes.plot(np.degrees(bins.centre), bins.median, color=PREDICTED, linewidth=1.6)
-            degree_axis(axes, "θ0, orientation before the push (°)")
+            style.degree_axis(axes, "θ0, orientation before the push (°)")
             axes.set_ylabel(label)
     return figure
 
@@ -108,36 +91,36 @@ def residual_page(found: Comparison) -> Figure | None:
 def _draw_cycles(panels: list[Axes], found: Comparison, curve: TurnCurve) -> None:
     turn, histogram, staircase = panels
     assert found.cycle is not None and found.data.pairs is not None
-    draw_turn(turn, curve, ())
-    draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
+    map_panels.draw_turn(turn, curve, ())
+    map_panels.draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
     turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
-    legend_above(turn)
+    style.legend_above(turn)
     _draw_histograms(histogram, found.orientations)
     _draw_stairs(staircase, found.data.path, found.staircase)
 
 
 def _draw_histograms(axes: Axes, found: OrientationAgreement | None) -> None:
     axes.set_title("Directions", pad=TITLE_PAD)
-    degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("probability per degree")
     if found is None:
-        say(axes, "order of the pushes unknown")
+        style.say(axes, "order of the pushes unknown")
         return
-    draw_measured_histogram(axes, found.measured)
-    heights, edges = PER_DEGREE * found.predicted.density, np.degrees(found.predicted.edges)
+    map_panels.draw_measured_histogram(axes, found.measured)
+    heights, edges = map_panels.PER_DEGREE * found.predicted.density, np.degrees(found.predicted.edges)
     axes.stairs(heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3)
     axes.set_ylim(bottom=0.0)
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def _draw_stairs(axes: Axes, path: NDArray[np.float64] | None, found: StaircaseAgreement | None) -> None:
     axes.set_title("Staircase", pad=TITLE_PAD)
     if path is None or found is None:
-        say(axes, "order of the pushes unknown")
+        style.say(axes, "order of the pushes unknown")
         return
-    draw_staircase(axes, found.run, path)
+    map_panels.draw_staircase(axes, found.run, path)
     axes.set_xlabel("cycle of the compared path")
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
@@ -163,7 +146,7 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
         axes.set(xlabel=f"predicted {label}", ylabel=f"measured {label}")
         unit = "°" if quantity.name == "dtheta" else " mm"
         axes.set_title(f"{symbol}: RMSE {scale * quantity.rmse:.2f}{unit}", pad=TITLE_PAD)
-        legend_above(axes)
+        style.legend_above(axes)
 
 
 def _scale(quantity: QuantityAgreement) -> float:
@@ -172,10 +155,10 @@ def _scale(quantity: QuantityAgreement) -> float:
 
 def _name_push_panel(axes: Axes, quantity: QuantityAgreement) -> None:
     symbol, label = _LABELS[quantity.name]
-    degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel(label)
     axes.set_title(f"{symbol}: RMSE {quantity.percent:.1f} %, std {quantity.std_percent:.1f} %", pad=TITLE_PAD)
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def headline(name: str, found: Comparison) -> str:

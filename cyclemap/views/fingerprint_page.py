@@ -13,23 +13,9 @@ from cyclemap.collection.fingerprint_check import CheckedDirection, PredictionCh
 from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, PredictedDirection, Prediction
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import CircleMap, Orbit
+from cyclemap.views import style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    degree_axis,
-    legend_above,
-    new_figure,
-    orbit_marker,
-    picture_style,
-    stability,
-    write_page,
-)
+from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 _ANGLES = np.radians(np.arange(0.0, 361.0))
 ANYWHERE = math.radians(90.0)
@@ -42,8 +28,8 @@ def fingerprint_page(
 
     `name` is the material's, for the title and the sentences.
     """
-    with picture_style():
-        figure = new_figure()
+    with style.picture_style():
+        figure = style.new_figure()
         grid = GridSpec(
             2, 2, figure, width_ratios=(1.0, 1.5), left=0.065, right=0.985, bottom=0.12, top=0.76, wspace=0.16,
             hspace=0.62,
@@ -66,9 +52,9 @@ def draw_responses(axes: Axes, found: Fingerprint, ellipse: bool) -> None:
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     axes.set_title("Answer to 1 % of ellipticity" if ellipse else "Answer to 1 % of offset")
     seen = "θ - φ, from the axis of greater friction (°)" if ellipse else "θ - ψ, from the offset (°)"
-    degree_axis(axes, f"orientation {seen}")
+    style.degree_axis(axes, f"orientation {seen}")
     axes.set_ylabel("change of turn (°)")
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None = None) -> None:
@@ -93,11 +79,11 @@ def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None =
         axes.plot(np.degrees(theta), np.degrees(whole), color=MEASURED, linewidth=3.0, label=label, zorder=3)
     for direction in prediction.directions:
         _draw_direction(axes, direction.orbit)
-    degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
     axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 3, 5, 6, 10]))
     axes.set_title("Turn of one cycle")
-    legend_above(axes, columns=4)
+    style.legend_above(axes, columns=4)
 
 
 def _response_curve(response: TurnResponse, ellipse: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -108,8 +94,8 @@ def _response_curve(response: TurnResponse, ellipse: bool) -> tuple[np.ndarray, 
 
 
 def _draw_direction(axes: Axes, orbit: Orbit) -> None:
-    place, kind = float(np.degrees(orbit.points[0])), stability(orbit)
-    axes.plot(place, 0.0, **orbit_marker(kind))
+    place, kind = float(np.degrees(orbit.points[0])), style.stability(orbit)
+    axes.plot(place, 0.0, **style.orbit_marker(kind))
     # A turn falls through a stable direction and rises through an unstable one: names stand where it does not run.
     left = place > 290.0
     above = orbit.stable != left
@@ -140,7 +126,7 @@ def _write_words(
         for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
     )
     foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
-    write_page(figure, title, told, foot, top=0.925, letters=170)
+    style.write_page(figure, title, told, foot, top=0.925, letters=170)
 
 
 def five_numbers(response: TurnResponse) -> tuple[str, ...]:

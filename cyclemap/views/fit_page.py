@@ -17,24 +17,10 @@ from cyclemap.evidence import LawBand
 from cyclemap.evidence.pushes.theta0_statistics import is_covered
 from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, TurnPace, WornForecast
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
+from cyclemap.views import style
 from cyclemap.views.fit_sentences import SIGNS, set_sentences
 from cyclemap.views.map_panels import PER_DEGREE, draw_measured_histogram, draw_staircase
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    degree_axis,
-    legend_above,
-    new_figure,
-    orbit_marker,
-    picture_style,
-    say,
-    stability,
-    write_tall_page,
-)
+from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 # Shares of the page's height: what lies below the panels, and titles and labels of a row.
 FOOT, TITLES, BELOW = 0.03, 0.075, 0.06
@@ -56,10 +42,10 @@ def fit_page(fit: SetFit) -> Figure:
     rows = [row for row in _panels(fit) if row]
     if not rows:
         raise InvalidInput(f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}")
-    with picture_style():
-        figure = new_figure(16.0, 9.6)
+    with style.picture_style():
+        figure = style.new_figure(16.0, 9.6)
         foot = "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes"
-        top = write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given")
+        top = style.write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given")
         if len(rows) == 1 and len(rows[0]) > 2:
             half = (len(rows[0]) + 1) // 2
             rows = [rows[0][:half], rows[0][half:]]
@@ -102,15 +88,15 @@ def draw_law(axes: Axes, law: MotionLaw) -> None:
     scale = SCALES[law.quantity]
     _draw_dots(axes, law.theta, scale * law.value)
     if law.law is None:
-        say(axes, "no law")
+        style.say(axes, "no law")
     else:
         band = _where_measured(law.law.band(CIRCLE), law.theta)
         _draw_band(axes, band, scale, PREDICTED_FILL, "95 % of pushes")
         _draw_mean(axes, band, scale, PREDICTED, "law, 95 % band of its mean", "-")
         _keep_to(axes, _bulk(scale * law.value), [scale * band.lower, scale * band.upper])
-    degree_axis(axes, THETA0)
+    style.degree_axis(axes, THETA0)
     axes.set_ylabel(LABELS[law.quantity])
-    legend_above(axes, columns=2)
+    style.legend_above(axes, columns=2)
 
 
 def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
@@ -127,12 +113,12 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
         _draw_band(axes, band, SCALES["dtheta"], colour, None if found.wears else "95 % of pushes")
         _draw_mean(axes, band, SCALES["dtheta"], line, name, dash)
         for orbit in state.fixed_points:
-            axes.plot(np.degrees(orbit.points[0]), 0.0, **orbit_marker(stability(orbit)))
+            axes.plot(np.degrees(orbit.points[0]), 0.0, **style.orbit_marker(style.stability(orbit)))
         edges += [np.degrees(band.lower), np.degrees(band.upper)]
     _keep_to(axes, _bulk(turns), edges)
-    degree_axis(axes, THETA0)
+    style.degree_axis(axes, THETA0)
     axes.set_ylabel("turn of one cycle (°)")
-    legend_above(axes, columns=2)
+    style.legend_above(axes, columns=2)
 
 
 def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
@@ -146,7 +132,7 @@ def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
     told = f"law alone, up to {alone:.0f}" if alone > 1.5 * top else "law alone"
     axes.stairs(histogram.law_alone, edges, color=INK, linewidth=0.9, linestyle="--", label=told, zorder=3)
     axes.set(xlabel="turn of the push, Δθ (°)", ylabel="pushes", ylim=(0.0, 1.08 * min(max(top, alone), 1.5 * top)))
-    legend_above(axes, columns=2)
+    style.legend_above(axes, columns=2)
 
 
 def draw_directions(axes: Axes, forecast: WornForecast) -> None:
@@ -155,9 +141,9 @@ def draw_directions(axes: Axes, forecast: WornForecast) -> None:
     density, edges = PER_DEGREE * forecast.histogram.density, np.degrees(forecast.histogram.edges)
     axes.stairs(density, edges, color=PREDICTED, linewidth=1.6, label="fitted map", zorder=4)
     axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=3)
-    degree_axis(axes, THETA0)
+    style.degree_axis(axes, THETA0)
     axes.set_ylabel("probability per degree")
-    legend_above(axes, columns=2)
+    style.legend_above(axes, columns=2)
 
 
 def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
@@ -167,7 +153,7 @@ def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
         np.arange(lower.size), lower, upper, color=PREDICTED_FILL, linewidth=0, label="95 % of paths", zorder=1
     )
     draw_staircase(axes, forecast.run, forecast.measured)
-    legend_above(axes, columns=2)
+    style.legend_above(axes, columns=2)
 
 
 def draw_pace(axes: Axes, pace: TurnPace) -> None:
@@ -186,7 +172,7 @@ def draw_pace(axes: Axes, pace: TurnPace) -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
     axes.set(xlabel="cycle in which the turn began", ylabel="pushes a full turn")
-    legend_above(axes, columns=2)
+    style.legend_above(axes, columns=2)
 
 
 def _where_measured(band: LawBand, theta: Array) -> LawBand:

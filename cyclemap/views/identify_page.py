@@ -16,20 +16,9 @@ from cyclemap.arrays import TWO_PI
 from cyclemap.evidence.identification.identify import Estimate, Identification
 from cyclemap.evidence.identified_curves import CycleFit, Derived, IdentifiedCurves, PlaceFit, TurnFit
 from cyclemap.evidence.identified_material import misfit_words, readable_kind, readable_unit
+from cyclemap.views import style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    degree_axis,
-    legend_above,
-    new_figure,
-    picture_style,
-    write_tall_page,
-)
+from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 TITLE_PAD = 22.0
 # Besides the intervals, which take the end of the first row.
@@ -54,12 +43,12 @@ def identify_page(title: str, found: Identification, curves: IdentifiedCurves, w
     panels = _panels(curves)
     if len(found.plates) > 1:
         panels.insert(1, ("How the weight rests", partial(draw_shares, plates=found.plates)))
-    with picture_style():
-        figure = new_figure(16.0, 9.6)
+    with style.picture_style():
+        figure = style.new_figure(16.0, 9.6)
         undrawn = len(panels) - MOST_PANELS
         more = f"; {undrawn} panels more are not drawn" if undrawn > 0 else ""
         foot = f"inferred from data; × at an interval's end: a bound, not excluded by the data{more}"
-        top = write_tall_page(figure, title, words, foot, size=13.0)
+        top = style.write_tall_page(figure, title, words, foot, size=13.0)
         rows, columns = _layout(min(len(panels), MOST_PANELS) + 1)
         ends = {"left": 0.05, "right": 0.985, "bottom": 0.085, "top": top - 0.07}
         grid = GridSpec(rows, columns, figure, wspace=0.24, hspace=0.24 + 0.14 * rows, **ends)
@@ -121,7 +110,7 @@ def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     unit = "" if curves.sized else ", size not told by motions"
     axes.set(xlabel=f"friction coefficient along x{unit}", ylabel="along y")
-    legend_above(axes, columns=4)
+    style.legend_above(axes, columns=4)
 
 
 def draw_shares(axes: Axes, plates: Mapping[str, Mapping[str, float]]) -> None:
@@ -135,7 +124,7 @@ def draw_shares(axes: Axes, plates: Mapping[str, Mapping[str, float]]) -> None:
         left += size
     axes.barh(names, 100.0 - left, left=left, height=0.62, color=PREDICTED_FILL, label="even")
     axes.set(xlim=(0.0, 100.0), xlabel="share of the weight (%)")
-    legend_above(axes, columns=4)
+    style.legend_above(axes, columns=4)
 
 
 def draw_turns(axes: Axes, fit: TurnFit) -> None:
@@ -144,7 +133,7 @@ def draw_turns(axes: Axes, fit: TurnFit) -> None:
     axes.axline((0.0, 0.0), slope=1.0, color=PREDICTED, linewidth=1.4, label="equal", zorder=3)
     axes.plot(measured, predicted, marker="o", label="strokes", zorder=2, **_DOTS)
     axes.set(xlabel="measured turn (°)", ylabel="predicted turn (°)")
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def draw_places(axes: Axes, fit: PlaceFit) -> None:
@@ -159,7 +148,7 @@ def draw_places(axes: Axes, fit: PlaceFit) -> None:
     axes.plot(0.0, 0.0, "+", color=QUIET, markersize=9, zorder=3)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="error of the place, x (mm)", ylabel="y (mm)")
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def draw_cycles(axes: Axes, fit: CycleFit) -> None:
@@ -172,9 +161,9 @@ def draw_cycles(axes: Axes, fit: CycleFit) -> None:
     if fit.late is not None:
         late = np.degrees(fit.late)
         axes.plot(np.degrees(fit.grid), late, color=INK, linestyle="--", linewidth=1.4, label="at the end", zorder=4)
-    degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("turn of one cycle (°)")
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def draw_interval(axes: Axes, one: Estimate) -> None:

@@ -12,17 +12,8 @@ from cyclemap.arrays import Array
 from cyclemap.collection.portrait_curves import Cobweb, PortraitCurves, TurnCurve
 from cyclemap.collection.uncertain_directions import DirectionInterval
 from cyclemap.maps import Orbit
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    degree_axis,
-    orbit_marker,
-    unwrapped_axis,
-)
+from cyclemap.views import style
+from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 if TYPE_CHECKING:
     from cyclemap.evidence import AngleHistogram, Theta0Pairs, TurnBins
@@ -50,7 +41,7 @@ def draw_turn(
         place, ends = np.degrees(jump.theta), np.degrees([jump.before, jump.after])
         axes.plot([place, place], ends, color=PREDICTED, linewidth=1.0, linestyle=":", zorder=3)
     _draw_fixed_points(axes, fixed_points)
-    degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
     axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 3, 5, 6, 10]))
     axes.margins(y=0.12)
@@ -109,7 +100,7 @@ def _draw_fixed_points(axes: Axes, fixed_points: tuple[Orbit, ...]) -> None:
 
 def _marker(orbit: Orbit) -> dict[str, Any]:
     kind = "stable" if orbit.stable else "unstable"
-    return {**orbit_marker(kind), "markersize": 7.5, "markeredgewidth": 1.6, "clip_on": True}
+    return {**style.orbit_marker(kind), "markersize": 7.5, "markeredgewidth": 1.6, "clip_on": True}
 
 
 def draw_density(axes: Axes, curves: PortraitCurves) -> None:
@@ -117,7 +108,7 @@ def draw_density(axes: Axes, curves: PortraitCurves) -> None:
     theta, density = np.degrees(curves.density_theta), PER_DEGREE * curves.density
     axes.fill_between(theta, density, color=PREDICTED_FILL, linewidth=0, zorder=1)
     axes.plot(theta, density, color=PREDICTED, linewidth=1.8, label="predicted", zorder=3)
-    degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("probability per degree")
 
 
@@ -144,4 +135,4 @@ def draw_staircase(axes: Axes, predicted: Array, measured: Array | None) -> None
     axes.set_xlabel("cycle")
     axes.set_xlim(0, max(len(predicted), 0 if measured is None else len(measured)) - 1)
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
-    unwrapped_axis(axes, "θ0, unwrapped", LEAST_SPAN_DEG)
+    style.unwrapped_axis(axes, "θ0, unwrapped", LEAST_SPAN_DEG)

@@ -17,17 +17,8 @@ from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, cycle_scene
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.own_object import CheckedCollection, first_contact
 from cyclemap.errors import CycleMapError
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    arrow,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views import style
+from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
 
 MM = 1000.0
 # More sides than this are those of a curve, whose numbers nobody needs.
@@ -47,8 +38,8 @@ def object_page(checked: CheckedCollection) -> Figure:
         for number, line in enumerate(textwrap.wrap(finding.words, _LETTERS))
     ]
     height = 5.6 + 0.2 * len(lines)
-    with picture_style():
-        figure = new_figure(11.0, height)
+    with style.picture_style():
+        figure = style.new_figure(11.0, height)
         panels = figure.subplots(1, 2)
         figure.subplots_adjust(left=0.07, right=0.98, top=1.0 - 0.5 / height, bottom=(1.15 + 0.2 * len(lines)) / height)
         if loop is not None:
@@ -64,7 +55,7 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     middle = MM * np.array(loop.slider.outline.centroid)
     axes.add_patch(Polygon(outline, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6))
     for way, name in ((np.array([1.0, 0.0]), "x"), (np.array([0.0, 1.0]), "y")):
-        arrow(axes, np.zeros(2), 0.3 * reach * way, QUIET)
+        style.arrow(axes, np.zeros(2), 0.3 * reach * way, QUIET)
         axes.text(0.37 * reach * way[0], 0.37 * reach * way[1], name, ha="center", va="center", color=QUIET, fontsize=8)
     axes.plot(*(MM * np.array(loop.slider.centre_of_mass)), "+", color=INK, markersize=8, label="centre of mass")
     number_sides(axes, outline, 0.1)
@@ -73,7 +64,7 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     length = MM * loop.push.distance
     axes.add_patch(Circle(tuple(rod), radius, facecolor=INK, zorder=4))
     axes.plot([], [], "o", color=INK, label=f"rod, radius {radius:.3g} mm")
-    arrow(axes, rod, rod + length * way, FORCE)
+    style.arrow(axes, rod, rod + length * way, FORCE)
     axes.plot([], [], color=FORCE, label=f"push, {length:.4g} mm at side {loop.push.side}")
     ring = MM * np.array(loop.slider.hitch)
     told = f"ring ({ring[0]:.4g}, {ring[1]:.4g}) mm"
@@ -113,7 +104,7 @@ def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
     for outline, look in outlines:
         axes.add_patch(Polygon(MM * outline, **look))
     axes.plot(*(MM * scene.push.rod).T, color=FORCE, linewidth=1.6, label="way of the rod")
-    arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
+    style.arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
     axes.plot([], [], color=MEASURED_EDGE, label="way of the ring")
     axes.plot(0.0, 0.0, "x", color=INK, markersize=9, mew=1.8, label="target of the ring", zorder=6)
     _frame(axes, MM * np.vstack([scene.push.before, scene.push.after, scene.drag.after, scene.push.rod]), "world")
@@ -139,7 +130,7 @@ def draw_cycle(push_axes: Axes, drag_axes: Axes, scene: CycleScene) -> None:
         _draw_stroke(axes, stroke)
         tips = MM * stroke.force_point + mm_per_newton * stroke.force
         for point, tip in zip(MM * stroke.force_point, tips, strict=True):
-            arrow(axes, point, tip, FORCE, 1.4, 7)
+            style.arrow(axes, point, tip, FORCE, 1.4, 7)
         axes.set_aspect("equal")
         _fill_panel(axes, low, high)
         axes.set(xlabel="x (mm)", ylabel="y (mm)")

@@ -11,16 +11,8 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.arrays import Array
 from cyclemap.evidence.replay.replay_push import Replay
 from cyclemap.evidence.replay.replay_table import ReplayedPushes
-from cyclemap.views.style import (
-    FORCE,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    QUIET,
-    legend_above,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views import style
+from cyclemap.views.style import FORCE, MEASURED, MEASURED_EDGE, PREDICTED, QUIET
 
 # Courses are drawn of the pushes at these shares of the order of their errors: a good, a usual, a bad one.
 _SHARES = (0.25, 0.5, 0.75)
@@ -39,8 +31,8 @@ def replay_headline(replayed: ReplayedPushes) -> str:
 
 def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
     """Draw the replays of a collection on `material`; at least one replay is needed."""
-    with picture_style():
-        figure = new_figure()
+    with style.picture_style():
+        figure = style.new_figure()
         grid = GridSpec(
             2, 12, figure, left=0.055, right=0.985, bottom=0.12, top=0.83, wspace=1.9, hspace=0.62,
         )  # fmt: skip
@@ -117,7 +109,7 @@ def _draw_course(axes: Axes, replayed: ReplayedPushes, row: int) -> None:
     speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
     off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
     axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
-    legend_above(axes, columns=4)
+    style.legend_above(axes, columns=4)
 
 
 def _outline(replay: Replay, pose: Array) -> Array:

@@ -23,20 +23,7 @@ from cyclemap.views import style
 from cyclemap.views.map_panels import PER_DEGREE
 from cyclemap.views.object_page import number_sides
 from cyclemap.views.reset_sentences import COLUMNS, miss_sentences, recipe, row_cells
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    degree_axis,
-    legend_above,
-    name_tag,
-    new_figure,
-    picture_style,
-    write_page,
-)
+from cyclemap.views.style import FORCE, INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET
 
 _PLACES = (0.0, 0.105, 0.535, 0.6, 0.665, 0.745, 0.82, 0.885, 0.95)
 _ARROW, _NAMED = 0.45, 8
@@ -66,7 +53,7 @@ def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> No
     size, (x, y) = float(np.ptp(outline, axis=0).max()), (1e3 * np.array(prepared.slider.hitch)).tolist()
     axes.fill(*outline.T, facecolor=PREDICTED_FILL, edgecolor=QUIET, linewidth=1.0, zorder=1)
     axes.plot(x, y, "o", markersize=6, markerfacecolor="white", color=INK, zorder=2)
-    name_tag(axes, x, y, "ring", xytext=(9, 7), textcoords="offset points")
+    style.name_tag(axes, x, y, "ring", xytext=(9, 7), textcoords="offset points")
     number_sides(axes, outline, -0.14, fontsize=12, fontweight="bold", color=PREDICTED)
     shares: Counter[SidePush] = Counter()
     for action, share in zip(strategy.actions, strategy.shares.tolist(), strict=True):
@@ -78,7 +65,7 @@ def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> No
         axes.annotate("", tuple(tip), tuple(tail), arrowprops={**look, "shrinkA": 0, "shrinkB": 0}, zorder=3)
         axes.plot(*np.array([tip, beyond]).T, linestyle="none")
         if len(shares) <= _NAMED:
-            name_tag(axes, beyond[0], beyond[1], f"{share:.0%}", fontsize=10)
+            style.name_tag(axes, beyond[0], beyond[1], f"{share:.0%}", fontsize=10)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.1)
     axes.set_axis_off()
@@ -96,11 +83,13 @@ def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
     axes.set_ylim(0.0, max(2.2 * high, 1.25 * float(design.after[0].max())))
     if design.before[0].max() > axes.get_ylim()[1]:
         peak = int(np.argmax(design.before[0]))
-        name_tag(axes, edges[peak] + 5.0, 0.93 * axes.get_ylim()[1], f"{design.before[0][peak]:.0%}", color=MEASURED)
-    degree_axis(axes, "θ0, orientation before the push (°)")
+        style.name_tag(
+            axes, edges[peak] + 5.0, 0.93 * axes.get_ylim()[1], f"{design.before[0][peak]:.0%}", color=MEASURED
+        )
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     axes.set(ylabel="share of pushes", title=f"{pushes} pushes")
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def _draw_errors(axes: Axes, design: ResetDesign) -> None:
@@ -141,15 +130,15 @@ def strategy_page(
 
     words : the title, then what is said below it.
     """
-    with picture_style():
-        figure = new_figure()
+    with style.picture_style():
+        figure = style.new_figure()
         grid = GridSpec(2, 2, figure, left=0.06, right=0.98, bottom=0.09, top=0.77, wspace=0.18, hspace=0.5)
         path = figure.add_subplot(grid[0, 0])
         if measured is not None:
             path.plot(np.degrees(measured) % 360.0, ".", color=MEASURED, markersize=4, label="measured")
         path.plot(np.degrees(theta) % 360.0, ".", color=PREDICTED, markersize=2, label="predicted")
         path.set(xlabel="cycle", ylabel="θ0 (°)", title="One run", ylim=(0.0, 360.0), yticks=range(0, 361, 90))
-        legend_above(path)
+        style.legend_above(path)
         draw_pushes(figure.add_subplot(grid[0, 1]), loop, strategy)
         _draw_shares(figure.add_subplot(grid[1, 0]), theta, measured, law)
         last = figure.add_subplot(grid[1, 1])
@@ -158,7 +147,7 @@ def strategy_page(
             last.set(xlabel="cycle", ylabel="θ0, not wrapped (°)", title="Staircase")
         else:
             _draw_turns(last, turns, strategy)
-        write_page(figure, words[0], words[1:])
+        style.write_page(figure, words[0], words[1:])
     return figure
 
 
@@ -171,9 +160,9 @@ def _draw_shares(axes: Axes, theta: Array, measured: Array | None, law: Orientat
     if law is not None:
         axes.plot(PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run")
     axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
-    degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set(ylabel="probability per degree", title="Directions recorded")
-    legend_above(axes, columns=4)
+    style.legend_above(axes, columns=4)
 
 
 def _draw_turns(axes: Axes, turns: Array, strategy: ResetStrategy) -> None:
@@ -182,6 +171,6 @@ def _draw_turns(axes: Axes, turns: Array, strategy: ResetStrategy) -> None:
     for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
         axes.plot(theta, turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
     axes.plot(theta, np.degrees(strategy.shares @ turns), color=INK, linewidth=1.6, linestyle="--", label="mean")
-    degree_axis(axes, "θ0, orientation before the push (°)")
+    style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set(ylabel="turn of one cycle (°)", title="Turn of each action")
-    legend_above(axes)
+    style.legend_above(axes)

@@ -10,18 +10,9 @@ from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import Array
 from cyclemap.maps import DriftSummary, StepComparison, Steps
+from cyclemap.views import style
 from cyclemap.views.sentences import angle, number
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    UNSTABLE,
-    legend_above,
-    name_beside_path,
-    say,
-    unwrapped_axis,
-)
+from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, UNSTABLE
 
 # With more dwells than this their levels are not written beside them.
 MOST_NAMED = 12
@@ -44,8 +35,8 @@ def draw_steps(axes: Axes, path: Array, steps: Steps) -> None:
     axes.set(xlabel="cycle", xlim=(0, max(path.size - 1, 1)))
     axes.xaxis.set_major_locator(MaxNLocator(6, integer=True, min_n_ticks=1))
     axes.margins(y=0.08)
-    unwrapped_axis(axes, f"θ, unwrapped{turning}")
-    legend_above(axes)
+    style.unwrapped_axis(axes, f"θ, unwrapped{turning}")
+    style.legend_above(axes)
 
 
 def _draw_dwells(axes: Axes, steps: Steps) -> None:
@@ -59,7 +50,7 @@ def _draw_dwells(axes: Axes, steps: Steps) -> None:
         if open_ended:
             bar.set(color=UNSTABLE, linewidth=2.2, path_effects=[Stroke(linewidth=5.0, foreground=INK), Normal()])
         if steps.levels.size <= MOST_NAMED:
-            name_beside_path(axes, start, end, level_deg, angle(level), steps.climb >= 0.0)
+            style.name_beside_path(axes, start, end, level_deg, angle(level), steps.climb >= 0.0)
 
 
 def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | None = None) -> None:
@@ -69,7 +60,7 @@ def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | Non
     look: dict[str, Any] = {"linestyle": "none", "markeredgecolor": MEASURED_EDGE, "zorder": 4}
     whole, cut = ~open_ended, open_ended
     if not steps.lengths.size:
-        say(axes, "no dwell")
+        style.say(axes, "no dwell")
     if whole.any():
         axes.plot(number_of[whole], steps.lengths[whole], "o", color=MEASURED, label="dwell", **look)
     if cut.any():
@@ -80,7 +71,7 @@ def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | Non
     axes.set(xlabel="dwell", ylabel="length (cycles)", xlim=(0.5, max(steps.lengths.size, 1) + 0.5))
     axes.set_ylim(bottom=0.0)
     axes.xaxis.set_major_locator(MaxNLocator(8, integer=True, min_n_ticks=1))
-    legend_above(axes, columns=4)
+    style.legend_above(axes, columns=4)
 
 
 def _draw_means(axes: Axes, comparison: StepComparison) -> None:
@@ -114,7 +105,7 @@ def draw_drift(axes: Axes, drift: DriftSummary) -> None:
         handles += _draw_residence(axes, drift)
     told = f"in all {drift.turns:.3g} turns, give or take {drift.turns.error_bound + drift.lag_turns:.2g}"
     handles += axes.plot([], [], linestyle="none", label=told)
-    legend_above(axes, columns=3, handles=handles)
+    style.legend_above(axes, columns=3, handles=handles)
 
 
 def _draw_residence(axes: Axes, drift: DriftSummary) -> list[Line2D]:

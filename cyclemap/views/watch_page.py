@@ -11,20 +11,10 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLoca
 
 from cyclemap.evidence import angle_histogram
 from cyclemap.resets import Alarm, BiasMonitor, BiasReport, CoverageState, CycleAction, NextAction
+from cyclemap.views import style
 from cyclemap.views.reset_sentences import action_words
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    QUIET,
-    legend_above,
-    new_figure,
-    picture_style,
-    write_page,
-)
+from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, QUIET
 
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 
@@ -32,8 +22,8 @@ _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -> Figure:
     """Draw the course of a watched collection, its monitor's report after each push; ``name`` : of its file."""
     last = reports[-1]
-    with picture_style():
-        figure = new_figure()
+    with style.picture_style():
+        figure = style.new_figure()
         edges = {"left": 0.06, "right": 0.975, "bottom": 0.115, "top": 0.8}
         grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.45, **edges)
         draw_path(figure.add_subplot(grid[0, 0]), monitor.path, last)
@@ -42,7 +32,7 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
         draw_worth(figure.add_subplot(grid[1, 1]), [report.coverage.effective_pushes for report in reports])
         title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
         foot = "chance of an alarm, however long the collection, where no orientation lingers:"
-        write_page(figure, title, watch_sentences(last), f"{foot} {monitor.alarm_rate:g} at most")
+        style.write_page(figure, title, watch_sentences(last), f"{foot} {monitor.alarm_rate:g} at most")
     return figure
 
 
@@ -110,7 +100,7 @@ def draw_worth(axes: Axes, effective: Sequence[float]) -> None:
 def _push_axis(axes: Axes, pushes: int) -> None:
     axes.set(xlabel="push", xlim=(-0.5, max(pushes, 2) - 0.5))
     axes.xaxis.set_major_locator(MaxNLocator(8, integer=True, min_n_ticks=1))
-    legend_above(axes)
+    style.legend_above(axes)
 
 
 def watch_sentences(report: BiasReport) -> tuple[str, ...]:
