@@ -32,11 +32,7 @@ def audit_headline(found: Audit) -> str:
 
 def audit_paragraph(found: Audit) -> str:
     """What stands on the data set's card: cover, lock-in, worth, what the reset did, what to change."""
-    told = [_cover(found), _lock_in(found), _worth(found), _reset(found), _change(found)]
-    return " ".join(filter(None, told))
-
-
-def _cover(found: Audit) -> str:
+    pushes = len(found.theta)
     state, others = found.report.coverage, found.others
     of = f" (and {others} pushes of other sets, not looked at)" if others else ""
     if len(found.covered) == 1 and found.covered[0][1] - found.covered[0][0] > 6.28:
@@ -47,7 +43,14 @@ def _cover(found: Audit) -> str:
         arcs = ", ".join(f"{angle(low, 0)} to {angle(high % (2 * math.pi), 0)}" for low, high in found.covered[:4])
         more = f" and {len(found.covered) - 4} arcs more" if len(found.covered) > 4 else ""
         where = f"cover {arcs}{more}: {state.covered:.0%} of the circle is within 5° of one"
-    return f"The orientations of the object before {len(found.theta)} pushes{of} {where}."
+    told = [
+        f"The orientations of the object before {len(found.theta)} pushes{of} {where}.",
+        _lock_in(found),
+        f"The {pushes} pushes tell as much of how motion depends on orientation as {found.worth:.0f} spread evenly.",
+        _reset(found),
+        _change(found),
+    ]
+    return " ".join(filter(None, told))
 
 
 def _lock_in(found: Audit) -> str:
@@ -63,11 +66,6 @@ def _lock_in(found: Audit) -> str:
         f"From push {start} on they {how} {where}: {found.gathered:.0%} of the {after} pushes from there on lie within "
         "10° of it."
     )
-
-
-def _worth(found: Audit) -> str:
-    pushes = len(found.theta)
-    return f"The {pushes} pushes tell as much of how motion depends on orientation as {found.worth:.0f} spread evenly."
 
 
 def _reset(found: Audit) -> str:

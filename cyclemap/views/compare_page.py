@@ -44,7 +44,14 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
             max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62
         )  # fmt: skip
         if found.cycle is not None:
-            _draw_cycles([figure.add_subplot(grid[0, column]) for column in range(3)], found, curve)
+            turn, histogram, staircase = [figure.add_subplot(grid[0, column]) for column in range(3)]
+            assert found.cycle is not None and found.data.pairs is not None
+            map_panels.draw_turn(turn, curve, ())
+            map_panels.draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
+            turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
+            style.legend_above(turn)
+            _draw_histograms(histogram, found.orientations)
+            _draw_stairs(staircase, found.data.path, found.staircase)
         if found.pushes:
             panels = [figure.add_subplot(grid[rows - 1, column]) for column in range(3)]
             draw = _draw_pushes if len(found.pushes) <= MOST_SETS else _draw_sets
@@ -88,17 +95,6 @@ def residual_page(found: Comparison) -> Figure | None:
     return figure
 
 
-def _draw_cycles(panels: list[Axes], found: Comparison, curve: TurnCurve) -> None:
-    turn, histogram, staircase = panels
-    assert found.cycle is not None and found.data.pairs is not None
-    map_panels.draw_turn(turn, curve, ())
-    map_panels.draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
-    turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
-    style.legend_above(turn)
-    _draw_histograms(histogram, found.orientations)
-    _draw_stairs(staircase, found.data.path, found.staircase)
-
-
 def _draw_histograms(axes: Axes, found: OrientationAgreement | None) -> None:
     axes.set_title("Directions", pad=TITLE_PAD)
     style.degree_axis(axes, "θ0, orientation before the push (°)")
@@ -132,7 +128,11 @@ def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
         axes.plot(theta, scale * largest.measured[:, column], "o", label="measured", zorder=2, **_DOTS)
         predicted = scale * largest.predicted[:, column]
         axes.plot(theta, predicted, ".", color=PREDICTED, markersize=4.0, label="predicted", zorder=3)
-        _name_push_panel(axes, quantity)
+        symbol, label = _LABELS[quantity.name]
+        style.degree_axis(axes, "θ0, orientation before the push (°)")
+        axes.set_ylabel(label)
+        axes.set_title(f"{symbol}: RMSE {quantity.percent:.1f} %, std {quantity.std_percent:.1f} %", pad=TITLE_PAD)
+        style.legend_above(axes)
 
 
 def _draw_sets(panels: list[Axes], found: Comparison) -> None:
@@ -151,14 +151,6 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
 
 def _scale(quantity: QuantityAgreement) -> float:
     return float(np.degrees(1.0)) if quantity.name == "dtheta" else 1000.0
-
-
-def _name_push_panel(axes: Axes, quantity: QuantityAgreement) -> None:
-    symbol, label = _LABELS[quantity.name]
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
-    axes.set_ylabel(label)
-    axes.set_title(f"{symbol}: RMSE {quantity.percent:.1f} %, std {quantity.std_percent:.1f} %", pad=TITLE_PAD)
-    style.legend_above(axes)
 
 
 def headline(name: str, found: Comparison) -> str:

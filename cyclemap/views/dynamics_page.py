@@ -30,7 +30,32 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
         figure = new_figure()
         grid = GridSpec(1, 3, figure, left=0.055, right=0.985, bottom=0.12, top=0.74, wspace=0.27)
         turns, differences, places = (figure.add_subplot(grid[0, column]) for column in range(3))
-        _draw_turns(turns, material, isotropic)
+        for comparison, isotropic_law in ((material, False), (isotropic, True)):
+            law = "isotropic" if isotropic_law else "material"
+            theta = np.degrees(comparison.dynamic.theta)
+            still = np.degrees(comparison.quasi_static.theta_next) - theta
+            # A curve through one orientation needs a marker, over the dot, to be seen.
+            alone = theta.size == 1
+            style = ("--" if isotropic_law else "-") + "x" * alone
+            turns.plot(
+                theta, still, style, color=QUIET, linewidth=1.4, label=f"{law}, quasi-static", zorder=4 if alone else 2
+            )
+            moved = np.degrees(comparison.dynamic.theta_next) - theta
+            face = "white" if isotropic_law else PREDICTED
+            turns.plot(
+                theta,
+                moved,
+                "o",
+                color=PREDICTED,
+                markerfacecolor=face,
+                markersize=4.5,
+                label=f"{law}, dynamic",
+                zorder=3,
+            )
+        turns.set(xlabel=THETA0, ylabel="turn of a cycle (°)")
+        turns.xaxis.set_major_locator(MultipleLocator(60.0))
+        turns.set_title("Turn of push and drag", pad=36.0)
+        legend_above(turns, columns=2)
         draw_turn_differences(differences, material, isotropic)
         draw_place_differences(places, material, isotropic)
         name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
@@ -76,28 +101,6 @@ def draw_place_differences(axes: Axes, material: DynamicsComparison, isotropic: 
             difference = 1e3 * comparison.difference("push_displacement")[..., column]
             _draw_curve(axes, comparison, difference, colour, marker, isotropic_law, label)
     _finish(axes, "dynamic − quasi-static (mm)", "Difference of the displacement")
-
-
-def _draw_turns(axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison) -> None:
-    for comparison, isotropic_law in ((material, False), (isotropic, True)):
-        name = "isotropic" if isotropic_law else "material"
-        theta = np.degrees(comparison.dynamic.theta)
-        still = np.degrees(comparison.quasi_static.theta_next) - theta
-        # A curve through one orientation needs a marker, over the dot, to be seen.
-        alone = theta.size == 1
-        style = ("--" if isotropic_law else "-") + "x" * alone
-        axes.plot(
-            theta, still, style, color=QUIET, linewidth=1.4, label=f"{name}, quasi-static", zorder=4 if alone else 2
-        )
-        moved = np.degrees(comparison.dynamic.theta_next) - theta
-        face = "white" if isotropic_law else PREDICTED
-        axes.plot(
-            theta, moved, "o", color=PREDICTED, markerfacecolor=face, markersize=4.5, label=f"{name}, dynamic", zorder=3
-        )
-    axes.set(xlabel=THETA0, ylabel="turn of a cycle (°)")
-    axes.xaxis.set_major_locator(MultipleLocator(60.0))
-    axes.set_title("Turn of push and drag", pad=36.0)
-    legend_above(axes, columns=2)
 
 
 def _draw_curve(

@@ -12,7 +12,7 @@ from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
 from cyclemap.collection.fingerprint_check import CheckedDirection, PredictionCheck
 from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, PredictedDirection, Prediction
 from cyclemap.collection.portrait_curves import turn_curve
-from cyclemap.maps import CircleMap, Orbit
+from cyclemap.maps import CircleMap
 from cyclemap.views import style
 from cyclemap.views.sentences import angle
 from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
@@ -39,7 +39,19 @@ def fingerprint_page(
         draw_responses(figure.add_subplot(grid[1, column]), found, ellipse=True)
         if prediction is not None:
             draw_prediction(figure.add_subplot(grid[:, 1]), prediction, None if checked is None else checked.map)
-        _write_words(figure, found, prediction, checked, name)
+        title = "Fingerprint of the protocol" if prediction is None else f"Fingerprint of the protocol, on {name}"
+        told = [protocol_sentence(found)]
+        if prediction is not None:
+            told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
+            told += [lock_in_sentence(prediction), trust_sentence(prediction)]
+        if checked is not None:
+            told.append(check_sentence(checked))
+        numbers = "   ".join(
+            f"{symbol} {value}°"
+            for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
+        )
+        foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
+        style.write_page(figure, title, told, foot, top=0.925, letters=170)
     return figure
 
 
@@ -78,7 +90,21 @@ def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None =
         label = None if index else "full map"
         axes.plot(np.degrees(theta), np.degrees(whole), color=MEASURED, linewidth=3.0, label=label, zorder=3)
     for direction in prediction.directions:
-        _draw_direction(axes, direction.orbit)
+        place, kind = float(np.degrees(direction.orbit.points[0])), style.stability(direction.orbit)
+        axes.plot(place, 0.0, **style.orbit_marker(kind))
+        # A turn falls through a stable direction and rises through an unstable one: names stand where it does not run.
+        left = place > 290.0
+        above = direction.orbit.stable != left
+        axes.annotate(
+            f"{place:.1f}° {kind}",
+            (place, 0.0),
+            xytext=(-8 if left else 8, 8 if above else -16),
+            textcoords="offset points",
+            ha="right" if left else "left",
+            fontsize=8,
+            zorder=7,
+            bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
+        )
     style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
     axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 3, 5, 6, 10]))
@@ -91,42 +117,6 @@ def _response_curve(response: TurnResponse, ellipse: bool) -> tuple[np.ndarray, 
     part = response.gradient[2:] if ellipse else response.gradient[:2]
     turn = part[0] * np.cos(angle) + part[1] * np.sin(angle)
     return np.degrees(_ANGLES), np.degrees(0.01 * turn)
-
-
-def _draw_direction(axes: Axes, orbit: Orbit) -> None:
-    place, kind = float(np.degrees(orbit.points[0])), style.stability(orbit)
-    axes.plot(place, 0.0, **style.orbit_marker(kind))
-    # A turn falls through a stable direction and rises through an unstable one: names stand where it does not run.
-    left = place > 290.0
-    above = orbit.stable != left
-    axes.annotate(
-        f"{place:.1f}° {kind}",
-        (place, 0.0),
-        xytext=(-8 if left else 8, 8 if above else -16),
-        textcoords="offset points",
-        ha="right" if left else "left",
-        fontsize=8,
-        zorder=7,
-        bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
-    )
-
-
-def _write_words(
-    figure: Figure, found: Fingerprint, prediction: Prediction | None, checked: PredictionCheck | None, name: str
-) -> None:
-    title = "Fingerprint of the protocol" if prediction is None else f"Fingerprint of the protocol, on {name}"
-    told = [protocol_sentence(found)]
-    if prediction is not None:
-        told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
-        told += [lock_in_sentence(prediction), trust_sentence(prediction)]
-    if checked is not None:
-        told.append(check_sentence(checked))
-    numbers = "   ".join(
-        f"{symbol} {value}°"
-        for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂"), five_numbers(found.cycle), strict=True)
-    )
-    foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
-    style.write_page(figure, title, told, foot, top=0.925, letters=170)
 
 
 def five_numbers(response: TurnResponse) -> tuple[str, ...]:

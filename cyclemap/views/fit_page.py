@@ -51,7 +51,14 @@ def fit_page(fit: SetFit) -> Figure:
             rows = [rows[0][:half], rows[0][half:]]
         height = (top - FOOT) / len(rows)
         for number, row in enumerate(rows):
-            _draw_row(figure, row, top - number * height, height)
+            # Draw panels side by side in this part of the page, with room for titles above and labels below them.
+            upper = top - number * height
+            ends = {"top": upper - TITLES, "bottom": upper - height + BELOW, "left": 0.045, "right": 0.985}
+            grid = GridSpec(1, len(row), figure, wspace=0.27 if len(row) > 2 else 0.16, **ends)
+            for column, (title, draw) in enumerate(row):
+                axes = figure.add_subplot(grid[0, column])
+                draw(axes)
+                axes.set_title(title, pad=TITLE_PAD)
     return figure
 
 
@@ -71,16 +78,6 @@ def _panels(fit: SetFit) -> tuple[list[Panel], list[Panel]]:
         if forecast.pace.measured.size:
             cycles.append(("Turns", partial(draw_pace, pace=forecast.pace)))
     return pushes, cycles
-
-
-def _draw_row(figure: Figure, row: list[Panel], top: float, height: float) -> None:
-    """Draw panels side by side in this part of the page, with room for titles above and labels below them."""
-    ends = {"top": top - TITLES, "bottom": top - height + BELOW, "left": 0.045, "right": 0.985}
-    grid = GridSpec(1, len(row), figure, wspace=0.27 if len(row) > 2 else 0.16, **ends)
-    for column, (title, draw) in enumerate(row):
-        axes = figure.add_subplot(grid[0, column])
-        draw(axes)
-        axes.set_title(title, pad=TITLE_PAD)
 
 
 def draw_law(axes: Axes, law: MotionLaw) -> None:

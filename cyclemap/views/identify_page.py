@@ -52,7 +52,18 @@ def identify_page(title: str, found: Identification, curves: IdentifiedCurves, w
         rows, columns = _layout(min(len(panels), MOST_PANELS) + 1)
         ends = {"left": 0.05, "right": 0.985, "bottom": 0.085, "top": top - 0.07}
         grid = GridSpec(rows, columns, figure, wspace=0.24, hspace=0.24 + 0.14 * rows, **ends)
-        _draw_intervals(figure, grid, found)
+        shared = tuple(one for one in found.estimates if "[" not in one.name)
+        estimates = found.estimates if len(found.estimates) <= MOST_INTERVALS or not shared else shared
+        lines = grid[0, -1].subgridspec(len(estimates), 1, hspace=1.6)
+        box = grid[0, -1].get_position(figure)
+        whose = "" if len(estimates) == len(found.estimates) else " of all plates"
+        heading = f"Parameters{whose}, with {100.0 * found.level:g} % intervals"
+        figure.text(box.x0, box.y1 + 0.025, heading, fontsize=10, fontweight="bold")
+        for number, one in enumerate(estimates):
+            line = figure.add_subplot(lines[number, 0])
+            draw_interval(line, one)
+            place = line.get_position()
+            line.set_position((place.x0 + 0.42 * place.width, place.y0, 0.58 * place.width, place.height))
         cells = [(row, column) for row in range(rows) for column in range(columns) if (row, column) != (0, columns - 1)]
         for cell, (name, draw) in zip(cells, panels[:MOST_PANELS], strict=False):
             axes = figure.add_subplot(grid[cell])
@@ -78,21 +89,6 @@ def _panels(curves: IdentifiedCurves) -> list[Panel]:
 
 def _title(name: str) -> str:
     return name[:1].upper() + name[1:]
-
-
-def _draw_intervals(figure: Figure, grid: GridSpec, found: Identification) -> None:
-    shared = tuple(one for one in found.estimates if "[" not in one.name)
-    estimates = found.estimates if len(found.estimates) <= MOST_INTERVALS or not shared else shared
-    rows = grid[0, -1].subgridspec(len(estimates), 1, hspace=1.6)
-    box = grid[0, -1].get_position(figure)
-    whose = "" if len(estimates) == len(found.estimates) else " of all plates"
-    heading = f"Parameters{whose}, with {100.0 * found.level:g} % intervals"
-    figure.text(box.x0, box.y1 + 0.025, heading, fontsize=10, fontweight="bold")
-    for number, one in enumerate(estimates):
-        axes = figure.add_subplot(rows[number, 0])
-        draw_interval(axes, one)
-        place = axes.get_position()
-        axes.set_position((place.x0 + 0.42 * place.width, place.y0, 0.58 * place.width, place.height))
 
 
 def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:

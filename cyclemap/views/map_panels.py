@@ -40,7 +40,19 @@ def draw_turn(
     for jump in curve.jumps:
         place, ends = np.degrees(jump.theta), np.degrees([jump.before, jump.after])
         axes.plot([place, place], ends, color=PREDICTED, linewidth=1.0, linestyle=":", zorder=3)
-    _draw_fixed_points(axes, fixed_points)
+    for orbit in fixed_points:
+        at = float(np.degrees(orbit.points[0]))
+        axes.plot(at, 0.0, **_marker(orbit))
+        axes.annotate(
+            f"{at:.1f}° {'stable' if orbit.stable else 'unstable'}",
+            (at, 0.0),
+            xytext=(7, 9 if orbit.stable else -16),
+            textcoords="offset points",
+            ha="left" if at < 290 else "right",
+            fontsize=8,
+            zorder=6,
+            bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
+        )
     style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
     axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 3, 5, 6, 10]))
@@ -80,22 +92,6 @@ def draw_cobweb(axes: Axes, cobweb: Cobweb, fixed_points: tuple[Orbit, ...]) -> 
     axes.set(xlim=window, ylim=window, aspect="equal", anchor="W", xlabel="θ0 (°)", ylabel="next θ0 (°)")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 3, 4.5, 6, 9, 10]))
-
-
-def _draw_fixed_points(axes: Axes, fixed_points: tuple[Orbit, ...]) -> None:
-    for orbit in fixed_points:
-        place = float(np.degrees(orbit.points[0]))
-        axes.plot(place, 0.0, **_marker(orbit))
-        axes.annotate(
-            f"{place:.1f}° {'stable' if orbit.stable else 'unstable'}",
-            (place, 0.0),
-            xytext=(7, 9 if orbit.stable else -16),
-            textcoords="offset points",
-            ha="left" if place < 290 else "right",
-            fontsize=8,
-            zorder=6,
-            bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
-        )
 
 
 def _marker(orbit: Orbit) -> dict[str, Any]:

@@ -38,58 +38,36 @@ def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: Measured
         )  # fmt: skip
         panels = [figure.add_subplot(grid[row, column]) for column in range(3) for row in range(2)]
         turn, density, cobweb, staircase, push, drag = panels
-        _draw_turn_panel(turn, portrait, curves, measured)
-        _draw_density_panel(density, portrait, curves, measured)
-        _draw_cobweb_panel(cobweb, portrait, curves)
-        _draw_staircase_panel(staircase, portrait, measured)
-        _draw_cycle_panels(push, drag, portrait, curves)
+        known = portrait.uncertainty
+        map_panels.draw_turn(turn, curves.turn, portrait.fixed_points, () if known is None else known.directions)
+        if measured is not None:
+            map_panels.draw_measured_turns(turn, measured.pairs, measured.bins)
+        turn.set_title("Turn of one cycle" + (", fresh" if portrait.worn is not None else ""), y=_TITLE_PLACE)
+        _legend_above(turn)
+        map_panels.draw_density(density, curves)
+        if measured is not None:
+            map_panels.draw_measured_histogram(density, measured.histogram)
+        density.set_ylim(bottom=0.0)
+        density.set_title("Directions recorded", y=_TITLE_PLACE)
+        _legend_above(density)
+        map_panels.draw_cobweb(cobweb, curves.cobweb, portrait.fixed_points)
+        place = "the jump" if portrait.gathering_jumps else "the slowest direction"
+        place = "the stable direction" if portrait.stable_points else place
+        whole = curves.cobweb.high - curves.cobweb.low > 6.2
+        cobweb.set_title("Cobweb" if whole else f"Cobweb about {place}", y=_TITLE_PLACE)
+        path = None if measured is None else measured.pairs.path
+        map_panels.draw_staircase(staircase, portrait.staircase.theta, path)
+        staircase.set_title("Staircase", y=_TITLE_PLACE)
+        if path is not None:
+            staircase.legend(loc="upper left")
+        draw_cycle(push, drag, curves.scene)
+        cycle = portrait.cycle
+        push.set_title(
+            f"Push from {sentences.angle(cycle.theta)}: turns {sentences.angle(cycle.push_turn)}", y=_TITLE_PLACE
+        )
+        drag.set_title(f"Drag by the ring: turns {sentences.angle(cycle.drag_turn)}", y=_TITLE_PLACE)
         _write_words(figure, portrait, curves, measured)
     return figure
-
-
-def _draw_turn_panel(axes: Axes, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None) -> None:
-    known = portrait.uncertainty
-    map_panels.draw_turn(axes, curves.turn, portrait.fixed_points, () if known is None else known.directions)
-    if measured is not None:
-        map_panels.draw_measured_turns(axes, measured.pairs, measured.bins)
-    axes.set_title("Turn of one cycle" + (", fresh" if portrait.worn is not None else ""), y=_TITLE_PLACE)
-    _legend_above(axes)
-
-
-def _draw_density_panel(
-    axes: Axes, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None
-) -> None:
-    map_panels.draw_density(axes, curves)
-    if measured is not None:
-        map_panels.draw_measured_histogram(axes, measured.histogram)
-    axes.set_ylim(bottom=0.0)
-    axes.set_title("Directions recorded", y=_TITLE_PLACE)
-    _legend_above(axes)
-
-
-def _draw_cobweb_panel(axes: Axes, portrait: Portrait, curves: PortraitCurves) -> None:
-    map_panels.draw_cobweb(axes, curves.cobweb, portrait.fixed_points)
-    place = "the jump" if portrait.gathering_jumps else "the slowest direction"
-    place = "the stable direction" if portrait.stable_points else place
-    whole = curves.cobweb.high - curves.cobweb.low > 6.2
-    axes.set_title("Cobweb" if whole else f"Cobweb about {place}", y=_TITLE_PLACE)
-
-
-def _draw_staircase_panel(axes: Axes, portrait: Portrait, measured: MeasuredOverlay | None) -> None:
-    path = None if measured is None else measured.pairs.path
-    map_panels.draw_staircase(axes, portrait.staircase.theta, path)
-    axes.set_title("Staircase", y=_TITLE_PLACE)
-    if path is not None:
-        axes.legend(loc="upper left")
-
-
-def _draw_cycle_panels(push: Axes, drag: Axes, portrait: Portrait, curves: PortraitCurves) -> None:
-    draw_cycle(push, drag, curves.scene)
-    cycle = portrait.cycle
-    push.set_title(
-        f"Push from {sentences.angle(cycle.theta)}: turns {sentences.angle(cycle.push_turn)}", y=_TITLE_PLACE
-    )
-    drag.set_title(f"Drag by the ring: turns {sentences.angle(cycle.drag_turn)}", y=_TITLE_PLACE)
 
 
 def _legend_above(axes: Axes) -> None:
@@ -102,7 +80,11 @@ def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, mea
     said = sentences.headline(portrait)
     size = 18.0 * min(1.0, _HEADLINE_LETTERS / len(said))
     figure.text(0.015, 0.955, said, fontsize=size, fontweight="bold", va="center")
-    told = [sentences.lock_sentence(portrait), sentences.noise_sentence(portrait), sentences.staircase_sentence(portrait)]
+    told = [
+        sentences.lock_sentence(portrait),
+        sentences.noise_sentence(portrait),
+        sentences.staircase_sentence(portrait),
+    ]
     figure.text(0.015, 0.928, fill(" ".join([*told, known]), LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
     inferred = (
         f"{portrait.loop.material.name} was inferred, not measured  ·  " if portrait.loop.material.inferred else ""

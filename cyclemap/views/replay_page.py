@@ -42,7 +42,24 @@ def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
         order = np.argsort(replayed.table["error"].to_numpy(), kind="stable")
         for place, share in enumerate(_SHARES):
             row = int(order[min(int(share * len(order)), len(order) - 1)])
-            _draw_course(figure.add_subplot(grid[1, 4 * place : 4 * place + 4]), replayed, row)
+            # One push seen from above: the object before, and after it as measured and as predicted, with its ways.
+            axes = figure.add_subplot(grid[1, 4 * place : 4 * place + 4])
+            replay, facts = replayed.replays[row], replayed.table.iloc[row]
+            axes.plot(*_outline(replay, replay.measured[0]), color=QUIET, linewidth=1.0, linestyle=":", label="before")
+            for poses, colour, width, name in (
+                (replay.measured, MEASURED, 3.0, "measured"),
+                (replay.predicted, PREDICTED, 1.5, "predicted"),
+            ):
+                axes.plot(*_outline(replay, poses[-1]), color=colour, linewidth=width, label=name)
+                axes.plot(*1e3 * poses[:, :2].T, color=colour, linewidth=width)
+            axes.plot(*1e3 * replay.tip.T, color=FORCE, linewidth=1.5, label="rod's way")
+            axes.plot(*1e3 * replay.tip[0], "o", color=FORCE, markersize=4.0)
+            axes.set_aspect("equal", adjustable="datalim")
+            axes.set(xlabel="x (mm)", ylabel="y (mm)")
+            speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
+            off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
+            axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
+            style.legend_above(axes, columns=4)
         figure.text(0.015, 0.95, f"Replayed on {material}", fontsize=18, fontweight="bold", va="center")
         figure.text(0.015, 0.905, replay_headline(replayed), fontsize=10, va="center")
         foot = "quasi-static prediction along the recorded tip; poses at the recorded times; a dot a push, a bar a mean"
@@ -90,26 +107,6 @@ def _draw_motions(axes: Axes, replayed: ReplayedPushes, turn: bool) -> None:
     axes.set_title("Turn" if turn else "Distance")
     if turn and len(kinds) > 1:
         axes.legend(loc="upper left", fontsize=7.0, handletextpad=0.2)
-
-
-def _draw_course(axes: Axes, replayed: ReplayedPushes, row: int) -> None:
-    """One push seen from above: the object before, and after it as measured and as predicted, with its ways."""
-    replay, facts = replayed.replays[row], replayed.table.iloc[row]
-    axes.plot(*_outline(replay, replay.measured[0]), color=QUIET, linewidth=1.0, linestyle=":", label="before")
-    for poses, colour, width, name in (
-        (replay.measured, MEASURED, 3.0, "measured"),
-        (replay.predicted, PREDICTED, 1.5, "predicted"),
-    ):
-        axes.plot(*_outline(replay, poses[-1]), color=colour, linewidth=width, label=name)
-        axes.plot(*1e3 * poses[:, :2].T, color=colour, linewidth=width)
-    axes.plot(*1e3 * replay.tip.T, color=FORCE, linewidth=1.5, label="rod's way")
-    axes.plot(*1e3 * replay.tip[0], "o", color=FORCE, markersize=4.0)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel="x (mm)", ylabel="y (mm)")
-    speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
-    off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
-    axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
-    style.legend_above(axes, columns=4)
 
 
 def _outline(replay: Replay, pose: Array) -> Array:

@@ -38,7 +38,16 @@ def reset_page(design: ResetDesign) -> Figure:
         )
         draw_pushes(figure.add_subplot(grid[0, 0]), design.loop, design.chosen.strategy)
         _draw_histograms(figure.add_subplot(grid[0, 1]), design)
-        _draw_errors(figure.add_subplot(grid[0, 2]), design)
+        axes = figure.add_subplot(grid[0, 2])
+        errors = 100.0 * design.ratio_errors
+        looks = (("chosen", PREDICTED, "-"), ("simplest", MEASURED, "--"))
+        for values, (name, colour, line) in zip(design.ratio_tv, looks, strict=False):
+            axes.plot(errors, values, line, color=colour, linewidth=1.8, label=name)
+        axes.axhline(design.demands.allow_tv, color=FORCE, linewidth=1.1, linestyle=":", label="allowed")
+        top = 1.25 * max(float(design.ratio_tv.max()), design.demands.allow_tv)
+        axes.set(xlabel="error in the ratio of the friction's axes (%)", ylabel="total variation, long run")
+        axes.set(xlim=(errors[0], errors[-1]), ylim=(0.0, top), title="Friction in error")
+        axes.legend(loc="upper center", ncols=3)
         _write_rows(figure, design)
         title = f"Reset for {design.loop.material.name}: {recipe(design.chosen.strategy)}"
         figure.text(0.015, 0.955, fill(title, 118), fontsize=15, fontweight="bold", va="center", linespacing=1.25)
@@ -92,18 +101,6 @@ def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
     style.legend_above(axes)
 
 
-def _draw_errors(axes: Axes, design: ResetDesign) -> None:
-    errors = 100.0 * design.ratio_errors
-    looks = (("chosen", PREDICTED, "-"), ("simplest", MEASURED, "--"))
-    for values, (name, colour, line) in zip(design.ratio_tv, looks, strict=False):
-        axes.plot(errors, values, line, color=colour, linewidth=1.8, label=name)
-    axes.axhline(design.demands.allow_tv, color=FORCE, linewidth=1.1, linestyle=":", label="allowed")
-    top = 1.25 * max(float(design.ratio_tv.max()), design.demands.allow_tv)
-    axes.set(xlabel="error in the ratio of the friction's axes (%)", ylabel="total variation, long run")
-    axes.set(xlim=(errors[0], errors[-1]), ylim=(0.0, top), title="Friction in error")
-    axes.legend(loc="upper center", ncols=3)
-
-
 def _write_rows(figure: Figure, design: ResetDesign) -> None:
     lefts, y = [0.015 + 0.97 * place for place in _PLACES], 0.313
     for left, name in zip(lefts, COLUMNS, strict=True):
@@ -140,37 +137,32 @@ def strategy_page(
         path.set(xlabel="cycle", ylabel="θ0 (°)", title="One run", ylim=(0.0, 360.0), yticks=range(0, 361, 90))
         style.legend_above(path)
         draw_pushes(figure.add_subplot(grid[0, 1]), loop, strategy)
-        _draw_shares(figure.add_subplot(grid[1, 0]), theta, measured, law)
+        axes = figure.add_subplot(grid[1, 0])
+        looks = ((theta, PREDICTED_FILL, "this run"), (measured, MEASURED, "measured"))
+        for place, (one, colour, name) in enumerate(looks):
+            if one is not None:
+                heights, edges = np.histogram(np.degrees(one) % 360.0, np.linspace(0.0, 360.0, 37), density=True)
+                axes.stairs(heights, edges, fill=place == 0, color=colour, label=name, linewidth=1.4)
+        if law is not None:
+            axes.plot(PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run")
+        axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
+        style.degree_axis(axes, "θ0, orientation before the push (°)")
+        axes.set(ylabel="probability per degree", title="Directions recorded")
+        style.legend_above(axes, columns=4)
         last = figure.add_subplot(grid[1, 1])
         if turns is None:
             last.plot(np.degrees(theta), color=PREDICTED, linewidth=1.2)
             last.set(xlabel="cycle", ylabel="θ0, not wrapped (°)", title="Staircase")
         else:
-            _draw_turns(last, turns, strategy)
+            degrees = np.linspace(0.0, 360.0, turns.shape[1], endpoint=False)
+            last.axhline(0.0, color=QUIET, linewidth=0.9)
+            for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
+                last.plot(degrees, turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
+            last.plot(
+                degrees, np.degrees(strategy.shares @ turns), color=INK, linewidth=1.6, linestyle="--", label="mean"
+            )
+            style.degree_axis(last, "θ0, orientation before the push (°)")
+            last.set(ylabel="turn of one cycle (°)", title="Turn of each action")
+            style.legend_above(last)
         style.write_page(figure, words[0], words[1:])
     return figure
-
-
-def _draw_shares(axes: Axes, theta: Array, measured: Array | None, law: OrientationLaw | None) -> None:
-    looks = ((theta, PREDICTED_FILL, "this run"), (measured, MEASURED, "measured"))
-    for place, (path, colour, name) in enumerate(looks):
-        if path is not None:
-            heights, edges = np.histogram(np.degrees(path) % 360.0, np.linspace(0.0, 360.0, 37), density=True)
-            axes.stairs(heights, edges, fill=place == 0, color=colour, label=name, linewidth=1.4)
-    if law is not None:
-        axes.plot(PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run")
-    axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
-    axes.set(ylabel="probability per degree", title="Directions recorded")
-    style.legend_above(axes, columns=4)
-
-
-def _draw_turns(axes: Axes, turns: Array, strategy: ResetStrategy) -> None:
-    theta = np.linspace(0.0, 360.0, turns.shape[1], endpoint=False)
-    axes.axhline(0.0, color=QUIET, linewidth=0.9)
-    for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
-        axes.plot(theta, turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
-    axes.plot(theta, np.degrees(strategy.shares @ turns), color=INK, linewidth=1.6, linestyle="--", label="mean")
-    style.degree_axis(axes, "θ0, orientation before the push (°)")
-    axes.set(ylabel="turn of one cycle (°)", title="Turn of each action")
-    style.legend_above(axes)

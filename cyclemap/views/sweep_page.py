@@ -16,7 +16,6 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
@@ -177,7 +176,14 @@ def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
         plane = without_specks(swept.rotation)
         draw_rotation_plane(axes, plane, key_label(swept.first.key), key_label(swept.second.key))
     else:
-        _draw_values(axes, swept, quantity, values)
+        first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
+        look, ticks = _shades(values)
+        mesh = axes.pcolormesh(first, second, values.T, rasterized=True, **look)
+        _add_scale(axes, mesh, quantity, ticks)
+        axes.set(xlabel=key_label(swept.first.key), ylabel=key_label(swept.second.key))
+        axes.set_xlim(float(first.min()), float(first.max()))
+        axes.set_ylim(float(second.min()), float(second.max()))
+        axes.grid(visible=False)
     _cross_out(axes, swept)
     _name_ticks(axes.xaxis, swept.first)
     _name_ticks(axes.yaxis, swept.second)
@@ -191,32 +197,17 @@ def without_specks(plane: RotationPlane) -> RotationPlane:
     if min(plane.period.shape) < _FINE_PLANE:
         return plane
     ratio = np.where(plane.period > 0, plane.winding / np.maximum(plane.period, 1), np.nan)
-    wide = np.pad(np.where(_in_blocks(ratio), ratio, np.nan), 1, constant_values=np.nan)
+    # Which cells are one of two by two that are equal.
+    along = ratio[1:] == ratio[:-1]
+    block = along[:, 1:] & along[:, :-1] & (ratio[1:, 1:] == ratio[1:, :-1])
+    found = np.zeros(ratio.shape, dtype=bool)
+    for part in (found[1:, 1:], found[1:, :-1], found[:-1, 1:], found[:-1, :-1]):
+        part |= block
+    wide = np.pad(np.where(found, ratio, np.nan), 1, constant_values=np.nan)
     rows, columns = ratio.shape
     touched = [wide[i : i + rows, j : j + columns] == ratio for i in range(3) for j in range(3)]
     kept = np.logical_or.reduce(touched)
     return replace(plane, period=np.where(kept, plane.period, 0), winding=np.where(kept, plane.winding, 0))
-
-
-def _in_blocks(values: Array) -> NDArray[np.bool_]:
-    """Which cells are one of two by two that are equal."""
-    along = values[1:] == values[:-1]
-    block = along[:, 1:] & along[:, :-1] & (values[1:, 1:] == values[1:, :-1])
-    found = np.zeros(values.shape, dtype=bool)
-    for part in (found[1:, 1:], found[1:, :-1], found[:-1, 1:], found[:-1, :-1]):
-        part |= block
-    return found
-
-
-def _draw_values(axes: Axes, swept: SweptPlane, quantity: Quantity, values: Array) -> None:
-    first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
-    look, ticks = _shades(values)
-    mesh = axes.pcolormesh(first, second, values.T, rasterized=True, **look)
-    _add_scale(axes, mesh, quantity, ticks)
-    axes.set(xlabel=key_label(swept.first.key), ylabel=key_label(swept.second.key))
-    axes.set_xlim(float(first.min()), float(first.max()))
-    axes.set_ylim(float(second.min()), float(second.max()))
-    axes.grid(visible=False)
 
 
 def _shades(values: Array) -> tuple[dict[str, Any], Array | None]:
