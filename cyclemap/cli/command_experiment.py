@@ -11,7 +11,7 @@ from cyclemap.cli.options import MOST_CYCLES, LoopOptions, Real, Whole, loop_opt
 
 if TYPE_CHECKING:
     from cyclemap.cli.json_report import Json
-    from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun
+    from cyclemap.collection.batch_experiment import BatchRun
 
 
 @click.command("experiment")
@@ -54,26 +54,28 @@ def experiment_command(
     with progress_bar(f"batches of cycles on {loop.material.name}") as report:
         experiment = batch_experiment(run, batches, cycles, report)
     stem = out / f"experiment_{file_stem(loop.material.name)}"
-    picture = publish(_report(experiment), experiment_page(experiment), stem, picture_format, json_target)
+    # The experiment as JSON; theta0_deg on the lift, one entry more than cycles.
+    from cyclemap.cli.json_report import degrees, number
+    from cyclemap.collection.batch_experiment import WITHIN
+
+    picture = publish(
+        {
+            "model": "quasi-static" if experiment.speed is None else "dynamic",
+            "speed_mm_s": None if experiment.speed is None else number(1e3 * experiment.speed),
+            "cycles": experiment.cycles,
+            "within_deg": degrees(WITHIN),
+            "anisotropic": _run(experiment.anisotropic),
+            "isotropic": _run(experiment.isotropic),
+        },
+        experiment_page(experiment),
+        stem,
+        picture_format,
+        json_target,
+    )
     if picture is not None:
         told = (spread_sentence, isotropic_sentence, method_line)
         words = (sentence(experiment) for sentence in told)
         PeopleConsole().tell(experiment_headline(experiment), *words, f"picture: {picture}")
-
-
-def _report(experiment: BatchExperiment) -> Json:
-    """The experiment as JSON; theta0_deg on the lift, one entry more than cycles."""
-    from cyclemap.cli.json_report import degrees, number
-    from cyclemap.collection.batch_experiment import WITHIN
-
-    return {
-        "model": "quasi-static" if experiment.speed is None else "dynamic",
-        "speed_mm_s": None if experiment.speed is None else number(1e3 * experiment.speed),
-        "cycles": experiment.cycles,
-        "within_deg": degrees(WITHIN),
-        "anisotropic": _run(experiment.anisotropic),
-        "isotropic": _run(experiment.isotropic),
-    }
 
 
 def _run(run: BatchRun) -> Json:

@@ -37,8 +37,21 @@ def cycle_report(start_deg: float, cycle: Cycle) -> Json:
 
 def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None) -> Json:
     """The report of `cyclemap portrait`; with data it has one entry more, "data"."""
+    rotation = portrait.rotation
+    locked = rotation.locked
+    operator = portrait.operator
+    turns = portrait.turns
     report: Json = {
-        "map": _map(portrait),
+        "map": {
+            "degree": int(portrait.map.degree),
+            "samples": int(portrait.map.samples),
+            "max_error_deg": degrees(portrait.map.max_error),
+            "mean_turn_deg": degrees(turns.mean),
+            "min_turn_deg": degrees(turns.minimum),
+            "max_turn_deg": degrees(turns.maximum),
+            "min_slope": number(turns.min_slope),
+            "max_slope": number(turns.max_slope),
+        },
         "fixed_points": [
             {
                 "theta_deg": direction_deg(orbit.points[0]),
@@ -47,8 +60,16 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
             }
             for orbit in portrait.fixed_points
         ],
-        "rotation_number": _rotation(portrait),
-        "stationary": _stationary(portrait),
+        "rotation_number": {
+            **numbers_of(rotation, "value", "lower", "upper"),
+            "locked": None if locked is None else f"{locked.numerator}/{locked.denominator}",
+        },
+        "stationary": {
+            "noise_deg": degrees(portrait.noise.sigma),
+            "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
+            **numbers_of(operator, "spectral_gap", "mixing_cycles"),
+            "tv_from_uniform": number(portrait.tv_from_uniform),
+        },
         "staircase": _staircase(portrait.prediction),
     }
     if portrait.uncertainty is not None:
@@ -119,39 +140,6 @@ def uncertainty_report(found: DirectionUncertainty) -> Json:
             }
             for one in found.directions
         ],
-    }
-
-
-def _map(portrait: Portrait) -> Json:
-    turns = portrait.turns
-    return {
-        "degree": int(portrait.map.degree),
-        "samples": int(portrait.map.samples),
-        "max_error_deg": degrees(portrait.map.max_error),
-        "mean_turn_deg": degrees(turns.mean),
-        "min_turn_deg": degrees(turns.minimum),
-        "max_turn_deg": degrees(turns.maximum),
-        "min_slope": number(turns.min_slope),
-        "max_slope": number(turns.max_slope),
-    }
-
-
-def _rotation(portrait: Portrait) -> Json:
-    rotation = portrait.rotation
-    locked = rotation.locked
-    return {
-        **numbers_of(rotation, "value", "lower", "upper"),
-        "locked": None if locked is None else f"{locked.numerator}/{locked.denominator}",
-    }
-
-
-def _stationary(portrait: Portrait) -> Json:
-    operator = portrait.operator
-    return {
-        "noise_deg": degrees(portrait.noise.sigma),
-        "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
-        **numbers_of(operator, "spectral_gap", "mixing_cycles"),
-        "tv_from_uniform": number(portrait.tv_from_uniform),
     }
 
 

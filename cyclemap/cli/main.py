@@ -113,7 +113,8 @@ def run(arguments: Sequence[str]) -> int:
     except InvalidInput as error:
         return _complain(str(error), BAD_USE)
     except BrokenPipeError:
-        return _drop_output()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return NO_READER
     except (CycleMapError, OSError) as error:
         return _complain(str(error), FAILED)
     except (KeyboardInterrupt, click.Abort):
@@ -124,9 +125,3 @@ def run(arguments: Sequence[str]) -> int:
 def _complain(message: str, code: int) -> int:
     click.echo(f"error: {one_line(message)}", err=True)
     return code
-
-
-def _drop_output() -> int:
-    """Point stdout nowhere, so that the interpreter's last flush finds no closed pipe."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return NO_READER

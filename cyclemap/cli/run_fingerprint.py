@@ -8,7 +8,7 @@ from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.settings import chosen_loop
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse, fingerprint
-from cyclemap.collection.fingerprint_check import CheckedDirection, PredictionCheck, check_prediction
+from cyclemap.collection.fingerprint_check import PredictionCheck, check_prediction
 from cyclemap.collection.fingerprint_prediction import PredictedDirection, Prediction, predict
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
@@ -108,7 +108,15 @@ def fingerprint_report(
     if checked is not None:
         report["full_map"] = {
             "fixed_points": [_orbit(orbit) for orbit in checked.fixed_points],
-            "checked": [_checked(direction) for direction in checked.directions],
+            "checked": [
+                {
+                    "predicted_deg": direction_deg(direction.predicted.theta),
+                    "full_deg": None if direction.full is None else direction_deg(float(direction.full.points[0])),
+                    "miss_deg": degrees(direction.miss),
+                    "within_error": direction.within_error,
+                }
+                for direction in checked.directions
+            ],
         }
     return report
 
@@ -147,15 +155,6 @@ def _direction(direction: PredictedDirection) -> Json:
         **_orbit(direction.orbit),
         "error_deg": degrees(direction.error),
         "second_order_deg": None if second is None else direction_deg(float(second.points[0])),
-    }
-
-
-def _checked(checked: CheckedDirection) -> Json:
-    return {
-        "predicted_deg": direction_deg(checked.predicted.theta),
-        "full_deg": None if checked.full is None else direction_deg(float(checked.full.points[0])),
-        "miss_deg": degrees(checked.miss),
-        "within_error": checked.within_error,
     }
 
 

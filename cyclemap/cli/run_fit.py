@@ -16,7 +16,7 @@ from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
 from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
 from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPace, TurnPlace, WornForecast
 from cyclemap.evidence.tables.push_sets import MotionStatistics, PushSet, PushStatistics, push_sets
-from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, SetLaws, TurnHistogram, fit_set
+from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, SetLaws, fit_set
 from cyclemap.plain_text import plain_number
 from cyclemap.suggestions import unknown_name
 from cyclemap.views.fit_page import fit_page
@@ -158,26 +158,35 @@ def fit_report(pushes: PushTable, fits: list[SetFit]) -> Json:
 def set_report(fit: SetFit) -> Json:
     """The report of one set, as fit_NAME.json holds it."""
     pushes = fit.pushes
+    told: Json = {name: fit.pushes.facts.get(name) for name in ("surface", "object")}
+    for column, (name, unit) in FACTS.items():
+        value = fit.pushes.facts.get(column)
+        told[name] = None if value is None else number(unit * value)
+    found = fit.histogram
     return {
         "name": pushes.name,
         "source": str(pushes.source),
-        **_facts(fit),
+        **told,
         "contacts": pushes.contacts,
         "pushes": pushes.count,
         "covered_deg": [[degrees(edge) for edge in arc] for arc in covered_arcs(pushes.theta)] if pushes.count else [],
         "statistics": _statistics(fit.statistics),
         "laws": {law.quantity: _law(law) for law in fit.laws.laws},
-        "dtheta_histogram": None if fit.histogram is None else _turn_histogram(fit.histogram),
+        "dtheta_histogram": None
+        if fit.histogram is None
+        else {
+            "edges_deg": numbers(np.degrees(found.edges)),
+            "measured": found.measured.tolist(),
+            "predicted": numbers(found.predicted.tolist()),
+            "law_alone": numbers(found.law_alone.tolist()),
+            **numbers_of(found, "total_variation", "chance_total_variation"),
+            "p_value": number(found.chance.value),
+            "distance_deg": degrees(found.distance),
+            "law_alone_total_variation": number(found.law_alone_total_variation),
+            "law_alone_distance_deg": degrees(found.law_alone_distance),
+        },
         "cycle_map": {"problem": fit.map_problem} if fit.cycle_map is None else _cycle_map(fit.cycle_map),
     }
-
-
-def _facts(fit: SetFit) -> Json:
-    told: Json = {name: fit.pushes.facts.get(name) for name in ("surface", "object")}
-    for column, (name, unit) in FACTS.items():
-        value = fit.pushes.facts.get(column)
-        told[name] = None if value is None else number(unit * value)
-    return told
 
 
 def _statistics(row: PushStatistics) -> Json:
@@ -218,20 +227,6 @@ def _law(found: MotionLaw) -> Json:
         f"cosine_{unit}": numbers(scale * law.cosine),
         f"sine_{unit}": numbers(scale * law.sine),
         "log_variance": numbers(law.log_variance.tolist()),
-    }
-
-
-def _turn_histogram(found: TurnHistogram) -> Json:
-    return {
-        "edges_deg": numbers(np.degrees(found.edges)),
-        "measured": found.measured.tolist(),
-        "predicted": numbers(found.predicted.tolist()),
-        "law_alone": numbers(found.law_alone.tolist()),
-        **numbers_of(found, "total_variation", "chance_total_variation"),
-        "p_value": number(found.chance.value),
-        "distance_deg": degrees(found.distance),
-        "law_alone_total_variation": number(found.law_alone_total_variation),
-        "law_alone_distance_deg": degrees(found.law_alone_distance),
     }
 
 

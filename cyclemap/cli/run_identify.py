@@ -76,16 +76,41 @@ def run_identify(data: Sequence[Path], request: IdentifyRequest, json_target: st
     """Read the data, identify the surface, write material, JSON and picture, and print for people or as JSON."""
     outcome = _outcome(data, request)
     told = identify_report(outcome.material, outcome.data.notes, outcome.found, outcome.derived)
-    files = _files(outcome, request, json_text(told).encode())
+    # Every file with its content, all of it made before the first is written.
+    stem = file_stem(outcome.material.name)
+    curves = identified_curves(outcome.found, outcome.data.scans, request.seed)
+    words = page_sentences(outcome.found)
+    page = identify_page(headline(outcome.material.name, outcome.derived), outcome.found, curves, words)
+    files = {
+        request.out / f"{stem}.toml": _material_text(outcome).encode(),
+        request.out / f"identify_{stem}.json": json_text(told).encode(),
+        request.out / f"identify_{stem}.{request.picture_format}": render(page, request.picture_format),
+    }
     for path, content in files.items():
         write_whole(path, content)
     if not publish_json(told, json_target):
-        _print_for_people(outcome, list(files))
+        console = PeopleConsole()
+        notes = (f"data: {note}" for note in outcome.data.notes)
+        console.tell(headline(outcome.material.name, outcome.derived), *notes)
+        console.print_table(parameter_table(outcome.found))
+        if outcome.derived:
+            console.print_table(derived_table(outcome.derived))
+        console.print_table(error_table(outcome.found))
+        material, _, picture = list(files)
+        following = f"next: cyclemap portrait {shlex.quote(str(material))}"
+        for line in (*note_sentences(outcome.found), f"picture: {picture}", f"material: {material}", following):
+            console.print(line)
 
 
 def _outcome(data: Sequence[Path], request: IdentifyRequest) -> Outcome:
     start = None if request.start is None else load_material(request.start)
-    fixed, loop, select = fixed_values(request.fix), _loop(data, request), selected_values(request.select)
+    if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in request.settings):
+        raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
+    fixed, loop, select = (
+        fixed_values(request.fix),
+        chosen_loop(LoopOptions("isotropic", request.protocol, request.settings), data[0])[0],
+        selected_values(request.select),
+    )
     space = starting_space(loop, start)
     choices: dict[str, Any] = {name: getattr(request, name) for name in ("first", "wear", "most")}
     with progress_bar("reading") as report:
@@ -116,13 +141,6 @@ def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
     return values
 
 
-def _loop(data: Sequence[Path], request: IdentifyRequest) -> CollectionLoop:
-    """The experiment of the data, its surface isotropic: the noise is estimated, whatever a file says of it."""
-    if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in request.settings):
-        raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
-    return chosen_loop(LoopOptions("isotropic", request.protocol, request.settings), data[0])[0]
-
-
 def _identified(
     data: CollectedBlocks, request: IdentifyRequest, space: ParameterSpace, fixed: dict[str, float]
 ) -> Identification:
@@ -146,19 +164,6 @@ def _identified(
         )
 
 
-def _files(outcome: Outcome, request: IdentifyRequest, report: bytes) -> dict[Path, bytes]:
-    """Every file with its content, all of it made before the first is written."""
-    stem = file_stem(outcome.material.name)
-    curves = identified_curves(outcome.found, outcome.data.scans, request.seed)
-    words = page_sentences(outcome.found)
-    page = identify_page(headline(outcome.material.name, outcome.derived), outcome.found, curves, words)
-    return {
-        request.out / f"{stem}.toml": _material_text(outcome).encode(),
-        request.out / f"identify_{stem}.json": report,
-        request.out / f"identify_{stem}.{request.picture_format}": render(page, request.picture_format),
-    }
-
-
 def _material_text(outcome: Outcome) -> str:
     """The material and, where the experiment is not MIT's own, the object, push and ring that it was found with."""
     loop = with_material(outcome.data.loop, outcome.material)
@@ -167,24 +172,18 @@ def _material_text(outcome: Outcome) -> str:
     return collection_text(loop)
 
 
-def _print_for_people(outcome: Outcome, files: list[Path]) -> None:
-    console = PeopleConsole()
-    notes = (f"data: {note}" for note in outcome.data.notes)
-    console.tell(headline(outcome.material.name, outcome.derived), *notes)
-    console.print_table(parameter_table(outcome.found))
-    if outcome.derived:
-        console.print_table(derived_table(outcome.derived))
-    console.print_table(error_table(outcome.found))
-    material, _, picture = files
-    following = f"next: cyclemap portrait {shlex.quote(str(material))}"
-    for line in (*note_sentences(outcome.found), f"picture: {picture}", f"material: {material}", following):
-        console.print(line)
-
-
 def identify_report(material: Material, data: Sequence[str], found: Identification, derived: Sequence[Derived]) -> Json:
     """The report of an identification."""
+    wear = material.wear
     return {
-        **_material(material),
+        **{
+            "name": material.name,
+            "provenance": material.provenance,
+            "misfit": material.misfit,
+            "inferred": material.inferred,
+            "friction": _friction(material.friction),
+            "worn": None if wear is None else {"cycles": wear.cycles, **_friction(wear.friction)},
+        },
         "converged": found.converged,
         "level": found.level,
         "parameters": [_parameter(one) for one in found.estimates],
@@ -196,18 +195,6 @@ def identify_report(material: Material, data: Sequence[str], found: Identificati
         "starts": {"count": len(found.starts.starts), "arrived": found.starts.arrived, "failed": found.starts.failed},
         "notes": list(found.notes),
         "data": list(data),
-    }
-
-
-def _material(material: Material) -> Json:
-    wear = material.wear
-    return {
-        "name": material.name,
-        "provenance": material.provenance,
-        "misfit": material.misfit,
-        "inferred": material.inferred,
-        "friction": _friction(material.friction),
-        "worn": None if wear is None else {"cycles": wear.cycles, **_friction(wear.friction)},
     }
 
 

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
-
-from rich.table import Table
 
 from cyclemap.cli.json_report import portrait_report
 from cyclemap.cli.options import LoopOptions, RunRequest
@@ -34,23 +31,39 @@ def run_portrait(options: LoopOptions, request: RunRequest, json_target: str | N
 
         pairs = read_theta0_pairs(request.data)
     if chosen.strategy is None:
-        _run_loop(loop, sigma, request, pairs, json_target)
+        # The portrait of a loop that does the same in every cycle.
+        drawn = _compute(loop, sigma, request, pairs)
+        measured = None if pairs is None else _overlay(pairs, drawn)
+        page, stem = portrait_page(drawn, portrait_curves(drawn), measured), f"portrait_{file_stem(loop.material.name)}"
+        picture = publish(
+            portrait_report(drawn, measured), page, request.out / stem, request.picture_format, json_target
+        )
+        if picture is not None:
+            console = PeopleConsole()
+            told = [
+                sentences.lock_sentence(drawn),
+                sentences.noise_sentence(drawn),
+                sentences.staircase_sentence(drawn),
+            ]
+            told.append(sentences.uncertainty_sentence(drawn.loop.material.name, drawn.uncertainty))
+            if measured is not None:
+                told.append(sentences.agreement_sentence(measured.agreement))
+            console.tell(sentences.headline(drawn), *filter(None, told))
+            if drawn.fixed_points:
+                table = people_table("Fixed points of the cycle map", ("θ0 (°)", "multiplier", ""))
+                for orbit in drawn.fixed_points:
+                    place = math.degrees(orbit.points[0])
+                    table.add_row(f"{place:.3f}", f"{orbit.multiplier:.4f}", orbit.kind)
+                console.print_table(table)
+            if line := sentences.material_line(drawn.loop.material):
+                console.print(line)
+            for tell in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line):
+                console.print(tell(drawn), style="dim")
+            console.print(f"picture: {picture}")
         return
     from cyclemap.cli.run_strategy import run_strategy_portrait
 
     run_strategy_portrait(loop, chosen.strategy, DEFAULT_SIGMA if sigma is None else sigma, request, pairs, json_target)
-
-
-def _run_loop(
-    loop: CollectionLoop, sigma: float | None, request: RunRequest, pairs: Theta0Pairs | None, json_target: str | None
-) -> None:
-    """The portrait of a loop that does the same in every cycle."""
-    drawn = _compute(loop, sigma, request, pairs)
-    measured = None if pairs is None else _overlay(pairs, drawn)
-    page, stem = portrait_page(drawn, portrait_curves(drawn), measured), f"portrait_{file_stem(loop.material.name)}"
-    picture = publish(portrait_report(drawn, measured), page, request.out / stem, request.picture_format, json_target)
-    if picture is not None:
-        _print_for_people(drawn, measured, picture)
 
 
 def _compute(loop: CollectionLoop, sigma: float | None, request: RunRequest, pairs: Theta0Pairs | None) -> Portrait:
@@ -75,27 +88,3 @@ def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
         return overlay
     prediction = Prediction(drawn.drifting, drawn.noise, "loop", drawn.loop)
     return replace(overlay, agreement=cycle_agreement(prediction, pairs, pairs.cycle).agreement)
-
-
-def _print_for_people(drawn: Portrait, measured: MeasuredOverlay | None, picture: Path) -> None:
-    console = PeopleConsole()
-    told = [sentences.lock_sentence(drawn), sentences.noise_sentence(drawn), sentences.staircase_sentence(drawn)]
-    told.append(sentences.uncertainty_sentence(drawn.loop.material.name, drawn.uncertainty))
-    if measured is not None:
-        told.append(sentences.agreement_sentence(measured.agreement))
-    console.tell(sentences.headline(drawn), *filter(None, told))
-    if drawn.fixed_points:
-        console.print_table(_fixed_point_table(drawn))
-    if line := sentences.material_line(drawn.loop.material):
-        console.print(line)
-    for tell in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line):
-        console.print(tell(drawn), style="dim")
-    console.print(f"picture: {picture}")
-
-
-def _fixed_point_table(drawn: Portrait) -> Table:
-    table = people_table("Fixed points of the cycle map", ("θ0 (°)", "multiplier", ""))
-    for orbit in drawn.fixed_points:
-        place = math.degrees(orbit.points[0])
-        table.add_row(f"{place:.3f}", f"{orbit.multiplier:.4f}", orbit.kind)
-    return table

@@ -62,11 +62,25 @@ def run_sweep_command(options: LoopOptions, request: SweepRequest, json_target: 
     if request.status:
         _tell_status(sweep_status(store, plan), store, json_target)
         return
-    _run(plan, store, request.workers)
+    # Run what is missing; tell on Ctrl-C what is kept and how to go on.
+    begun = time.monotonic()
+    try:
+        with progress_bar(f"sweep of {len(plan)} points") as report:
+            run_sweep(
+                plan, store, workers=request.workers, progress=lambda status: report(status.stored / status.points)
+            )
+    except KeyboardInterrupt:
+        status = sweep_status(store, plan)
+        kept = f"{status.stored} of {status.points} points are stored in {store}"
+        click.echo(f"stopped after {time.monotonic() - begun:.0f} s: {kept}; the same command goes on", err=True)
+        raise
     sweep = load_sweep(store, plan)
     files = [store, *_exported(sweep, stem, exports), *_drawn(sweep, stem, request, drawn)]
     if not publish_json(sweep_report(sweep, store), json_target):
-        _tell(sweep, files)
+        console = PeopleConsole()
+        console.tell(sweep_headline(sweep), *sweep_sentences(sweep), *(f"file: {path}" for path in files))
+        if len(sweep.keys) > _MOST_DRAWN_KEYS:
+            console.print("more than two keys: select values of the others in Python, or export, to draw", style="dim")
 
 
 def sweep_plan(options: LoopOptions, request: SweepRequest) -> SweepPlan:
@@ -99,19 +113,6 @@ def _words(text: str, known: Iterable[str] | None = None, what: str = "") -> tup
     return words
 
 
-def _run(plan: SweepPlan, store: Path, workers: int | None) -> None:
-    """Run what is missing; tell on Ctrl-C what is kept and how to go on."""
-    begun = time.monotonic()
-    try:
-        with progress_bar(f"sweep of {len(plan)} points") as report:
-            run_sweep(plan, store, workers=workers, progress=lambda status: report(status.stored / status.points))
-    except KeyboardInterrupt:
-        status = sweep_status(store, plan)
-        kept = f"{status.stored} of {status.points} points are stored in {store}"
-        click.echo(f"stopped after {time.monotonic() - begun:.0f} s: {kept}; the same command goes on", err=True)
-        raise
-
-
 def _exported(sweep: Sweep, stem: Path, exports: tuple[str, ...]) -> list[Path]:
     written = []
     for name in exports:
@@ -140,13 +141,6 @@ def _tell_status(status: SweepStatus, store: Path, json_target: str | None) -> N
     told = "complete" if status.complete else f"{share:.0f} %"
     print_ = PeopleConsole().print
     print_(f"{store}: {status.stored} of {status.points} points stored ({told}), {status.refused} refused")
-
-
-def _tell(sweep: Sweep, files: list[Path]) -> None:
-    console = PeopleConsole()
-    console.tell(sweep_headline(sweep), *sweep_sentences(sweep), *(f"file: {path}" for path in files))
-    if len(sweep.keys) > _MOST_DRAWN_KEYS:
-        console.print("more than two keys: select values of the others in Python, or export, to draw", style="dim")
 
 
 def status_report(status: SweepStatus, store: Path) -> Json:
