@@ -53,7 +53,27 @@ def init_command(file: Path, json_target: str | None, **asked: Any) -> None:
         _ask(asked)
     outline, said = _outline(asked)
     name = asked["name"] or asked["shape"] or (asked["outline"] or file).stem
-    _write(file, outline, name, asked)
+    from dataclasses import replace
+
+    from cyclemap.cli.settings import set_settings
+    from cyclemap.collection.collection_file import collection_text
+    from cyclemap.collection.loop import CollectionLoop
+    from cyclemap.collection.own_object import first_settings, within_reach
+    from cyclemap.collection.portrait import DEFAULT_SIGMA
+    from cyclemap.collection.setting_table import SETTINGS, without_noise
+    from cyclemap.collection.settings import layered
+    from cyclemap.whole_files import write_whole
+
+    own, sigma = without_noise(set_settings(asked["settings"]))
+    first = {"shape": asked["shape"]} if asked["shape"] else first_settings(outline, name)
+    loop = CollectionLoop.from_settings(layered(first, own), CollectionLoop.mit("isotropic"))
+    material = replace(loop.material, name=asked["surface"], provenance="given with cyclemap init, not measured")
+    loop = replace(loop, material=material)
+    if "push_mm" not in own and not asked["shape"]:
+        loop = within_reach(loop)
+    notes = {key: f"{one.meaning[0].upper()}{one.meaning[1:]}." for key, one in SETTINGS.items()}
+    text = collection_text(loop, noise=DEFAULT_SIGMA if sigma is None else sigma, comments=COMMENTS, notes=notes)
+    write_whole(file, text.encode())
     tell_check(file, file.with_suffix(".png"), json_target, [*said, f"written: {file}"])
 
 
@@ -102,30 +122,6 @@ def _lengths(key: str, text: str) -> list[float]:
     if len(found) != 2 or not min(found) > 0.0 or not max(found) < float("inf"):
         raise InvalidInput(f"--{key.replace('_', '-')} {text}: give two lengths in mm, such as 120,60")
     return found
-
-
-def _write(file: Path, outline: Outline, name: str, asked: dict[str, Any]) -> None:
-    from dataclasses import replace
-
-    from cyclemap.cli.settings import set_settings
-    from cyclemap.collection.collection_file import collection_text
-    from cyclemap.collection.loop import CollectionLoop
-    from cyclemap.collection.own_object import first_settings, within_reach
-    from cyclemap.collection.portrait import DEFAULT_SIGMA
-    from cyclemap.collection.setting_table import SETTINGS, without_noise
-    from cyclemap.collection.settings import layered
-    from cyclemap.whole_files import write_whole
-
-    own, sigma = without_noise(set_settings(asked["settings"]))
-    first = {"shape": asked["shape"]} if asked["shape"] else first_settings(outline, name)
-    loop = CollectionLoop.from_settings(layered(first, own), CollectionLoop.mit("isotropic"))
-    material = replace(loop.material, name=asked["surface"], provenance="given with cyclemap init, not measured")
-    loop = replace(loop, material=material)
-    if "push_mm" not in own and not asked["shape"]:
-        loop = within_reach(loop)
-    notes = {key: f"{one.meaning[0].upper()}{one.meaning[1:]}." for key, one in SETTINGS.items()}
-    text = collection_text(loop, noise=DEFAULT_SIGMA if sigma is None else sigma, comments=COMMENTS, notes=notes)
-    write_whole(file, text.encode())
 
 
 @click.command("check")

@@ -102,7 +102,26 @@ def fingerprint_report(
         "remainder_per_rad": number(found.remainder),
     }
     if prediction is not None:
-        report["prediction"] = _prediction(prediction, name)
+        surface, lock_in = prediction.anisotropy, prediction.lock_in
+        locks = math.isfinite(lock_in.scale)
+        report["prediction"] = {
+            "material": name,
+            "offset": number(surface.offset),
+            "offset_direction_deg": direction_deg(surface.offset_direction),
+            "ellipticity": number(surface.ellipticity),
+            "ellipse_direction_deg": direction_deg(surface.ellipse_direction),
+            "verdict": prediction.verdict,
+            "trusted": prediction.trusted,
+            "error_ratio": number(prediction.ratio),
+            "directions": [_direction(direction) for direction in prediction.directions],
+            "second_order_directions": [_orbit(orbit) for orbit in prediction.second_order_points],
+            "mean_turn_deg": degrees(prediction.mean_turn),
+            "slowest_deg": direction_deg(prediction.slowest),
+            "slowest_turn_deg": degrees(float(prediction.turn(prediction.slowest))),
+            "lock_in_scale": number(lock_in.scale),
+            "lock_in_scale_range": [number(factor) for factor in prediction.lock_in_range],
+            "lock_in_deg": direction_deg(lock_in.theta) if locks else None,
+        }
     if known is not None:
         report["uncertainty"] = uncertainty_report(known)
     if checked is not None:
@@ -124,29 +143,6 @@ def fingerprint_report(
 def _response(response: TurnResponse) -> Json:
     five = ("turn", "offset_amplitude", "offset_phase", "ellipse_amplitude", "ellipse_phase")
     return degrees_of(response, *five)
-
-
-def _prediction(prediction: Prediction, name: str) -> Json:
-    surface, lock_in = prediction.anisotropy, prediction.lock_in
-    locks = math.isfinite(lock_in.scale)
-    return {
-        "material": name,
-        "offset": number(surface.offset),
-        "offset_direction_deg": direction_deg(surface.offset_direction),
-        "ellipticity": number(surface.ellipticity),
-        "ellipse_direction_deg": direction_deg(surface.ellipse_direction),
-        "verdict": prediction.verdict,
-        "trusted": prediction.trusted,
-        "error_ratio": number(prediction.ratio),
-        "directions": [_direction(direction) for direction in prediction.directions],
-        "second_order_directions": [_orbit(orbit) for orbit in prediction.second_order_points],
-        "mean_turn_deg": degrees(prediction.mean_turn),
-        "slowest_deg": direction_deg(prediction.slowest),
-        "slowest_turn_deg": degrees(float(prediction.turn(prediction.slowest))),
-        "lock_in_scale": number(lock_in.scale),
-        "lock_in_scale_range": [number(factor) for factor in prediction.lock_in_range],
-        "lock_in_deg": direction_deg(lock_in.theta) if locks else None,
-    }
 
 
 def _direction(direction: PredictedDirection) -> Json:

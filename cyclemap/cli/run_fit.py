@@ -14,7 +14,7 @@ from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish,
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
 from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
-from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPace, TurnPlace, WornForecast
+from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPlace, WornForecast
 from cyclemap.evidence.tables.push_sets import MotionStatistics, PushSet, PushStatistics, push_sets
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, SetLaws, fit_set
 from cyclemap.plain_text import plain_number
@@ -163,6 +163,7 @@ def set_report(fit: SetFit) -> Json:
         value = fit.pushes.facts.get(column)
         told[name] = None if value is None else number(unit * value)
     found = fit.histogram
+    given = {name: getattr(fit.statistics, name) for name in UNITS}
     return {
         "name": pushes.name,
         "source": str(pushes.source),
@@ -170,7 +171,10 @@ def set_report(fit: SetFit) -> Json:
         "contacts": pushes.contacts,
         "pushes": pushes.count,
         "covered_deg": [[degrees(edge) for edge in arc] for arc in covered_arcs(pushes.theta)] if pushes.count else [],
-        "statistics": _statistics(fit.statistics),
+        "statistics": {
+            "problem": fit.statistics.problem,
+            **{name: None if one is None else _one_statistic(name, one) for name, one in given.items()},
+        },
         "laws": {law.quantity: _law(law) for law in fit.laws.laws},
         "dtheta_histogram": None
         if fit.histogram is None
@@ -186,14 +190,6 @@ def set_report(fit: SetFit) -> Json:
             "law_alone_distance_deg": degrees(found.law_alone_distance),
         },
         "cycle_map": {"problem": fit.map_problem} if fit.cycle_map is None else _cycle_map(fit.cycle_map),
-    }
-
-
-def _statistics(row: PushStatistics) -> Json:
-    given = {name: getattr(row, name) for name in UNITS}
-    return {
-        "problem": row.problem,
-        **{name: None if one is None else _one_statistic(name, one) for name, one in given.items()},
     }
 
 
@@ -274,30 +270,27 @@ def _turn_place(place: TurnPlace) -> Json:
 
 def _forecast(found: WornForecast) -> Json:
     low, high = np.quantile(found.turns, [0.025, 0.975])
+    pace = found.pace
+    columns = zip(pace.start, pace.measured, pace.predicted, pace.lower, pace.upper, strict=True)
     return {
         **numbers_of(found, "first_cycle", "measured_turns", "left_out_turns"),
         "predicted_turns": number(float(np.mean(found.turns))),
         "predicted_turns_std": number(float(np.std(found.turns))),
         "predicted_turns_95": [number(float(low)), number(float(high))],
-        "full_turns": _pace(found.pace),
+        "full_turns": [
+            {
+                "start_cycle": number(start),
+                "measured_pushes": number(measured),
+                "predicted_pushes": number(predicted),
+                "predicted_95": [number(low), number(high)],
+            }
+            for start, measured, predicted, low, high in columns
+        ],
         "peak_deg": _peak(found.measured_histogram),
         "predicted_peak_deg": _peak(found.histogram),
         "total_variation": number(found.total_variation),
         "wasserstein_deg": degrees(found.wasserstein),
     }
-
-
-def _pace(pace: TurnPace) -> list[Json]:
-    columns = zip(pace.start, pace.measured, pace.predicted, pace.lower, pace.upper, strict=True)
-    return [
-        {
-            "start_cycle": number(start),
-            "measured_pushes": number(measured),
-            "predicted_pushes": number(predicted),
-            "predicted_95": [number(low), number(high)],
-        }
-        for start, measured, predicted, low, high in columns
-    ]
 
 
 def _peak(histogram: AngleHistogram) -> list[float]:

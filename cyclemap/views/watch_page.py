@@ -27,7 +27,23 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
         edges = {"left": 0.06, "right": 0.975, "bottom": 0.115, "top": 0.8}
         grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.45, **edges)
         draw_path(figure.add_subplot(grid[0, 0]), monitor.path, last)
-        _draw_evidence(figure.add_subplot(grid[1, 0]), reports, last, monitor.alarm_rate)
+        axes = figure.add_subplot(grid[1, 0])
+        rest, visits = ([getattr(one, name) for one in reports] for name in ("rest_evidence", "visit_evidence"))
+        axes.plot(rest, color=PREDICTED, linewidth=1.8, label="of a rest")
+        axes.plot(visits, color=MEASURED, linewidth=1.8, linestyle="-.", label="of visits gathering")
+        axes.axhline(
+            last.threshold, color=FORCE, linewidth=1.2, linestyle="--", label=f"alarm, rate {monitor.alarm_rate:g}"
+        )
+        if last.alarm is not None:
+            axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6)
+        # Powers of ten: even steps up to the third, then narrower ones, for evidence may pass any bound.
+        highest, lowest = max(*rest, *visits, 2.0 * last.threshold), min(*rest, *visits, -0.5)
+        axes.set_yscale("symlog", linthresh=3.0)
+        axes.set(ylim=(1.1 * lowest, 1.3 * highest), ylabel="evidence against no bias", title="Evidence")
+        axes.yaxis.set_major_locator(FixedLocator([power for power in _DECADES if power <= 1.3 * highest]))
+        axes.yaxis.set_minor_locator(NullLocator())
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda power, _: f"$10^{{{power:.0f}}}$"))
+        _push_axis(axes, len(reports))
         draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), monitor.path, last)
         draw_worth(figure.add_subplot(grid[1, 1]), [report.coverage.effective_pushes for report in reports])
         title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
@@ -49,23 +65,6 @@ def draw_path(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     axes.set(ylabel="θ0, orientation before the push (°)", ylim=(0.0, 360.0), yticks=range(0, 361, 90))
     axes.set_title("Orientations")
     _push_axis(axes, len(theta))
-
-
-def _draw_evidence(axes: Axes, reports: Sequence[BiasReport], last: BiasReport, alarm_rate: float) -> None:
-    rest, visits = ([getattr(one, name) for one in reports] for name in ("rest_evidence", "visit_evidence"))
-    axes.plot(rest, color=PREDICTED, linewidth=1.8, label="of a rest")
-    axes.plot(visits, color=MEASURED, linewidth=1.8, linestyle="-.", label="of visits gathering")
-    axes.axhline(last.threshold, color=FORCE, linewidth=1.2, linestyle="--", label=f"alarm, rate {alarm_rate:g}")
-    if last.alarm is not None:
-        axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6)
-    # Powers of ten: even steps up to the third, then narrower ones, for evidence may pass any bound.
-    highest, lowest = max(*rest, *visits, 2.0 * last.threshold), min(*rest, *visits, -0.5)
-    axes.set_yscale("symlog", linthresh=3.0)
-    axes.set(ylim=(1.1 * lowest, 1.3 * highest), ylabel="evidence against no bias", title="Evidence")
-    axes.yaxis.set_major_locator(FixedLocator([power for power in _DECADES if power <= 1.3 * highest]))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda power, _: f"$10^{{{power:.0f}}}$"))
-    _push_axis(axes, len(reports))
 
 
 def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
