@@ -61,14 +61,14 @@ def staircase_command(options: LoopOptions, json_target: str | None, **request: 
 @protocol_options
 @click.option("--check", is_flag=True, help="Compute the full cycle map too, and set its directions beside.")
 @result_options("fingerprint_MATERIAL.png and .json")
-def fingerprint_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
+def fingerprint_command(options: LoopOptions, **request: Any) -> None:
     """Print the five numbers of a protocol and, for a material, the directions they predict.
 
     Without MATERIAL and friction settings only the protocol's own numbers are told.
     """
     from cyclemap.cli.run_fingerprint import run_fingerprint
 
-    run_fingerprint(options, json_target=json_target, **request)
+    run_fingerprint(options, **request)
 
 
 _NOT_NEGATIVE = Real(min=0.0)
@@ -95,14 +95,14 @@ _NOT_NEGATIVE = Real(min=0.0)
     "--format", "suffix", type=click.Choice(["h5", "json"]), default="h5", show_default=True, help="Kind of the files."
 )
 @click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
-def simulate_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
+def simulate_command(options: LoopOptions, **request: Any) -> None:
     """Write a simulated collection as files of the MIT dataset's layout, to rehearse what comes after.
 
     Run it again with the same arguments to go on with a collection that was broken off.
     """
-    from cyclemap.cli.run_simulate import SimulationRequest, run_simulate
+    from cyclemap.cli.run_simulate import run_simulate
 
-    run_simulate(options, SimulationRequest(**request), json_target)
+    run_simulate(options, **request)
 
 
 @click.command("replay")
@@ -117,7 +117,7 @@ def simulate_command(options: LoopOptions, json_target: str | None, **request: A
 @select_option
 @click.option("--pusher-friction", type=Real(min=0.0), help="Friction of rod and object. [default: 0.25, or as set]")
 @result_options("replay_MATERIAL.png and .json")
-def replay_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
+def replay_command(options: LoopOptions, **request: Any) -> None:
     """Replay recorded pushes along their own tip paths on MATERIAL, and tell how far off each ends.
 
     How plates press on it is taken from MATERIAL, and errors stand beside those of isotropic friction. The object is
@@ -126,7 +126,7 @@ def replay_command(options: LoopOptions, json_target: str | None, **request: Any
     """
     from cyclemap.cli.run_replay import run_replay
 
-    run_replay(options, json_target=json_target, **request)
+    run_replay(options, **request)
 
 
 MOST_HARMONICS = 50
@@ -140,16 +140,15 @@ MOST_HARMONICS = 50
 @click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of folds and paths.")
 @table_options
 @result_options("fit_NAME.png and .json, for each set,")
-def fit_command(data: Path, columns: str | None, units: str | None, json_target: str | None, **request: Any) -> None:
+def fit_command(data: Path, columns: str | None, units: str | None, **request: Any) -> None:
     """Fit laws to measured pushes: Δθ, Δx, Δy over θ0, their histogram, and the cycle map with its wear.
 
     DATA is a file, a folder or a tree in the MIT layout, a CSV table of poses or of θ0, or a table of
     your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
     """
-    from cyclemap.cli.run_fit import FitRequest, run_fit
+    from cyclemap.cli.run_fit import run_fit
 
-    data = readable_data(data, columns, units, request["out"])
-    run_fit(data, FitRequest(**request), json_target)
+    run_fit(readable_data(data, columns, units, request["out"]), **request)
 
 
 @click.command("identify")
@@ -185,19 +184,16 @@ def fit_command(data: Path, columns: str | None, units: str | None, json_target:
 @click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of starts, folds and draws.")
 @click.option("--name", help="Of the material. [default: SURFACE-identified]")
 @result_options("NAME.toml, identify_NAME.png and .json")
-def identify_command(
-    data: tuple[Path, ...], columns: str | None, units: str | None, json_target: str | None, **request: Any
-) -> None:
+def identify_command(data: tuple[Path, ...], columns: str | None, units: str | None, **request: Any) -> None:
     """Identify a surface from measured data, and write it as a material.
 
     DATA are files, folders or trees: friction scans and pushes in the MIT layout, and CSV tables of push ends with
     tip, of drag-backs, of θ0, or of wrenches and twists, of any number of objects on one surface. All are explained at
     once: friction is the surface's, pressure each object's, the shift between robot and camera each data set's.
     """
-    from cyclemap.cli.run_identify import IdentifyRequest, run_identify
+    from cyclemap.cli.run_identify import run_identify
 
-    data = tuple(readable_data(path, columns, units, request["out"]) for path in data)
-    run_identify(data, IdentifyRequest(**request), json_target)
+    run_identify([readable_data(path, columns, units, request["out"]) for path in data], **request)
 
 
 @click.command("compare")
@@ -215,14 +211,11 @@ def identify_command(
 @click.option("--runs", type=Whole(min=19), default=199, show_default=True, help="Simulated collections.")
 @click.option("--seed", type=Whole(min=0), default=0, show_default=True, help="Seed of their noise.")
 @result_options("compare_MATERIAL.png and .json")
-def compare_command(
-    options: LoopOptions, columns: str | None, units: str | None, json_target: str | None, **request: Any
-) -> None:
+def compare_command(options: LoopOptions, columns: str | None, units: str | None, **request: Any) -> None:
     """Set the prediction of a material beside measured data, and say where they agree."""
     from cyclemap.cli.run_compare import run_compare
 
-    read = readable_data(request["data"], columns, units, request["out"])
-    run_compare(options, read=read, json_target=json_target, **request)
+    run_compare(options, read=readable_data(request["data"], columns, units, request["out"]), **request)
 
 
 @click.command("sweep")
@@ -267,15 +260,15 @@ def compare_command(
 @click.option("--draw", metavar="LIST", default="", help="Quantities to draw, by commas.")
 @click.option("--status", is_flag=True, help="Tell how far the sweep is, and compute nothing.")
 @result_options("the store sweep_MATERIAL.sqlite, .png, .csv and .nc")
-def sweep_command(options: LoopOptions, json_target: str | None, **request: Any) -> None:
+def sweep_command(options: LoopOptions, **request: Any) -> None:
     """Sweep settings: the portrait's numbers at every point of a grid or a sample.
 
     Results are stored as they come; the same command again goes on where it stopped, and ends at once when all is
     there. Over one key or two it draws the bifurcation or phase diagram.
     """
-    from cyclemap.cli.run_sweep import SweepRequest, run_sweep_command
+    from cyclemap.cli.run_sweep import run_sweep_command
 
-    run_sweep_command(options, SweepRequest(**request), json_target)
+    run_sweep_command(options, **request)
 
 
 @click.command("figures")

@@ -1,10 +1,10 @@
 """`cyclemap fit`: laws fitted to measured pushes, in tables and sentences, as JSON, and as a picture of each set."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -15,7 +15,7 @@ from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
 from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
 from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPlace, WornForecast
-from cyclemap.evidence.tables.push_sets import MotionStatistics, PushSet, PushStatistics, push_sets
+from cyclemap.evidence.tables.push_sets import MotionStatistics, PushStatistics, push_sets
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, SetLaws, fit_set
 from cyclemap.plain_text import plain_number
 from cyclemap.suggestions import unknown_name
@@ -49,35 +49,48 @@ MOST_PERCENT = 1000.0
 NOTE_LETTERS = 60
 
 
-@dataclass(frozen=True)
-class FitRequest:
-    """What is asked of the fit: which pushes, which laws, and where results go."""
-
-    select: tuple[str, ...]
-    harmonics: int | None
-    wear: bool
-    seed: int
-    out: Path
-    picture_format: str
-
-
-def run_fit(data: Path, request: FitRequest, json_target: str | None) -> None:
+def run_fit(
+    data: Path, select: tuple[str, ...], harmonics: int | None, wear: bool, seed: int, out: Path, picture_format: str,
+    json_target: str | None,
+) -> None:  # fmt: skip
     """Read the pushes, fit every set of them, write pictures and JSON, and print for people or as JSON."""
-    chosen = selected_values(request.select)
+    chosen = selected_values(select)
     with progress_bar(f"reading {data.name}") as report:
         pushes = load_pushes(data, progress=report)
     if not len(pushes.table) and pushes.unreadable:
         raise CycleMapError(f"{data}: no push could be read: {reasons_of(pushes.unreadable)}")
     if not len(pushes.table):
         raise InvalidInput(f"{data}: holds {len(pushes.scans)} friction scans and no push; give pushes to fit")
-    fits = _fit_all(push_sets(pushes, chosen), request)
-    pictures = []
+    sets, fits, pictures = push_sets(pushes, chosen), list[SetFit](), list[Path]()
+    with progress_bar("fitting") as report:
+        for one in sets:
+
+            def share(fraction: float) -> None:
+                report((len(fits) + fraction) / len(sets))
+
+            fits.append(fit_set(one, harmonics=harmonics, wear=wear, seed=seed, progress=share))
     for fit in (one for one in fits if not one.is_empty):
-        stem = request.out / f"fit_{file_stem(fit.pushes.name)}"
-        publish(set_report(fit), fit_page(fit), stem, request.picture_format, None)
-        pictures.append(stem.with_name(f"{stem.name}.{request.picture_format}"))
-    if not publish_json(fit_report(pushes, fits), json_target):
-        _print_for_people(pushes, fits, pictures)
+        stem = out / f"fit_{file_stem(fit.pushes.name)}"
+        publish(set_report(fit), fit_page(fit), stem, picture_format, None)
+        pictures.append(stem.with_name(f"{stem.name}.{picture_format}"))
+    if publish_json(fit_report(pushes, fits), json_target):
+        return
+    console = PeopleConsole()
+    scans = f" and {len(pushes.scans)} friction scans" if len(pushes.scans) else ""
+    console.print(f"{len(pushes.table)} pushes{scans} read, in {len(fits)} set{'s' * (len(fits) != 1)}", style="bold")
+    for file in pushes.unreadable[:MOST_NAMED]:
+        console.print(f"could not be read: {file.path}: {file.reason}")
+    if len(pushes.unreadable) > MOST_NAMED:
+        console.print(f"could not be read: {len(pushes.unreadable)} files in all")
+    if any(fit.pushes.has_motion for fit in fits):
+        console.print_table(statistics_table([fit.statistics for fit in fits]))
+        console.print_table(law_table([fit.laws for fit in fits]))
+    told = ["\n".join(set_sentences(fit)) for fit in fits if not fit.is_empty]
+    for line in (
+        *(told or ["nothing could be fitted: no set has enough pushes"]),
+        *(f"picture: {one}" for one in pictures),
+    ):
+        console.print(line)
 
 
 def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
@@ -109,39 +122,6 @@ def reasons_of(left_out: Sequence[UnreadableFile]) -> str:
     """Why files were left out, the first of them by name, the others counted."""
     told = "; ".join(f"{file.path}: {file.reason}" for file in left_out[:MOST_NAMED])
     return told + (f"; and {len(left_out) - MOST_NAMED} more" if len(left_out) > MOST_NAMED else "")
-
-
-def _fit_all(sets: tuple[PushSet, ...], request: FitRequest) -> list[SetFit]:
-    fits = []
-    with progress_bar("fitting") as report:
-        for done, pushes in enumerate(sets):
-
-            def share(fraction: float, before: int = done) -> None:
-                report((before + fraction) / len(sets))
-
-            options = {"harmonics": request.harmonics, "wear": request.wear, "seed": request.seed}
-            fits.append(fit_set(pushes, progress=share, **options))  # type: ignore[arg-type]
-    return fits
-
-
-def _print_for_people(pushes: PushTable, fits: list[SetFit], pictures: list[Path]) -> None:
-    console = PeopleConsole()
-    scans = f" and {len(pushes.scans)} friction scans" if len(pushes.scans) else ""
-    console.print(f"{len(pushes.table)} pushes{scans} read, in {len(fits)} set{'s' * (len(fits) != 1)}", style="bold")
-    for file in pushes.unreadable[:MOST_NAMED]:
-        console.print(f"could not be read: {file.path}: {file.reason}")
-    if len(pushes.unreadable) > MOST_NAMED:
-        console.print(f"could not be read: {len(pushes.unreadable)} files in all")
-    if any(fit.pushes.has_motion for fit in fits):
-        for table in (statistics_table([fit.statistics for fit in fits]), law_table([fit.laws for fit in fits])):
-            console.print_table(table)
-    for fit in fits:
-        if not fit.is_empty:
-            console.print("\n".join(set_sentences(fit)))
-    if not pictures:
-        console.print("nothing could be fitted: no set has enough pushes")
-    for picture in pictures:
-        console.print(f"picture: {picture}")
 
 
 def fit_report(pushes: PushTable, fits: list[SetFit]) -> Json:
@@ -177,7 +157,7 @@ def set_report(fit: SetFit) -> Json:
         },
         "laws": {law.quantity: _law(law) for law in fit.laws.laws},
         "dtheta_histogram": None
-        if fit.histogram is None
+        if found is None
         else {
             "edges_deg": numbers(np.degrees(found.edges)),
             "measured": found.measured.tolist(),
@@ -301,28 +281,18 @@ def _peak(histogram: AngleHistogram) -> list[float]:
 
 def statistics_table(rows: list[PushStatistics]) -> Table:
     """Mean, standard deviation and its percentage of Δθ, Δx and Δy, a row a set."""
-    notes = any(row.problem for row in rows)
     title = "Pushes: mean, standard deviation σ, and σ in per cent of the mean"
-    table = _table(title, notes, "mean", "σ", "%")
-    for row in rows:
-        numbers = [_statistic(getattr(row, name), unit) for name, _, unit in QUANTITIES]
-        table.add_row(*_cells(row, numbers, notes))
-    return table
+    return _table(title, rows, _statistic, "mean", "σ", "%")
 
 
 def law_table(rows: list[SetLaws]) -> Table:
     """RMSE of the laws of θ0 and its percentage, as in the paper, with that in pushes left out and the order."""
     title = "Laws of θ0: RMSE, its per cent of the mean, RMSE in pushes left out (cv), harmonics (K)"
-    notes = any(row.problem for row in rows)
-    table = _table(title, notes, "RMSE", "%", "cv", "K")
-    for row in rows:
-        numbers = [_law_fields(getattr(row, name), unit) for name, _, unit in QUANTITIES]
-        table.add_row(*_cells(row, numbers, notes))
-    return table
+    return _table(title, rows, _law_fields, "RMSE", "%", "cv", "K")
 
 
-def _table(title: str, notes: bool, *columns: str) -> Table:
-    table = Table(title=title, title_justify="left")
+def _table(title: str, rows: Sequence[Any], fields: Callable[[Any, float], list[str]], *columns: str) -> Table:
+    table, notes = Table(title=title, title_justify="left"), any(row.problem for row in rows)
     table.add_column("set", no_wrap=True)
     table.add_column("pushes", justify="right")
     for _, label, _ in QUANTITIES:
@@ -330,11 +300,10 @@ def _table(title: str, notes: bool, *columns: str) -> Table:
             table.add_column(f"{label}\n{column}" if place == 0 else f"\n{column}", justify="right", no_wrap=True)
     if notes:
         table.add_column("note", max_width=NOTE_LETTERS)
+    for row in rows:
+        told = chain.from_iterable(fields(getattr(row, name), unit) for name, _, unit in QUANTITIES)
+        table.add_row(row.name, str(row.count), *told, *([row.problem or ""] if notes else []))
     return table
-
-
-def _cells(row: PushStatistics | SetLaws, numbers: list[list[str]], notes: bool) -> list[str]:
-    return [row.name, str(row.count), *chain.from_iterable(numbers), *([row.problem or ""] if notes else [])]
 
 
 def _statistic(one: MotionStatistics | None, unit: float) -> list[str]:
