@@ -1,7 +1,5 @@
 """A prediction beside data: in sentences, and on a page with map, histogram, staircase, and pushes with poses."""
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -16,20 +14,13 @@ from cyclemap.evidence.comparison.cycle_agreement import OrientationAgreement, S
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, mean_distances
 from cyclemap.views import map_panels, style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET
+from cyclemap.views.style import PREDICTED, QUIET
 
 # Points between a panel and its title, so that the legend has a line of its own.
 TITLE_PAD = 22.0
 # Fewer medians make no line.
 FEWEST_MEDIANS = 12
 _LABELS = {"dtheta": ("Δθ", "turn of a push (°)"), "dx": ("Δx", "Δx (mm)"), "dy": ("Δy", "Δy (mm)")}
-_DOTS: dict[str, Any] = {
-    "color": MEASURED,
-    "markersize": 3.0,
-    "alpha": 0.45,
-    "markeredgecolor": MEASURED_EDGE,
-    "markeredgewidth": 0.3,
-}
 # A lag correlation beyond this makes p-values of independent noise too small.
 CORRELATED = 0.2
 ISOTROPIC = "isotropic friction under even pressure"
@@ -86,7 +77,7 @@ def residual_page(found: Comparison) -> Figure | None:
         for number, (label, theta, off) in enumerate(left):
             axes = figure.add_subplot(grid[number // columns, number % columns])
             axes.axhline(0.0, color=QUIET, linewidth=0.9)
-            axes.plot(np.degrees(np.mod(theta, TWO_PI)), off, "o", **_DOTS)
+            axes.plot(np.degrees(np.mod(theta, TWO_PI)), off, marker="o", **style.DOTS)
             bins = turn_bins(Theta0Pairs(theta, theta + off))
             if bins.centre.size >= FEWEST_MEDIANS:
                 axes.plot(np.degrees(bins.centre), bins.median, color=PREDICTED, linewidth=1.6)
@@ -125,7 +116,7 @@ def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
     theta = np.degrees(np.mod(largest.theta, 2 * np.pi))
     for column, (axes, quantity) in enumerate(zip(panels, largest.quantities, strict=True)):
         scale = _scale(quantity)
-        axes.plot(theta, scale * largest.measured[:, column], "o", label="measured", zorder=2, **_DOTS)
+        axes.plot(theta, scale * largest.measured[:, column], marker="o", label="measured", zorder=2, **style.DOTS)
         predicted = scale * largest.predicted[:, column]
         axes.plot(theta, predicted, ".", color=PREDICTED, markersize=4.0, label="predicted", zorder=3)
         symbol, label = _LABELS[quantity.name]
@@ -141,7 +132,9 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
     for column, (axes, quantity) in enumerate(zip(panels, quantities, strict=True)):
         scale, (symbol, label) = _scale(quantity), _LABELS[quantity.name]
         for one in found.pushes:
-            axes.plot(scale * one.predicted[:, column], scale * one.measured[:, column], "o", zorder=2, **_DOTS)
+            axes.plot(
+                scale * one.predicted[:, column], scale * one.measured[:, column], marker="o", zorder=2, **style.DOTS
+            )
         axes.axline((0.0, 0.0), slope=1.0, color=PREDICTED, linewidth=1.6, label="as predicted", zorder=3)
         axes.set(xlabel=f"predicted {label}", ylabel=f"measured {label}")
         unit = "°" if quantity.name == "dtheta" else " mm"

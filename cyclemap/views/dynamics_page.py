@@ -1,7 +1,6 @@
 """Dynamic beside quasi-static cycles on a landscape page: the turns of both, and how far they differ over θ0."""
 
 import math
-from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,9 +10,8 @@ from matplotlib.ticker import MultipleLocator
 
 from cyclemap.arrays import Array
 from cyclemap.collection.dynamic_loop import DynamicsComparison
-from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET, legend_above, new_figure, picture_style
+from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET, legend_above, new_figure, picture_style, write_page
 
-LINE_LETTERS = 175
 THETA0 = "θ0 (°)"
 # Name, colour, marker of each turn that is compared.
 _TURNS = (
@@ -60,11 +58,9 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
         draw_place_differences(places, material, isotropic)
         name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
         title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
-        figure.text(0.015, 0.955, title, fontsize=18, fontweight="bold", va="center")
-        told = [fill(difference_sentence(one), LINE_LETTERS) for one in (material, isotropic)]
-        figure.text(0.015, 0.925, "\n".join(told), fontsize=10, va="top", linespacing=1.35)
+        told = [difference_sentence(one) for one in (material, isotropic)]
         foot = "solid, filled: the material; dashed, open: isotropic friction of the same mean coefficient"
-        figure.text(0.015, 0.02, f"{foot}; both models stand on the same support points", fontsize=8, color=QUIET)
+        write_page(figure, title, told, f"{foot}; both models stand on the same support points")
     return figure
 
 

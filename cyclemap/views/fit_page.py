@@ -87,10 +87,9 @@ def draw_law(axes: Axes, law: MotionLaw) -> None:
     if law.law is None:
         style.say(axes, "no law")
     else:
-        band = _where_measured(law.law.band(CIRCLE), law.theta)
-        _draw_band(axes, band, scale, PREDICTED_FILL, "95 % of pushes")
-        _draw_mean(axes, band, scale, PREDICTED, "law, 95 % band of its mean", "-")
-        _keep_to(axes, _bulk(scale * law.value), [scale * band.lower, scale * band.upper])
+        labels = ("95 % of pushes", "law, 95 % band of its mean")
+        bands = _draw_band(axes, law.law.band(CIRCLE), law.theta, scale, PREDICTED_FILL, PREDICTED, "-", labels)
+        _keep_to(axes, scale * law.value, bands)
     style.degree_axis(axes, THETA0)
     axes.set_ylabel(LABELS[law.quantity])
     style.legend_above(axes, columns=2)
@@ -101,18 +100,15 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     turns = np.degrees(found.pairs.turn)
     _draw_dots(axes, found.pairs.theta, turns)
-    edges, worn = [], found.fitted.wear
+    edges, worn = list[Array](), found.fitted.wear
     states = [(found.early, PREDICTED_FILL, PREDICTED, "-"), (found.late, LATE_FILL, INK, "--")]
     for state, colour, line, dash in states if found.wears else states[:1]:
         law = found.fitted.law if worn is None else worn.at(state.cycle)
-        band = _where_measured(law.band(CIRCLE), found.pairs.theta)
-        name = f"push {state.cycle:.0f}" if found.wears else "fitted map"
-        _draw_band(axes, band, SCALES["dtheta"], colour, None if found.wears else "95 % of pushes")
-        _draw_mean(axes, band, SCALES["dtheta"], line, name, dash)
+        labels = (None, f"push {state.cycle:.0f}") if found.wears else ("95 % of pushes", "fitted map")
+        edges += _draw_band(axes, law.band(CIRCLE), found.pairs.theta, SCALES["dtheta"], colour, line, dash, labels)
         for orbit in state.fixed_points:
             axes.plot(np.degrees(orbit.points[0]), 0.0, **style.orbit_marker(style.stability(orbit)))
-        edges += [np.degrees(band.lower), np.degrees(band.upper)]
-    _keep_to(axes, _bulk(turns), edges)
+    _keep_to(axes, turns, edges)
     style.degree_axis(axes, THETA0)
     axes.set_ylabel("turn of one cycle (°)")
     style.legend_above(axes, columns=2)
@@ -172,40 +168,28 @@ def draw_pace(axes: Axes, pace: TurnPace) -> None:
     style.legend_above(axes, columns=2)
 
 
-def _where_measured(band: LawBand, theta: Array) -> LawBand:
-    """The band with gaps where no orientation was measured."""
-    hidden = np.where(is_covered(theta, CIRCLE), 0.0, np.nan)
-    return replace(band, centre=band.centre + hidden)
-
-
 def _draw_dots(axes: Axes, theta: Array, value: Array) -> None:
     look: dict[str, Any] = {"color": MEASURED, "markersize": 3, "markeredgewidth": 0, "alpha": 0.45}
     axes.plot(np.degrees(np.mod(theta, 2 * np.pi)), value, "o", label="measured", zorder=2, **look)
 
 
-def _draw_band(axes: Axes, band: LawBand, scale: float, fill: str, label: str | None) -> None:
-    theta = np.degrees(band.theta)
-    axes.fill_between(
-        theta, scale * band.lower, scale * band.upper, color=fill, alpha=0.75, linewidth=0, label=label, zorder=1
-    )
+def _draw_band(
+    axes: Axes, band: LawBand, theta: Array, scale: float, fill: str, line: str, dash: str,
+    labels: tuple[str | None, str],
+) -> list[Array]:  # fmt: skip
+    """Draw a law with its bands of pushes and of the mean, and gaps where no theta is; return the wider band's ends."""
+    band = replace(band, centre=band.centre + np.where(is_covered(theta, CIRCLE), 0.0, np.nan))
+    around, low, high = np.degrees(band.theta), scale * band.lower, scale * band.upper
+    axes.fill_between(around, low, high, color=fill, alpha=0.75, linewidth=0, label=labels[0], zorder=1)
+    ends, low, high = [low, high], scale * band.mean_lower, scale * band.mean_upper
+    axes.fill_between(around, low, high, color=line, alpha=0.35, linewidth=0, zorder=3)
+    axes.plot(around, scale * band.centre, color=line, linewidth=1.4, linestyle=dash, label=labels[1], zorder=4)
+    return ends
 
 
-def _draw_mean(axes: Axes, band: LawBand, scale: float, line: str, label: str, dash: str) -> None:
-    theta = np.degrees(band.theta)
-    axes.fill_between(
-        theta, scale * band.mean_lower, scale * band.mean_upper, color=line, alpha=0.35, linewidth=0, zorder=3
-    )
-    axes.plot(theta, scale * band.centre, color=line, linewidth=1.4, linestyle=dash, label=label, zorder=4)
-
-
-def _bulk(value: Array) -> Array:
-    """The ends of what all but one in 200 values reach: a stray push does not set the scale."""
-    return np.asarray(np.quantile(value, [0.005, 0.995]))
-
-
-def _keep_to(axes: Axes, dots: Array, bands: list[Array]) -> None:
-    """Show the dots, and bands as far as they leave these no less than a third of the panel."""
-    low, high = float(np.min(dots)), float(np.max(dots))
-    reach, values = high - low or 1.0, np.concatenate(bands)
-    low, high = max(low - reach, min(low, float(np.nanmin(values)))), min(high + reach, max(high, np.nanmax(values)))
+def _keep_to(axes: Axes, values: Array, bands: list[Array]) -> None:
+    """Show all but one in 200 dots, and bands as far as they leave these no less than a third of the panel."""
+    low, high = np.quantile(values, [0.005, 0.995]).tolist()
+    reach, ends = high - low or 1.0, np.concatenate(bands)
+    low, high = max(low - reach, min(low, float(np.nanmin(ends)))), min(high + reach, max(high, np.nanmax(ends)))
     axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))

@@ -60,10 +60,8 @@ def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
             off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
             axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
             style.legend_above(axes, columns=4)
-        figure.text(0.015, 0.95, f"Replayed on {material}", fontsize=18, fontweight="bold", va="center")
-        figure.text(0.015, 0.905, replay_headline(replayed), fontsize=10, va="center")
         foot = "quasi-static prediction along the recorded tip; poses at the recorded times; a dot a push, a bar a mean"
-        figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+        style.write_page(figure, f"Replayed on {material}", [replay_headline(replayed)], foot)
     return figure
 
 

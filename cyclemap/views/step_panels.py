@@ -8,15 +8,13 @@ from matplotlib.patheffects import Normal, Stroke
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import Array
-from cyclemap.maps import DriftSummary, StepComparison, Steps
+from cyclemap.maps import StepComparison, Steps
 from cyclemap.views import style
 from cyclemap.views.sentences import angle, number
 from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, UNSTABLE
 
 # With more dwells than this their levels are not written beside them.
 MOST_NAMED = 12
-# From this ratio of the longest residence to the shortest they are drawn on a logarithmic scale.
-DECADES = 20.0
 # A predicted length so many times the panel's height is not drawn to scale.
 FAR = 4.0
 
@@ -81,24 +79,3 @@ def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | Non
     axes.set_ylim(bottom=0.0)
     axes.xaxis.set_major_locator(MaxNLocator(8, integer=True, min_n_ticks=1))
     style.legend_above(axes, columns=4)
-
-
-def draw_drift(axes: Axes, drift: DriftSummary) -> None:
-    """Mean turn (left, dots) and mean residence (right, squares) of the map as it wears; turns in all are told."""
-    (turn,) = axes.plot(drift.cycles, np.degrees(drift.mean_turn), "o-", color=PREDICTED, label="mean turn")
-    axes.set(xlabel="cycle", ylabel="mean turn (° a cycle)")
-    handles = [turn]
-    if np.isfinite(drift.mean_residence_cycles).any():
-        # The mean residences on an axis of their own at the right.
-        residence, other = drift.mean_residence_cycles, axes.twinx()
-        look: dict[str, Any] = {"color": INK, "linestyle": "--", "marker": "s", "markerfacecolor": UNSTABLE}
-        lines = other.plot(drift.cycles, residence, label="mean residence", **look)
-        if np.nanmax(residence) > DECADES * np.nanmin(residence):
-            other.set_yscale("log")
-        other.set_ylabel("mean residence (cycles)")
-        other.grid(visible=False)
-        other.spines["right"].set_visible(True)
-        handles += lines
-    told = f"in all {drift.turns:.3g} turns, give or take {drift.turns.error_bound + drift.lag_turns:.2g}"
-    handles += axes.plot([], [], linestyle="none", label=told)
-    style.legend_above(axes, columns=3, handles=handles)

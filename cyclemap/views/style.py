@@ -68,6 +68,9 @@ _STYLE: dict[Any, Any] = {
     # A fixed salt and no date: the same portrait gives the same file.
     "svg.hashsalt": "cyclemap",
 }
+# Measured places, of which there may be many.
+DOTS: dict[str, Any] = {"color": MEASURED, "markersize": 3.0, "alpha": 0.45, "linestyle": "none"}
+DOTS |= {"markeredgecolor": MEASURED_EDGE, "markeredgewidth": 0.3}
 THETA = "θ (°)"
 
 

@@ -9,19 +9,10 @@ from drawn_panels import faces, labelled, legend_words, panel, png, written
 
 from cyclemap.collection import StaircaseForecast, staircase_forecast
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs, measured_staircase
-from cyclemap.maps import (
-    CircleMap,
-    DriftingMap,
-    WrappedNormal,
-    compare_steps,
-    find_steps,
-    predict_drift,
-    predict_staircase,
-    sample_staircase,
-)
+from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps, predict_staircase, sample_staircase
 from cyclemap.views import staircase_page as sentences
 from cyclemap.views.staircase_page import staircase_page
-from cyclemap.views.step_panels import draw_drift, draw_step_lengths, draw_steps
+from cyclemap.views.step_panels import draw_step_lengths, draw_steps
 from cyclemap.views.style import MEASURED, UNSTABLE, render
 
 GHOST, WELL, TURNING = (0.0955, 0.6), (0.1, 0.9), (0.3, 0.0)
@@ -209,31 +200,4 @@ def test_one_censored_dwell_has_no_mean_but_the_prediction_stays() -> None:
     assert not any(words.startswith("mean") for words in legend_words(axes))
     assert legend_words(axes)[-1] == "predicted more than 10^12, beyond the panel"
     assert axes.get_ylim()[1] < 100.0
-    png(axes)
-
-
-# -- drift -------------------------------------------------------------------------------------------------
-
-
-def test_drift_shows_turn_and_residence_on_their_own_axes() -> None:
-    noise = WrappedNormal(0.3)
-    worn = DriftingMap.between([(0, CircleMap.arnold(0.16, 0.9)), (999, CircleMap.arnold(0.12, 0.9))])
-    drift = predict_drift(worn, noise, 1000, 3)
-    axes = panel()
-    draw_drift(axes, drift)
-    (other,) = [twin for twin in axes.get_figure().axes if twin is not axes]
-    assert labelled(axes, "mean turn").get_ydata() == pytest.approx(np.degrees(drift.mean_turn))
-    assert labelled(other, "mean residence").get_ydata() == pytest.approx(drift.mean_residence_cycles)
-    assert (axes.get_ylabel(), other.get_ylabel()) == ("mean turn (° a cycle)", "mean residence (cycles)")
-    assert legend_words(axes)[:2] == ["mean turn", "mean residence"]
-    assert legend_words(axes)[2].startswith(f"in all {drift.turns:.3g} turns, give or take ")
-    png(axes)
-
-
-def test_drift_without_slow_zones_has_no_residence() -> None:
-    worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
-    axes = panel()
-    draw_drift(axes, predict_drift(worn, WrappedNormal(0.3), 100, 2))
-    assert axes.get_figure().axes == [axes]
-    assert legend_words(axes)[1].startswith("in all 20 turns")
     png(axes)
