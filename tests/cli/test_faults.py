@@ -73,17 +73,8 @@ FRICTION = "[friction]\nmu_a = 0.3\nmu_b = 0.3\n"
 
 
 @pytest.mark.parametrize(("arguments", "named"), BAD_USES, ids=lambda value: value if isinstance(value, str) else "")
-def test_bad_use_exits_2_with_one_clear_line_and_writes_nothing(
-    tmp_path, capsys, monkeypatch, arguments, named
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run(arguments) == 2
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert shown.err.startswith("error: ")
-    assert shown.err.count("\n") == 1
-    assert named in shown.err
-    assert list(tmp_path.iterdir()) == []
+def test_bad_use_exits_2_with_one_clear_line_and_writes_nothing(refused, arguments, named) -> None:
+    refused(arguments, named)
 
 
 def command(folder, *arguments, closed=(), **environment) -> subprocess.CompletedProcess:
@@ -127,15 +118,14 @@ def test_dollars_in_a_name_are_no_formula(tmp_path, capsys, name, picture) -> No
 
 
 @pytest.mark.slow
-def test_what_a_terminal_would_obey_reaches_it_as_text(tmp_path, capsys) -> None:
-    file = tmp_path / "\x1b[31mred.toml"
-    file.write_text(FRICTION)
-    assert run(["cycle", str(file), "--theta0-deg", "0"]) == 2
+def test_what_a_terminal_would_obey_reaches_it_as_text(here, capsys) -> None:
+    (here / "\x1b[31mred.toml").write_text(FRICTION)
+    assert run(["cycle", "\x1b[31mred.toml", "--theta0-deg", "0"]) == 2
     shown = capsys.readouterr()
     assert "\x1b" not in shown.out + shown.err and r"\x1b[31mred" in shown.err
-    data = tmp_path / "\x1b]0;title\x07.csv"
-    data.write_text("theta0_deg\n" + "".join(f"{3 * number}\n" for number in range(200)))
-    assert run(["fit", str(data), "--out", str(tmp_path)]) == 0
+    rows = "".join(f"{3 * number}\n" for number in range(200))
+    (here / "\x1b]0;title\x07.csv").write_text("theta0_deg\n" + rows)
+    assert run(["fit", "\x1b]0;title\x07.csv"]) == 0
     shown = capsys.readouterr()
     assert "\x1b" not in shown.out + shown.err and r"\x1b]0;title\x07" in shown.out
 
