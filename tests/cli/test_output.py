@@ -100,12 +100,6 @@ def test_without_a_terminal_long_work_says_a_line_now_and_then(monkeypatch, caps
     assert re.fullmatch(r"cycle \\x1b map: 50 % done, \d+ s, about \d+ s left", lines[-1])
 
 
-def test_short_work_says_nothing(capsys) -> None:
-    with progress_bar("cycle map") as report:
-        report(0.5)
-    assert capsys.readouterr().err == ""
-
-
 def wait_until(condition) -> None:
     deadline = time.monotonic() + 60.0
     while not condition():
@@ -157,16 +151,6 @@ def test_quiet_says_nothing_and_does_the_same(tmp_path, monkeypatch, capsys) -> 
     assert '"cycles"' in capsys.readouterr().out
     assert run(["cycle", "no-such-material", "--quiet"]) == 2
     assert capsys.readouterr().err.startswith("error: ")
-
-
-def test_slow_work_tells_how_long_the_rest_will_take(monkeypatch, capsys) -> None:
-    """A quarter done leaves three times what was spent."""
-    monkeypatch.setattr("cyclemap.cli.output.LINE_SECONDS", 0.05)
-    with progress_bar("work") as report:
-        report(0.25)
-        while "left" not in (line := capsys.readouterr().err):
-            time.sleep(0.05)
-    assert re.search(r"work: 25 % done, \d+ s, about \d+ s left", line)
 
 
 def test_a_shell_is_told_which_words_may_follow(monkeypatch, capsys) -> None:

@@ -1,6 +1,5 @@
 """`cyclemap simulate` from outside: its JSON, its words, its files, and what it refuses."""
 
-import json
 import math
 import os
 import resource
@@ -24,14 +23,11 @@ def simulate(folder, *more: str) -> int:
     return run(["simulate", "plywood", "--cycles", "3", "--out", str(folder), *more])
 
 
-def test_json_tells_what_was_written_and_found_and_nothing_else(tmp_path, capsys) -> None:
-    folder = tmp_path / "made"
-    reports = []
+def test_json_tells_what_was_written_and_found_and_nothing_else(tmp_path, printed) -> None:
+    folder, reports = tmp_path / "made", []
     for _ in range(2):
         assert simulate(folder, "--json", "-") == 0
-        shown = capsys.readouterr()
-        assert shown.err == ""
-        reports.append(json.loads(shown.out))
+        reports.append(printed()[0])
     first, second = reports
     assert list(first) == KEYS
     assert (first["cycles"], first["written"], first["resumed"]) == (3, 3, 0)
@@ -55,19 +51,8 @@ def test_people_are_told_how_many_where_how_large_and_what_to_do_next(tmp_path, 
 
 def test_options_reach_the_collection_in_si_units(tmp_path) -> None:
     options = ["--start-deg", "90", "--seed", "5", "--pose-noise-mm", "0.2", "--pose-noise-deg", "0.5"]
-    options += [
-        "--force-noise-n",
-        "0.03",
-        "--speed-mm-s",
-        "50",
-        "--noise-deg",
-        "2",
-        "--wear-to",
-        "isotropic",
-        "--format",
-        "json",
-    ]
-    assert simulate(tmp_path, *options, "--set", "push_mm=40", "--set", "noise_deg=3") == 0
+    options += ["--force-noise-n", "0.03", "--speed-mm-s", "50", "--noise-deg", "2", "--wear-to", "isotropic"]
+    assert simulate(tmp_path, *options, "--format", "json", "--set", "push_mm=40", "--set", "noise_deg=3") == 0
     found = read_toml(tmp_path / "collection.toml")["simulation"]
     expected = {
         "start_rad": math.pi / 2.0,
@@ -96,19 +81,13 @@ def test_the_scatter_is_the_options_else_the_settings_else_the_packages(tmp_path
     assert read_toml(tmp_path / "collection.toml")["simulation"]["noise_turn_rad"] == pytest.approx(sigma)
 
 
-def test_a_folder_begun_with_other_arguments_exits_2_and_says_what_differs(tmp_path, capsys) -> None:
-    assert simulate(tmp_path) == 0
-    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
-    capsys.readouterr()
-    assert simulate(tmp_path, "--seed", "7") == 2
-    assert "seed is 0 there and 7 here" in capsys.readouterr().err
-    assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before
-
-
-def test_a_folder_that_cannot_be_made_exits_1_with_its_name(tmp_path, capsys) -> None:
-    (tmp_path / "file").write_text("in the way")
-    assert simulate(tmp_path / "file" / "made") == 1
-    assert f"{tmp_path}/file/made cannot be used (Not a directory)" in capsys.readouterr().err
+def test_a_folder_begun_with_other_arguments_exits_2_and_says_what_differs(here, refused) -> None:
+    assert simulate(here / "made") == 0
+    before = {path: path.read_bytes() for path in here.rglob("*.*")}
+    refused(["simulate", "plywood", "--cycles", "3", "--out", "made", "--seed", "7"], "seed is 0 there and 7 here")
+    assert {path: path.read_bytes() for path in here.rglob("*.*")} == before
+    (here / "file").write_text("in the way")
+    refused(["simulate", "plywood", "--out", "file/made"], "file/made cannot be used (Not a directory)", 1)
 
 
 @pytest.mark.slow
