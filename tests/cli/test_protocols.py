@@ -192,7 +192,9 @@ def test_a_portrait_takes_measured_directions_beside_a_strategy(protocol, report
 @pytest.mark.parametrize(
     ("command", "strategy"), DETERMINISTIC, ids=lambda part: part[0] if isinstance(part, list) else ""
 )
-def test_a_strategy_that_does_the_same_in_every_cycle_is_part_of_the_loop(protocol, report_of, command, strategy) -> None:
+def test_a_strategy_that_does_the_same_in_every_cycle_is_part_of_the_loop(
+    protocol, report_of, command, strategy
+) -> None:
     """The same JSON as with the same facts given by --set."""
     name, *options = command
     material = ["plywood" if name == "cycle" else "isotropic", "--json", "-"]

@@ -68,16 +68,16 @@ def test_a_climb_of_turns_is_marked_in_whole_turns(forecast) -> None:
     assert all(place == 360.0 * int(words.replace("−", "-")) for words, place in ticks.items())
 
 
-def test_counts_have_whole_ticks_even_where_there_is_one(forecast) -> None:
-    """A single dwell stands over the tick 1, not between fractions of dwells."""
-    lengths = staircase_page(forecast(*WELL)).axes[2]
-    assert all(float(tick).is_integer() for tick in lengths.get_xticks())
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("law", [GHOST, WELL, TURNING])
-def test_every_kind_of_staircase_can_be_rendered(forecast, law) -> None:
-    assert render(staircase_page(forecast(*law))).startswith(b"\x89PNG")
+def test_every_kind_of_staircase_can_be_rendered_with_whole_counts(forecast, law) -> None:
+    """A single dwell stands over the tick 1, not between fractions of dwells; a rotation has none."""
+    page = staircase_page(forecast(*law))
+    assert render(page).startswith(b"\x89PNG")
+    assert all(float(tick).is_integer() for tick in page.axes[2].get_xticks())
+    rests = law != TURNING
+    assert (written(page.axes[2]) == []) is rests
+    assert ("rests nowhere: it moves 108.00° a cycle" in sentences.forecast_sentence(forecast(*law))) is not rests
 
 
 def test_a_ghost_is_told_with_its_rest_and_its_steps(forecast) -> None:
@@ -96,10 +96,6 @@ def test_a_rest_beyond_every_float_is_told_by_its_power_of_ten(forecast) -> None
     assert power > 200
     assert f"for 10^{power} cycles; steps are 360° high, none to be expected." in sentences.forecast_sentence(found)
     assert "it stays at" in sentences.run_sentence(found)
-
-
-def test_a_rotation_rests_nowhere(forecast) -> None:
-    assert "rests nowhere: it moves 108.00° a cycle" in sentences.forecast_sentence(forecast(*TURNING))
 
 
 def test_measured_and_fitted_sentences_carry_the_numbers(measured) -> None:
@@ -139,20 +135,6 @@ def test_many_dwells_are_not_named() -> None:
     png(axes)
 
 
-def test_path_without_dwells_is_drawn_alone() -> None:
-    path = np.linspace(0.0, 60.0, 300)
-    steps = find_steps(path)
-    assert steps.levels.size == 0
-    axes = panel()
-    draw_steps(axes, path, steps)
-    assert len(axes.lines) == 1
-    png(axes)
-    axes = panel()
-    draw_step_lengths(axes, steps)
-    assert written(axes) == ["no dwell"]
-    png(axes)
-
-
 def test_turns_of_the_zones_are_taken_off_the_path_as_off_the_levels() -> None:
     turning = CircleMap.arnold(1.15, 0.9)
     zones = predict_staircase(turning, STEP_NOISE).zones
@@ -186,6 +168,9 @@ def test_lengths_stand_in_order_beside_their_mean_and_the_prediction() -> None:
     assert labelled(axes, "predicted").get_ydata()[0] == comparison.predicted_length
     assert axes.get_ylabel() == "length (cycles)" and axes.get_ylim()[0] == 0.0
     png(axes)
+    axes = panel()
+    draw_step_lengths(axes, find_steps(np.linspace(0.0, 60.0, 300)))
+    assert written(axes) == ["no dwell"]
 
 
 def test_one_censored_dwell_has_no_mean_but_the_prediction_stays() -> None:
