@@ -22,7 +22,7 @@ COLUMNS = ("law", "θ0 (°)", "model", "push turn (°)", "dx (mm)", "dy (mm)", "
 @click.command("dynamics")
 @loop_options
 @theta0_option
-@click.option("--speed-mm-s", type=Real(), default=20.0, show_default=True, help="Speed of the rod.")
+@click.option("--speed-mm-s", type=Real(), default=20.0, help="Speed of the rod.")
 @result_options("dynamics_MATERIAL.png and .json")
 def dynamics_command(
     options: LoopOptions, theta0_deg: str, speed_mm_s: float, out: Path, picture_format: str, json_target: str | None

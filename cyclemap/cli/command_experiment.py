@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 @click.command("experiment")
 @loop_options
-@click.option("--batches", type=Whole(min=1), default=6, show_default=True, help="Batches, evenly spaced.")
-@click.option("--cycles", type=Whole(1, MOST_CYCLES), default=100, show_default=True, help="Cycles a batch.")
-@click.option("--speed-mm-s", type=Real(), default=20.0, show_default=True, help="Speed of the rod.")
+@click.option("--batches", type=Whole(min=1), default=6, help="Batches, evenly spaced.")
+@click.option("--cycles", type=Whole(1, MOST_CYCLES), default=100, help="Cycles a batch.")
+@click.option("--speed-mm-s", type=Real(), default=20.0, help="Speed of the rod.")
 @click.option("--quasi-static", is_flag=True, help="Quasi-static cycles, without inertia, in place of dynamic ones.")
 @result_options("experiment_MATERIAL.png and .json")
 def experiment_command(

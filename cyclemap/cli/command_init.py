@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from cyclemap.cli.options import JSON_HELP, PATH
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -21,25 +22,23 @@ COMMENTS = (
 
 
 @click.command("init")
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", type=PATH)
 @click.option("--rectangle-mm", metavar="WIDTH,HEIGHT", help="A rectangle: its lengths along x and y.")
 @click.option("--ellipse-mm", metavar="WIDTH,HEIGHT", help="An ellipse, or a disc: its whole widths along x and y.")
 @click.option(
     "--shape", metavar="NAME", help="An object of the MIT push dataset: rect1 to rect3, tri1 to tri3, hex, ..."
 )
-@click.option(
-    "--outline", metavar="PATH", type=click.Path(path_type=Path), help="An SVG, DXF, STL, URDF or CSV file of it."
-)
+@click.option("--outline", metavar="PATH", type=PATH, help="An SVG, DXF, STL, URDF or CSV file of it.")
 @click.option(
     "--unit", type=click.Choice(["mm", "cm", "m", "inch"]), help="Of the outline file. [default: guessed, said]"
 )
-@click.option("--tolerance-mm", type=float, default=0.1, show_default=True, help="Corners of the outline that may go.")
+@click.option("--tolerance-mm", type=float, default=0.1, help="Corners of the outline that may go.")
 @click.option("--underside", is_flag=True, help="The foot print of a mesh, not its silhouette.")
 @click.option("--name", help="Of the object. [default: the file's]")
-@click.option("--surface", default="table", show_default=True, help="Name of the surface.")
+@click.option("--surface", default="table", help="Name of the surface.")
 @click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="One fact of the experiment; repeatable.")
 @click.option("--force", is_flag=True, help="Write over a file that is there.")
-@click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
+@click.option("--json", "json_target", metavar="FILE", help=JSON_HELP)
 def init_command(file: Path, json_target: str | None, **asked: Any) -> None:
     """Write FILE.toml for your own object: its outline, a first guess of push, rod and ring, and a picture of it all.
 
@@ -125,11 +124,9 @@ def _lengths(key: str, text: str) -> list[float]:
 
 
 @click.command("check")
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option(
-    "--out", metavar="DIR", type=click.Path(path_type=Path), default="out", show_default=True, help="Of the picture."
-)
-@click.option("--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else.")
+@click.argument("file", type=PATH)
+@click.option("--out", metavar="DIR", type=PATH, default="out", help="Of the picture.")
+@click.option("--json", "json_target", metavar="FILE", help=JSON_HELP)
 def check_command(file: Path, out: Path, json_target: str | None) -> None:
     """Look at a collection FILE.toml as a careful colleague would: say what is likely wrong, and draw it."""
     tell_check(file, out / f"check_{file.stem}.png", json_target, [])

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cyclemap.cli.options import LoopOptions, Whole, protocol_options, readable_data, result_options, table_options
+from cyclemap.cli.options import (
+    PATH,
+    LoopOptions,
+    Whole,
+    protocol_options,
+    readable_data,
+    result_options,
+    table_options,
+)
 from cyclemap.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -17,16 +25,14 @@ if TYPE_CHECKING:
 
 @click.command("probe")
 @protocol_options
-@click.option("--data", metavar="DATA", type=click.Path(path_type=Path), help="Pushes made: a table with end poses.")
+@click.option("--data", metavar="DATA", type=PATH, help="Pushes made: a table with end poses.")
 @click.option(
     "--command", "program", metavar="PROGRAM", help='A program: {"theta_deg"} in, {"dx_mm","dy_mm","dtheta_deg"} out.'
 )
 @click.option(
     "--python", metavar="MODULE:FUNCTION", help="push(theta) -> (dx, dy, dtheta): rad; m in the object's frame."
 )
-@click.option(
-    "--count", type=Whole(12, 3600), default=72, show_default=True, help="Orientations, of a program or function."
-)
+@click.option("--count", type=Whole(12, 3600), default=72, help="Orientations, of a program or function.")
 @table_options
 @result_options("probe.png and .json")
 def probe_command(options: LoopOptions, json_target: str | None, **asked: Any) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from cyclemap.cli.options import LoopOptions, loop_options
+from cyclemap.cli.options import PATH, LoopOptions, loop_options
 
 if TYPE_CHECKING:
     from cyclemap.collection.portrait import Portrait, Progress
@@ -34,9 +34,9 @@ BIBTEX = """@article{ma2018friction,
 
 @click.command("report")
 @loop_options
-@click.option("--data", metavar="FILE", type=click.Path(path_type=Path), help="Measured pushes or θ0 to judge it by.")
+@click.option("--data", metavar="FILE", type=PATH, help="Measured pushes or θ0 to judge it by.")
 @click.option("--reset", is_flag=True, help="Also find a reset without bias, with its files (some ten seconds).")
-@click.option("--out", metavar="DIR", type=click.Path(path_type=Path), default="out", show_default=True, help="Where.")
+@click.option("--out", metavar="DIR", type=PATH, default="out", help="Where.")
 def report_command(options: LoopOptions, data: Path | None, reset: bool, out: Path) -> None:
     """Write report_MATERIAL.html: verdict, moving pictures, a ring to slide, data beside it, what to do, provenance."""
     from cyclemap.cli.output import file_stem, progress_bar

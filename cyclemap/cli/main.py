@@ -62,7 +62,10 @@ class _Commands(click.Group):
             formatter.write_dl([(name, one.get_short_help_str(limit=1000)) for name, one in self.commands.items()])
 
 
-@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+_SHOWN = {"help_option_names": ["-h", "--help"], "max_content_width": 100, "show_default": True}
+
+
+@click.group(cls=_Commands, context_settings=_SHOWN)
 @click.version_option(package_name="cyclemap")
 def cli() -> None:
     """What a robot that pushes an object and drags it back will record, predicted from friction."""
