@@ -41,13 +41,7 @@ def experiment_command(
     from cyclemap.cli.settings import chosen_loop
     from cyclemap.collection.batch_experiment import batch_experiment
     from cyclemap.collection.dynamic_loop import DynamicLoop
-    from cyclemap.views.experiment_page import (
-        experiment_headline,
-        experiment_page,
-        isotropic_sentence,
-        method_line,
-        spread_sentence,
-    )
+    from cyclemap.views import experiment_page as page
 
     loop, _ = chosen_loop(options)
     run = loop if quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
@@ -67,15 +61,15 @@ def experiment_command(
             "anisotropic": _run(experiment.anisotropic),
             "isotropic": _run(experiment.isotropic),
         },
-        experiment_page(experiment),
+        page.experiment_page(experiment),
         stem,
         picture_format,
         json_target,
     )
     if picture is not None:
-        told = (spread_sentence, isotropic_sentence, method_line)
+        told = (page.spread_sentence, page.isotropic_sentence, page.method_line)
         words = (sentence(experiment) for sentence in told)
-        PeopleConsole().tell(experiment_headline(experiment), *words, f"picture: {picture}")
+        PeopleConsole().tell(page.experiment_headline(experiment), *words, f"picture: {picture}")
 
 
 def _run(run: BatchRun) -> Json:

@@ -75,8 +75,12 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
     if portrait.uncertainty is not None:
         report["uncertainty"] = uncertainty_report(portrait.uncertainty)
     if portrait.worn is not None:
-        report["worn"] = _worn(portrait.worn)
-    return report if measured is None else {**report, "data": _data(measured)}
+        report["worn"] = {**_staircase(portrait.worn), "zones": [_zone(zone) for zone in portrait.worn.zones]}
+    if measured is not None:
+        agreement = measured.agreement
+        told: Json = {"pairs": agreement.pairs, "dropped": dict(measured.pairs.dropped), "bins": agreement.bins}
+        report["data"] = {**told, **degrees_of(agreement, "rms", "bin_rms")}
+    return report
 
 
 def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | None = None) -> Json:
@@ -93,7 +97,7 @@ def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | 
     if forecast.uncertainty is not None:
         report["uncertainty"] = uncertainty_report(forecast.uncertainty)
     if forecast.worn is not None:
-        report["worn"] = _worn(forecast.worn)
+        report["worn"] = {**_staircase(forecast.worn), "zones": [_zone(zone) for zone in forecast.worn.zones]}
     return report if measured is None else {**report, "data": measured_report(measured)}
 
 
@@ -151,11 +155,6 @@ def _staircase(prediction: StaircaseSummary) -> Json:
     }
 
 
-def _worn(worn: StaircaseSummary) -> Json:
-    """What runs on the surface of the last cycle are like."""
-    return {**_staircase(worn), "zones": [_zone(zone) for zone in worn.zones]}
-
-
 def _zone(zone: SlowZone) -> Json:
     return {
         "centre_deg": direction_deg(zone.centre),
@@ -208,17 +207,6 @@ def measured_report(measured: MeasuredStaircase) -> Json:
                 for visit in comparison.visits
             ],
         },
-    }
-
-
-def _data(measured: MeasuredOverlay) -> Json:
-    agreement = measured.agreement
-    return {
-        "pairs": agreement.pairs,
-        "dropped": dict(measured.pairs.dropped),
-        "rms_deg": degrees(agreement.rms),
-        "bins": agreement.bins,
-        "bin_rms_deg": degrees(agreement.bin_rms),
     }
 
 

@@ -11,14 +11,8 @@ from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.cli.settings import chosen_loop, told_settings
 from cyclemap.collection.portrait_curves import turn_curve
+from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import Comparison, compare
-from cyclemap.evidence.comparison.cycle_agreement import (
-    CycleAgreement,
-    DirectionAgreement,
-    OrientationAgreement,
-    SimulatedQuantity,
-    StaircaseAgreement,
-)
 from cyclemap.evidence.comparison.push_agreement import Distances, PushAgreement, QuantityAgreement, mean_distances
 from cyclemap.evidence.orientations.goodness_of_fit import PValue
 from cyclemap.maps import WrappedNormal
@@ -147,7 +141,7 @@ def _quantity(found: QuantityAgreement, scale: float) -> Json:
     }
 
 
-def _cycle(found: CycleAgreement) -> Json:
+def _cycle(found: cycle_agreement.CycleAgreement) -> Json:
     return {
         "pairs": found.agreement.pairs,
         "rms_deg": degrees(found.agreement.rms),
@@ -160,7 +154,7 @@ def _cycle(found: CycleAgreement) -> Json:
     }
 
 
-def _orientations(found: OrientationAgreement) -> Json:
+def _orientations(found: cycle_agreement.OrientationAgreement) -> Json:
     tests = {name: _p_value(one) for name, one in found.tests.items()}
     wasserstein = {"statistic_deg": degrees(found.wasserstein.statistic), "p_value": number(found.wasserstein.value)}
     return {
@@ -174,7 +168,7 @@ def _orientations(found: OrientationAgreement) -> Json:
     }
 
 
-def _directions(found: DirectionAgreement) -> Json:
+def _directions(found: cycle_agreement.DirectionAgreement) -> Json:
     return {
         "predicted": [
             {
@@ -191,7 +185,7 @@ def _directions(found: DirectionAgreement) -> Json:
     }
 
 
-def _staircase(found: StaircaseAgreement) -> Json:
+def _staircase(found: cycle_agreement.StaircaseAgreement) -> Json:
     return {
         "turns": _simulated(found.turns, 1.0),
         "steps": _simulated(found.step_count, 1.0),
@@ -217,7 +211,7 @@ def _staircase(found: StaircaseAgreement) -> Json:
     }
 
 
-def _simulated(found: SimulatedQuantity, scale: float) -> Json:
+def _simulated(found: cycle_agreement.SimulatedQuantity, scale: float) -> Json:
     names = ("measured", "predicted", "lower", "upper")
     scaled = {name: None if (value := getattr(found, name)) is None else number(scale * value) for name in names}
     return {**scaled, "p_value": None if found.p_value is None else number(found.p_value.value)}

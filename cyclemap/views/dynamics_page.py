@@ -34,9 +34,9 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
             still = np.degrees(comparison.quasi_static.theta_next) - theta
             # A curve through one orientation needs a marker, over the dot, to be seen.
             alone = theta.size == 1
-            style = ("--" if isotropic_law else "-") + "x" * alone
+            dash = ("--" if isotropic_law else "-") + "x" * alone
             turns.plot(
-                theta, still, style, color=QUIET, linewidth=1.4, label=f"{law}, quasi-static", zorder=4 if alone else 2
+                theta, still, dash, color=QUIET, linewidth=1.4, label=f"{law}, quasi-static", zorder=4 if alone else 2
             )
             moved = np.degrees(comparison.dynamic.theta_next) - theta
             face = "white" if isotropic_law else PREDICTED

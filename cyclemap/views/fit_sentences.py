@@ -6,13 +6,7 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
-from cyclemap.evidence.tables.measured_cycle_map import (
-    FEWEST_FOR_WEAR,
-    MapState,
-    MeasuredCycleMap,
-    TurnPlace,
-    WornForecast,
-)
+from cyclemap.evidence.tables.measured_cycle_map import FEWEST_FOR_WEAR, MapState, MeasuredCycleMap, TurnPlace
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
 from cyclemap.views.sentences import angle, number
 
@@ -87,13 +81,31 @@ def histogram_sentence(histogram: TurnHistogram) -> str:
 
 def map_sentences(found: MeasuredCycleMap) -> list[str]:
     """The cycle map: its law, where it holds or is slow, and what it foretells."""
-    said = [order_sentence(found), place_sentence(found)]
-    if found.forecast is None and (found.pairs.path is None or found.pairs.cycle is None):
+    said, forecast = [order_sentence(found), place_sentence(found)], found.forecast
+    if forecast is None and (found.pairs.path is None or found.pairs.cycle is None):
         return [*said, "The order of the pushes is unknown: no wear, no staircase."]
-    if found.forecast is None:
+    if forecast is None:
         return [*said, "Its paths leave the orientations that were measured: no staircase is foretold."]
-    said += [turns_sentence(found.forecast), pace_sentence(found.forecast), peak_sentence(found.forecast)]
-    return said
+    spread = f"{np.mean(forecast.turns):.2f} ± {np.std(forecast.turns):.2f}"
+    jumps = forecast.left_out_turns
+    left_out = f" ({jumps:.2f} of them in cycles left out of the fit)" if abs(jumps) >= 0.01 else ""
+    since = f"From push {forecast.first_cycle:.0f} on (the last three quarters)"
+    said.append(f"{since} {forecast.measured_turns:.2f} turns were measured{left_out}, {spread} are predicted.")
+    pace, steps = forecast.pace, []
+    for name, end in (("first", 0), ("last", -1))[: min(pace.measured.size, 2)]:
+        middle, *ends = (
+            number(value[end]) if math.isfinite(value[end]) else "longer than followed"
+            for value in (pace.predicted, pace.lower, pace.upper)
+        )
+        told = f"the {name} full turn took {pace.measured[end]:.0f} pushes, predicted {middle} ({' to '.join(ends)})"
+        steps.append(told)
+    share = f"{_share(pace.inside)} of the {pace.measured.size} turns lie in their 95 % ranges"
+    said.append(f"Of the steps, {'; '.join(steps)}; {share}." if steps else "No full turn was measured.")
+    measured, predicted = _peak(forecast.measured_histogram), _peak(forecast.histogram)
+    chance = angle(float(np.quantile(forecast.run_distances, 0.95)))
+    apart = f"{angle(forecast.wasserstein)} apart (of the map's own paths 1 in 20 is more than {chance})"
+    most = f"θ0 was recorded most often at {measured}, predicted {predicted}"
+    return [*said, f"{most}; the histograms are {apart}."]
 
 
 def order_sentence(found: MeasuredCycleMap) -> str:
@@ -118,38 +130,6 @@ def place_sentence(found: MeasuredCycleMap) -> str:
         return f"{told[0].upper()}{told[1:]}."
     early, late = (f"push {state.cycle:.0f}" for state in (found.early, found.late))
     return f"At {early} {_places(found.early)}. At {late} {_places(found.late)}."
-
-
-def turns_sentence(forecast: WornForecast) -> str:
-    """Turns measured and predicted in the last three quarters."""
-    spread = f"{np.mean(forecast.turns):.2f} ± {np.std(forecast.turns):.2f}"
-    jumps = forecast.left_out_turns
-    left_out = f" ({jumps:.2f} of them in cycles left out of the fit)" if abs(jumps) >= 0.01 else ""
-    since = f"From push {forecast.first_cycle:.0f} on (the last three quarters)"
-    return f"{since} {forecast.measured_turns:.2f} turns were measured{left_out}, {spread} are predicted."
-
-
-def pace_sentence(forecast: WornForecast) -> str:
-    """Pushes a full turn, early and late, measured and predicted."""
-    pace = forecast.pace
-    if not pace.measured.size:
-        return "No full turn was measured."
-    ends = (0, -1) if pace.measured.size > 1 else (0,)
-    told = [
-        f"the {'first' if end == 0 else 'last'} full turn took {pace.measured[end]:.0f} pushes, predicted "
-        f"{_pushes(pace.predicted[end])} ({_pushes(pace.lower[end])} to {_pushes(pace.upper[end])})"
-        for end in ends
-    ]
-    share = f"{_share(pace.inside)} of the {pace.measured.size} turns lie in their 95 % ranges"
-    return f"Of the steps, {'; '.join(told)}; {share}."
-
-
-def peak_sentence(forecast: WornForecast) -> str:
-    """The highest bin of the histogram of directions, measured and predicted, and how far the two are apart."""
-    measured, predicted = _peak(forecast.measured_histogram), _peak(forecast.histogram)
-    chance = angle(float(np.quantile(forecast.run_distances, 0.95)))
-    apart = f"{angle(forecast.wasserstein)} apart (of the map's own paths 1 in 20 is more than {chance})"
-    return f"θ0 was recorded most often at {measured}, predicted {predicted}; the histograms are {apart}."
 
 
 def _peak(histogram: AngleHistogram) -> str:
@@ -191,10 +171,6 @@ def _at_limit(found: MeasuredCycleMap) -> bool:
         return scores is not None and scores.chosen == int(scores.orders[-1]) > 0
     tried = 1 if worn.rmse_by_order is None else int(worn.rmse_by_order.shape[1])
     return 1 < tried == worn.harmonics + 1
-
-
-def _pushes(value: float) -> str:
-    return number(value) if math.isfinite(value) else "longer than followed"
 
 
 def _share(value: float) -> str:
