@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from cyclemap.collection.staircase_forecast import StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
-    from cyclemap.maps import SlowZone, StaircaseSummary, Steps
+    from cyclemap.maps import Orbit, SlowZone, StaircaseSummary, Steps
     from cyclemap.resets import ResetStrategy
 
 Json = dict[str, object]
@@ -37,10 +37,8 @@ def cycle_report(start_deg: float, cycle: Cycle) -> Json:
 
 def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None) -> Json:
     """The report of `cyclemap portrait`; with data it has one entry more, "data"."""
-    rotation = portrait.rotation
+    rotation, operator, turns = portrait.rotation, portrait.operator, portrait.turns
     locked = rotation.locked
-    operator = portrait.operator
-    turns = portrait.turns
     report: Json = {
         "map": {
             "degree": int(portrait.map.degree),
@@ -49,17 +47,9 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
             "mean_turn_deg": degrees(turns.mean),
             "min_turn_deg": degrees(turns.minimum),
             "max_turn_deg": degrees(turns.maximum),
-            "min_slope": number(turns.min_slope),
-            "max_slope": number(turns.max_slope),
+            **numbers_of(turns, "min_slope", "max_slope"),
         },
-        "fixed_points": [
-            {
-                "theta_deg": direction_deg(orbit.points[0]),
-                "multiplier": number(orbit.multiplier),
-                "stable": bool(orbit.stable),
-            }
-            for orbit in portrait.fixed_points
-        ],
+        "fixed_points": [*map(orbit_report, portrait.fixed_points)],
         "rotation_number": {
             **numbers_of(rotation, "value", "lower", "upper"),
             "locked": None if locked is None else f"{locked.numerator}/{locked.denominator}",
@@ -118,6 +108,12 @@ def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
         }
         for action, acted, share in zip(strategy.actions, strategy.loops(loop), strategy.shares, strict=True)
     ]
+
+
+def orbit_report(orbit: Orbit) -> Json:
+    """Where a fixed point is, and whether it is stable."""
+    theta = direction_deg(float(orbit.points[0]))
+    return {"theta_deg": theta, "multiplier": number(orbit.multiplier), "stable": bool(orbit.stable)}
 
 
 def json_text(report: Json) -> str:

@@ -3,7 +3,7 @@
 import math
 from pathlib import Path
 
-from cyclemap.cli.json_report import Json, degrees, degrees_of, direction_deg, number, uncertainty_report
+from cyclemap.cli.json_report import Json, degrees, degrees_of, direction_deg, number, orbit_report, uncertainty_report
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.settings import chosen_loop
@@ -75,34 +75,12 @@ def fingerprint_report(
         "remainder_per_rad": number(found.remainder),
     }
     if prediction is not None:
-        surface, lock_in = prediction.anisotropy, prediction.lock_in
-        locks = math.isfinite(lock_in.scale)
-        report["prediction"] = {
-            "material": name,
-            "offset": number(surface.offset),
-            "offset_direction_deg": direction_deg(surface.offset_direction),
-            "ellipticity": number(surface.ellipticity),
-            "ellipse_direction_deg": direction_deg(surface.ellipse_direction),
-            "verdict": prediction.verdict,
-            "trusted": prediction.trusted,
-            "error_ratio": number(prediction.ratio),
-            "directions": [
-                {**_orbit(one.orbit), "error_deg": degrees(one.error), "second_order_deg": _direction(one.second_order)}
-                for one in prediction.directions
-            ],
-            "second_order_directions": [_orbit(orbit) for orbit in prediction.second_order_points],
-            "mean_turn_deg": degrees(prediction.mean_turn),
-            "slowest_deg": direction_deg(prediction.slowest),
-            "slowest_turn_deg": degrees(float(prediction.turn(prediction.slowest))),
-            "lock_in_scale": number(lock_in.scale),
-            "lock_in_scale_range": [number(factor) for factor in prediction.lock_in_range],
-            "lock_in_deg": direction_deg(lock_in.theta) if locks else None,
-        }
+        report["prediction"] = _prediction(prediction, name)
     if known is not None:
         report["uncertainty"] = uncertainty_report(known)
     if checked is not None:
         report["full_map"] = {
-            "fixed_points": [_orbit(orbit) for orbit in checked.fixed_points],
+            "fixed_points": [*map(orbit_report, checked.fixed_points)],
             "checked": [
                 {
                     "predicted_deg": direction_deg(direction.predicted.theta),
@@ -116,9 +94,35 @@ def fingerprint_report(
     return report
 
 
+def _prediction(prediction: Prediction, name: str) -> Json:
+    surface, lock_in = prediction.anisotropy, prediction.lock_in
+    locks = math.isfinite(lock_in.scale)
+    return {
+        "material": name,
+        "offset": number(surface.offset),
+        "offset_direction_deg": direction_deg(surface.offset_direction),
+        "ellipticity": number(surface.ellipticity),
+        "ellipse_direction_deg": direction_deg(surface.ellipse_direction),
+        "verdict": prediction.verdict,
+        "trusted": prediction.trusted,
+        "error_ratio": number(prediction.ratio),
+        "directions": [
+            {
+                **orbit_report(one.orbit),
+                "error_deg": degrees(one.error),
+                "second_order_deg": _direction(one.second_order),
+            }
+            for one in prediction.directions
+        ],
+        "second_order_directions": [*map(orbit_report, prediction.second_order_points)],
+        "mean_turn_deg": degrees(prediction.mean_turn),
+        "slowest_deg": direction_deg(prediction.slowest),
+        "slowest_turn_deg": degrees(float(prediction.turn(prediction.slowest))),
+        "lock_in_scale": number(lock_in.scale),
+        "lock_in_scale_range": [number(factor) for factor in prediction.lock_in_range],
+        "lock_in_deg": direction_deg(lock_in.theta) if locks else None,
+    }
+
+
 def _direction(orbit: Orbit | None) -> float | None:
     return None if orbit is None else direction_deg(float(orbit.points[0]))
-
-
-def _orbit(orbit: Orbit) -> Json:
-    return {"theta_deg": _direction(orbit), "multiplier": number(orbit.multiplier), "stable": bool(orbit.stable)}

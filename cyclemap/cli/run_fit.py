@@ -15,8 +15,8 @@ from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
 from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
 from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPlace, WornForecast
-from cyclemap.evidence.tables.push_sets import MotionStatistics, PushStatistics, push_sets
-from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, SetLaws, fit_set
+from cyclemap.evidence.tables.push_sets import MotionStatistics, push_sets
+from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, fit_set
 from cyclemap.plain_text import plain_number
 from cyclemap.suggestions import unknown_name
 from cyclemap.views.fit_page import fit_page
@@ -43,6 +43,9 @@ FACTS = {
     "angle": ("angle_deg", math.degrees(1.0)),
 }
 QUANTITIES = (("dtheta", "Δθ (°)", math.degrees(1.0)), ("dx", "Δx (mm)", 1000.0), ("dy", "Δy (mm)", 1000.0))
+# Titles of the tables: per cent and RMSE as in the paper, RMSE in pushes left out, order of the law.
+STATISTICS = "Pushes: mean, standard deviation σ, and σ in per cent of the mean"
+LAWS = "Laws of θ0: RMSE, its per cent of the mean, RMSE in pushes left out (cv), harmonics (K)"
 NOTHING = "–"
 # A percentage of a mean near 0 says nothing but that.
 MOST_PERCENT = 1000.0
@@ -83,8 +86,8 @@ def run_fit(
     if len(pushes.unreadable) > MOST_NAMED:
         console.print(f"could not be read: {len(pushes.unreadable)} files in all")
     if any(fit.pushes.has_motion for fit in fits):
-        console.print_table(statistics_table([fit.statistics for fit in fits]))
-        console.print_table(law_table([fit.laws for fit in fits]))
+        console.print_table(_table(STATISTICS, [fit.statistics for fit in fits], _statistic, "mean", "σ", "%"))
+        console.print_table(_table(LAWS, [fit.laws for fit in fits], _law_fields, "RMSE", "%", "cv", "K"))
     told = ["\n".join(set_sentences(fit)) for fit in fits if not fit.is_empty]
     for line in (
         *(told or ["nothing could be fitted: no set has enough pushes"]),
@@ -153,7 +156,7 @@ def set_report(fit: SetFit) -> Json:
         "covered_deg": [[degrees(edge) for edge in arc] for arc in covered_arcs(pushes.theta)] if pushes.count else [],
         "statistics": {
             "problem": fit.statistics.problem,
-            **{name: None if one is None else _one_statistic(name, one) for name, one in given.items()},
+            **{name: None if one is None else _statistics(one, *UNITS[name]) for name, one in given.items()},
         },
         "laws": {law.quantity: _law(law) for law in fit.laws.laws},
         "dtheta_histogram": None
@@ -173,14 +176,9 @@ def set_report(fit: SetFit) -> Json:
     }
 
 
-def _one_statistic(name: str, one: MotionStatistics) -> Json:
-    unit, scale = UNITS[name]
-    return {
-        "count": one.count,
-        f"mean_{unit}": number(scale * one.mean),
-        f"std_{unit}": number(scale * one.std),
-        "percent": number(one.percent),
-    }
+def _statistics(one: MotionStatistics, unit: str, scale: float) -> Json:
+    told = {f"{name}_{unit}": number(scale * getattr(one, name)) for name in ("mean", "std")}
+    return {"count": one.count, **told, "percent": number(one.percent)}
 
 
 def _law(found: MotionLaw) -> Json:
@@ -277,18 +275,6 @@ def _peak(histogram: AngleHistogram) -> list[float]:
     """The ends of the highest bin."""
     highest = int(np.argmax(histogram.density))
     return [round(float(edge), 9) for edge in np.degrees(histogram.edges[highest : highest + 2])]
-
-
-def statistics_table(rows: list[PushStatistics]) -> Table:
-    """Mean, standard deviation and its percentage of Δθ, Δx and Δy, a row a set."""
-    title = "Pushes: mean, standard deviation σ, and σ in per cent of the mean"
-    return _table(title, rows, _statistic, "mean", "σ", "%")
-
-
-def law_table(rows: list[SetLaws]) -> Table:
-    """RMSE of the laws of θ0 and its percentage, as in the paper, with that in pushes left out and the order."""
-    title = "Laws of θ0: RMSE, its per cent of the mean, RMSE in pushes left out (cv), harmonics (K)"
-    return _table(title, rows, _law_fields, "RMSE", "%", "cv", "K")
 
 
 def _table(title: str, rows: Sequence[Any], fields: Callable[[Any, float], list[str]], *columns: str) -> Table:

@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from cyclemap.cli.json_report import Json
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json
 from cyclemap.cli.settings import chosen_collection
@@ -57,19 +56,13 @@ def run_simulate(
             progress=report,
             **cycle_by_cycle,
         )
-    report_json: Json = {
-        "folder": str(made.folder),
-        "cycles": made.cycles,
-        "written": made.written,
-        "resumed": made.resumed,
-        "theta0_deg_last": math.degrees(made.theta_last),
-        "bytes": made.bytes,
-    }
+    told = {name: getattr(made, name) for name in ("cycles", "written", "resumed")}
+    last_deg = math.degrees(made.theta_last)
+    report_json = {"folder": str(made.folder), **told, "theta0_deg_last": last_deg, "bytes": made.bytes}
     if publish_json(report_json, json_target):
         return
     also = f" and {made.scans} friction scans" if made.scans else ""
-    last = f"The last push starts at θ0 = {math.degrees(made.theta_last):.2f}°, counted without wrapping."
-    told = [last, f"next: cyclemap fit {made.folder}"]
-    if made.resumed:
-        told.insert(0, f"{made.resumed} of the pushes were there already, {made.written} were added.")
-    PeopleConsole().tell(f"{made.cycles} pushes{also} in {made.folder}, {made.bytes / 1e6:.1f} MB", *told)
+    added = [f"{made.resumed} of the pushes were there already, {made.written} were added."] * bool(made.resumed)
+    last = f"The last push starts at θ0 = {last_deg:.2f}°, counted without wrapping."
+    words = f"{made.cycles} pushes{also} in {made.folder}, {made.bytes / 1e6:.1f} MB"
+    PeopleConsole().tell(words, *added, last, f"next: cyclemap fit {made.folder}")
