@@ -143,14 +143,3 @@ def test_damaged_data_are_one_line_and_no_traceback(here, capsys) -> None:
         assert code in (1, 2), path
         assert shown.err.startswith("error: ") and len(shown.err.splitlines()) == 1, path
     assert not (here / "out").exists()
-
-
-@pytest.mark.slow
-def test_every_cut_of_a_file_is_read_or_refused_in_one_line(here, capsys) -> None:
-    whole, codes = poses().encode(), set()
-    for length in range(0, 200, 9):
-        (here / "cut.csv").write_bytes(whole[:length])
-        codes.add(run([*COMPARE, "cut.csv", "--json", "-"]))
-        shown = capsys.readouterr()
-        assert len(shown.err.splitlines()) == (0 if shown.out else 1)
-    assert codes == {0, 2}

@@ -82,13 +82,6 @@ def test_bad_protocol_is_refused_by_file_and_line(protocol_file, text, said) -> 
     assert said in str(refusal.value)
 
 
-def test_absent_protocol_is_refused(tmp_path) -> None:
-    with pytest.raises(DataFileError, match="there is no such file"):
-        read_protocol(tmp_path / "none.toml")
-    with pytest.raises(DataFileError, match="cannot be read"):
-        read_protocol(tmp_path)
-
-
 def test_set_wins_over_protocol_over_material_over_mit(protocol_file) -> None:
     """The tables of a protocol file are headings only; noise is read in degrees."""
     path = protocol_file("[push]\nmu_a = 0.3\nmu_b = 0.28\npusher_mu = 0.2\n")

@@ -35,35 +35,6 @@ def line_with(axes, x, y):
 
 
 @pytest.mark.slow
-def test_every_panel_names_its_quantities_with_units(drawn) -> None:
-    page = drawn("locked").page
-    labels = {axes.get_title(loc="left").split()[0]: (axes.get_xlabel(), axes.get_ylabel()) for axes in page.axes}
-    assert labels == {
-        "Turn": ("θ0, orientation before the push (°)", "turn of one cycle, f(θ0) - θ0 (°)"),
-        "Directions": ("θ0, orientation before the push (°)", "probability per degree"),
-        "Cobweb": ("θ0 (°)", "next θ0 (°)"),
-        "Staircase": ("cycle", "θ0, unwrapped (°)"),
-        "Push": ("x (mm)", "y (mm)"),
-        "Drag": ("x (mm)", "y (mm)"),
-    }
-
-
-@pytest.mark.slow
-def test_titles_stand_where_matplotlib_would_put_them(drawn) -> None:
-    """Their height is said, which saves a measuring of all tick labels; found by that measuring it is the same."""
-    page = drawn("locked", True).page
-    said, found = [], []
-    for axes in page.axes:
-        assert axes._autotitlepos is False
-        said.append(axes.title.get_position())
-        axes._autotitlepos = True
-        axes._update_title_position(page.canvas.get_renderer())
-        found.append(axes.title.get_position())
-        axes._autotitlepos = False
-    assert len(said) == 6 and said == found
-
-
-@pytest.mark.slow
 def test_turn_panel_draws_the_map_in_degrees_and_marks_its_fixed_points(drawn) -> None:
     result = drawn("locked")
     axes = axes_titled(result.page, "Turn")

@@ -80,22 +80,18 @@ def test_every_kind_of_staircase_can_be_rendered_with_whole_counts(forecast, law
     assert ("rests nowhere: it moves 108.00° a cycle" in sentences.forecast_sentence(forecast(*law))) is not rests
 
 
-def test_a_ghost_is_told_with_its_rest_and_its_steps(forecast) -> None:
-    found = forecast(*GHOST)
-    zone = found.prediction.zones[0]
-    said = sentences.forecast_sentence(found)
-    place, rest = math.degrees(zone.centre), zone.residence_cycles
-    assert said.startswith(
-        f"With 1.7° of noise a cycle θ0 rests near {place:.1f}° for {rest:.0f} cycles; steps are 360°"
-    )
-
-
-def test_a_rest_beyond_every_float_is_told_by_its_power_of_ten(forecast) -> None:
-    found = forecast(*WELL)
-    power = math.floor(found.log10_residences[0])
+def test_rests_are_told_by_their_length_or_by_its_power_of_ten(forecast) -> None:
+    ghost, well = forecast(*GHOST), forecast(*WELL)
+    (zone, *_), power = ghost.prediction.zones, math.floor(well.log10_residences[0])
+    place = f"{math.degrees(zone.centre):.1f}° for {zone.residence_cycles:.0f} cycles"
+    told = f"With 1.7° of noise a cycle θ0 rests near {place}; steps are 360°"
+    assert sentences.forecast_sentence(ghost).startswith(told)
     assert power > 200
-    assert f"for 10^{power} cycles; steps are 360° high, none to be expected." in sentences.forecast_sentence(found)
-    assert "it stays at" in sentences.run_sentence(found)
+    assert f"for 10^{power} cycles; steps are 360° high, none to be expected." in sentences.forecast_sentence(well)
+    assert "it stays at" in sentences.run_sentence(well)
+    axes = panel()
+    draw_step_lengths(axes, well.steps, well.comparison)
+    assert legend_words(axes)[-1] == "predicted more than 10^12, beyond the panel" and axes.get_ylim()[1] < 10_000.0
 
 
 def test_measured_and_fitted_sentences_carry_the_numbers(measured) -> None:
@@ -123,15 +119,6 @@ def test_bars_lie_on_the_dwells_and_are_open_where_censored() -> None:
     assert written(axes) == ["0.0°", "57.3°", "114.6°"]
     assert legend_words(axes) == ["path", "dwell not seen whole", "dwell"]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("cycle", "θ, unwrapped (°)")
-    png(axes)
-
-
-def test_many_dwells_are_not_named() -> None:
-    path = sample_staircase(GHOST_MAP, STEP_NOISE, 400).theta
-    steps = find_steps(path)
-    axes = panel()
-    draw_steps(axes, path, steps)
-    assert len(bars(axes)) == steps.levels.size > 12 and written(axes) == []
     png(axes)
 
 
@@ -171,18 +158,3 @@ def test_lengths_stand_in_order_beside_their_mean_and_the_prediction() -> None:
     axes = panel()
     draw_step_lengths(axes, find_steps(np.linspace(0.0, 60.0, 300)))
     assert written(axes) == ["no dwell"]
-
-
-def test_one_censored_dwell_has_no_mean_but_the_prediction_stays() -> None:
-    locked = CircleMap.arnold(0.0, 0.9)
-    path = sample_staircase(locked, STEP_NOISE, 60).theta
-    prediction = predict_staircase(locked, STEP_NOISE)
-    steps = find_steps(path, zones=prediction.zones)
-    assert steps.censored.tolist() == [True]
-    axes = panel()
-    draw_step_lengths(axes, steps, compare_steps(steps, prediction))
-    assert legend_words(axes)[0] == "lasted longer than seen"
-    assert not any(words.startswith("mean") for words in legend_words(axes))
-    assert legend_words(axes)[-1] == "predicted more than 10^12, beyond the panel"
-    assert axes.get_ylim()[1] < 100.0
-    png(axes)

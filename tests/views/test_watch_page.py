@@ -53,15 +53,6 @@ def test_every_push_all_evidence_and_the_alarm_are_drawn(locked, even) -> None:
     assert "no sign of locking in" in page.texts[0].get_text()
 
 
-def test_the_rose_has_the_area_of_the_collection_and_marks_the_least_covered_direction(even) -> None:
-    rose = watch_page(*even, "x.csv").axes[2]
-    bars = [patch for patch in rose.patches if patch.get_height() > 0]
-    # With roots for radii the sectors' areas add up to the circle's of an even spread.
-    area = sum(0.5 * bar.get_height() ** 2 * bar.get_width() for bar in bars)
-    assert area == pytest.approx(np.pi, rel=1e-9)
-    assert rose.lines[-1].get_xdata()[0] == even[1][-1].advice.direction
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("pushes", [1, 2, 3, 40, 200])
 def test_every_push_lies_whole_within_the_edges_and_few_are_drawn_larger(pushes) -> None:
