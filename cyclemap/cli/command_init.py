@@ -145,13 +145,8 @@ def tell_check(file: Path, picture: Path, json_target: str | None, said: list[st
     wrong = [finding.words for finding in found.findings if finding.wrong]
     doubts = [finding.words for finding in found.findings if not finding.wrong]
     write_whole(picture, render(object_page(found)))
-    report: dict[str, object] = {
-        "file": str(file),
-        "said": said,
-        "wrong": wrong,
-        "doubts": doubts,
-        "picture": str(picture),
-    }
+    report: dict[str, object] = {"file": str(file), "said": said, "wrong": wrong, "doubts": doubts}
+    report["picture"] = str(picture)
     if not publish_json(report, json_target):
         console = PeopleConsole()
         for line in said:

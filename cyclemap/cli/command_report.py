@@ -67,12 +67,8 @@ def report_command(options: LoopOptions, data: Path | None, reset: bool, out: Pa
             sections.append(section)
         told = [replace(one, paragraphs=tuple(map(typeset, one.paragraphs))) for one in (*sections, _how_sure(found))]
         sections = [*told, Section("Methods", (METHODS,)), Section("To cite", (BIBTEX,))]
-    words = [
-        "cyclemap",
-        "report",
-        options.material or "",
-        *(word for one in options.settings for word in ("--set", one)),
-    ]
+    words = ["cyclemap", "report", options.material or ""]
+    words += [word for one in options.settings for word in ("--set", one)]
     words += ["--protocol", options.protocol.name] if options.protocol else []
     words += ["--data", data.name] if data else []
     picture = render(portrait_page(found, portrait_curves(found)), "png", 80)

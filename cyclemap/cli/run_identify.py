@@ -136,7 +136,12 @@ def identify_report(material: Material, data: Sequence[str], found: Identificati
         "plates": {one.plate: {key: number(value) for key, value in one.shares.items()} for one in material.plates},
         "priors": {name: [number(value) for value in belief] for name, belief in found.priors.items()},
         "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
-        "derived": [_derived(one) for one in derived],
+        "derived": [
+            {"name": one.name, "description": one.description, "unit": _NAMES[unit], "known": one.known}
+            | {name: number(factor * getattr(one, name)) for name in ("value", "lower", "upper")}
+            for one in derived
+            for unit, factor in [readable_unit(one.unit)]
+        ],
         "errors": [_errors(one) for one in found.errors],
         "starts": {"count": len(found.starts.starts), "arrived": found.starts.arrived, "failed": found.starts.failed},
         "notes": list(found.notes),
@@ -164,49 +169,25 @@ def _parameter(one: Estimate) -> Json:
     }
 
 
-def _derived(one: Derived) -> Json:
-    unit, factor = readable_unit(one.unit)
-    values = {name: number(factor * getattr(one, name)) for name in ("value", "lower", "upper")}
-    return {"name": one.name, "description": one.description, "unit": _NAMES[unit], **values, "known": one.known}
-
-
 def _errors(one: KindErrors) -> Json:
     kind, unit, factor = readable_kind(one.kind)
-    sizes = (
-        "mean",
-        "median",
-        "rms",
-        "left_out_mean",
-        "left_out_median",
-        "left_out_rms",
-        "isotropic_mean",
-        "isotropic_median",
-    )
-    told = {name: number(factor * getattr(one, name)) for name in sizes}
+    sizes = "mean median rms left_out_mean left_out_median left_out_rms isotropic_mean isotropic_median"
+    told = {name: number(factor * getattr(one, name)) for name in sizes.split()}
     return {"block": one.block, "kind": kind, "unit": _NAMES.get(unit, unit.strip()), "rows": one.rows, **told}
 
 
 def parameter_table(found: Identification) -> Table:
     """Every parameter that the data were asked about: identified with its interval, or held."""
-    table = _table(
-        "Parameters",
-        ("name", "left"),
-        ("value", "right"),
-        (f"{100.0 * found.level:g} % interval", "right"),
-        ("what it is", "left"),
-    )
+    interval = (f"{100.0 * found.level:g} % interval", "right")
+    table = _table("Parameters", ("name", "left"), ("value", "right"), interval, ("what it is", "left"))
     for one in found.estimates:
         unit, factor = readable_unit(one.unit)
-        if not one.identifiable:
-            interval = "not identifiable"
-        else:
-            ends = (_digits(factor * end) + "*" * opened for end, opened in _ends(one))
-            interval = " to ".join(ends)
-        value = f"{_digits(factor * one.value)}{unit}"
-        table.add_row(one.name, value, interval, one.description)
+        ends = _digits(factor * one.lower) + "*" * one.lower_open, _digits(factor * one.upper) + "*" * one.upper_open
+        told = " to ".join(ends) if one.identifiable else "not identifiable"
+        table.add_row(one.name, f"{_digits(factor * one.value)}{unit}", told, one.description)
     for name, held in sorted(found.problem.fixed.items()):
         table.add_row(name, _digits(held), "held", "")
-    if any(opened for one in found.estimates if one.identifiable for _, opened in _ends(one)):
+    if any(one.identifiable and (one.lower_open or one.upper_open) for one in found.estimates):
         table.caption = "* a bound of the parameter, not excluded by the data"
     return table
 
@@ -234,11 +215,6 @@ def error_table(found: Identification) -> Table:
         table.add_row(one.block, kind, str(one.rows), *told)
     table.caption = "isotropic: the same friction all around, weight spread evenly, nothing identified"
     return table
-
-
-def _ends(one: Estimate) -> tuple[tuple[float, bool], tuple[float, bool]]:
-    """Both ends of an interval, each with whether it is a bound."""
-    return (one.lower, one.lower_open), (one.upper, one.upper_open)
 
 
 def _table(title: str, *columns: tuple[str, str]) -> Table:

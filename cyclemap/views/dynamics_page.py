@@ -1,6 +1,7 @@
 """Dynamic beside quasi-static cycles on a landscape page: the turns of both, and how far they differ over θ0."""
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -35,21 +36,11 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
             # A curve through one orientation needs a marker, over the dot, to be seen.
             alone = theta.size == 1
             dash = ("--" if isotropic_law else "-") + "x" * alone
-            turns.plot(
-                theta, still, dash, color=QUIET, linewidth=1.4, label=f"{law}, quasi-static", zorder=4 if alone else 2
-            )
+            on = 4 if alone else 2
+            turns.plot(theta, still, dash, color=QUIET, linewidth=1.4, label=f"{law}, quasi-static", zorder=on)
             moved = np.degrees(comparison.dynamic.theta_next) - theta
-            face = "white" if isotropic_law else PREDICTED
-            turns.plot(
-                theta,
-                moved,
-                "o",
-                color=PREDICTED,
-                markerfacecolor=face,
-                markersize=4.5,
-                label=f"{law}, dynamic",
-                zorder=3,
-            )
+            look: dict[str, Any] = {"markerfacecolor": "white" if isotropic_law else PREDICTED, "markersize": 4.5}
+            turns.plot(theta, moved, "o", color=PREDICTED, label=f"{law}, dynamic", zorder=3, **look)
         turns.set(xlabel=THETA0, ylabel="turn of a cycle (°)")
         turns.xaxis.set_major_locator(MultipleLocator(60.0))
         turns.set_title("Turn of push and drag", pad=36.0)

@@ -74,15 +74,8 @@ def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None =
     turn, error = prediction.turn(_ANGLES), prediction.turn_error(_ANGLES)
     degrees = np.degrees(_ANGLES)
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
-    axes.fill_between(
-        degrees,
-        np.degrees(turn - error),
-        np.degrees(turn + error),
-        color=PREDICTED_FILL,
-        linewidth=0.0,
-        label="its error",
-        zorder=1,
-    )
+    low, high = np.degrees(turn - error), np.degrees(turn + error)
+    axes.fill_between(degrees, low, high, color=PREDICTED_FILL, linewidth=0.0, label="its error", zorder=1)
     axes.plot(degrees, np.degrees(turn), color=PREDICTED, linewidth=2.2, label="first order", zorder=4)
     second = np.degrees(prediction.second_order_turn(_ANGLES))
     axes.plot(degrees, second, color=INK, linewidth=1.0, linestyle="--", label="second order", zorder=5)
@@ -95,16 +88,7 @@ def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None =
         # A turn falls through a stable direction and rises through an unstable one: names stand where it does not run.
         left = place > 290.0
         above = direction.orbit.stable != left
-        axes.annotate(
-            f"{place:.1f}° {kind}",
-            (place, 0.0),
-            xytext=(-8 if left else 8, 8 if above else -16),
-            textcoords="offset points",
-            ha="right" if left else "left",
-            fontsize=8,
-            zorder=7,
-            bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
-        )
+        style.name_beside(axes, place, 0.0, f"{place:.1f}° {kind}", (-8 if left else 8, 8 if above else -16))
     style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
     axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 3, 5, 6, 10]))

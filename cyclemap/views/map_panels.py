@@ -43,16 +43,8 @@ def draw_turn(
     for orbit in fixed_points:
         at = float(np.degrees(orbit.points[0]))
         axes.plot(at, 0.0, **_marker(orbit))
-        axes.annotate(
-            f"{at:.1f}° {'stable' if orbit.stable else 'unstable'}",
-            (at, 0.0),
-            xytext=(7, 9 if orbit.stable else -16),
-            textcoords="offset points",
-            ha="left" if at < 290 else "right",
-            fontsize=8,
-            zorder=6,
-            bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8},
-        )
+        name = f"{at:.1f}° {'stable' if orbit.stable else 'unstable'}"
+        style.name_beside(axes, at, 0.0, name, (7 if at < 290 else -7, 9 if orbit.stable else -16))
     style.degree_axis(axes, "θ0, orientation before the push (°)")
     axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
     axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 3, 5, 6, 10]))
@@ -63,17 +55,8 @@ def draw_measured_turns(axes: Axes, pairs: Theta0Pairs, bins: TurnBins) -> None:
     """Measured pairs as light dots, and their medians by bin; the scale keeps to the medians."""
     theta = np.degrees(np.mod(pairs.theta, 2 * np.pi))
     axes.plot(theta, np.degrees(pairs.turn), ".", color=MEASURED, markersize=3, alpha=0.35, label="measured", zorder=1)
-    axes.plot(
-        np.degrees(bins.centre),
-        np.degrees(bins.median),
-        "s",
-        color=MEASURED,
-        markeredgecolor=MEASURED_EDGE,
-        markeredgewidth=0.7,
-        markersize=4.0,
-        label="5° medians",
-        zorder=2,
-    )
+    look: dict[str, Any] = {"markeredgecolor": MEASURED_EDGE, "markeredgewidth": 0.7, "markersize": 4.0, "zorder": 2}
+    axes.plot(np.degrees(bins.centre), np.degrees(bins.median), "s", color=MEASURED, label="5° medians", **look)
 
 
 def draw_cobweb(axes: Axes, cobweb: Cobweb, fixed_points: tuple[Orbit, ...]) -> None:
@@ -110,17 +93,9 @@ def draw_density(axes: Axes, curves: PortraitCurves) -> None:
 
 def draw_measured_histogram(axes: Axes, histogram: AngleHistogram) -> None:
     """How often each direction was recorded."""
-    axes.stairs(
-        PER_DEGREE * histogram.density,
-        np.degrees(histogram.edges),
-        fill=True,
-        facecolor=MEASURED,
-        edgecolor=MEASURED_EDGE,
-        linewidth=0.6,
-        alpha=0.65,
-        label="measured",
-        zorder=2,
-    )
+    look: dict[str, Any] = {"facecolor": MEASURED, "edgecolor": MEASURED_EDGE, "linewidth": 0.6, "alpha": 0.65}
+    heights, edges = PER_DEGREE * histogram.density, np.degrees(histogram.edges)
+    axes.stairs(heights, edges, fill=True, label="measured", zorder=2, **look)
 
 
 def draw_staircase(axes: Axes, predicted: Array, measured: Array | None) -> None:

@@ -56,25 +56,14 @@ def probe_page(found: Probe) -> Figure:
             label, scale = _LABELS[outcome]
             column = OUTCOMES.index(outcome)
             measured = scale * found.change[:, column]
-            axes.plot(
-                np.degrees(found.theta) % 360.0,
-                measured,
-                "o",
-                mfc=MEASURED,
-                mec=MEASURED_EDGE,
-                markersize=4,
-                label="probed",
-            )
+            theta = np.degrees(found.theta) % 360.0
+            axes.plot(theta, measured, "o", mfc=MEASURED, mec=MEASURED_EDGE, markersize=4, label="probed")
             around = np.linspace(0.0, 2.0 * math.pi, 91)
             made = found.mimic.cycles(around)
             mimicked = scale * (made.push_turn if outcome == "dtheta" else made.push_displacement[:, column])
             # The mean motion is free in the fit: it is what the object rests on, not the direction.
-            axes.plot(
-                np.degrees(around),
-                mimicked - mimicked[:-1].mean() + measured.mean(),
-                color=PREDICTED,
-                label="the ellipse",
-            )
+            mimicked += measured.mean() - mimicked[:-1].mean()
+            axes.plot(np.degrees(around), mimicked, color=PREDICTED, label="the ellipse")
             axes.set_ylabel(label)
             degree_axis(axes, "orientation θ0 (°)")
         panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)

@@ -93,12 +93,7 @@ def _draw_motions(axes: Axes, replayed: ReplayedPushes, turn: bool) -> None:
     axes.plot([low, high], [low, high], color=QUIET, linewidth=0.9, zorder=2)
     for number, kind in enumerate(kinds):
         chosen = both[(table["object"] == kind).to_numpy()]
-        look: dict[str, Any] = {
-            "markersize": 4.0,
-            "markerfacecolor": "white",
-            "markeredgecolor": PREDICTED,
-            "linestyle": "none",
-        }
+        look: dict[str, Any] = {"markersize": 4.0, "mfc": "white", "mec": PREDICTED, "linestyle": "none"}
         axes.plot(*chosen.T, marker=_MARKERS[number % len(_MARKERS)], label=kind, zorder=3, **look)
     unit = "°" if turn else "mm"
     axes.set(xlabel=f"measured {name} ({unit})", ylabel=f"predicted {name} ({unit})")

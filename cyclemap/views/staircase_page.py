@@ -26,14 +26,8 @@ def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | No
         axes = figure.add_subplot(grid[:, 0])
         if measured is not None:
             fitted = np.degrees(measured.run.theta)
-            axes.plot(
-                fitted,
-                color=INK,
-                linewidth=1.0,
-                linestyle="--",
-                label="map fitted to all data alike, without wear",
-                zorder=4,
-            )
+            label = "map fitted to all data alike, without wear"
+            axes.plot(fitted, color=INK, linewidth=1.0, linestyle="--", label=label, zorder=4)
         draw_staircase(axes, forecast.run.theta, None if measured is None else measured.path)
         if measured is not None:
             axes.legend(loc="upper left")
