@@ -94,6 +94,7 @@ def _ask(asked: dict[str, Any]) -> None:
 def _outline(asked: dict[str, Any]) -> tuple[Outline, list[str]]:
     """The outline that is asked for, and what is to be said of it."""
     from cyclemap.mechanics import Ellipse, Polygon, Slider
+    from cyclemap.plain_text import plain_number
 
     given = [key for key in ("rectangle_mm", "ellipse_mm", "shape", "outline") if asked[key]]
     if len(given) > 1:
@@ -107,20 +108,15 @@ def _outline(asked: dict[str, Any]) -> tuple[Outline, list[str]]:
         return found.outline, list(found.words)
     if given == ["shape"]:
         return Slider.mit(asked["shape"]).outline, []
-    x, y = (0.5e-3 * length for length in _lengths(given[0], asked[given[0]]))
-    return (Polygon(((x, y), (-x, y), (-x, -y), (x, -y))) if given == ["rectangle_mm"] else Ellipse(x, y)), []
-
-
-def _lengths(key: str, text: str) -> list[float]:
-    from cyclemap.plain_text import plain_number
-
     try:
-        found = [plain_number(part) for part in text.split(",")]
+        lengths = [plain_number(part) for part in asked[given[0]].split(",")]
     except ValueError:
-        found = []
-    if len(found) != 2 or not min(found) > 0.0 or not max(found) < float("inf"):
-        raise InvalidInput(f"--{key.replace('_', '-')} {text}: give two lengths in mm, such as 120,60")
-    return found
+        lengths = []
+    if len(lengths) != 2 or not 0.0 < min(lengths) <= max(lengths) < float("inf"):
+        said = f"--{given[0].replace('_', '-')} {asked[given[0]]}"
+        raise InvalidInput(f"{said}: give two lengths in mm, such as 120,60")
+    x, y = (0.5e-3 * length for length in lengths)
+    return (Polygon(((x, y), (-x, y), (-x, -y), (x, -y))) if given == ["rectangle_mm"] else Ellipse(x, y)), []
 
 
 @click.command("check")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from cyclemap.collection.staircase_forecast import StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
-    from cyclemap.maps import Orbit, SlowZone, StaircaseSummary, Steps
+    from cyclemap.maps import Orbit, SlowZone, StaircaseSummary, StepComparison, Steps
     from cyclemap.resets import ResetStrategy
 
 Json = dict[str, object]
@@ -178,7 +178,6 @@ def steps_report(steps: Steps) -> Json:
 
 def measured_report(measured: MeasuredStaircase) -> Json:
     """A measured staircase, and what the map fitted to it predicts."""
-    comparison = measured.comparison
     return {
         **steps_report(measured.steps),
         "fitted": {
@@ -188,22 +187,24 @@ def measured_report(measured: MeasuredStaircase) -> Json:
             **_staircase(measured.prediction),
             "zones": [_zone(zone) for zone in measured.prediction.zones],
         },
-        "comparison": {
-            "steps": number(comparison.net_steps),
-            **numbers_of(comparison, "expected_steps", "pace_p_value"),
-            "visits": [
-                {
-                    "centre_deg": direction_deg(visit.zone.centre),
-                    "exits": visit.exits,
-                    "mean_cycles": number(visit.mean),
-                    "standard_error_cycles": number(visit.standard_error),
-                    "predicted_cycles": number(visit.predicted),
-                    "p_value": number(visit.mean_p_value),
-                }
-                for visit in comparison.visits
-            ],
-        },
+        "comparison": comparison_report(measured.comparison),
     }
+
+
+def comparison_report(comparison: StepComparison, errors: bool = True) -> Json:
+    """Steps and visits measured beside those predicted; of visits also their standard errors where asked for."""
+    told: Json = {"steps": number(comparison.net_steps), **numbers_of(comparison, "expected_steps", "pace_p_value")}
+    visits = []
+    for one in comparison.visits:
+        visit: Json = {
+            "centre_deg": direction_deg(one.zone.centre),
+            "exits": one.exits,
+            "mean_cycles": number(one.mean),
+        }
+        if errors:
+            visit["standard_error_cycles"] = number(one.standard_error)
+        visits.append({**visit, "predicted_cycles": number(one.predicted), "p_value": number(one.mean_p_value)})
+    return {**told, "visits": visits}
 
 
 def number(value: float | None) -> float | None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from cyclemap.cli.json_report import Json, degrees, degrees_of, direction_deg, number
+from cyclemap.cli.json_report import Json, comparison_report, degrees, degrees_of, direction_deg, number
 from cyclemap.cli.options import LoopOptions
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish
 from cyclemap.cli.run_fit import selected_values
@@ -191,23 +191,7 @@ def _staircase(found: cycle_agreement.StaircaseAgreement) -> Json:
         "steps": _simulated(found.step_count, 1.0),
         "step_height_deg": _simulated(found.step_height, _DEGREE),
         "residence_cycles": _simulated(found.residence, 1.0),
-        "theory": None
-        if found.theory is None
-        else {
-            "steps": number(found.theory.net_steps),
-            "expected_steps": number(found.theory.expected_steps),
-            "pace_p_value": number(found.theory.pace_p_value),
-            "visits": [
-                {
-                    "centre_deg": _direction(one.zone.centre),
-                    "exits": one.exits,
-                    "mean_cycles": number(one.mean),
-                    "predicted_cycles": number(one.predicted),
-                    "p_value": number(one.mean_p_value),
-                }
-                for one in found.theory.visits
-            ],
-        },
+        "theory": None if found.theory is None else comparison_report(found.theory, errors=False),
     }
 
 

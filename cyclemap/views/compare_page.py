@@ -4,13 +4,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
-from numpy.typing import NDArray
 
 from cyclemap.arrays import TWO_PI
 from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
-from cyclemap.evidence.comparison.cycle_agreement import OrientationAgreement, StaircaseAgreement
+from cyclemap.evidence.comparison.cycle_agreement import OrientationAgreement
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, mean_distances
 from cyclemap.views import map_panels, style
 from cyclemap.views.sentences import angle
@@ -42,7 +41,13 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
             turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
             style.legend_above(turn)
             _draw_histograms(histogram, found.orientations)
-            _draw_stairs(staircase, found.data.path, found.staircase)
+            staircase.set_title("Staircase", pad=TITLE_PAD)
+            if found.data.path is None or found.staircase is None:
+                style.say(staircase, "order of the pushes unknown")
+            else:
+                map_panels.draw_staircase(staircase, found.staircase.run, found.data.path)
+                staircase.set_xlabel("cycle of the compared path")
+                style.legend_above(staircase)
         if found.pushes:
             panels = [figure.add_subplot(grid[rows - 1, column]) for column in range(3)]
             draw = _draw_pushes if len(found.pushes) <= MOST_SETS else _draw_sets
@@ -50,7 +55,10 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
         drawn = "all are drawn" if len(found.pushes) > MOST_SETS else "the largest is drawn"
         sets = f"; {len(found.pushes)} sets of pushes, {drawn}" if len(found.pushes) > 1 else ""
         told = (data_sentence(found), summary_sentence(found))
-        style.write_page(figure, headline(name, found), told, f"{noise_words(found)}{sets}")
+        kinds = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}
+        noise = "" if found.cycle is None else f" with {angle(found.cycle.noise)} of noise a cycle"
+        foot = f"predicted by the {kinds.get(found.prediction.kind, 'fit')}{noise}{sets}"
+        style.write_page(figure, headline(name, found), told, foot)
     return figure
 
 
@@ -97,16 +105,6 @@ def _draw_histograms(axes: Axes, found: OrientationAgreement | None) -> None:
     heights, edges = map_panels.PER_DEGREE * found.predicted.density, np.degrees(found.predicted.edges)
     axes.stairs(heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3)
     axes.set_ylim(bottom=0.0)
-    style.legend_above(axes)
-
-
-def _draw_stairs(axes: Axes, path: NDArray[np.float64] | None, found: StaircaseAgreement | None) -> None:
-    axes.set_title("Staircase", pad=TITLE_PAD)
-    if path is None or found is None:
-        style.say(axes, "order of the pushes unknown")
-        return
-    map_panels.draw_staircase(axes, found.run, path)
-    axes.set_xlabel("cycle of the compared path")
     style.legend_above(axes)
 
 
@@ -185,14 +183,6 @@ def summary_sentence(found: Comparison) -> str:
     groups = {"Agree": True, "Do not agree": False, "Open": None}
     listed = {word: [one.question for one in found.verdicts if one.agrees is answer] for word, answer in groups.items()}
     return " ".join(f"{word}: {', '.join(questions)}." for word, questions in listed.items() if questions)
-
-
-def noise_words(found: Comparison) -> str:
-    """What is simulated."""
-    model = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}.get(found.prediction.kind, "fit")
-    if found.cycle is None:
-        return f"predicted by the {model}"
-    return f"predicted by the {model} with {angle(found.cycle.noise)} of noise a cycle"
 
 
 def explanation_sentences(name: str, found: Comparison) -> list[str]:

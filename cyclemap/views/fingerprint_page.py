@@ -9,7 +9,7 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
-from cyclemap.collection.fingerprint_check import CheckedDirection, PredictionCheck
+from cyclemap.collection.fingerprint_check import PredictionCheck
 from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, PredictedDirection, Prediction
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import CircleMap
@@ -105,14 +105,8 @@ def _response_curve(response: TurnResponse, ellipse: bool) -> tuple[np.ndarray, 
 
 def five_numbers(response: TurnResponse) -> tuple[str, ...]:
     """Ω, A₁, δ₁, A₂, δ₂ in degrees, as text with three decimals."""
-    values = (
-        response.turn,
-        response.offset_amplitude,
-        response.offset_phase,
-        response.ellipse_amplitude,
-        response.ellipse_phase,
-    )
-    return tuple(f"{math.degrees(value):.3f}".replace("-", "−") for value in values)
+    names = ("turn", "offset_amplitude", "offset_phase", "ellipse_amplitude", "ellipse_phase")
+    return tuple(_signed(math.degrees(getattr(response, name))) for name in names)
 
 
 def protocol_sentence(found: Fingerprint) -> str:
@@ -179,7 +173,13 @@ def check_sentence(checked: PredictionCheck) -> str:
     if not checked.stable_points:
         return "The full map has no stable direction."
     places = [f"{angle(orbit.points[0])} (multiplier {_signed(orbit.multiplier)})" for orbit in checked.stable_points]
-    misses = [_miss(direction) for direction in checked.directions if direction.predicted.stable]
+    misses = [
+        "It has no such direction as predicted."
+        if one.full is None
+        else f"The prediction is {angle(one.miss)} off, {'within' if one.within_error else 'beyond'} its error."
+        for one in checked.directions
+        if one.predicted.stable
+    ]
     return " ".join([f"The full map locks into {', '.join(places)}.", *misses])
 
 
@@ -196,10 +196,3 @@ def _signed(value: float) -> str:
 
 def _doubt(prediction: Prediction, verdict: str) -> str:
     return "" if prediction.verdict == verdict else ", but the error leaves open whether it locks at all"
-
-
-def _miss(checked: CheckedDirection) -> str:
-    if checked.full is None:
-        return "It has no such direction as predicted."
-    within = "within" if checked.within_error else "beyond"
-    return f"The prediction is {angle(checked.miss)} off, {within} its error."

@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 
-from cyclemap.arrays import Array
 from cyclemap.evidence.pushes.theta0_statistics import AngleHistogram, covered_arcs
 from cyclemap.evidence.tables.measured_cycle_map import FEWEST_FOR_WEAR, MapState, MeasuredCycleMap, TurnPlace
-from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
+from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit
 from cyclemap.views.sentences import angle, number
 
 SIGNS = {"dtheta": "Δθ", "dx": "Δx", "dy": "Δy"}
@@ -21,8 +20,13 @@ def set_sentences(fit: SetFit) -> list[str]:
     """All that is to be said of a set, in order."""
     said = [count_sentence(fit)]
     said += [law_sentence(law) for law in fit.laws.laws if law.law is not None]
-    if fit.histogram is not None:
-        said.append(histogram_sentence(fit.histogram))
+    if (found := fit.histogram) is not None:
+        chance = f"chance alone makes up to {_share(found.chance_total_variation)}"
+        said.append(
+            f"The histogram of Δθ that the law predicts with its scatter has {_share(found.total_variation)} of the "
+            f"pushes in other bins than measured ({chance}), {angle(found.distance, 2)} away on average; without "
+            f"scatter {_share(found.law_alone_total_variation)}, {angle(found.law_alone_distance, 2)}."
+        )
     if fit.cycle_map is None:
         return [*said, f"No cycle map: {fit.map_problem}."]
     return said + map_sentences(fit.cycle_map)
@@ -36,17 +40,12 @@ def count_sentence(fit: SetFit) -> str:
     left = {} if pushes.pairs is None or not pushes.pairs.dropped_count else pushes.pairs.dropped
     reasons = ", ".join(f"{count} left out: {reason}" for reason, count in left.items())
     dropped = f" ({reasons})" if reasons else ""
-    return f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.{_cover(pushes.theta)}"
-
-
-def _cover(theta: Array) -> str:
-    """Which orientations were measured, where these are not all."""
-    arcs = covered_arcs(theta)
+    told, arcs = f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.", covered_arcs(pushes.theta)
     if arcs == ((0.0, 2 * np.pi),):
-        return ""
+        return told
     size = angle(sum(high - low for low, high in arcs), 0)
-    told = [f"{angle(low, 0)} to {angle(high % (2 * np.pi), 0)}" for low, high in arcs]
-    return f" θ0 covers {size} of the circle ({_listed(told)}); nothing is said of the rest."
+    where = [f"{angle(low, 0)} to {angle(high % (2 * np.pi), 0)}" for low, high in arcs]
+    return f"{told} θ0 covers {size} of the circle ({_listed(where)}); nothing is said of the rest."
 
 
 def law_sentence(law: MotionLaw) -> str:
@@ -67,16 +66,6 @@ def amount(law: MotionLaw, value: float) -> str:
     if law.quantity == "dtheta":
         return angle(value, 2)
     return f"{round(1000.0 * value, 2) + 0.0:.2f} mm".replace("-", "−")
-
-
-def histogram_sentence(histogram: TurnHistogram) -> str:
-    """How far the predicted histogram of Δθ is from the measured one, and how far chance alone takes it."""
-    chance = f"chance alone makes up to {_share(histogram.chance_total_variation)}"
-    return (
-        f"The histogram of Δθ that the law predicts with its scatter has {_share(histogram.total_variation)} of the "
-        f"pushes in other bins than measured ({chance}), {angle(histogram.distance, 2)} away on average; without "
-        f"scatter {_share(histogram.law_alone_total_variation)}, {angle(histogram.law_alone_distance, 2)}."
-    )
 
 
 def map_sentences(found: MeasuredCycleMap) -> list[str]:
