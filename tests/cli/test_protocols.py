@@ -272,14 +272,6 @@ def test_simulate_follows_the_schedule_of_its_seed_cycle_by_cycle(protocol, repo
     assert len(set(table["side"])) == 2
 
 
-def test_a_simulated_collection_of_another_strategy_is_not_gone_on_with(protocol, refused) -> None:
-    options = ["--protocol", "protocol.toml", "--cycles", "3", "--format", "json", "--out", "made"]
-    protocol(RANDOM)
-    assert run(["simulate", "plywood", *options]) == 0
-    protocol(DRAWN)
-    refused(["simulate", "plywood", *options], "cycle_by_cycle")
-
-
 @pytest.mark.parametrize("command", ["cycle", "portrait", "staircase", "simulate"])
 def test_a_bad_strategy_is_one_line_that_names_the_file(refused, command, here) -> None:
     (here / "bad.toml").write_text("[strategy]\n[[strategy.actions]]\nsid = 3\n")

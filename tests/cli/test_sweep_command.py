@@ -174,10 +174,3 @@ def test_what_is_swept_overrules_the_protocol_file_which_may_name_no_strategy(he
     write_protocol(here / "leg.toml", CollectionLoop.mit(), ResetStrategy(legs(0.05, 4)))
     with pytest.raises(InvalidInput, match=r"leg.toml: a sweep is about one push and one drag back"):
         sweep("plywood", *RING, "--protocol", "leg.toml")
-
-
-def test_a_damaged_store_is_refused_by_name(here) -> None:
-    (here / "out").mkdir()
-    (here / "out" / "sweep_plywood.sqlite").write_text("words " * 1000)
-    with pytest.raises(InvalidInput, match=r"sweep_plywood.sqlite: damaged, .* remove it"):
-        sweep("plywood", *RING)
