@@ -76,23 +76,16 @@ def _legend_above(axes: Axes) -> None:
 
 
 def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None) -> None:
-    known = sentences.uncertainty_sentence(portrait.loop.material.name, portrait.uncertainty)
-    said = sentences.headline(portrait)
+    material, said = portrait.loop.material, sentences.headline(portrait)
+    known = sentences.uncertainty_sentence(material.name, portrait.uncertainty)
     size = 18.0 * min(1.0, _HEADLINE_LETTERS / len(said))
     figure.text(0.015, 0.955, said, fontsize=size, fontweight="bold", va="center")
-    told = [
-        sentences.lock_sentence(portrait),
-        sentences.noise_sentence(portrait),
-        sentences.staircase_sentence(portrait),
-    ]
-    figure.text(0.015, 0.928, fill(" ".join([*told, known]), LINE_LETTERS), fontsize=10, va="top", linespacing=1.35)
-    inferred = (
-        f"{portrait.loop.material.name} was inferred, not measured  ·  " if portrait.loop.material.inferred else ""
-    )
-    foot = [
-        sentences.parameters_line(portrait),
-        f"{inferred}{sentences.push_line(portrait)}  ·  {sentences.accuracy_line(portrait)}",
-    ]
+    tellers = (sentences.lock_sentence, sentences.noise_sentence, sentences.staircase_sentence)
+    told = fill(" ".join([*(tell(portrait) for tell in tellers), known]), LINE_LETTERS)
+    figure.text(0.015, 0.928, told, fontsize=10, va="top", linespacing=1.35)
+    inferred = f"{material.name} was inferred, not measured  ·  " if material.inferred else ""
+    how = f"{sentences.push_line(portrait)}  ·  {sentences.accuracy_line(portrait)}"
+    foot = [sentences.parameters_line(portrait), f"{inferred}{how}"]
     if measured is not None:
         foot.append(sentences.agreement_sentence(measured.agreement))
     figure.text(0.015, 0.06, "\n".join(foot), fontsize=8, color=QUIET, va="top", linespacing=1.35)
