@@ -172,13 +172,14 @@ def test_the_portraits_picture_and_words_say_how_uniform_it_is(protocol, capsys)
 
 
 @pytest.mark.slow
-def test_a_portrait_takes_measured_directions_beside_a_strategy(protocol, report_of) -> None:
-    rows = "".join(f"{(37.0 * n) % 360.0}\n" for n in range(80))
-    path = protocol(RANDOM)
-    Path("measured.csv").write_text("theta0_deg\n" + rows)
-    report = report_of("portrait", *PLYWOOD, path, "--data", "measured.csv", "--set", "noise_deg=20")
-    assert report["data"]["pairs"] == 79
-    assert report["staircase"]["run"]["cycles"] == 79
+@pytest.mark.parametrize("command", ["portrait", "staircase"])
+def test_measured_directions_stand_beside_a_strategy(protocol, report_of, command) -> None:
+    """The run is as long as they are."""
+    theta = np.degrees(np.cumsum(0.2 + 0.02 * np.random.default_rng(1).standard_normal(150))) % 360.0
+    Path("measured.csv").write_text("theta0_deg\n" + "".join(f"{one:.3f}\n" for one in theta))
+    report = report_of(command, *PLYWOOD, protocol(RANDOM), "--data", "measured.csv", "--set", "noise_deg=20")
+    ran = report["run"] if command == "staircase" else report["staircase"]["run"]
+    assert ran["cycles"] == 149 and report["data"]
 
 
 @pytest.mark.slow
@@ -244,18 +245,6 @@ def test_the_staircase_is_that_of_the_mechanics_with_the_same_seed(protocol, rep
     assert report["run"]["climb_deg"] == pytest.approx(climb, abs=1e-6)
     assert report["prediction"]["zones"] == []
     assert Path("out/staircase_plywood.png").read_bytes().startswith(b"\x89PNG")
-
-
-@pytest.mark.slow
-def test_the_staircase_stands_beside_measured_ones(protocol, capsys) -> None:
-    path = protocol(RANDOM)
-    rng = np.random.default_rng(1)
-    theta = np.degrees(np.cumsum(0.2 + 0.02 * rng.standard_normal(150))) % 360.0
-    Path("measured.csv").write_text("theta0_deg\n" + "".join(f"{one:.3f}\n" for one in theta))
-    assert run(["staircase", "plywood", "--protocol", path, "--data", "measured.csv"]) == 0
-    shown = capsys.readouterr().out
-    assert "Staircase of plywood" in shown
-    assert json.loads(Path("out/staircase_plywood.json").read_text())["data"]
 
 
 def test_simulate_follows_the_schedule_of_its_seed_cycle_by_cycle(protocol, report_of, tmp_path) -> None:

@@ -89,6 +89,9 @@ def test_json_tells_every_point_and_nothing_else(here, printed, fake) -> None:
 
 
 def test_ctrl_c_tells_what_is_kept_and_the_same_command_goes_on(here, capsys, fake, monkeypatch) -> None:
+    sweep("plywood", *RING, "--status")
+    assert "0 of 5 points stored (0 %), 0 refused" in capsys.readouterr().out
+    assert fake.found == list(here.iterdir()) == []
     monkeypatch.setattr(fake, "interrupted_after", 3)
     with pytest.raises(KeyboardInterrupt):
         sweep("plywood", *RING)
@@ -103,13 +106,6 @@ def test_ctrl_c_tells_what_is_kept_and_the_same_command_goes_on(here, capsys, fa
     fake.found.clear()
     sweep("plywood", *RING)
     assert fake.found == list(range(status["stored"], 5))
-
-
-def test_status_of_a_sweep_not_begun_computes_and_writes_nothing(here, capsys, fake) -> None:
-    sweep("plywood", *RING, "--status")
-    assert "0 of 5 points stored (0 %), 0 refused" in capsys.readouterr().out
-    assert list(here.iterdir()) == []
-    assert fake.found == []
 
 
 def test_a_sample_over_materials_goes_by_its_seed(here, capsys, fake) -> None:

@@ -47,18 +47,6 @@ def test_turn_panel_draws_the_map_in_degrees_and_marks_its_fixed_points(drawn) -
 
 
 @pytest.mark.slow
-def test_jump_is_a_gap_with_a_dotted_connector(drawn) -> None:
-    result = drawn("jumping")
-    axes = axes_titled(result.page, "Turn")
-    dotted = [line for line in axes.lines if line.get_linestyle() == ":"]
-    assert [line.get_xdata()[0] for line in dotted] == [pytest.approx(np.rad2deg(2.0))]
-    solid = [line for line in axes.lines if line.get_linewidth() == 2.0]
-    assert len(solid) == 2
-    for line in solid:
-        assert np.abs(np.diff(line.get_ydata())).max() < 1.0
-
-
-@pytest.mark.slow
 def test_density_is_per_degree_and_the_staircase_has_both_runs(drawn) -> None:
     result = drawn("rotating", True)
     axes = axes_titled(result.page, "Directions")
